@@ -1,12 +1,10 @@
-//! Forces -> velocities: acceleration of the step, world inertia, and the motion it predicts.
+//! Acceleration of the step, inertia in world axes, and the motion that both predict.
 
-use crate::body::{Bodies, Mass, Traits};
-use crate::faults::is_within;
-use crate::lanes::{Lanes, Record, Sym3};
+use crate::body::{Bodies, Mass, Traits, is_uneven};
+use crate::lanes::{Lanes, Record, Sym3, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
-use crate::world::World;
 use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,21 +54,26 @@ pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
 }
 
 /// Computes [`Forces`] for a step of `dt` seconds. Says whether the motion of a dynamic body is not [sound](is_sound).
-pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) -> bool {
-    let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
-    if world.bodies.locked > 0 {
+pub(crate) fn predict(
+    crew: &Crew<'_>,
+    bodies: &mut Bodies,
+    gravity: Vec3,
+    forces: &mut Forces,
+    dt: f32,
+) -> bool {
+    let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
+    if bodies.locked > 0 {
         // What the caller set about a locked axis must not look like an impact to the rows.
-        let bodies = &mut world.bodies;
         bodies.velocity[..dynamic].iter_mut().zip(&bodies.traits).for_each(|(v, traits)| traits.lock(v));
     }
-    let Forces { acceleration, inverse_inertia, start, motion } = &mut world.buffers.forces;
+    let Forces { acceleration, inverse_inertia, start, motion } = forces;
     start.clear();
-    start.extend_from_slice(&world.bodies.velocity[..movers]);
-    let pulled = world.settings.gravity != Vec3::ZERO || !world.bodies.force.is_empty();
+    start.extend_from_slice(&bodies.velocity[..movers]);
+    let pulled = gravity != Vec3::ZERO || !bodies.force.is_empty();
     acceleration.resize(if pulled { movers } else { 0 }, Record::default());
     motion.resize(movers, Record::default());
     inverse_inertia.resize(dynamic, Sym3::default());
-    let (bodies, gravity) = (&world.bodies, world.settings.gravity);
+    let bodies = &*bodies;
     let out = Out {
         acceleration: Shared::new(acceleration),
         inverse_inertia: Shared::new(inverse_inertia),
@@ -158,12 +161,6 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> 
         pull.linear = Vec3::ZERO;
     }
     pull
-}
-
-/// Whether a body's axes may wander while it turns freely: its moments differ, and none is locked.
-pub(crate) fn is_uneven(mass: &Mass, traits: &Traits) -> bool {
-    let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
-    high - low > 1e-3 * high && low > 0.0 && traits.locks == 0
 }
 
 /// Whether the gyroscopic term matters, which `finish` adds when it turns a body: unequal moments, and enough spin.

@@ -90,7 +90,6 @@ mod narrow_phase;
 mod query;
 #[cfg(test)]
 mod random;
-mod record;
 #[cfg(feature = "replay")]
 pub mod replay;
 pub mod scene;
@@ -102,15 +101,14 @@ mod statics;
 mod step;
 mod threads;
 mod time_of_impact;
+mod words;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
-pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
-pub use constraint::{Order, RowGroup};
+pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings};
 pub use error::{Error, Escaped};
-pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};
-pub use finish::{StageTimes, StepReport};
+pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
 pub use handle::{BodyHandle, JointHandle, ShapeHandle};
 pub use joint::{
@@ -124,4 +122,6 @@ pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
 pub use snapshot::Snapshot;
-pub use world::{Feature, Model, ModelPart, World};
+pub use world::{
+    ContactHook, ContactHooks, Feature, MaybeSync, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
+};

@@ -1,13 +1,17 @@
 //! The broad stage: places the colliders of what moves and finds the pairs of the step.
+//!
+//! In come bodies with the motions that are predicted for them; out go the poses of their colliders at the start of the step,
+//! the list of pairs, and [`Buffers::removed`], the pairs that ended.
 
-use crate::body::BodyKind;
-use crate::broad_phase::{BroadStats, Mover, Rules, aabb_of};
+use crate::body::{Bodies, BodyKind, Colliders};
+use crate::broad_phase::{Aabb, BroadPhase, BroadStats, GiveUp, Mover, Pair, Rules, aabb_of};
 use crate::config::Continuous;
+use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Category, bytes_of};
+use crate::memory::{Buffer, Category, Rooms, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared, per_block};
-use crate::world::World;
+use glam::Vec3;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -15,7 +19,8 @@ pub(crate) struct Buffers {
     movers: Vec<Mover>,
     /// How many colliders the bodies before each have.
     starts: Vec<u32>,
-    removed: Vec<crate::broad_phase::Pair>,
+    /// Pairs that ended.
+    pub(crate) removed: Vec<Pair>,
 }
 
 impl Buffers {
@@ -50,27 +55,45 @@ const WAVE: usize = 8 * BLOCK;
 /// Bodies a block.
 const BLOCK: usize = per_block(128, 1);
 
-/// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
-pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
-    let count = world.bodies.movers();
-    let mut rooms = world.rooms();
-    let Buffers { movers, starts, removed } = &mut world.buffers.broad;
+/// What the broad stage reads of the world.
+pub(crate) struct Input<'a> {
+    pub(crate) bodies: &'a Bodies,
+    pub(crate) joints: &'a Joints,
+    /// Predicted displacement [m] and rotation vector [rad] of each body that can move.
+    pub(crate) motion: &'a [Record],
+    /// The world's; a body's own may be less.
+    pub(crate) mode: Continuous,
+    /// The length unit [m].
+    pub(crate) unit: f32,
+}
+
+/// Places the colliders of all bodies that can move, and their boxes in the broad phase.
+pub(crate) fn place(
+    crew: &Crew<'_>,
+    input: &Input<'_>,
+    colliders: &mut Colliders,
+    broad: &mut BroadPhase,
+    buffers: &mut Buffers,
+    rooms: &mut Rooms,
+) {
+    let count = input.bodies.movers();
+    let Buffers { movers, starts, .. } = buffers;
     starts.clear();
     let mut total = 0;
-    for colliders in &world.bodies.colliders[..count] {
+    for colliders in &input.bodies.colliders[..count] {
         starts.push(total);
         total += colliders.as_slice().len() as u32;
     }
     let empty = Mover {
         collider: 0,
-        aabb: crate::broad_phase::Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::ZERO },
-        motion: glam::Vec3::ZERO,
+        aabb: Aabb { min: Vec3::ZERO, max: Vec3::ZERO },
+        motion: Vec3::ZERO,
         spin: 0.0,
         mode: Continuous::Discrete,
     };
     // A budget foresees place for all.
     let wave = if rooms.is_endless() { WAVE } else { count.max(1) };
-    world.broad.start_movers();
+    broad.start_movers();
     for first in (0..count).step_by(wave) {
         let end = count.min(first + wave);
         let start = starts[first];
@@ -78,10 +101,9 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         rooms.within(Category::Scratch, |room| room.fit(movers, len));
         movers.resize(len, empty);
         let out = Shared::new(movers);
-        let poses = Shared::new(&mut world.colliders.poses);
-        let (bodies, all) = (&world.bodies, &world.colliders.all);
-        let motion = &world.buffers.forces.motion;
-        let whole = world.settings.stage_modes().broad;
+        let poses = Shared::new(&mut colliders.poses);
+        let (bodies, all) = (input.bodies, &colliders.all);
+        let (motion, whole) = (input.motion, input.mode);
         let starts = &*starts;
         crew.run((end - first).div_ceil(BLOCK), &|block| {
             for i in first + block * BLOCK..(first + (block + 1) * BLOCK).min(end) {
@@ -105,10 +127,23 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
                 }
             }
         });
-        world.broad.place_movers(movers, MARGIN * world.settings.length_unit);
+        broad.place_movers(movers, MARGIN * input.unit);
     }
-    removed.clear();
-    let (bodies, all, joints) = (&world.bodies, &world.colliders.all, &world.joints);
+}
+
+/// Finds the pairs of the step. `missing`: bytes that stages after this one need for so many pairs; `give`: frees memory that is
+/// of no use any more.
+pub(crate) fn find(
+    crew: &Crew<'_>,
+    input: &Input<'_>,
+    colliders: &[Collider],
+    (broad, buffers): (&mut BroadPhase, &mut Buffers),
+    missing: &dyn Fn(usize) -> usize,
+    (rooms, give): (&mut Rooms, GiveUp<'_>),
+) -> BroadStats {
+    let count = input.bodies.movers();
+    buffers.removed.clear();
+    let (bodies, all, joints) = (input.bodies, colliders, input.joints);
     let may_collide = |a: u32, b: u32| {
         let (a, b) = (&all[a as usize], &all[b as usize]);
         let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
@@ -128,35 +163,11 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         let kind = |c: u32| all[c as usize].kind;
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
-    let narrow = &world.buffers.narrow;
-    let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
-    // Rows of the last step are of no use any more, and without pairs there is nothing to make rows of.
-    let rows = &mut world.buffers.rows;
-    let contacts = world.contacts.live();
-    let mut give = |bytes: usize| rows.give_up(bytes, contacts);
-    let stats = world.broad.update_within(crew, &rules, removed, (&mut rooms, &mut give));
-    let mut ghosts = 0;
-    let mut removed = std::mem::take(removed);
-    if !removed.is_empty() {
-        world.grant_events();
-    }
-    for pair in &removed {
-        world.part(pair);
-        ghosts += world.contacts.count_pushed(pair.contact);
-        world.contacts.remove_chain(pair.contact);
-    }
-    removed.clear();
-    world.buffers.broad.removed = removed;
-    (stats, ghosts)
+    let rules = Rules { may_collide: &may_collide, order: &order, missing };
+    broad.update_within(crew, &rules, &mut buffers.removed, (rooms, give))
 }
 
-fn mover(
-    c: u32,
-    collider: &Collider,
-    motion: &Record,
-    aabb: crate::broad_phase::Aabb,
-    mode: Continuous,
-) -> Mover {
+fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {
     let turn = motion.angular.length();
     // A point can't get further than across the circle that it runs on.
     let swing = |arm: f32| (turn * arm).min(2.0 * arm);

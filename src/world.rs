@@ -1,45 +1,62 @@
 //! The world: it owns every store; add, remove, change, look up.
 
 mod budget;
+mod buffers;
 mod colliders;
+mod events;
+mod faults;
+mod hooks;
 mod joints;
 mod mass;
 mod model;
 mod motion;
 mod needs;
+mod observers;
 mod plan;
+mod ragdolls;
+mod report;
 mod restoring;
+mod revisions;
 mod shapes;
 mod sleep;
+mod stage;
+mod step_inputs;
 
+pub(crate) use buffers::Buffers;
+pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
 pub(crate) use model::PartTimes;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use motion::finite_position;
 pub(crate) use needs::{Demand, Needs};
+pub(crate) use observers::Change;
+#[cfg(feature = "replay")]
+pub(crate) use observers::Recorder;
+#[cfg(feature = "lab")]
+pub(crate) use observers::StepMeter;
 pub(crate) use plan::Crowd;
+pub(crate) use report::StepCounts;
+pub use report::{StageTimes, StepReport};
 pub(crate) use restoring::{Brings, Replacement};
+pub(crate) use revisions::{Revisions, SharedPart};
+pub(crate) use stage::{Part, Stage};
 
 use mass::{columns_of, mass_of, movable};
 
-use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Traits};
+use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Colliders, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Now, Pair};
+use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::events::Events;
 use crate::faults::Faults;
-use crate::finish::StepReport;
-use crate::handle::{BodyHandle, ShapeHandle, Slots};
+use crate::handle::{BodyHandle, ShapeHandle};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::limits;
-use crate::memory::{Amounts, Buffer, Category, MemoryReport, Room, in_arc};
+use crate::memory::{Amounts, Buffer, Category, MemoryReport, in_arc};
 use crate::narrow_phase::Contacts;
-use crate::record::record;
-use crate::shape::{Collider, Geometry, Hot, Kind};
+use crate::shape::{Geometry, Kind};
 use crate::sleep::Sleep;
-use crate::snapshot::Revisions;
-use crate::step::Buffers;
 use crate::threads::Helpers;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -79,19 +96,10 @@ pub struct World {
     pub(crate) helpers: Helpers,
     /// While the accuracy of steps is measured.
     #[cfg(feature = "lab")]
-    pub(crate) meter: Option<Box<crate::lab::Meter>>,
+    pub(crate) meter: Option<Box<dyn StepMeter>>,
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
-    pub(crate) tape: Option<Box<crate::replay::Tape>>,
-}
-
-/// Colliders by stable index, with their world poses.
-#[derive(Debug, Default)]
-pub(crate) struct Colliders {
-    pub(crate) all: Vec<Collider>,
-    pub(crate) hot: Vec<Hot>,
-    pub(crate) poses: Vec<Pose>,
-    pub(crate) slots: Slots,
+    pub(crate) recorder: Option<Box<dyn Recorder>>,
 }
 
 /// Shared geometry, counted once however many shapes use it.
@@ -189,7 +197,7 @@ impl World {
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         self.make_place_for_settings(&settings)?;
-        record!(self, SetSettings(settings.clone()));
+        self.note(Change::SetSettings(&settings));
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
         }
@@ -210,7 +218,7 @@ impl World {
     /// If it is beyond [`limits::MAX_POSITION`].
     pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
         limits::position(origin)?;
-        record!(self, SetOrigin(origin));
+        self.note(Change::SetOrigin(origin));
         self.origin = origin;
         Ok(())
     }
@@ -223,7 +231,7 @@ impl World {
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
         self.make_place(std::slice::from_ref(desc))?;
-        record!(self, |tape| AddBody(tape.body(desc)));
+        self.note(Change::AddBody(desc));
         Ok(self.insert(desc, centre, mass))
     }
 
@@ -234,7 +242,7 @@ impl World {
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
         self.make_place(descs)?;
-        record!(self, |tape| AddBodies(descs.iter().map(|desc| tape.body(desc)).collect()));
+        self.note(Change::AddBodies(descs));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.slots.reserve(shapes);
@@ -248,7 +256,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, RemoveBody(body));
+        self.note(Change::RemoveBody(body));
         let index = self.disturb(index);
         self.revise(index);
         self.remove_joints_of(body);
@@ -292,7 +300,7 @@ impl World {
         if enabled {
             self.make_place_for_enabled(index)?;
         }
-        record!(self, SetEnabled(body, enabled));
+        self.note(Change::SetEnabled(body, enabled));
         let index = self.disturb(index);
         self.revise(index);
         if !enabled {
@@ -363,7 +371,7 @@ impl World {
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::acceleration("gravity scale", Vec3::splat(scale))?;
-        record!(self, SetGravityScale(body, scale));
+        self.note(Change::SetGravityScale(body, scale));
         let index = self.wake_body(index);
         self.revise(index);
         self.bodies.traits[index].gravity_scale = scale;
@@ -377,7 +385,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, SetContinuous(body, mode));
+        self.note(Change::SetContinuous(body, mode));
         self.revise(index);
         self.bodies.set_continuous(index, mode);
         let mode = self.bodies.mode(index);
@@ -394,7 +402,7 @@ impl World {
     pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
         self.make_place_for_raised(above.is_some())?;
-        record!(self, RaiseBody(body, above));
+        self.note(Change::RaiseBody(body, above));
         self.revise(index);
         self.bodies.raise(index, above);
         self.joints.changed = true;
@@ -455,8 +463,7 @@ impl World {
     }
 
     pub(crate) fn handle_of(&self, index: usize) -> BodyHandle {
-        let slot = self.bodies.slot[index];
-        BodyHandle { slot, generation: self.bodies.slots.generation(slot) }
+        self.bodies.handle(index)
     }
 
     pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
@@ -533,34 +540,5 @@ impl World {
                 self.sleep = Sleep::default();
             }
         }
-    }
-}
-
-impl Colliders {
-    /// Makes place for so many more.
-    fn reserve(&mut self, more: usize) {
-        let (mut room, len) = (Room::ENDLESS, self.all.len() + more);
-        room.fit(&mut self.all, len);
-        room.fit(&mut self.hot, len);
-        room.fit(&mut self.poses, len);
-    }
-
-    pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
-        ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
-    }
-
-    /// The collider's body has a new index.
-    pub(crate) fn follow(&mut self, collider: u32, body: u32) {
-        self.all[collider as usize].body = body;
-        self.hot[collider as usize].body = body;
-    }
-
-    /// World pose of a collider from that of its body.
-    pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
-        let c = &self.all[collider as usize];
-        self.poses[collider as usize] = Pose {
-            position: body.position + (body.rotation * c.position).as_dvec3(),
-            rotation: body.rotation * c.rotation,
-        };
     }
 }

@@ -1,7 +1,7 @@
 //! The description of a body that a caller adds.
 
 use crate::config::Continuous;
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};

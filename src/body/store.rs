@@ -4,9 +4,8 @@
 
 use super::BodyKind;
 use crate::config::Continuous;
-use crate::constraint::{Order, RowGroup};
-use crate::forces::is_uneven;
-use crate::handle::Slots;
+use crate::config::{Order, RowGroup};
+use crate::handle::{BodyHandle, Slots};
 use crate::lanes::Record;
 use crate::memory::{Buffer, Room, add_bytes, bytes_of};
 use glam::{DVec3, Quat, Vec3};
@@ -89,6 +88,12 @@ impl Traits {
     }
 }
 
+/// Whether a body's axes may wander while it turns freely: its moments differ, and none is locked.
+pub(crate) fn is_uneven(mass: &Mass, traits: &Traits) -> bool {
+    let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
+    high - low > 1e-3 * high && low > 0.0 && traits.locks == 0
+}
+
 /// Steps without a force, or without a query, after which what is kept for them goes.
 pub(crate) const IDLE: u32 = 256;
 
@@ -141,7 +146,7 @@ pub(crate) struct Bodies {
     pub(crate) traits: Vec<Traits>,
     pub(crate) cold: Vec<Cold>,
     /// Collider indices of each body.
-    pub(crate) colliders: Vec<Colliders>,
+    pub(crate) colliders: Vec<ColliderList>,
     /// Force [N] and torque [N m] about the centre of mass, for the next step; empty unless the caller ever
     /// applied one.
     pub(crate) force: Vec<Record>,
@@ -172,44 +177,44 @@ pub(crate) struct Bodies {
 
 /// The colliders of a body: most have one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) enum Colliders {
+pub(crate) enum ColliderList {
     #[default]
     None,
     One(u32),
     Many(Vec<u32>),
 }
 
-impl Colliders {
+impl ColliderList {
     pub(crate) fn as_slice(&self) -> &[u32] {
         match self {
-            Colliders::None => &[],
-            Colliders::One(one) => std::slice::from_ref(one),
-            Colliders::Many(many) => many,
+            ColliderList::None => &[],
+            ColliderList::One(one) => std::slice::from_ref(one),
+            ColliderList::Many(many) => many,
         }
     }
     fn is_many(&self) -> bool {
-        matches!(self, Colliders::Many(_))
+        matches!(self, ColliderList::Many(_))
     }
     fn bytes(&self) -> (usize, usize) {
-        if let Colliders::Many(many) = self { bytes_of(many) } else { (0, 0) }
+        if let ColliderList::Many(many) = self { bytes_of(many) } else { (0, 0) }
     }
     fn push(&mut self, collider: u32) {
         match self {
-            Colliders::None => *self = Colliders::One(collider),
-            Colliders::One(one) => *self = Colliders::Many(vec![*one, collider]),
-            Colliders::Many(many) => many.push(collider),
+            ColliderList::None => *self = ColliderList::One(collider),
+            ColliderList::One(one) => *self = ColliderList::Many(vec![*one, collider]),
+            ColliderList::Many(many) => many.push(collider),
         }
     }
     /// The last takes the place: a body may have a hundred thousand.
     fn remove(&mut self, place: usize) {
         match self {
-            Colliders::Many(many) => {
+            ColliderList::Many(many) => {
                 many.swap_remove(place);
                 if let [last] = many[..] {
-                    *self = Colliders::One(last);
+                    *self = ColliderList::One(last);
                 }
             }
-            _ => *self = Colliders::None,
+            _ => *self = ColliderList::None,
         }
     }
 }
@@ -226,6 +231,12 @@ pub(crate) struct NewBody {
 }
 
 impl Bodies {
+    /// The handle of a body.
+    pub(crate) fn handle(&self, index: usize) -> BodyHandle {
+        let slot = self.slot[index];
+        BodyHandle { slot, generation: self.slots.generation(slot) }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.slot.len()
     }
@@ -285,11 +296,11 @@ impl Bodies {
     }
 
     /// Takes all colliders off a body.
-    pub(crate) fn take_colliders(&mut self, index: usize) -> Colliders {
+    pub(crate) fn take_colliders(&mut self, index: usize) -> ColliderList {
         self.change(index, std::mem::take)
     }
 
-    fn change<R>(&mut self, index: usize, f: impl FnOnce(&mut Colliders) -> R) -> R {
+    fn change<R>(&mut self, index: usize, f: impl FnOnce(&mut ColliderList) -> R) -> R {
         let own = &mut self.colliders[index];
         let before = own.bytes();
         self.compounds -= u32::from(own.is_many());
@@ -321,7 +332,7 @@ impl Bodies {
 
     /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its
     /// index.
-    pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
+    pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&ColliderList, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
         self.count_traits((body.kind, &body.mass, &body.traits), 1);
@@ -346,11 +357,11 @@ impl Bodies {
         self.mass.push(body.mass);
         self.traits.push(body.traits);
         self.cold.push(body.cold);
-        self.colliders.push(Colliders::None);
+        self.colliders.push(ColliderList::None);
     }
 
     /// Removes the body at `index`.
-    pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
+    pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) {
         let i = index as usize;
         let (mass, traits) = (self.mass[i], self.traits[i]);
         self.count_traits((self.kind[i], &mass, &traits), -1);
@@ -366,12 +377,12 @@ impl Bodies {
     }
 
     /// Takes an awake body out of all that steps look at; returns its new index.
-    pub(crate) fn send_to_sleep(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
+    pub(crate) fn send_to_sleep(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) -> u32 {
         self.travel(index, (Part::Awake, Part::Asleep), &mut moved)
     }
 
     /// Takes a sleeping body back; returns its new index.
-    pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
+    pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) -> u32 {
         self.travel(index, (Part::Asleep, Part::Awake), &mut moved)
     }
 
@@ -380,7 +391,7 @@ impl Bodies {
         &mut self,
         index: u32,
         enabled: bool,
-        mut moved: impl FnMut(&Colliders, u32),
+        mut moved: impl FnMut(&ColliderList, u32),
     ) -> u32 {
         let part = Part::of(self.kind[index as usize]);
         if part == Part::Static {
@@ -409,7 +420,7 @@ impl Bodies {
         &mut self,
         mut index: u32,
         (from, to): (Part, Part),
-        moved: &mut impl FnMut(&Colliders, u32),
+        moved: &mut impl FnMut(&ColliderList, u32),
     ) -> u32 {
         self.count(from, -1);
         let (first, last) = (from.min(to) as usize, from.max(to) as usize);
@@ -508,7 +519,7 @@ impl Bodies {
         Order::default().0.into_iter().filter(|&above| self.raised[above as usize] > 0)
     }
 
-    fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&Colliders, u32)) {
+    fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&ColliderList, u32)) {
         if i == k {
             return;
         }
@@ -537,7 +548,7 @@ impl Bodies {
     }
 
     /// Brings the first bodies in the order of these slots.
-    pub(crate) fn line_up(&mut self, slots: &[u32], mut moved: impl FnMut(&Colliders, u32)) {
+    pub(crate) fn line_up(&mut self, slots: &[u32], mut moved: impl FnMut(&ColliderList, u32)) {
         for (i, &slot) in slots.iter().enumerate() {
             if self.slot[i] != slot {
                 self.swap(i as u32, self.slots.dense(slot), &mut moved);

@@ -7,7 +7,7 @@
 use super::bvh::Tree;
 use super::{Aabb, BroadPhase, NONE, Path, Proxy, Role, look_up};
 use crate::error::Error;
-use crate::snapshot::words::{Packer, Reader, all_finite, broken, byte, record, words};
+use crate::words::{Packer, Reader, all_finite, broken, byte, record, words};
 use glam::Vec3;
 
 /// How long the lists of a saved broad phase are.

@@ -5,6 +5,7 @@ pub(crate) mod contact;
 pub(crate) mod joint;
 mod restitution;
 pub(crate) mod schedule;
+mod tweak;
 
 pub(crate) use articulation::close::Closing;
 pub(crate) use articulation::contacts::guard;
@@ -28,5 +29,5 @@ pub(crate) use joint::store::RowImpulse;
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use schedule::arrange::{PrepareScratch, Prepared};
 pub(crate) use schedule::order::{Group, Stage};
-pub use schedule::order::{Order, RowGroup};
 pub(crate) use schedule::part::Part;
+pub(crate) use tweak::{Tweak, tweak_of};

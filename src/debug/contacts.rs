@@ -2,9 +2,9 @@
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::body::{Pose, exp_map};
+use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::narrow_phase::{Contact, GHOST_GAP, NONE, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry, Kind};
-use crate::step::{MARGIN, REAL};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
@@ -23,8 +23,8 @@ fn draw_contact(world: &World, contact: &Contact, options: &DrawOptions, out: &m
     let now = relative(world, contact);
     let unit = world.settings.length_unit;
     let palette = &options.palette;
-    let ghost = contact.pushed && are_apart(world, contact, &now, GHOST_GAP * MARGIN * unit);
-    let real = |point: &Point| point.separation <= REAL * unit;
+    let ghost = contact.pushed && are_apart(world, contact, &now, GHOST_GAP * CONTACT_MARGIN * unit);
+    let real = |point: &Point| point.separation <= TOUCH_DISTANCE * unit;
     for (point, gap) in contact.points().iter().zip(contact.separations(&now)) {
         let Place { on_a, normal, gap } = if contact.fraction > 0.0 {
             ahead(world, contact, point)

@@ -5,7 +5,7 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, Settings};
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Frame, JointDesc, Limit, Motion};
-use crate::query::segment_hits;
+use crate::narrow_phase::segment_hits;
 use crate::shape::{ConvexHull, Geometry, HeightField, ShapeDesc, TriangleMesh};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec2, Vec3};

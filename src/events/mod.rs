@@ -5,8 +5,8 @@
 //! [`sensor`](crate::ShapeDesc::sensor), [`hooks`](crate::ShapeDesc::hooks)). Events are those of the last step, in slices
 //! that are the same at any number of threads.
 
+mod approach;
 mod contacts;
-mod hooks;
 mod sensors;
 
 /// Its example is run with the tests of the documentation.
@@ -14,13 +14,15 @@ mod sensors;
 #[doc = include_str!("../../docs/events.md")]
 struct Docs;
 
-pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
-pub(crate) use hooks::{Tweak, tweak_of};
+pub(crate) use approach::StartOfStep;
+pub(crate) use contacts::Touching;
+pub(crate) use sensors::Sensing;
 
+use crate::body::Colliders;
 use crate::broad_phase::Pair;
+use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::memory::{Room, bytes_of};
-use crate::world::{Colliders, World};
 use glam::{DVec3, Vec3};
 
 /// Two shapes that began to touch, or hit each other.
@@ -61,11 +63,11 @@ pub struct SensorEvent {
 /// Events of the last step, and what it takes to find them.
 #[derive(Debug, Default)]
 pub(crate) struct Events {
-    begins: Vec<ContactEvent>,
-    ends: Vec<ContactEnd>,
-    hits: Vec<ContactEvent>,
-    entered: Vec<SensorEvent>,
-    left: Vec<SensorEvent>,
+    pub(crate) begins: Vec<ContactEvent>,
+    pub(crate) ends: Vec<ContactEnd>,
+    pub(crate) hits: Vec<ContactEvent>,
+    pub(crate) entered: Vec<SensorEvent>,
+    pub(crate) left: Vec<SensorEvent>,
     /// Pairs that ended while they touched, since the last step.
     gone: Vec<(ShapeHandle, ShapeHandle, bool)>,
     /// Normal impulse of each contact over the step; empty if nobody listens [N s].
@@ -144,6 +146,14 @@ impl Events {
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
+    /// Makes place for the impulses of so many contacts; of none if nobody listens.
+    pub(crate) fn listen(&mut self, contacts: usize) {
+        self.impulses.clear();
+        let granted = self.room.fit(&mut self.impulses, contacts);
+        self.impulses.resize(granted, 0.0);
+        self.lost += (contacts - granted) as u32;
+    }
+
     /// Notes the end of a pair, if anyone listens to it.
     pub(crate) fn part(&mut self, colliders: &Colliders, pair: &Pair) {
         if pair.touching {
@@ -177,71 +187,5 @@ impl Events {
 fn push<T>(events: &mut Vec<T>, event: T, most: usize, (room, lost): (&mut Room, &mut u32)) {
     if events.len() >= most || !room.push(events, event) {
         *lost += 1;
-    }
-}
-
-impl World {
-    /// Shapes that began to touch in the last step, of pairs of which one asks for [`events`](crate::ShapeDesc::events);
-    /// sorted by their handles. What touched within the step and was thrown off again counts as touching, if it was pushed.
-    pub fn contact_begins(&self) -> &[ContactEvent] {
-        &self.events.begins
-    }
-
-    /// Shapes that no longer touch since the last step, or that were removed while they did.
-    pub fn contact_ends(&self) -> &[ContactEnd] {
-        &self.events.ends
-    }
-
-    /// Shapes that hit each other in the last step, at [`Settings::hit_speed`](crate::Settings::hit_speed) or faster.
-    pub fn contact_hits(&self) -> &[ContactEvent] {
-        &self.events.hits
-    }
-
-    /// What came into sensors in the last step, however fast. What crossed one within the step is here and in
-    /// [`World::sensor_ends`].
-    pub fn sensor_begins(&self) -> &[SensorEvent] {
-        &self.events.entered
-    }
-
-    /// What left sensors in the last step, or was removed while it was in one.
-    pub fn sensor_ends(&self) -> &[SensorEvent] {
-        &self.events.left
-    }
-
-    /// Shapes that are in a sensor, in the order of their handles, as of the last step; written into `into`.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn visitors(
-        &self,
-        sensor: ShapeHandle,
-        into: &mut Vec<ShapeHandle>,
-    ) -> Result<(), crate::error::Error> {
-        let collider = self.collider(sensor)?;
-        into.clear();
-        for pair in self.broad.pairs.iter().chain(self.sleep.kept_pairs()).filter(|pair| pair.touching) {
-            let other = match collider {
-                c if c == pair.a => pair.b,
-                c if c == pair.b => pair.a,
-                _ => continue,
-            };
-            into.push(self.shape_handle(other));
-        }
-        into.sort_unstable();
-        Ok(())
-    }
-
-    /// Nobody listens to a shape any more: unless the other's listen, it is not known whom it touches.
-    pub(crate) fn forget_touches(&mut self, collider: u32) {
-        let hot = &self.colliders.hot;
-        for pair in self.broad.pairs.iter_mut().filter(|pair| pair.a == collider || pair.b == collider) {
-            let [a, b] = [pair.a, pair.b].map(|c| &hot[c as usize]);
-            pair.touching &= a.has_events() || b.has_events() || a.is_sensor() || b.is_sensor();
-        }
-    }
-
-    /// Pairs that end are heard of, if anyone listens to them.
-    pub(crate) fn part(&mut self, pair: &Pair) {
-        self.events.part(&self.colliders, pair);
     }
 }

@@ -4,25 +4,27 @@
 //! it is looked at along the way that they really went: a ball that crosses a sensor within a step is seen to come and to
 //! leave.
 
-use super::{SensorEvent, push};
+use super::{Events, SensorEvent, push};
+use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
+use crate::config::Settings;
 use crate::narrow_phase::{BodyPath, Motion, cast_convex, cast_plane, tolerance};
 use crate::shape::Kind;
-use crate::world::World;
 use glam::Vec3;
 
-impl World {
-    /// Who came into sensors and who left them in this step. Shapes are where they were at its start, bodies where they are
-    /// at its end.
-    pub(crate) fn hear_sensors(&mut self) {
-        if self.needs.sensors == 0 {
-            return;
-        }
-        self.grant_events();
-        let mut events = std::mem::take(&mut self.events);
-        let mut pairs = std::mem::take(&mut self.broad.pairs);
+/// What is read to find out who is in a sensor: shapes where they were at the start of the step, bodies where they are at its
+/// end.
+pub(crate) struct Sensing<'a> {
+    pub(crate) bodies: &'a Bodies,
+    pub(crate) colliders: &'a Colliders,
+    pub(crate) settings: &'a Settings,
+}
+
+impl Sensing<'_> {
+    /// Who came into sensors and who left them in this step.
+    pub(crate) fn hear(&self, pairs: &mut [Pair], events: &mut Events) {
         let most = self.settings.event_capacity as usize;
-        for pair in &mut pairs {
+        for pair in pairs {
             let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
             let (own, visitor) = match (sensor(pair.a), sensor(pair.b)) {
                 (true, false) => (pair.a, pair.b),
@@ -30,8 +32,8 @@ impl World {
                 _ => continue,
             };
             let event = |fraction| SensorEvent {
-                sensor: self.shape_handle(own),
-                visitor: self.shape_handle(visitor),
+                sensor: self.colliders.handle(own),
+                visitor: self.colliders.handle(visitor),
                 fraction,
             };
             let inside = self.meet(pair, true).is_some();
@@ -47,8 +49,6 @@ impl World {
             }
             pair.touching = inside;
         }
-        self.broad.pairs = pairs;
-        self.events = events;
     }
 
     /// When the two first touch on their ways, if they do; or whether they do where they are at the end of them.

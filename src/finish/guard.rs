@@ -21,8 +21,7 @@ use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::narrow_phase::{Relative, Support, distance, from_triangle};
-use crate::query::segment_hits;
+use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hits};
 use crate::shape::{Collider, Geometry, Hot};
 use glam::{DVec3, Quat, Vec3};
 

@@ -12,8 +12,8 @@ use crate::body::{Bodies, Pose, carry_spin};
 use crate::broad_phase::Pair;
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::lanes::Record;
-use crate::query::segment_hits;
-use crate::time_of_impact::Struck;
+use crate::narrow_phase::segment_hits;
+use crate::solver::ImpactBody;
 use glam::Vec3;
 
 /// In `pad0` of a body's displacement: it was moved out of another's way.
@@ -151,7 +151,7 @@ impl Guard<'_> {
         // From the centres to where the ball in the first touches the second.
         let arm_i = normal * -self.inner(bodies.colliders[i].as_slice());
         let arm_k = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() + arm_i;
-        let (mut a, mut b) = (Struck::now(bodies, i), Struck::now(bodies, k));
+        let (mut a, mut b) = (ImpactBody::now(bodies, i), ImpactBody::now(bodies, k));
         let closing = normal.dot(b.at(arm_k) - a.at(arm_i));
         let ease = a.ease(arm_i, normal) + b.ease(arm_k, normal);
         if closing > 0.0 && ease > 0.0 {

@@ -13,10 +13,13 @@
 //! Bodies that went as predicted need none of it: their ways were looked along before the rows were made.
 
 use super::ends::ends_of;
-use super::guard::{Guard, Held};
-use crate::body::{Pose, Traits};
+use super::guard::{Counts, Guard, Held};
+use super::moving::{STRAY, STRAYS, is_in_range, stop_body};
+use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{Whom, aabb_of};
+use crate::config::Settings;
 use crate::lanes::Record;
+use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
@@ -67,6 +70,38 @@ pub(super) struct Settled {
     pub(super) moved: bool,
     /// Stopped where it met one surface too many.
     pub(super) cut: bool,
+}
+
+/// Settles the strays among the dynamic bodies. `delta`: displacements, with the mark of strays; counts what the guard held, and
+/// lists who was stopped.
+pub(super) fn settle_strays(
+    guard: &Guard<'_>,
+    tools: &mut Tools<'_>,
+    bodies: &mut Bodies,
+    (delta, acceleration): (&[Record], &[Record]),
+    settings: &Settings,
+    (held, stopped): (&mut Counts, &mut Vec<u32>),
+) {
+    let slop = settings.slop * settings.length_unit;
+    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == STRAY) {
+        let own = bodies.colliders[i].as_slice();
+        let stray = Settling {
+            own,
+            traits: &bodies.traits[i],
+            pull: acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
+            slop,
+            least: (STRAYS * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
+        };
+        let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
+        let whence = *pose;
+        let settled = stray.settle(guard, tools, pose, delta[i].linear, velocity);
+        held.cut += u32::from(settled.cut);
+        held.settled += u32::from(settled.moved);
+        if !is_in_range(pose) || !velocity.is_within(MAX_LEFT_SPEED) {
+            stop_body(pose, velocity, whence, true);
+            stopped.push(i as u32);
+        }
+    }
 }
 
 /// One stray.

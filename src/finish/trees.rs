@@ -3,8 +3,8 @@
 //! A body that is cut short alone leaves its joints by what it is cut, which may be half a metre. So the bodies of its tree go
 //! no further on their ways than it, whatever is open then is closed, and each way is looked at once more.
 
+use super::FAR;
 use super::guard::Guard;
-use super::{FAR, is_sound};
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::{Closing, JointRows, Rows, TreeSlot};
@@ -53,7 +53,7 @@ impl Trees<'_> {
             }
             for i in self.joints.bodies_of(seat) {
                 let d = &mut self.delta[i];
-                if !is_sound(d, FAR) {
+                if !d.is_within(FAR) {
                     *d = Record::default();
                 }
                 let pose = &mut self.bodies.pose[i];

@@ -1,6 +1,6 @@
 //! What a joint is made of: limits and drives between two frames.
 
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::{Error, within};
 use crate::handle::BodyHandle;
 use crate::limits;

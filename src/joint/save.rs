@@ -3,10 +3,10 @@
 
 use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
 use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::memory::Buffer;
-use crate::snapshot::words::{Reader, all_loads, broken, record, words};
+use crate::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
 /// How many of each there are in a saved state.
@@ -101,11 +101,10 @@ impl Joints {
         self.each_of_all(records.more(), f);
     }
 
-    /// Bytes of batches for locks and rows that a snapshot has beyond those that batches were arranged for.
-    pub(crate) fn batches_missing_for(&self, records: &JointRecords) -> usize {
+    /// How many locks and rows a snapshot has beyond those that batches were arranged for.
+    pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
         let arranged = (self.locks.len() + self.rows.len()).saturating_sub(self.fresh);
-        let rows = (records.locks.len() + records.rows.len()).saturating_sub(arranged);
-        rows * crate::constraint::WIDEST_JOINT_BATCH
+        (records.locks.len() + records.rows.len()).saturating_sub(arranged)
     }
 
     /// Replaces all joints.
@@ -310,7 +309,7 @@ pub(crate) fn group_code(group: Option<RowGroup>) -> u32 {
 }
 
 pub(crate) fn group_of(code: u32) -> Result<Option<RowGroup>, Error> {
-    let all = crate::constraint::Order::default().0;
+    let all = crate::config::Order::default().0;
     match code {
         0 => Ok(None),
         _ => {

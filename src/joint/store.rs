@@ -1,7 +1,7 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, bytes_of, sum_bytes};
@@ -357,10 +357,10 @@ impl Joints {
         self.stale = false;
     }
 
-    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
-    /// arranged for may have one for itself.
-    pub(crate) fn missing(&mut self, more: More) -> usize {
-        let batches = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
+    /// may have one for itself, of so many bytes.
+    pub(crate) fn missing(&mut self, more: More, batch: usize) -> usize {
+        let batches = (self.fresh + more.locks + more.rows) * batch;
         batches + self.missing_columns(more)
     }
 

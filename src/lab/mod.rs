@@ -41,7 +41,6 @@ pub mod trade;
 mod world_solver;
 
 pub use growth::growth;
-pub(crate) use meter::Meter;
 pub use meter::{Accuracy, IslandAccuracy, Measures};
 pub use rest::{Rest, find_rest};
 pub use world_solver::{Guess, SolverReport, WorldMethod, WorldSolver};

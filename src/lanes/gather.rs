@@ -1,6 +1,6 @@
 //! Body records <-> lanes. A record is 32 bytes, so eight of them are one 8x8 transpose.
 
-use super::{Lanes, Vec3, f32x8};
+use super::{Lanes, Mask, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
 /// Two vectors of one body, in the layout that the solver gathers: linear xyz and a pad, angular xyz
@@ -48,6 +48,20 @@ impl Record {
     #[inline(always)]
     pub(crate) fn turn_angle(&self) -> f32 {
         self.pad1
+    }
+}
+
+/// Whether all lanes are within a limit; what is no number is not. One comparison of eight lanes.
+#[inline(always)]
+pub(crate) fn is_within(r: f32x8, most: f32) -> bool {
+    r.abs().le(f32x8::splat(most)).bits() == 0xff
+}
+
+impl Record {
+    /// Whether a velocity or a displacement is within a limit; what is no number is not.
+    #[inline(always)]
+    pub(crate) fn is_within(&self, most: f32) -> bool {
+        is_within(bytemuck::must_cast(*self), most)
     }
 }
 

@@ -10,7 +10,7 @@ mod gather;
 mod math;
 
 pub(crate) use bits::ones;
-pub(crate) use gather::{GatherLanes, Record, gather, scatter};
+pub(crate) use gather::{GatherLanes, Record, gather, is_within, scatter};
 pub(crate) use math::{Mat3, Quat, Sym3, Vec3};
 pub(crate) use wide::{f32x4, f32x8, f64x4};
 

@@ -8,7 +8,7 @@ use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
+use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::narrow_phase::contacts::admit::RowSpace;
@@ -48,19 +48,6 @@ pub(crate) struct Input<'a> {
     pub(crate) scale: Scale<'a>,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
-}
-
-/// What becomes of a pair's manifold at the start of the step, if the pair is apart then and may close its
-/// gap within the step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Start {
-    /// It is replaced by the manifold of the first touch along the predicted motion.
-    Cast,
-    /// It stays: its planes stop everything that could reach them, and nothing that is missed is dropped.
-    Speculative,
-    /// Its points stay where the predicted motion crosses the plane over the faces that they belong to
-    /// ([`gates`](super::cast::gates)).
-    Gated,
 }
 
 impl Input<'_> {

@@ -11,12 +11,13 @@ pub(crate) mod fixtures;
 mod mesh;
 mod pair_policy;
 pub(crate) mod pairs;
+mod segment;
 
 pub(crate) use cast::ahead::out_by_the_centre;
 pub(crate) use cast::mesh::{CastResult, MeshCast, Triangles, cast_mesh};
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
-pub(crate) use collide::{Input, NarrowStats, Scratch, Start, collide};
+pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
 pub(crate) use contacts::contact::{Contact, Contacts, LOAD_TIME, NO_CONTACT as NONE, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
@@ -29,6 +30,7 @@ pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
 pub(crate) use pair_policy::GHOST_GAP;
+pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron, segment_hits};
 
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]

@@ -15,14 +15,12 @@ mod penetration;
 mod probe;
 mod ray;
 mod ray_shape;
-mod segment;
 mod shape_cast;
 
 pub use closest::ClosestPoint;
 pub use filter::QueryFilter;
 pub use overlap::Overlap;
 pub use ray::{Ray, RayHit};
-pub(crate) use segment::segment_hits;
 pub use shape_cast::{ShapeCast, ShapeHit};
 
 /// Its example is run with the tests of the documentation.

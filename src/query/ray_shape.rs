@@ -3,7 +3,7 @@
 use super::candidates::{Candidate, turn_back};
 use super::closest_shape::holds;
 use super::ray::Ray;
-use super::segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron};
+use crate::narrow_phase::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron};
 use crate::shape::{Geometry, Kind};
 use glam::{DVec3, Vec3};
 

@@ -2,12 +2,14 @@
 
 use super::geometry::{Form, StoredHull, StoredMesh};
 use super::probe::StepRecord;
+use super::tape::Sink;
 use crate::body::{BodyDesc, BodyKind};
+use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::constraint::RowGroup;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
+use crate::world::Change;
 use glam::{DVec3, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -74,6 +76,42 @@ calls! {
 }
 
 impl Call {
+    /// A change, with its geometry by number.
+    pub(super) fn of(change: Change<'_>, sink: &mut Sink) -> Call {
+        match change {
+            Change::SetSettings(settings) => Call::SetSettings(settings.clone()),
+            Change::SetOrigin(origin) => Call::SetOrigin(origin),
+            Change::AddBody(desc) => Call::AddBody(sink.body(desc)),
+            Change::AddBodies(descs) => Call::AddBodies(descs.iter().map(|desc| sink.body(desc)).collect()),
+            Change::RemoveBody(body) => Call::RemoveBody(body),
+            Change::AddShape(body, desc) => Call::AddShape(body, sink.shape(desc)),
+            Change::RemoveShape(shape) => Call::RemoveShape(shape),
+            Change::SetMaterial(shape, material) => Call::SetMaterial(shape, material),
+            Change::SetFilter(shape, filter) => Call::SetFilter(shape, filter),
+            Change::SetListening(shape, events, hooks) => Call::SetListening(shape, events, hooks),
+            Change::SetSensor(shape, sensor) => Call::SetSensor(shape, sensor),
+            Change::SetPose(body, position, rotation) => Call::SetPose(body, position, rotation),
+            Change::SetVelocity(body, linear, angular) => Call::SetVelocity(body, linear, angular),
+            Change::AddForce(body, force, torque) => Call::AddForce(body, force, torque),
+            Change::ApplyImpulse(body, impulse, point) => Call::ApplyImpulse(body, impulse, point),
+            Change::SetGravityScale(body, scale) => Call::SetGravityScale(body, scale),
+            Change::SetContinuous(body, mode) => Call::SetContinuous(body, mode),
+            Change::RaiseBody(body, above) => Call::RaiseBody(body, above),
+            Change::SetMass(body, mass) => Call::SetMass(body, mass),
+            Change::AddJoint(desc) => Call::AddJoint(desc.clone()),
+            Change::AddJoints(descs) => Call::AddJoints(descs.to_vec()),
+            Change::RemoveJoint(joint) => Call::RemoveJoint(joint),
+            Change::SetJoint(joint, limits, drives) => {
+                Call::SetJoint(joint, limits.to_vec(), drives.to_vec())
+            }
+            Change::RaiseJoint(joint, above) => Call::RaiseJoint(joint, above),
+            Change::Wake(body) => Call::Wake(body),
+            Change::SendToSleep(body) => Call::SendToSleep(body),
+            Change::SetCanSleep(body, can_sleep) => Call::SetCanSleep(body, can_sleep),
+            Change::SetEnabled(body, enabled) => Call::SetEnabled(body, enabled),
+        }
+    }
+
     /// The body that it changes, by itself and not only by what a step makes of it.
     pub(super) fn body(&self) -> Option<BodyHandle> {
         match self {

@@ -1,6 +1,7 @@
 //! The recorded decisions of hooks, in place of the hooks.
 
-use crate::events::{ContactHook, ContactHooks, Tweak};
+use crate::constraint::Tweak;
+use crate::world::{ContactHook, ContactHooks};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
@@ -37,34 +38,22 @@ impl Decision {
     }
 }
 
-/// Hooks, with a record of their decisions.
-pub(super) struct Heard<'a> {
-    hooks: &'a dyn ContactHooks,
-    /// The decisions, and the number of contacts since. The lock is never contended: hooks are called by one
-    /// thread.
-    notes: Mutex<(Vec<Decision>, u32)>,
+/// Notes what hooks say.
+#[derive(Debug, Default)]
+pub(super) struct Heard {
+    pub(super) decisions: Vec<Decision>,
+    /// Contacts since the last of which something was said.
+    silent: u32,
 }
 
-impl<'a> Heard<'a> {
-    pub(super) fn new(hooks: &'a dyn ContactHooks) -> Heard<'a> {
-        Heard { hooks, notes: Mutex::default() }
-    }
-    pub(super) fn decisions(self) -> Vec<Decision> {
-        self.notes.into_inner().unwrap_or_else(PoisonError::into_inner).0
-    }
-}
-
-impl ContactHooks for Heard<'_> {
-    fn contact(&self, contact: &mut ContactHook<'_>) {
-        self.hooks.contact(contact);
-        let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
-        let (decisions, silent) = &mut *notes;
-        match Decision::new(contact.said(), *silent) {
+impl Heard {
+    pub(super) fn hear(&mut self, tweak: Tweak, vetoed: bool) {
+        match Decision::new((tweak, vetoed), self.silent) {
             Some(decision) => {
-                decisions.push(decision);
-                *silent = 0;
+                self.decisions.push(decision);
+                self.silent = 0;
             }
-            None => *silent += 1,
+            None => self.silent += 1,
         }
     }
 }

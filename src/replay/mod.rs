@@ -40,11 +40,9 @@ mod tape;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use call::Call;
 pub use compare::{DivergedBody, Divergence};
 pub use error::ReplayError;
 pub use file::RecordingBuffer;
 pub use play::{Played, Progress, Replay};
 pub use probe::Stage;
 pub use tape::Recorded;
-pub(crate) use tape::Tape;

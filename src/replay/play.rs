@@ -7,7 +7,7 @@ use super::file::{Block, End, Start, read_block, read_header};
 use super::geometry;
 use super::hooks::Told;
 use super::probe::{Stage, StepRecord};
-use super::tape::Tape;
+use super::tape::{Tape, tape, tape_mut};
 use crate::config::Settings;
 use crate::error::Error;
 use crate::load_limits::{LimitExceeded, LoadLimits, Tally};
@@ -126,7 +126,7 @@ impl<R: Read> Replay<R> {
         let bounded = bound(&mut settings, limits.memory);
         let mut world = World::new(settings)?;
         world.set_origin(origin)?;
-        world.tape = Some(Tape::played());
+        world.recorder = Some(Tape::played());
         Ok(Replay {
             from,
             world,
@@ -256,7 +256,7 @@ impl<R: Read> Replay<R> {
             Ok(_) => {}
         }
         self.steps += 1;
-        let Some(tape) = &self.world.tape else { return Ok(Progress::Same) };
+        let Some(tape) = tape(&self.world) else { return Ok(Progress::Same) };
         let recorded = (self.steps, record, &self.awake[..]);
         Ok(match compare(recorded, &tape.seen, &self.world, &self.names) {
             Some(divergence) => Progress::Diverged(Box::new(divergence)),
@@ -285,7 +285,7 @@ impl<R: Read> Replay<R> {
     }
 
     fn play(&mut self, call: Call) -> Result<(), Failed> {
-        if let Some(tape) = &mut self.world.tape {
+        if let Some(tape) = tape_mut(&mut self.world) {
             tape.touch(call.body());
         }
         match call {

@@ -7,10 +7,11 @@ use super::geometry::Written;
 use super::hooks::Heard;
 use super::probe::{Seen, Stage, StepRecord};
 use crate::body::BodyDesc;
-use crate::events::ContactHooks;
+use crate::constraint::Tweak;
 use crate::handle::BodyHandle;
 use crate::shape::ShapeDesc;
-use crate::world::World;
+use crate::world::{self, Change, Recorder, World};
+use std::any::Any;
 use std::io::Write;
 
 /// Bytes of calls that are buffered before they are written: what a crash may lose.
@@ -19,6 +20,10 @@ const BLOCK: usize = 1 << 16;
 /// A recording in progress, or the hashes that a replay compares.
 pub(crate) struct Tape {
     pub(super) seen: Seen,
+    /// What hooks said in the step.
+    heard: Heard,
+    /// Whether queries were asked before the step.
+    asked: bool,
     /// Where to; none in a replay.
     sink: Option<Sink>,
 }
@@ -109,9 +114,25 @@ impl std::fmt::Debug for Tape {
 }
 
 impl Tape {
-    /// The tape of a replay.
+    fn new(sink: Option<Sink>) -> Tape {
+        Tape { seen: Seen::default(), heard: Heard::default(), asked: false, sink }
+    }
+
+    /// That of a replay.
     pub(super) fn played() -> Box<Tape> {
-        Box::new(Tape { seen: Seen::default(), sink: None })
+        Box::new(Tape::new(None))
+    }
+
+    /// Writes a call, if this is a recording.
+    fn write(&mut self, asked: bool, call: impl FnOnce(&mut Sink) -> Call) {
+        let Some(sink) = &mut self.sink else { return };
+        if asked {
+            sink.write(&Call::Asked());
+        }
+        let call = call(sink);
+        sink.write(&call);
+        sink.count(&call);
+        self.touch(call.body());
     }
 
     /// A call is about to change a body.
@@ -129,7 +150,7 @@ impl World {
     /// # Errors
     /// If the world ever had a body or stepped, is being recorded already, or nothing can be written.
     pub fn start_recording(&mut self, to: impl Write + Send + Sync + 'static) -> Result<(), ReplayError> {
-        if self.tape.is_some() {
+        if self.recorder.is_some() {
             return Err(ReplayError::Recording);
         }
         if !self.is_new() {
@@ -146,7 +167,7 @@ impl World {
         let count = Recorded { bytes, ..Recorded::default() };
         let sink =
             Sink { to, block: Vec::with_capacity(BLOCK), written: Written::default(), count, failed: None };
-        self.tape = Some(Box::new(Tape { seen: Seen::default(), sink: Some(sink) }));
+        self.recorder = Some(Box::new(Tape::new(Some(sink))));
         Ok(())
     }
 
@@ -155,9 +176,9 @@ impl World {
     /// # Errors
     /// If the world is not being recorded, or not all could be written.
     pub fn stop_recording(&mut self) -> Result<Recorded, ReplayError> {
-        let sink = self.tape.as_mut().and_then(|tape| tape.sink.take());
+        let sink = tape_mut(self).and_then(|tape| tape.sink.take());
         let mut sink = sink.ok_or(ReplayError::NotRecording)?;
-        self.tape = None;
+        self.recorder = None;
         sink.end();
         match sink.failed {
             None => Ok(sink.count),
@@ -167,54 +188,68 @@ impl World {
 
     /// Whether the world is being recorded.
     pub fn is_recording(&self) -> bool {
-        self.tape.as_ref().is_some_and(|tape| tape.sink.is_some())
+        tape(self).is_some_and(|tape| tape.sink.is_some())
     }
 
     /// Gives a body a name in the recording, if there is one: which a divergence reports.
     pub fn name_recorded(&mut self, body: BodyHandle, name: &str) {
         if self.contains(body) {
-            crate::record::record!(self, NameRecorded(body, name.into()));
+            let asked = self.was_asked();
+            if let Some(tape) = tape_mut(self) {
+                tape.write(asked, |_| Call::NameRecorded(body, name.into()));
+            }
+        }
+    }
+}
+
+impl Recorder for Tape {
+    fn note(&mut self, change: Change<'_>, asked: bool) {
+        self.write(asked, |sink| Call::of(change, sink));
+    }
+
+    fn begin_step(&mut self, asked: bool) {
+        (self.heard, self.asked) = (Heard::default(), asked);
+    }
+
+    fn look(&mut self, world: &World, stage: world::Stage) {
+        match stage {
+            world::Stage::Broad => {
+                self.seen.look(world, Stage::Forces);
+                self.seen.look(world, Stage::Broad);
+            }
+            world::Stage::Narrow => self.seen.look(world, Stage::Narrow),
+            world::Stage::Prepare => self.seen.look(world, Stage::Prepare),
+            world::Stage::Solve => self.seen.look(world, Stage::Solve),
+            // What hooks say is hashed with the rows, the end of the step once it is over.
+            world::Stage::Hooks | world::Stage::Finish => {}
         }
     }
 
-    /// Notes a call that is about to change the world.
-    pub(crate) fn note(&mut self, call: impl FnOnce(&mut Sink) -> Call) {
-        let asked = !self.settings.budget.is_none() && self.now.is_fresh();
-        let Some(tape) = &mut self.tape else { return };
-        let Some(sink) = &mut tape.sink else { return };
-        if asked {
+    fn hear(&mut self, tweak: Tweak, vetoed: bool) {
+        self.heard.hear(tweak, vetoed);
+    }
+
+    fn end_step(&mut self, world: &World, dt: f32) {
+        self.seen.look(world, Stage::Finish);
+        let decisions = std::mem::take(&mut self.heard.decisions);
+        let Some(sink) = &mut self.sink else { return };
+        if self.asked {
             sink.write(&Call::Asked());
         }
-        let call = call(sink);
+        let step: StepRecord = self.seen.record(dt, decisions);
+        let call = Call::Step(step);
         sink.write(&call);
         sink.count(&call);
-        tape.touch(call.body());
     }
+}
 
-    /// Hashes the results of a stage.
-    pub(crate) fn probe(&mut self, stage: Stage) {
-        if let Some(mut tape) = self.tape.take() {
-            tape.seen.look(self, stage);
-            self.tape = Some(tape);
-        }
-    }
+/// The tape of a world that is recorded or replayed.
+pub(super) fn tape(world: &World) -> Option<&Tape> {
+    let recorder: &dyn Any = world.recorder.as_deref()?;
+    recorder.downcast_ref()
+}
 
-    /// A step that is recorded or replayed.
-    pub(crate) fn step_taped(&mut self, dt: f32, hooks: &dyn ContactHooks) {
-        let asked = !self.settings.budget.is_none() && self.now.is_fresh();
-        let heard = Heard::new(hooks);
-        self.step_once(dt, &heard);
-        self.probe(Stage::Finish);
-        let decisions = heard.decisions();
-        let Some(tape) = &mut self.tape else { return };
-        if let Some(sink) = &mut tape.sink {
-            if asked {
-                sink.write(&Call::Asked());
-            }
-            let step: StepRecord = tape.seen.record(dt, decisions);
-            let call = Call::Step(step);
-            sink.write(&call);
-            sink.count(&call);
-        }
-    }
+pub(super) fn tape_mut(world: &mut World) -> Option<&mut Tape> {
+    let recorder: &mut dyn Any = world.recorder.as_deref_mut()?;
+    recorder.downcast_mut()
 }

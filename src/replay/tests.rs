@@ -6,8 +6,8 @@ use super::file::{Block, VERSION, read_block, read_header, write_block, write_he
 use super::probe::Stage;
 use super::{RecordingBuffer, Replay, ReplayError};
 use crate::body::BodyDesc;
+use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::constraint::RowGroup;
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::load_limits::{LoadLimits, Tally};

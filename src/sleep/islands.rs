@@ -4,17 +4,19 @@
 //! halving and union by index: the lowest index of an island is its root, so that nothing depends on the order of
 //! unions). They are looked for only when some body has been at rest for long enough, and then not in every step.
 
-use super::Sleep;
+use super::{Islands, Sleep};
 use crate::body::{Bodies, BodyKind};
 use crate::broad_phase::Pair;
+use crate::config::Settings;
+use crate::config::tuning::TOUCH_DISTANCE;
+use crate::events::Events;
 use crate::joint::Joints;
-use crate::memory::{Buffer, Category, bytes_of};
+use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{Contacts, NONE};
 use crate::shape::Hot;
-use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
-use crate::world::World;
 use glam::Vec3;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Steps between two looks for islands while some bodies rest that hang on others that don't.
 const PATIENCE: u32 = 8;
@@ -128,84 +130,97 @@ pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     false
 }
 
-impl World {
-    /// Counts how long bodies have been at rest, and puts islands to sleep that have been for long enough.
-    pub(crate) fn rest(&mut self, crew: &Crew<'_>, dt: f32) {
-        if !self.settings.sleeping {
-            return;
+/// Counts how long bodies have been at rest. Says whether a dynamic one has been for long enough to fall asleep.
+pub(crate) fn count_rest(
+    crew: &Crew<'_>,
+    bodies: &mut Bodies,
+    hot: &[Hot],
+    settings: &Settings,
+    dt: f32,
+) -> bool {
+    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
+    let (speed, time) = (settings.sleep_speed * settings.length_unit, settings.sleep_time);
+    let tired = AtomicBool::new(false);
+    let rest = Shared::new(&mut bodies.rest);
+    let (velocity, colliders) = (&bodies.velocity, &bodies.colliders);
+    crew.run(movers.div_ceil(BLOCK), &|block| {
+        for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
+            let v = &velocity[i];
+            let still = if i < dynamic {
+                let reach = |r: f32, &c: &u32| r.max(hot[c as usize].lever + hot[c as usize].radius);
+                let arm = colliders[i].as_slice().iter().fold(0.0, reach);
+                v.linear.length().max(v.angular.length() * arm) < speed
+            } else {
+                v.linear == Vec3::ZERO && v.angular == Vec3::ZERO
+            };
+            // SAFETY: each body is in one block.
+            let rest = unsafe { rest.get(i) };
+            *rest = if still { *rest + dt } else { 0.0 };
+            if i < dynamic && *rest >= time {
+                tired.store(true, Ordering::Relaxed);
+            }
         }
-        let (dynamic, movers) = (self.bodies.dynamic(), self.bodies.movers());
-        let (speed, time) = (self.settings.sleep_speed * self.settings.length_unit, self.settings.sleep_time);
-        let tired = std::sync::atomic::AtomicBool::new(false);
-        {
-            let rest = Shared::new(&mut self.bodies.rest);
-            let (velocity, colliders, hot) =
-                (&self.bodies.velocity, &self.bodies.colliders, &self.colliders.hot);
-            crew.run(movers.div_ceil(BLOCK), &|block| {
-                for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
-                    let v = &velocity[i];
-                    let still = if i < dynamic {
-                        let reach = |r: f32, &c: &u32| r.max(hot[c as usize].lever + hot[c as usize].radius);
-                        let arm = colliders[i].as_slice().iter().fold(0.0, reach);
-                        v.linear.length().max(v.angular.length() * arm) < speed
-                    } else {
-                        v.linear == Vec3::ZERO && v.angular == Vec3::ZERO
-                    };
-                    // SAFETY: each body is in one block.
-                    let rest = unsafe { rest.get(i) };
-                    *rest = if still { *rest + dt } else { 0.0 };
-                    if i < dynamic && *rest >= time {
-                        tired.store(true, std::sync::atomic::Ordering::Relaxed);
-                    }
-                }
-            });
-        }
-        self.sleep.waited += 1;
-        if tired.into_inner() && self.sleep.waited >= PATIENCE {
-            self.sleep.waited = 0;
-            self.find_islands(false);
-            self.send_tired_to_sleep(|_, rest| rest >= time);
-        }
-    }
+    });
+    tired.into_inner()
+}
 
-    /// Sends the island of an awake dynamic body to sleep, if all of it may.
-    pub(crate) fn send_island_to_sleep(&mut self, index: u32) {
-        self.find_islands(true);
-        let root = self.sleep.groups.of(index);
-        self.send_tired_to_sleep(|island, rest| island == root && rest > 0.0);
+impl Sleep {
+    /// Whether it is time to look for islands, of which some body is tired. Counts the steps in between.
+    pub(crate) fn is_due(&mut self, tired: bool) -> bool {
+        self.waited += 1;
+        let due = tired && self.waited >= PATIENCE;
+        if due {
+            self.waited = 0;
+        }
+        due
     }
 
     /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
-    pub(crate) fn islands(&self) -> Vec<u32> {
+    pub(crate) fn numbers(
+        &self,
+        (bodies, hot): (&Bodies, &[Hot]),
+        pairs: &[Pair],
+        contacts: &Contacts,
+        joints: &Joints,
+        unit: f32,
+    ) -> Vec<u32> {
         let mut groups = Groups::default();
-        let real = REAL * self.settings.length_unit;
-        let World { bodies, colliders, broad, contacts, joints, .. } = self;
-        groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, false));
+        groups.find(bodies, hot, pairs, contacts, joints, (TOUCH_DISTANCE * unit, false));
         let slot_of = |i: usize| {
             if i < bodies.dynamic() {
                 return bodies.slot[groups.of(i as u32) as usize];
             }
             // Of an island that sleeps the first of its bodies.
             let sleeper = bodies.asleep().contains(&i);
-            sleeper.then(|| self.sleep.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
+            sleeper.then(|| self.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
         };
         (0..bodies.len()).map(slot_of).collect()
     }
+}
 
-    /// `at_once`: whatever may sleep is taken to be at rest for ever.
-    fn find_islands(&mut self, at_once: bool) {
-        let real = REAL * self.settings.length_unit;
-        let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
+impl Islands<'_> {
+    /// Puts islands to sleep, as they were found, all of whose bodies have been at rest for so long [s].
+    pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, room: Room) {
+        self.send_to_sleep(|_, rest| rest >= time, events, room);
+    }
+
+    /// Sends the island of an awake dynamic body to sleep, if all of it may. Islands must have been found at once.
+    pub(crate) fn send(&mut self, index: u32, events: &mut Events, room: Room) {
+        let root = self.sleep.groups.of(index);
+        self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, room);
+    }
+
+    /// Finds the islands of all awake bodies. `at_once`: whatever may sleep is taken to be at rest for ever.
+    pub(crate) fn find(&mut self, at_once: bool) {
+        let real = TOUCH_DISTANCE * self.unit;
+        let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         sleep.groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, at_once));
     }
 
-    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest.
-    fn send_tired_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool) {
-        if self.needs.events > 0 {
-            self.grant_events();
-        }
-        let mut room = self.room(Category::BroadPhase);
-        let World { bodies, colliders, broad, contacts, joints, sleep, events, .. } = self;
+    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest. `room`: what the
+    /// pairs that they keep may take.
+    fn send_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool, events: &mut Events, mut room: Room) {
+        let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {
             let root = sleep.groups.of(i);
@@ -264,9 +279,7 @@ impl World {
             }
             sleep.add_body(island, bodies.slot[i as usize]);
             sleep.slept += 1;
-            let index = bodies.send_to_sleep(i, |own, index| {
-                own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
-            }) as usize;
+            let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
             // Where it is now: nothing places its shapes any more until it wakes.
             bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
             let v = &mut bodies.velocity[index];

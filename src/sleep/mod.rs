@@ -9,11 +9,14 @@ mod islands;
 mod save;
 mod wake;
 
-pub(crate) use islands::Groups;
+pub(crate) use islands::{Groups, count_rest};
 pub(crate) use save::{SavedSleep, SleepLists};
 
-use crate::broad_phase::Pair;
+use crate::body::{Bodies, Colliders};
+use crate::broad_phase::{BroadPhase, Pair};
+use crate::joint::Joints;
 use crate::memory::{Buffer, bytes_of};
+use crate::narrow_phase::Contacts;
 
 /// End of a list.
 const NONE: u32 = u32::MAX;
@@ -39,6 +42,18 @@ pub(crate) struct Sleep {
     /// Of the last step: bodies that woke and that fell asleep.
     pub(crate) woke: u32,
     pub(crate) slept: u32,
+}
+
+/// What hangs together, and what changes when it falls asleep or wakes.
+pub(crate) struct Islands<'a> {
+    pub(crate) sleep: &'a mut Sleep,
+    pub(crate) bodies: &'a mut Bodies,
+    pub(crate) colliders: &'a mut Colliders,
+    pub(crate) broad: &'a mut BroadPhase,
+    pub(crate) contacts: &'a mut Contacts,
+    pub(crate) joints: &'a mut Joints,
+    /// The length unit [m].
+    pub(crate) unit: f32,
 }
 
 /// Bodies that sleep together.

@@ -3,7 +3,7 @@
 use super::{Island, Link, NONE, Sleep};
 use crate::broad_phase::Pair;
 use crate::error::Error;
-use crate::snapshot::words::{Reader, broken};
+use crate::words::{Reader, broken};
 
 /// How long the lists of saved islands are.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]

@@ -4,18 +4,18 @@
 //! their boxes meet, whether that is pushed or kinematic, or when one that rests touches it. It wakes too when the
 //! caller changes anything about one of its bodies, their joints, or what they touch.
 
-use super::Sleep;
 use super::islands::touches;
+use super::{Islands, Sleep};
 use crate::broad_phase::{Aabb, Pair, aabb_of};
+use crate::config::tuning::TOUCH_DISTANCE;
+use crate::lanes::Record;
 use crate::narrow_phase::NONE;
-use crate::step::REAL;
-use crate::world::World;
 use glam::Vec3;
 
-impl World {
-    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
-    /// motions must be those of the step.
-    pub(crate) fn wake_what_is_reached(&mut self) -> bool {
+impl Islands<'_> {
+    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and `motion`, predicted
+    /// for each body that moves, must be those of the step.
+    pub(crate) fn wake_what_is_reached(&mut self, motion: &[Record]) -> bool {
         if self.sleep.count() == 0 {
             return false;
         }
@@ -33,7 +33,7 @@ impl World {
             let body = self.colliders.hot[sleeper as usize].body as usize;
             // What stands still for this step alone is in no island.
             let Some(island) = self.sleep.island_of(self.bodies.slot[body]) else { continue };
-            if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair) {
+            if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair, motion) {
                 Sleep::note(&mut waking, island);
             }
         }
@@ -54,19 +54,19 @@ impl World {
 
     /// Whether a collider of an awake body that moves gets so near to a sleeping one within the step that their boxes
     /// meet; or touches it, at rest.
-    fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair) -> bool {
-        let real = REAL * self.settings.length_unit;
+    fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair, motion: &[Record]) -> bool {
+        let real = TOUCH_DISTANCE * self.unit;
         let body = self.colliders.hot[comer as usize].body as usize;
-        let (bodies, colliders) = (&self.bodies, &self.colliders.all);
+        let (bodies, colliders) = (&*self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {
-            return body < bodies.dynamic() && pair.contact != NONE && touches(&self.contacts, pair, real);
+            return body < bodies.dynamic() && pair.contact != NONE && touches(self.contacts, pair, real);
         }
         let bounds = |c: u32| {
             let collider = &colliders[c as usize];
             let pose = &bodies.pose[collider.body as usize];
             aabb_of(collider, pose.position, pose.rotation)
         };
-        let (motion, from) = (&self.buffers.forces.motion[body], bounds(comer));
+        let (motion, from) = (&motion[body], bounds(comer));
         let collider = &colliders[comer as usize];
         let turned = motion.turn_angle() * (collider.position.length() + collider.radius);
         let reach = Vec3::splat(turned + real);
@@ -155,12 +155,10 @@ impl World {
     }
 
     fn wake_island(&mut self, island: u32) {
-        let World { bodies, colliders, broad, sleep, joints, .. } = self;
+        let Islands { bodies, colliders, broad, sleep, joints, .. } = self;
         let mut woke = 0;
         let body = |slot: u32| {
-            let index = bodies.wake(bodies.slots.dense(slot), |own, index| {
-                own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
-            });
+            let index = bodies.wake(bodies.slots.dense(slot), |own, index| colliders.follow_all(own, index));
             bodies.rest[index as usize] = 0.0;
             woke += 1;
             // Pairs with others that sleep were not kept.

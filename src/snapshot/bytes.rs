@@ -4,8 +4,8 @@ use super::Snapshot;
 use super::geometry::Known;
 use super::part::Part;
 use super::view::{HEAD, Head, MAGIC, VERSION};
-use super::words::{Reader, broken, hash, words};
 use crate::error::Error;
+use crate::words::{Reader, broken, hash, words};
 use std::sync::Arc;
 
 fn halves(long: u64) -> [u32; 2] {

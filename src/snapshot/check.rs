@@ -3,11 +3,11 @@
 
 use super::part::{BodyRecord, Records, read_pose};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
-use super::words::{Reader, broken, record};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::limits;
 use crate::shape::Kind;
+use crate::words::{Reader, broken, record};
 use glam::Vec3;
 
 /// A shape, for those who ask about pairs.

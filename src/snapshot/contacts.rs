@@ -4,12 +4,12 @@
 //! is a word of flags, which say what follows: zeros, normals along an axis, and numbers that will not be
 //! read are left out; everything else is kept to the bit.
 
-use super::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
 use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
 use crate::shape::{Hot, Kind};
+use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
 
 /// Flags of a pair. Bits 2 to 7 are free for more.

@@ -1,9 +1,9 @@
 //! Geometry by reference: shapes of a few numbers are written, shared geometry is named by its index in a
 //! table.
 
-use super::words::{broken, hash, words};
 use crate::error::Error;
 use crate::shape::Geometry;
+use crate::words::{broken, hash, words};
 use crate::world::World;
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ pub(super) fn code_of(geometry: &Geometry, table: &mut Table) -> (u32, [u32; 4])
 
 /// The geometry of a code.
 pub(super) fn geometry_of(code: u32, numbers: &[u32], known: &[Geometry]) -> Result<Geometry, Error> {
-    let [a, b, c, _]: [f32; 4] = super::words::record::<_, 4>(numbers);
+    let [a, b, c, _]: [f32; 4] = crate::words::record::<_, 4>(numbers);
     let shared = known.get(numbers[0] as usize);
     let no = || broken("a shape");
     Ok(match code {

@@ -14,12 +14,11 @@ mod restore;
 mod save;
 mod settings;
 mod view;
-pub(crate) mod words;
 
 use crate::error::Error;
-use crate::world::World;
+use crate::world::{SharedPart, World};
 use part::{Part, Which};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, PoisonError, Weak};
 
 /// The state of a world at one time, for [`World::restore`].
 ///
@@ -57,15 +56,6 @@ impl Snapshot {
     }
 }
 
-/// How often the shared parts were changed, and the parts of the last snapshot, as long as a snapshot holds
-/// them.
-#[derive(Debug, Default)]
-pub(crate) struct Revisions {
-    pub(crate) fixed: u64,
-    pub(crate) moving: u64,
-    kept: Mutex<[(u64, Weak<Part>); 2]>,
-}
-
 impl World {
     /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large
     /// enough, unless bodies, shapes or joints were added, removed or changed since the last one. A world
@@ -96,7 +86,7 @@ impl World {
     /// snapshots from bytes: if they are broken, or the world lacks what they refer to.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         #[cfg(feature = "replay")]
-        if self.tape.is_some() {
+        if self.recorder.is_some() {
             return Err(Error::Recorded);
         }
         restore::restore(self, snapshot)
@@ -108,10 +98,11 @@ impl World {
         let mut kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
         [Which::Fixed, Which::Moving].map(|which| {
             let (revision, part) = &mut kept[which as usize];
-            let known = part.upgrade().filter(|_| *revision == revisions[which as usize]);
+            let known = part.as_ref().and_then(Weak::upgrade).and_then(|part| part.downcast::<Part>().ok());
+            let known = known.filter(|_| *revision == revisions[which as usize]);
             known.unwrap_or_else(|| {
                 let new = Arc::new(Part::of(self, which));
-                (*revision, *part) = (revisions[which as usize], Arc::downgrade(&new));
+                (*revision, *part) = (revisions[which as usize], Some(weak(&new)));
                 new
             })
         })
@@ -121,7 +112,11 @@ impl World {
     fn has_parts(&self, parts: &[Arc<Part>; 2]) -> bool {
         let revisions = self.revision_numbers();
         let kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        (0..2).all(|i| kept[i].0 == revisions[i] && std::ptr::eq(kept[i].1.as_ptr(), Arc::as_ptr(&parts[i])))
+        let same = |i: usize| {
+            let part = kept[i].1.as_ref();
+            part.is_some_and(|part| std::ptr::addr_eq(part.as_ptr(), Arc::as_ptr(&parts[i])))
+        };
+        (0..2).all(|i| kept[i].0 == revisions[i] && same(i))
     }
 
     /// Notes that the world's parts are these now.
@@ -129,11 +124,17 @@ impl World {
         let revisions = self.revision_numbers();
         let kept = self.revisions.kept.get_mut().unwrap_or_else(PoisonError::into_inner);
         for i in 0..2 {
-            kept[i] = (revisions[i], Arc::downgrade(&parts[i]));
+            kept[i] = (revisions[i], Some(weak(&parts[i])));
         }
     }
 
     fn revision_numbers(&self) -> [u64; 2] {
         [self.revisions.fixed + self.broad.statics_changes(), self.revisions.moving]
     }
+}
+
+/// The world keeps parts without knowing what they are.
+fn weak(part: &Arc<Part>) -> SharedPart {
+    let weak: Weak<Part> = Arc::downgrade(part);
+    weak
 }

@@ -6,7 +6,6 @@
 
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
-use super::words::{Reader, broken, hash, words};
 use crate::body::{BodyKind, Cold, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
 use crate::error::{Error, within};
@@ -14,6 +13,7 @@ use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
 use crate::limits;
 use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
+use crate::words::{Reader, broken, hash, words};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 use std::sync::OnceLock;

@@ -5,12 +5,12 @@ use super::Snapshot;
 use super::check::check;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
-use super::words::record;
 use crate::body::Pose;
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::sleep::Sleep;
+use crate::words::record;
 use crate::world::{Brings, Replacement, World};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
@@ -63,7 +63,7 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     }
     let own = world.parts();
     let Some([fixed, moving]) = snapshot.foreign else {
-        return Err(super::words::broken("it is empty"));
+        return Err(crate::words::broken("it is empty"));
     };
     if own[0].prints()[0] != fixed[0] {
         return Err(Error::ForeignSnapshot { what: "other static bodies" });

@@ -3,10 +3,10 @@
 use super::contacts::{save_contacts, save_pairs};
 use super::settings;
 use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
-use super::words::words;
 use crate::body::Pose;
 use crate::finish::Clear;
 use crate::lanes::Record;
+use crate::words::words;
 use crate::world::World;
 
 fn pose_words(pose: &Pose) -> [u32; 10] {

@@ -1,11 +1,11 @@
 //! Settings: all that results depend on are kept. Threads and the budget belong to the machine and stay as
 //! they are.
 
-use super::words::{Reader, broken};
+use crate::config::Order;
 use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
-use crate::constraint::Order;
 use crate::error::Error;
 use crate::joint::{group_code, group_of};
+use crate::words::{Reader, broken};
 use glam::Vec3;
 
 fn flag(bits: u32, i: u32) -> bool {

@@ -2,7 +2,6 @@
 
 use super::contacts::SavedPairs;
 use super::settings;
-use super::words::{Reader, broken};
 use crate::broad_phase::{Lists, SavedBroad};
 use crate::config::Settings;
 use crate::error::Error;
@@ -10,6 +9,7 @@ use crate::joint::{JointLists, SavedJoints};
 use crate::limits;
 use crate::sleep::{SavedSleep, SleepLists};
 use crate::statics::LONGEST_WAIT;
+use crate::words::{Reader, broken};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.

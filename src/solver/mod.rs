@@ -4,9 +4,11 @@
 //! et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One substep and several
 //! iterations make it plain sequential impulses: the kernels are the same.
 
+mod impact_body;
 mod pass;
 
 use crate::body::Bodies;
+use crate::config::tuning::{LOAD_SHIFT_SPEED, TOUCH_DISTANCE};
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::contact::row::{Motion, Softness};
@@ -14,14 +16,13 @@ use crate::constraint::{
     Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
     usual_substep,
 };
-use crate::faults::is_within;
 use crate::forces::Forces;
-use crate::lanes::{Lanes, Mask, Record, f32x8};
+use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
-use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
+pub(crate) use impact_body::ImpactBody;
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses, disable};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -101,8 +102,8 @@ pub(crate) fn solve(
         dynamic: spring,
         fixed,
         push_speed: settings.push_speed * settings.length_unit,
-        shift: SHIFT * settings.length_unit,
-        real: REAL * settings.length_unit,
+        shift: LOAD_SHIFT_SPEED * settings.length_unit,
+        real: TOUCH_DISTANCE * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
         recovery: Recovery { linear: JOINT_PUSH * settings.length_unit, angular: JOINT_PUSH },
         joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
@@ -338,9 +339,6 @@ const JOINT_OPEN: f32 = 0.0005;
 
 /// Points that are apart by no more than this when another bounces do so with it [length units].
 const TOGETHER: f32 = 0.0005;
-
-/// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
-const SHIFT: f32 = 0.25;
 
 /// Bits of the lanes of a record that hold the linear part, and both parts; and the lane of the first pad.
 const LINEAR: u32 = 0b0000_0111;

@@ -10,12 +10,13 @@
 mod distribute;
 mod supports;
 
-use crate::body::Bodies;
+use crate::body::{Bodies, Colliders};
+use crate::broad_phase::Pair;
+use crate::config::Settings;
+use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Category, Room, bytes_of};
-use crate::narrow_phase::Contact;
-use crate::step::STICK;
-use crate::world::World;
+use crate::memory::{Buffer, Category, Room, Rooms, bytes_of};
+use crate::narrow_phase::{Contact, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
 
@@ -128,41 +129,55 @@ impl Statics {
     }
 }
 
-impl World {
-    /// Estimates loads that are not known, before rows are made for a step of `dt` seconds.
-    pub(crate) fn estimate_loads(&mut self, dt: f32) {
-        let gravity = self.settings.gravity.length();
-        if gravity == 0.0 || !self.settings.warm_starting {
-            return;
-        }
-        let mut rooms = self.rooms();
-        let (dynamic, contacts) = (self.bodies.dynamic(), self.contacts.all.capacity());
-        let statics = &mut self.buffers.statics;
-        statics.wait = statics.wait.saturating_sub(1);
-        // In every step: an estimate in a scene that has long settled must not be the first to allocate.
-        let fits = rooms.within(Category::Scratch, |room| statics.reserve(dynamic, contacts, room));
-        if !statics.pending || statics.wait > 0 {
-            return;
-        }
-        let mut statics = std::mem::take(statics);
-        let unit = self.settings.length_unit;
-        let rest = Rest {
-            up: self.settings.gravity / -gravity,
-            touching: self.settings.slop * unit,
-            closing: STEPS_OF_FALL * gravity * dt,
-            slip: STICK * unit,
-            h: self.lengths(dt).last(),
-        };
-        if fits && self.find_supports(&mut statics, &rest) {
-            self.add_known_loads(&mut statics, &rest);
-            self.find_supported(&mut statics, &rest);
-            rooms.within(Category::Scratch, |room| self.hand_down(&mut statics, &rest, room));
-        }
-        let wait = (self.broad.pairs.len() / PAIRS_PER_STEP) as u32;
-        (statics.wait, statics.pending) = (wait.clamp(1, LONGEST_WAIT), false);
-        self.buffers.statics = statics;
-    }
+/// The bodies of a step and what holds them up.
+pub(crate) struct Structure<'a> {
+    pub(crate) bodies: &'a Bodies,
+    pub(crate) colliders: &'a Colliders,
+    pub(crate) pairs: &'a [Pair],
+    pub(crate) contacts: &'a mut Contacts,
+    /// Of each body that can move; empty if nothing pulls [m/s²].
+    pub(crate) acceleration: &'a [Record],
+}
 
+impl Statics {
+    /// Estimates loads that are not known, before rows are made for a step of `dt` seconds whose last substep takes `h`.
+    pub(crate) fn estimate(
+        &mut self,
+        structure: &mut Structure<'_>,
+        settings: &Settings,
+        (dt, h): (f32, f32),
+        rooms: &mut Rooms,
+    ) {
+        let gravity = settings.gravity.length();
+        if gravity == 0.0 || !settings.warm_starting {
+            return;
+        }
+        let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.all.capacity());
+        self.wait = self.wait.saturating_sub(1);
+        // In every step: an estimate in a scene that has long settled must not be the first to allocate.
+        let fits = rooms.within(Category::Scratch, |room| self.reserve(dynamic, contacts, room));
+        if !self.pending || self.wait > 0 {
+            return;
+        }
+        let unit = settings.length_unit;
+        let rest = Rest {
+            up: settings.gravity / -gravity,
+            touching: settings.slop * unit,
+            closing: STEPS_OF_FALL * gravity * dt,
+            slip: STATIC_SLIP_SPEED * unit,
+            h,
+        };
+        if fits && structure.find_supports(self, &rest) {
+            structure.add_known_loads(self, &rest);
+            structure.find_supported(self, &rest);
+            rooms.within(Category::Scratch, |room| structure.hand_down(self, &rest, room));
+        }
+        let wait = (structure.pairs.len() / PAIRS_PER_STEP) as u32;
+        (self.wait, self.pending) = (wait.clamp(1, LONGEST_WAIT), false);
+    }
+}
+
+impl Structure<'_> {
     /// Hands the burden of each supported body to the new contacts below it.
     fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, room: &mut Room) {
         let Statics { places, burdens, by_height, supports, points, .. } = statics;

@@ -1,18 +1,17 @@
 //! New contacts that bear bodies, and what those bodies bear already.
 
-use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Support, is_supported, point_velocity};
+use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Structure, Support, is_supported, point_velocity};
 use crate::narrow_phase::{Contact, NONE};
-use crate::world::World;
 use glam::Vec3;
 
-impl World {
+impl Structure<'_> {
     /// Finds contacts whose load is not known, between bodies at rest, and the bodies above and below them. Says whether there are
     /// any that bear a body.
     pub(super) fn find_supports(&mut self, statics: &mut Statics, rest: &Rest) -> bool {
         let Statics { places, burdens, supports, .. } = statics;
         let dynamic = self.bodies.dynamic();
         supports.clear();
-        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
+        for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while slot != NONE {
                 let index = slot;
@@ -24,7 +23,7 @@ impl World {
                 let [a, b] = [contact.a, contact.b].map(|c| self.colliders.all[c as usize].body);
                 // What rolls is at rest where it touches: its centre says whether it moves.
                 let at = self.bodies.pose[if (b as usize) < dynamic { b } else { a } as usize].position;
-                let velocity = |body: u32| point_velocity(&self.bodies, body as usize, at);
+                let velocity = |body: u32| point_velocity(self.bodies, body as usize, at);
                 let moves = velocity(b) - velocity(a);
                 let normal = contact.frame * contact.normal;
                 let along = moves.dot(normal);
@@ -38,7 +37,7 @@ impl World {
                 let bounces = x.restitution_with(y) > 0.0
                     && contact.points().iter().any(|point| {
                         let at = origin + (contact.frame * point.position).as_dvec3();
-                        let [a, b] = [a, b].map(|body| point_velocity(&self.bodies, body as usize, at));
+                        let [a, b] = [a, b].map(|body| point_velocity(self.bodies, body as usize, at));
                         point.separation <= rest.touching && (b - a).dot(normal).abs() > rest.closing
                     });
                 if bounces {
@@ -67,7 +66,7 @@ impl World {
             if *place == NOWHERE {
                 *place = burdens.len() as u32;
                 let mass = self.bodies.mass[body as usize].inverse;
-                let pull = self.buffers.forces.acceleration.get(body as usize);
+                let pull = self.acceleration.get(body as usize);
                 let force =
                     if mass > 0.0 { pull.map_or(Vec3::ZERO, |p| p.linear / mass) } else { Vec3::ZERO };
                 burdens.push(Burden { body, force, ..Burden::default() });
@@ -89,7 +88,7 @@ impl World {
     /// Adds what known contacts above and below the bodies bear.
     pub(super) fn add_known_loads(&self, statics: &mut Statics, rest: &Rest) {
         let Statics { places, burdens, .. } = statics;
-        for pair in &self.broad.pairs {
+        for pair in self.pairs {
             let bodies = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body);
             let place = |body: u32| places.get(body as usize).copied().unwrap_or(NOWHERE);
             let of_pair = bodies.map(place);

@@ -1,54 +1,12 @@
 //! An impact of two bodies, solved by itself at the moment it happens.
 
-use crate::body::Bodies;
-use crate::forces::world_inertia;
-use crate::lanes::{self, Record, Sym3};
+use crate::solver::ImpactBody;
 use glam::Vec3;
 
 /// Most points of an impact: four manifolds.
 pub(super) const MOST: usize = 16;
 /// Gauss-Seidel sweeps over them.
 const SWEEPS: usize = 16;
-
-/// One of the two, where it stands at the moment.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Struck {
-    pub(crate) velocity: Record,
-    /// Along each axis: zero if nothing moves it, or not along that.
-    pub(super) inverse_mass: Vec3,
-    pub(super) inverse_inertia: Sym3<f32>,
-}
-
-impl Struck {
-    /// A dynamic body as it stands and moves now.
-    pub(crate) fn now(bodies: &Bodies, i: usize) -> Struck {
-        Struck {
-            velocity: bodies.velocity[i],
-            inverse_mass: bodies.traits[i].free(Vec3::splat(bodies.mass[i].inverse)),
-            inverse_inertia: world_inertia(bodies, i),
-        }
-    }
-
-    /// Velocity of a point at `arm` from the centre [m/s].
-    pub(crate) fn at(&self, arm: Vec3) -> Vec3 {
-        self.velocity.linear + self.velocity.angular.cross(arm)
-    }
-
-    fn turned(&self, torque: Vec3) -> Vec3 {
-        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
-    }
-
-    /// By how much a unit impulse along a direction changes the velocity there [1/kg].
-    pub(crate) fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
-        let torque = arm.cross(along);
-        (self.inverse_mass * along).dot(along) + torque.dot(self.turned(torque))
-    }
-
-    pub(crate) fn push(&mut self, arm: Vec3, impulse: Vec3) {
-        self.velocity.linear += impulse * self.inverse_mass;
-        self.velocity.angular += self.turned(arm.cross(impulse));
-    }
-}
 
 /// A point where they touch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,9 +28,14 @@ pub(super) struct Law {
 
 /// Newton's restitution and Coulomb's friction at all points together, by sequential impulses. Returns how fast the two part
 /// at the point where they came together fastest [m/s], or nothing if they didn't come together.
-pub(super) fn resolve(a: &mut Struck, b: &mut Struck, points: &[Point], law: Law) -> Option<(f32, Vec3)> {
+pub(super) fn resolve(
+    a: &mut ImpactBody,
+    b: &mut ImpactBody,
+    points: &[Point],
+    law: Law,
+) -> Option<(f32, Vec3)> {
     let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MOST];
-    let speed = |a: &Struck, b: &Struck, p: &Point| p.normal.dot(b.at(p.arms[1]) - a.at(p.arms[0]));
+    let speed = |a: &ImpactBody, b: &ImpactBody, p: &Point| p.normal.dot(b.at(p.arms[1]) - a.at(p.arms[0]));
     let mut fastest = (0.0_f32, 0);
     for (i, (row, p)) in rows.iter_mut().zip(points).enumerate() {
         let approach = -speed(a, b, p);
@@ -115,17 +78,18 @@ pub(super) fn resolve(a: &mut Struck, b: &mut Struck, points: &[Point], law: Law
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Record, Sym3};
 
-    fn ball(velocity: Vec3) -> Struck {
+    fn ball(velocity: Vec3) -> ImpactBody {
         // 1 kg, radius 1: 2/5 m r².
         let i = 2.5;
         let inverse_inertia = Sym3 { xx: i, yy: i, zz: i, xy: 0.0, xz: 0.0, yz: 0.0 };
         let velocity = Record { linear: velocity, ..Record::default() };
-        Struck { velocity, inverse_mass: Vec3::ONE, inverse_inertia }
+        ImpactBody { velocity, inverse_mass: Vec3::ONE, inverse_inertia }
     }
 
-    fn wall() -> Struck {
-        Struck { velocity: Record::default(), inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() }
+    fn wall() -> ImpactBody {
+        ImpactBody { velocity: Record::default(), inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() }
     }
 
     #[test]

@@ -20,16 +20,18 @@ mod queue;
 mod strike;
 mod track;
 
-use crate::broad_phase::{Aabb, Pair, STACK, Whom, aabb_of};
+use crate::body::{Bodies, Colliders};
+use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, Whom, aabb_of};
+use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::config::{Continuous, ContinuousMethod, Settings};
-use crate::memory::{Buffer, Category, Room, bytes_of};
+use crate::forces::Forces;
+use crate::joint::Joints;
+use crate::lanes::Record;
+use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{MeshScratch, RawManifold};
-use crate::step::{MARGIN, REAL};
 use crate::threads::{Crew, Shared, per_block};
-use crate::world::World;
 use first_touch::{Search, Touch, first_touch};
 use glam::Vec3;
-pub(crate) use impulse::Struck;
 use queue::{Hit, Queue};
 use track::Track;
 pub(crate) use track::Way;
@@ -110,27 +112,47 @@ impl Buffers {
     }
 }
 
-/// Meets the impacts of a step of `dt` seconds that was solved and whose bodies stand at its end, if the method asks for
-/// that.
-pub(crate) fn meet_impacts(crew: &Crew<'_>, world: &mut World, dt: f32) -> Impacts {
-    let Some(rules) = Rules::of(&world.settings) else { return Impacts::default() };
-    let mut buffers = std::mem::take(&mut world.buffers.impacts);
-    let mut room = world.room(Category::Continuous);
-    // Of what this holds itself the world knows nothing while it is out.
-    room.take(buffers.bytes().1);
-    let mut run = Run { world, buffers: &mut buffers, rules, dt, room, impacts: Impacts::default() };
+/// The step that was solved: bodies at its end, and what may be struck.
+pub(crate) struct Solved<'a> {
+    pub(crate) bodies: &'a mut Bodies,
+    /// With the poses of the start of the step.
+    pub(crate) colliders: &'a Colliders,
+    pub(crate) broad: &'a BroadPhase,
+    pub(crate) joints: &'a Joints,
+    pub(crate) forces: &'a Forces,
+    /// Displacement [m] and rotation vector [rad] of each body that can move.
+    pub(crate) delta: &'a [Record],
+    /// Pairs that hooks let pass through each other, sorted.
+    pub(crate) vetoed: &'a [(u32, u32)],
+    pub(crate) settings: &'a Settings,
+    /// Length of the step [s].
+    pub(crate) dt: f32,
+}
+
+/// Whether a method meets impacts one by one.
+pub(crate) fn meets_impacts(settings: &Settings) -> bool {
+    Rules::of(settings).is_some()
+}
+
+/// Meets the impacts of a step whose bodies stand at its end, if the method asks for that. `room`: what buffers may grow by.
+pub(crate) fn meet_impacts(
+    crew: &Crew<'_>,
+    on: &mut Solved<'_>,
+    buffers: &mut Buffers,
+    room: Room,
+) -> Impacts {
+    let Some(rules) = Rules::of(on.settings) else { return Impacts::default() };
+    let mut run = Run { dt: on.dt, on, buffers, rules, room, impacts: Impacts::default() };
     run.find_first(crew);
     while let Some(hit) = run.buffers.queue.pop() {
         run.strike(&hit);
     }
-    let impacts = run.impacts;
-    world.buffers.impacts = buffers;
-    impacts
+    run.impacts
 }
 
 /// A step's impacts while they are met.
-struct Run<'a> {
-    world: &'a mut World,
+struct Run<'a, 'b> {
+    on: &'a mut Solved<'b>,
     buffers: &'a mut Buffers,
     rules: Rules,
     dt: f32,
@@ -138,10 +160,10 @@ struct Run<'a> {
     impacts: Impacts,
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     /// Fills the queue with the touches that the ways of the step lead to.
     fn find_first(&mut self, crew: &Crew<'_>) {
-        let movers = self.world.bodies.movers();
+        let movers = self.on.bodies.movers();
         let Buffers { track_of, tracks, queue, times, .. } = &mut *self.buffers;
         track_of.clear();
         track_of.resize(movers, NONE);
@@ -150,8 +172,8 @@ impl Run<'_> {
         times.clear();
         self.find_strays();
         let strays = self.buffers.tracks.len();
-        let count = self.world.broad.pairs.len();
-        if strays == 0 && !self.world.broad.pairs.iter().any(|pair| pair.fast) {
+        let count = self.on.broad.pairs.len();
+        if strays == 0 && !self.on.broad.pairs.iter().any(|pair| pair.fast) {
             return;
         }
         let mut times = std::mem::take(&mut self.buffers.times);
@@ -162,7 +184,7 @@ impl Run<'_> {
             let (out, this) = (Shared::new(&mut times), self.view());
             crew.run(place.div_ceil(BLOCK), &|block| {
                 for i in block * BLOCK..((block + 1) * BLOCK).min(place) {
-                    let pair = &this.world.broad.pairs[i];
+                    let pair = &this.on.broad.pairs[i];
                     if pair.fast && !this.is_tracked(pair) && this.may_strike(pair.a, pair.b) {
                         // SAFETY: each pair is in one block.
                         unsafe { *out.get(i) = this.touch(pair.a, pair.b, 0.0) };
@@ -171,7 +193,7 @@ impl Run<'_> {
             });
         }
         for (i, touch) in times.iter().enumerate().filter(|(_, touch)| touch.time <= 1.0) {
-            let Pair { a, b, .. } = self.world.broad.pairs[i];
+            let Pair { a, b, .. } = self.on.broad.pairs[i];
             self.push(Hit { touch: *touch, a, b, turns: [0; 2] });
         }
         self.buffers.times = times;
@@ -182,21 +204,21 @@ impl Run<'_> {
 
     /// Makes tracks for bodies that go another way than the broad phase looked along, because something pushed them.
     fn find_strays(&mut self) {
-        let (margin, linear) = (MARGIN * self.world.settings.length_unit, self.rules.linear);
-        for i in 0..self.world.bodies.dynamic() {
-            let world = &*self.world;
-            let (went, meant) = (&world.buffers.solver.delta[i], &world.buffers.forces.motion[i]);
+        let (margin, linear) = (CONTACT_MARGIN * self.on.settings.length_unit, self.rules.linear);
+        for i in 0..self.on.bodies.dynamic() {
+            let on = &*self.on;
+            let (went, meant) = (&on.delta[i], &on.forces.motion[i]);
             let aside = (went.linear - meant.linear).length();
             let turned = if linear { 0.0 } else { (went.angular - meant.angular).length() };
             if aside + turned == 0.0
-                || world.settings.continuous.of(world.bodies.traits[i].continuous) == Continuous::Discrete
+                || on.settings.continuous.of(on.bodies.traits[i].continuous) == Continuous::Discrete
             {
                 continue;
             }
-            let own = world.bodies.colliders[i].as_slice();
+            let own = on.bodies.colliders[i].as_slice();
             let far = own.iter().any(|&c| {
-                let hot = &world.colliders.hot[c as usize];
-                let least = world.colliders.all[c as usize].inner_radius;
+                let hot = &on.colliders.hot[c as usize];
+                let least = on.colliders.all[c as usize].inner_radius;
                 let swing = (hot.lever + hot.radius) * turned.min(2.0);
                 // Who hardly moves gets through nothing.
                 let moves = went.linear.length() + (hot.lever + hot.radius) * went.angular.length();
@@ -215,9 +237,9 @@ impl Run<'_> {
             return known as usize;
         }
         let way = self.view().way(body);
-        let free = body < self.world.bodies.dynamic() && !self.world.buffers.solver.delta[body].is_touched();
+        let free = body < self.on.bodies.dynamic() && !self.on.delta[body].is_touched();
         // Where nothing pulls there is no such column.
-        let pull = self.world.buffers.forces.acceleration.get(body).filter(|_| free);
+        let pull = self.on.forces.acceleration.get(body).filter(|_| free);
         let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);
         self.buffers.tracks.push(Track { body: body as u32, way, pull, turns: 0, stands: false });
         self.buffers.track_of[body] = self.buffers.tracks.len() as u32 - 1;
@@ -230,33 +252,33 @@ impl Run<'_> {
             return;
         }
         let (body, way) = (self.buffers.tracks[track].body as usize, self.buffers.tracks[track].way);
-        let count = self.world.bodies.colliders[body].as_slice().len();
+        let count = self.on.bodies.colliders[body].as_slice().len();
         let mut near = std::mem::take(&mut self.buffers.near);
         let mut stack = std::mem::take(&mut self.buffers.stack);
         for k in 0..count {
-            let c = self.world.bodies.colliders[body].as_slice()[k];
-            if self.world.colliders.hot[c as usize].is_sensor() {
+            let c = self.on.bodies.colliders[body].as_slice()[k];
+            if self.on.colliders.hot[c as usize].is_sensor() {
                 continue;
             }
             let bounds = self.view().bounds(c, &way, since);
             near.clear();
             let (room, shed) = (&mut self.room, &mut self.impacts.shed);
-            self.world.broad.in_box(&mut stack, Whom::All, &bounds, |other| {
+            self.on.broad.in_box(&mut stack, Whom::All, &bounds, |other| {
                 *shed += u32::from(!room.push(&mut near, other));
             });
             // In an order that does not hang on the shape of a tree.
             near.sort_unstable();
             for &other in &near {
                 // Those that were sent another way are not where the tree has them.
-                let of = self.world.colliders.hot[other as usize].body as usize;
+                let of = self.on.colliders.hot[other as usize].body as usize;
                 if self.buffers.track_of.get(of).is_none_or(|&track| track == NONE) {
                     self.try_pair(c, other, since);
                 }
             }
             for other in 0..self.buffers.tracks.len() {
                 let Track { body: of, way, .. } = self.buffers.tracks[other];
-                for j in 0..self.world.bodies.colliders[of as usize].as_slice().len() {
-                    let d = self.world.bodies.colliders[of as usize].as_slice()[j];
+                for j in 0..self.on.bodies.colliders[of as usize].as_slice().len() {
+                    let d = self.on.bodies.colliders[of as usize].as_slice()[j];
                     if other != track && self.view().bounds(d, &way, since).overlaps(&bounds) {
                         self.try_pair(c, d, since);
                     }
@@ -271,7 +293,7 @@ impl Run<'_> {
         if !view.may_strike(one, other) {
             return;
         }
-        let key = |c: u32| (view.world.colliders.hot[c as usize].kind, c);
+        let key = |c: u32| (view.on.colliders.hot[c as usize].kind, c);
         let (a, b) = if key(one) <= key(other) { (one, other) } else { (other, one) };
         let touch = view.touch(a, b, since);
         let turns = [a, b].map(|c| view.turns(c));
@@ -288,7 +310,7 @@ impl Run<'_> {
 
     fn view(&self) -> View<'_> {
         View {
-            world: self.world,
+            on: self.on,
             track_of: &self.buffers.track_of,
             tracks: &self.buffers.tracks,
             rules: self.rules,
@@ -298,7 +320,7 @@ impl Run<'_> {
 
 /// What searches read.
 struct View<'a> {
-    world: &'a World,
+    on: &'a Solved<'a>,
     track_of: &'a [u32],
     tracks: &'a [Track],
     rules: Rules,
@@ -310,19 +332,18 @@ impl View<'_> {
     }
 
     fn is_tracked(&self, pair: &Pair) -> bool {
-        let of = |c: u32| self.world.colliders.hot[c as usize].body as usize;
+        let of = |c: u32| self.on.colliders.hot[c as usize].body as usize;
         self.track_of(of(pair.a)).is_some() || self.track_of(of(pair.b)).is_some()
     }
 
     /// How often the body of a collider was sent another way.
     fn turns(&self, collider: u32) -> u32 {
-        self.track_of(self.world.colliders.hot[collider as usize].body as usize)
-            .map_or(0, |track| track.turns)
+        self.track_of(self.on.colliders.hot[collider as usize].body as usize).map_or(0, |track| track.turns)
     }
 
     /// Whether an impact of two colliders would be met.
     fn may_strike(&self, a: u32, b: u32) -> bool {
-        let World { bodies, colliders, joints, settings, events, .. } = self.world;
+        let Solved { bodies, colliders, joints, settings, vetoed, .. } = self.on;
         let [x, y] = [a, b].map(|c| &colliders.hot[c as usize]);
         let (i, k) = (x.body as usize, y.body as usize);
         let dynamic = bodies.dynamic();
@@ -337,39 +358,38 @@ impl View<'_> {
             && settings.continuous.of(x.mode.max(y.mode)) != Continuous::Discrete
             && filter(a).allows(filter(b))
             && !joints.keep_apart(bodies.slot[i], bodies.slot[k])
-            && (events.vetoed.is_empty() || events.vetoed.binary_search(&(a.min(b), a.max(b))).is_err())
+            && (vetoed.is_empty() || vetoed.binary_search(&(a.min(b), a.max(b))).is_err())
     }
 
     /// The way of a body, as far as it is known.
     fn way(&self, body: usize) -> Way {
-        let pose = &self.world.bodies.pose[body];
+        let pose = &self.on.bodies.pose[body];
         if let Some(track) = self.track_of(body) {
             return track.way;
         }
-        let own = self.world.bodies.colliders[body].as_slice().first();
-        let Some(&c) = own.filter(|_| body < self.world.bodies.movers()) else { return Way::still(pose) };
-        let (shape, placed) =
-            (&self.world.colliders.all[c as usize], &self.world.colliders.poses[c as usize]);
-        let turned = self.world.buffers.solver.delta[body].angular;
+        let own = self.on.bodies.colliders[body].as_slice().first();
+        let Some(&c) = own.filter(|_| body < self.on.bodies.movers()) else { return Way::still(pose) };
+        let (shape, placed) = (&self.on.colliders.all[c as usize], &self.on.colliders.poses[c as usize]);
+        let turned = self.on.delta[body].angular;
         let way = Way::taken(shape, placed, pose, turned);
         if self.rules.linear { Way { rotation: pose.rotation, spin: Vec3::ZERO, ..way } } else { way }
     }
 
     /// When two colliders first touch if nothing else happens after a moment.
     fn touch(&self, a: u32, b: u32, since: f32) -> Touch {
-        let shape = |c: u32| &self.world.colliders.all[c as usize];
+        let shape = |c: u32| &self.on.colliders.all[c as usize];
         let path = |c: u32| self.way(shape(c).body as usize).rest(since);
         let turns = self.turns(a).max(self.turns(b));
         let share = if self.rules.linear { TIGHT } else { tightness(turns) };
-        let unit = self.world.settings.length_unit;
-        let search = Search { share, unit, resting: REAL * unit };
+        let unit = self.on.settings.length_unit;
+        let search = Search { share, unit, resting: TOUCH_DISTANCE * unit };
         let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }
 
     /// A box around a collider on what is left of a way.
     fn bounds(&self, collider: u32, way: &Way, since: f32) -> Aabb {
-        let shape = &self.world.colliders.all[collider as usize];
+        let shape = &self.on.colliders.all[collider as usize];
         let rest = way.rest(since);
         let (from, to) = (aabb_of(shape, rest.centre, rest.rotation), {
             let end = way.at(1.0);

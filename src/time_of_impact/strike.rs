@@ -1,28 +1,29 @@
 //! One impact: where it is, what it does, and where the two go from there.
 
-use super::impulse::{self, Law, Point, Struck, resolve};
+use super::impulse::{self, Law, Point, resolve};
 use super::queue::Hit;
 use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
 use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
 use crate::shape::{Collider, Kind};
-use crate::step::REAL;
+use crate::solver::ImpactBody;
 use glam::Vec3;
 
-impl Run<'_> {
+impl Run<'_, '_> {
     /// Meets an impact, if both bodies are still on the ways that lead to it.
     pub(super) fn strike(&mut self, hit: &Hit) {
         let view = self.view();
         if [hit.a, hit.b].map(|c| view.turns(c)) != hit.turns {
             return;
         }
-        let of = |c: u32| self.world.colliders.hot[c as usize].body as usize;
+        let of = |c: u32| self.on.colliders.hot[c as usize].body as usize;
         let (i, k) = (of(hit.a), of(hit.b));
-        let dynamic = self.world.bodies.dynamic();
-        let tracks = [i, k].map(|body| (body < self.world.bodies.movers()).then(|| self.track(body)));
+        let dynamic = self.on.bodies.dynamic();
+        let tracks = [i, k].map(|body| (body < self.on.bodies.movers()).then(|| self.track(body)));
         let goes = |run: &Self, side: usize| {
             tracks[side].is_some_and(|t| [i, k][side] < dynamic && !run.buffers.tracks[t].stands)
         };
@@ -32,21 +33,21 @@ impl Run<'_> {
         }
         self.impacts.struck += 1;
         let time = hit.touch.time;
-        let ends = [i, k].map(|body| self.world.bodies.pose[body]);
+        let ends = [i, k].map(|body| self.on.bodies.pose[body]);
         for (body, track) in [i, k].into_iter().zip(tracks) {
             if let Some(track) = track {
-                self.world.bodies.pose[body] = self.buffers.tracks[track].way.at(time);
+                self.on.bodies.pose[body] = self.buffers.tracks[track].way.at(time);
             }
         }
         let (points, count) = self.points(hit, [i, k]);
         let mut a = self.struck(i, tracks[0], time, &ends[0]);
         let mut b = self.struck(k, tracks[1], time, &ends[1]);
         let before = [a.velocity.angular, b.velocity.angular];
-        let material = |c: u32| &self.world.colliders.all[c as usize].material;
+        let material = |c: u32| &self.on.colliders.all[c as usize].material;
         let law = Law {
             friction: material(hit.a).friction_with(material(hit.b)).1,
             restitution: material(hit.a).restitution_with(material(hit.b)),
-            threshold: self.world.settings.restitution_threshold * self.world.settings.length_unit,
+            threshold: self.on.settings.restitution_threshold * self.on.settings.length_unit,
         };
         let met = resolve(&mut a, &mut b, &points[..count], law);
         let (parting, normal) = met.unwrap_or((0.0, hit.touch.normal));
@@ -54,7 +55,7 @@ impl Run<'_> {
             let Some(track) = tracks[side] else { continue };
             if body >= dynamic {
                 // Kinematic: it goes on.
-                self.world.bodies.pose[body] = ends[side];
+                self.on.bodies.pose[body] = ends[side];
                 continue;
             }
             // What lies against the other is not pulled into it.
@@ -73,10 +74,10 @@ impl Run<'_> {
     }
 
     /// What an impact has to know of a body that stands where it is at the moment; `end`: where it would be at the end.
-    fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> Struck {
-        let bodies = &self.world.bodies;
+    fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> ImpactBody {
+        let bodies = &self.on.bodies;
         let Some(track) = track else {
-            return Struck {
+            return ImpactBody {
                 velocity: Record::default(),
                 inverse_mass: Vec3::ZERO,
                 inverse_inertia: Sym3::default(),
@@ -84,16 +85,16 @@ impl Run<'_> {
         };
         if body >= bodies.dynamic() {
             let velocity = bodies.velocity[body];
-            return Struck { velocity, inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() };
+            return ImpactBody { velocity, inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() };
         }
         let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
         velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);
-        Struck { velocity, ..Struck::now(bodies, body) }
+        ImpactBody { velocity, ..ImpactBody::now(bodies, body) }
     }
 
     /// The spin of a body that turns freely from one pose to another.
     fn carried(&self, body: usize, from: &Pose, to: &Pose, spin: Vec3) -> Vec3 {
-        let bodies = &self.world.bodies;
+        let bodies = &self.on.bodies;
         if self.rules.linear || !spins_freely(&bodies.mass[body], &bodies.traits[body], spin, self.dt) {
             return spin;
         }
@@ -105,9 +106,9 @@ impl Run<'_> {
         let left = (1.0 - time) * self.dt;
         let (linear, most) = (self.rules.linear, self.rules.most);
         let mut velocity = velocity;
-        self.world.bodies.traits[body].lock(&mut velocity);
+        self.on.bodies.traits[body].lock(&mut velocity);
         let track = &mut self.buffers.tracks[track];
-        let mut pose = self.world.bodies.pose[body];
+        let mut pose = self.on.bodies.pose[body];
         if !track.stands {
             track.turns += 1;
             track.stands = track.turns >= most;
@@ -128,23 +129,23 @@ impl Run<'_> {
         velocity.linear += track.pull * left;
         let end = track.way.at(1.0);
         velocity.angular = self.carried(body, &pose, &end, velocity.angular);
-        self.world.bodies.pose[body] = end;
-        let record = &mut self.world.bodies.velocity[body];
+        self.on.bodies.pose[body] = end;
+        let record = &mut self.on.bodies.velocity[body];
         (record.linear, record.angular) = (velocity.linear, velocity.angular);
     }
 
     /// Where two colliders touch, with their bodies where they stand.
     fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MOST], usize) {
-        let world = &*self.world;
-        let [a, b] = [hit.a, hit.b].map(|c| &world.colliders.all[c as usize]);
-        let [pose_a, pose_b] = bodies.map(|i| world.bodies.pose[i]);
+        let on = &*self.on;
+        let [a, b] = [hit.a, hit.b].map(|c| &on.colliders.all[c as usize]);
+        let [pose_a, pose_b] = bodies.map(|i| on.bodies.pose[i]);
         let (at_a, at_b) = (place(a, &pose_a), place(b, &pose_b));
         let back = at_a.rotation.conjugate();
         let rel = Relative {
             position: back * (at_b.position - at_a.position).as_vec3(),
             rotation: back * at_b.rotation,
         };
-        let margin = REAL * world.settings.length_unit;
+        let margin = TOUCH_DISTANCE * on.settings.length_unit;
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
         manifolds.clear();
         if matches!(b.kind, Kind::Mesh | Kind::HeightField) {

@@ -4,6 +4,7 @@ use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
+use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::joint::More;
 use crate::lanes::Record;
@@ -280,7 +281,7 @@ impl World {
         let (rooms, of_bodies) = (self.rooms(), self.lacking(counts));
         let mut asked = |more: More| {
             let mut asked = of_bodies;
-            asked.add(Category::Joints, self.joints.missing(more));
+            asked.add(Category::Joints, self.joints.missing(more, WIDEST_JOINT_BATCH));
             asked
         };
         // So that joints added one by one are not all moved each time.

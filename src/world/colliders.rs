@@ -128,7 +128,7 @@ impl World {
         }
         for place in 0..self.removed.len() {
             let pair = self.removed[place];
-            self.part(&pair);
+            self.part_pair(&pair);
             self.contacts.remove_chain(pair.contact);
         }
     }

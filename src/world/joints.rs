@@ -1,12 +1,11 @@
 //! Joints of the world: add, remove, change, look up.
 
-use super::World;
+use super::{Change, World};
 use crate::body::{BodyKind, Cold};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit, More};
-use crate::record::record;
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
@@ -18,7 +17,7 @@ impl World {
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         self.check_joint(desc)?;
         self.make_place_for_joints(More::of_joint(desc), true)?;
-        record!(self, AddJoint(desc.clone()));
+        self.note(Change::AddJoint(desc));
         Ok(self.insert_joint(desc))
     }
 
@@ -33,7 +32,7 @@ impl World {
         descs.iter().try_for_each(|desc| self.check_joint(desc))?;
         let more = descs.iter().map(More::of_joint).fold(More::default(), More::and);
         self.make_place_for_joints(more, false)?;
-        record!(self, AddJoints(descs.to_vec()));
+        self.note(Change::AddJoints(descs));
         self.joints.widen(more);
         Ok(descs.iter().map(|desc| self.insert_joint(desc)).collect())
     }
@@ -91,7 +90,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_joint(&mut self, joint: JointHandle) -> Result<(), Error> {
         let slot = self.joint(joint)?;
-        record!(self, RemoveJoint(joint));
+        self.note(Change::RemoveJoint(joint));
         self.drop_joint(slot);
         Ok(())
     }
@@ -105,7 +104,7 @@ impl World {
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joints(More::of(limits, drives), true)?;
-        record!(self, SetJoint(joint, limits.to_vec(), drives.to_vec()));
+        self.note(Change::SetJoint(joint, limits, drives));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
         self.joints.replace_rows(slot, limits, drives);
@@ -119,7 +118,7 @@ impl World {
     /// If the handle is stale.
     pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let slot = self.joint(joint)?;
-        record!(self, RaiseJoint(joint, above));
+        self.note(Change::RaiseJoint(joint, above));
         self.revisions.moving += 1;
         self.joints.all[slot as usize].raised = above;
         self.joints.changed = true;

@@ -1,10 +1,9 @@
 //! Mass of the world's bodies: given, or that of their shapes.
 
-use super::World;
+use super::{Change, World};
 use crate::body::{BodyKind, Cold, Mass, Pose};
 use crate::error::Error;
 use crate::handle::BodyHandle;
-use crate::record::record;
 use crate::shape::{MassProperties, ShapeDesc};
 use glam::{Quat, Vec3};
 
@@ -25,7 +24,7 @@ impl World {
         let index = self.index(body)?;
         mass.validate()?;
         movable(&mass)?;
-        record!(self, SetMass(body, mass));
+        self.note(Change::SetMass(body, mass));
         let index = self.wake_body(index);
         self.revise(index);
         self.bodies.cold[index].mass_from_shapes = false;

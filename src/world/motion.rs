@@ -1,13 +1,12 @@
 //! Where bodies are and how they move: look up, set, push.
 
-use super::World;
+use super::{Change, World};
 use crate::body::{BodyKind, Pose};
 use crate::error::Error;
 use crate::forces::world_inertia;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
-use crate::record::record;
 use crate::shape::unit_quat;
 use glam::{DVec3, Quat, Vec3};
 
@@ -73,7 +72,7 @@ impl World {
         limits::position(position)?;
         let unit = unit_quat("rotation", rotation)?;
         // As it was given: what is normalised twice may differ in a bit.
-        record!(self, SetPose(body, position, rotation));
+        self.note(Change::SetPose(body, position, rotation));
         let rotation = unit;
         let index = self.disturb(index);
         let cold = &self.bodies.cold[index];
@@ -102,7 +101,7 @@ impl World {
         let index = self.index(body)?;
         limits::speed("linear velocity", linear)?;
         limits::speed("angular velocity", angular)?;
-        record!(self, SetVelocity(body, linear, angular));
+        self.note(Change::SetVelocity(body, linear, angular));
         if self.bodies.kind[index] != BodyKind::Static {
             let index = self.wake_body(index);
             let velocity = &mut self.bodies.velocity[index];
@@ -153,7 +152,7 @@ impl World {
         limits::force("sum of forces", sum.linear + force)?;
         limits::force("sum of torques", sum.angular + torque)?;
         self.make_place_for_forces()?;
-        record!(self, AddForce(body, force, torque));
+        self.note(Change::AddForce(body, force, torque));
         let index = self.wake_body(index);
         self.bodies.note_push();
         let sum = &mut self.bodies.force[index];
@@ -177,7 +176,7 @@ impl World {
             limits::speed("linear velocity after the impulse", velocity.linear)?;
             limits::speed("angular velocity after the impulse", velocity.angular)?;
         }
-        record!(self, ApplyImpulse(body, impulse, point));
+        self.note(Change::ApplyImpulse(body, impulse, point));
         if dynamic {
             let index = self.wake_body(index);
             self.bodies.velocity[index] = velocity;

@@ -4,6 +4,7 @@ use super::budget::{Counts, check, list_bytes};
 use super::{Assets, World};
 use crate::body::{BodyKind, Traits};
 use crate::config::Settings;
+use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
@@ -75,7 +76,7 @@ impl World {
             self.assets.bytes().for_each(|(category, (_, reserved))| gone.add(category, reserved));
             gone.add(Category::Bodies, self.bodies.list_bytes());
             asked += new.counts.once;
-            asked.add(Category::Joints, self.joints.batches_missing_for(new.joints));
+            asked.add(Category::Joints, self.joints.rows_missing_for(new.joints) * WIDEST_JOINT_BATCH);
         }
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));

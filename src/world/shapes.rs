@@ -1,11 +1,10 @@
 //! Shapes of the world's bodies: add, remove, change, look up.
 
-use super::World;
 use super::mass::movable;
+use super::{Change, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::record::record;
 use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, ShapeDesc};
 
 impl World {
@@ -34,7 +33,7 @@ impl World {
             shape,
             self.bodies.colliders[index].as_slice().len(),
         )?;
-        record!(self, |tape| AddShape(body, tape.shape(shape)));
+        self.note(Change::AddShape(body, shape));
         let index = self.disturb(index);
         self.revise(index);
         let collider = self.new_collider(index, shape);
@@ -67,7 +66,7 @@ impl World {
             movable(&rest)?;
             mass = Some(rest);
         }
-        record!(self, RemoveShape(shape));
+        self.note(Change::RemoveShape(shape));
         let index = self.disturb(index);
         self.revise(index);
         let place = self.colliders.all[collider as usize].place;
@@ -113,7 +112,7 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
-        record!(self, SetMaterial(shape, material));
+        self.note(Change::SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);
         let collider = &mut self.colliders.all[index];
@@ -129,7 +128,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
-        record!(self, SetFilter(shape, filter));
+        self.note(Change::SetFilter(shape, filter));
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.colliders.all[index as usize].filter = filter;
@@ -145,7 +144,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
-        record!(self, SetListening(shape, events, hooks));
+        self.note(Change::SetListening(shape, events, hooks));
         let mut body = self.colliders.all[index].body as usize;
         let stops = !events && self.colliders.hot[index].has_events();
         if stops {
@@ -175,7 +174,7 @@ impl World {
         if sensor && !matches!(geometry, Geometry::Plane) {
             geometry.require_convex()?;
         }
-        record!(self, SetSensor(shape, sensor));
+        self.note(Change::SetSensor(shape, sensor));
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.leave_broad(index);

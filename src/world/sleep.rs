@@ -1,10 +1,14 @@
 //! Sleep of the world's bodies: ask, wake, send.
 
-use super::World;
+use super::{Buffers, Change, World};
 use crate::body::BodyKind;
+use crate::broad_phase::Aabb;
 use crate::error::Error;
+use crate::events::Events;
 use crate::handle::BodyHandle;
-use crate::record::record;
+use crate::memory::{Category, Room};
+use crate::sleep::{Islands, count_rest};
+use crate::threads::Crew;
 
 impl World {
     /// Whether a body is asleep.
@@ -32,7 +36,7 @@ impl World {
     /// If the handle is stale.
     pub fn wake(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, Wake(body));
+        self.note(Change::Wake(body));
         self.wake_body(index);
         Ok(())
     }
@@ -45,7 +49,7 @@ impl World {
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, SendToSleep(body));
+        self.note(Change::SendToSleep(body));
         // The column of a world that has just ceased to sleep lasts until the next step.
         let sleeps = self.settings.sleeping && self.bodies.rests;
         if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
@@ -60,10 +64,80 @@ impl World {
     /// If the handle is stale.
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, SetCanSleep(body, can_sleep));
+        self.note(Change::SetCanSleep(body, can_sleep));
         let index = if can_sleep { index } else { self.wake_body(index) };
         self.revise(index);
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;
         Ok(())
+    }
+    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
+    /// motions must be those of the step.
+    pub(crate) fn wake_what_is_reached(&mut self) -> bool {
+        if self.sleep.count() == 0 {
+            return false;
+        }
+        let (mut islands, buffers, _) = self.split_islands();
+        islands.wake_what_is_reached(&buffers.forces.motion)
+    }
+
+    /// Wakes a body with its island, if it sleeps, and has it count as moving. Returns its new index.
+    pub(crate) fn wake_body(&mut self, index: usize) -> usize {
+        self.split_islands().0.wake_body(index)
+    }
+
+    /// Wakes all that a body touches or might, and the body itself: something about it changed. Returns its new index.
+    pub(crate) fn disturb(&mut self, index: usize) -> usize {
+        self.split_islands().0.disturb(index)
+    }
+
+    /// Wakes all whose boxes a new one meets.
+    pub(crate) fn disturb_box(&mut self, bounds: &Aabb) {
+        self.split_islands().0.disturb_box(bounds);
+    }
+
+    /// Wakes everything.
+    pub(crate) fn wake_all(&mut self) {
+        self.split_islands().0.wake_all();
+    }
+
+    /// Counts how long bodies have been at rest, and puts islands to sleep that have been for long enough.
+    pub(crate) fn rest(&mut self, crew: &Crew<'_>, dt: f32) {
+        if !self.settings.sleeping {
+            return;
+        }
+        let tired = count_rest(crew, &mut self.bodies, &self.colliders.hot, &self.settings, dt);
+        if self.sleep.is_due(tired) {
+            self.split_islands().0.find(false);
+            let (time, room) = (self.settings.sleep_time, self.room_to_sleep());
+            let (mut islands, _, events) = self.split_islands();
+            islands.send_tired(time, events, room);
+        }
+    }
+
+    fn send_island_to_sleep(&mut self, index: u32) {
+        self.split_islands().0.find(true);
+        let room = self.room_to_sleep();
+        let (mut islands, _, events) = self.split_islands();
+        islands.send(index, events, room);
+    }
+
+    /// What pairs of islands that fall asleep may take.
+    fn room_to_sleep(&mut self) -> Room {
+        if self.needs.events > 0 {
+            self.grant_events();
+        }
+        self.room(Category::BroadPhase)
+    }
+
+    /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
+    pub(crate) fn islands(&self) -> Vec<u32> {
+        let World { bodies, colliders, broad, contacts, joints, sleep, settings, .. } = self;
+        sleep.numbers((bodies, &colliders.hot), &broad.pairs, contacts, joints, settings.length_unit)
+    }
+
+    fn split_islands(&mut self) -> (Islands<'_>, &mut Buffers, &mut Events) {
+        let unit = self.settings.length_unit;
+        let World { sleep, bodies, colliders, broad, contacts, joints, buffers, events, .. } = self;
+        (Islands { sleep, bodies, colliders, broad, contacts, joints, unit }, buffers, events)
     }
 }

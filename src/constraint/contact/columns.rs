@@ -4,7 +4,7 @@ use super::batch::lock_bits;
 use super::prepare::PrepareInput;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
-use crate::events::tweak_of;
+use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
 use crate::narrow_phase::{Contact, MAX_POINTS, Point};
 use crate::shape::{Collider, EVENTS};

@@ -3,7 +3,7 @@
 use super::{Link, NONE, Restitution, Site, Spot, Struck};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
-use crate::events::{Tweak, tweak_of};
+use crate::constraint::{Tweak, tweak_of};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::Room;

@@ -17,9 +17,9 @@
 //! ([`Restitution::go_on`]).
 
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{Colliders, FreeTurn, Mass, Pose, Traits};
+use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
 use crate::constraint::contact::prepare::GONE;
-use crate::forces::{is_uneven, turned_inertia};
+use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
 use crate::shape::Collider;
 use glam::{Quat, Vec3};
@@ -38,7 +38,7 @@ pub(crate) struct Bodies<'a> {
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
     pub(crate) pose: &'a [Pose],
-    pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
+    pub(crate) colliders: (&'a [ColliderList], &'a [Collider]),
     /// Time of the step that has passed and that is left at the start of the substep, and length of the
     /// substep [s].
     pub(crate) done: f32,

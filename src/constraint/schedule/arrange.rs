@@ -3,8 +3,9 @@
 use super::budget::{Ahead, Thrift, is_ahead};
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
-use super::order::{Group, Order, Stage};
+use super::order::{Group, Stage};
 use super::part::Part;
+use crate::config::Order;
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;

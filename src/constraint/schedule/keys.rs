@@ -1,7 +1,8 @@
 //! Sort keys of contacts: where they are solved, their colour and number of points.
 
 use super::colour::{COLOURS, OVERFLOW};
-use super::order::{Group, Order, Place, RowGroup};
+use super::order::{Group, Place};
+use crate::config::{Order, RowGroup};
 use crate::memory::{Buffer, bytes_of};
 
 /// Kinds of contacts of a colour: by points, most first, so that lanes of a batch are alike; and last those

@@ -84,7 +84,7 @@ fn place_that_was_made_is_enough() {
     for i in 0..100 {
         let desc = desc(i, i + 1).breaking(1.0, 1.0);
         let more = More::of_joint(&desc);
-        assert!(joints.missing(more) > 0, "batches at least");
+        assert!(joints.missing(more, 1) > 0, "batches at least");
         joints.widen(more);
         let reserved = joints.bytes().1;
         joints.add(&desc, desc.frames);

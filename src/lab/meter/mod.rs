@@ -27,7 +27,8 @@ use super::problem::Residual;
 use super::system::{Owner, Sums, System, Velocity, each_joint_row, velocity};
 use super::world_solver::{Last, SolverReport, WorldSolver};
 use crate::handle::BodyHandle;
-use crate::world::World;
+use crate::world::{StepMeter, World};
+use std::any::Any;
 
 /// The measures of a step, for all bodies or for an island. Zero is exact for all but counts and energies;
 /// `docs/accuracy.md` has the values that scenes reach.
@@ -177,6 +178,23 @@ impl crate::solver::Witness for Meter {
     }
 }
 
+/// The meter of a world.
+pub(super) fn meter(world: &World) -> Option<&Meter> {
+    let meter: &dyn Any = world.meter.as_deref()?;
+    meter.downcast_ref()
+}
+
+/// Changes the meter of a world, which may be made for that; it goes if it is there for nothing.
+pub(super) fn with_meter(world: &mut World, change: impl FnOnce(&mut Meter)) {
+    let meter: &mut dyn Any = &mut **world.meter.get_or_insert_with(|| Box::<Meter>::default());
+    if let Some(meter) = meter.downcast_mut::<Meter>() {
+        change(meter);
+        if meter.is_idle() {
+            world.meter = None;
+        }
+    }
+}
+
 impl World {
     /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is
     /// measured allocates, and takes a multiple of its time.
@@ -184,68 +202,65 @@ impl World {
         if !on && self.meter.is_none() {
             return;
         }
-        let meter = self.meter.get_or_insert_with(Box::default);
-        if on != meter.measures {
-            (meter.measures, meter.accuracy) = (on, None);
-        }
-        if meter.is_idle() {
-            self.meter = None;
-        }
+        with_meter(self, |meter| {
+            if on != meter.measures {
+                (meter.measures, meter.accuracy) = (on, None);
+            }
+        });
     }
 
     /// The accuracy of the last step, if it was measured.
     pub fn accuracy(&self) -> Option<&Accuracy> {
-        self.meter.as_ref()?.accuracy.as_ref()
+        meter(self)?.accuracy.as_ref()
     }
 
     /// The rows of the last step as one system with the impulses that they got, if it was measured.
     pub fn system(&self) -> Option<&System> {
-        let meter = self.meter.as_ref()?;
+        let meter = meter(self)?;
         meter.accuracy.as_ref().map(|_| &meter.system)
     }
+}
 
-    pub(crate) fn start_measuring(&mut self, dt: f32) -> Option<Box<Meter>> {
-        let mut meter = self.meter.take()?;
-        meter.system = System::assemble(self, dt);
-        meter.sums = Sums::new(self, &meter.system);
-        meter.accuracy = None;
-        if meter.measures {
-            meter.energy = motion::energies(self);
-            meter.forces = self.bodies.force.iter().map(velocity).collect();
+impl StepMeter for Meter {
+    fn before_rows(&mut self, world: &mut World, dt: f32) {
+        self.system = System::assemble(world, dt);
+        self.sums = Sums::new(world, &self.system);
+        self.accuracy = None;
+        if self.measures {
+            self.energy = motion::energies(world);
+            self.forces = world.bodies.force.iter().map(velocity).collect();
         }
-        if let Some(solving) = &mut meter.solver {
-            solving.last.take(&meter.system);
+        if let Some(solving) = &mut self.solver {
+            solving.last.take(&self.system);
         }
-        Some(meter)
     }
 
-    pub(crate) fn stop_measuring(&mut self, meter: Option<Box<Meter>>) {
-        let Some(mut meter) = meter else { return };
-        let Meter { system, sums, solver, .. } = &mut *meter;
-        let bounced = sums.give(self, system);
+    fn after_rows(&mut self, world: &mut World) {
+        let Meter { system, sums, solver, .. } = self;
+        let bounced = sums.give(world, system);
         if let Some(solving) = solver {
-            solving.report = solving.solver.apply(self, system, &mut solving.last);
+            solving.report = solving.solver.apply(world, system, &mut solving.last);
         }
         for (i, body) in system.bodies.iter_mut().enumerate() {
-            body.end = velocity(&self.bodies.velocity[i]);
-            body.moved = velocity(&self.buffers.solver.delta[i]);
+            body.end = velocity(&world.bodies.velocity[i]);
+            body.moved = velocity(&world.buffers.solver.delta[i]);
         }
-        meter.accuracy = meter.measures.then(|| Accuracy { bounced, ..Accuracy::default() });
-        self.meter = Some(meter);
+        self.accuracy = self.measures.then(|| Accuracy { bounced, ..Accuracy::default() });
     }
 
-    /// Measures the step, once bodies have moved.
-    pub(crate) fn read_accuracy(&mut self) {
-        let Some(mut meter) = self.meter.take_if(|meter| meter.measures) else { return };
+    fn after_step(&mut self, world: &World) {
+        if !self.measures {
+            return;
+        }
         let mut joints = Vec::new();
-        each_joint_row(self, &mut |row| joints.push(*row));
-        if let Some(accuracy) = &mut meter.accuracy {
-            let system = &meter.system;
+        each_joint_row(world, &mut |row| joints.push(*row));
+        if let Some(accuracy) = &mut self.accuracy {
+            let system = &self.system;
             let found = laws::Found::new(system, &joints);
             let all: Vec<usize> = (0..system.laws.len()).collect();
             let bodies: Vec<usize> = (0..system.bodies.len()).collect();
-            let after = motion::energies(self);
-            let balance = motion::Balance::new(system, &joints, [&meter.energy, &after], &meter.forces);
+            let after = motion::energies(world);
+            let balance = motion::Balance::new(system, &joints, [&self.energy, &after], &self.forces);
             let measure = |laws: &[usize], bodies: &[usize]| {
                 let mut measures = found.measure(laws);
                 balance.measure(laws, bodies, &mut measures);
@@ -261,6 +276,5 @@ impl World {
                 })
                 .collect();
         }
-        self.meter = Some(meter);
     }
 }

@@ -1,8 +1,7 @@
 //! Rows of contacts, from the batches.
 
 use super::*;
-use crate::constraint::{ContactLane, FrictionLane};
-use crate::events::tweak_of;
+use crate::constraint::{ContactLane, FrictionLane, tweak_of};
 
 impl System {
     pub(super) fn take_contacts(&mut self, world: &World, views: &Views<'_>) {

@@ -32,6 +32,7 @@
 
 mod apply;
 
+use super::meter::{meter, with_meter};
 use super::methods::{Effort, Method};
 use super::steppers::Stepper;
 use crate::handle::BodyHandle;
@@ -167,16 +168,12 @@ impl World {
     /// for which islands it solves and what becomes of the others.
     pub fn solve_with(&mut self, solver: Option<WorldSolver>) {
         if solver.is_some() || self.meter.is_some() {
-            let meter = self.meter.get_or_insert_with(Box::default);
-            meter.set_solver(solver);
-            if meter.is_idle() {
-                self.meter = None;
-            }
+            with_meter(self, |meter| meter.set_solver(solver));
         }
     }
 
     /// What the method of [`World::solve_with`] did in the last step.
     pub fn solver_report(&self) -> Option<&SolverReport> {
-        self.meter.as_ref()?.solver().map(|(_, report)| report)
+        meter(self)?.solver().map(|(_, report)| report)
     }
 }

@@ -1,6 +1,7 @@
 //! Contacts: manifolds that last while their pair does, with the impulses of the last step.
 
 use super::manifold::{MAX_POINTS, RawManifold};
+use crate::broad_phase::Pair;
 use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::Relative;
@@ -420,6 +421,21 @@ impl Contacts {
     /// [`Contacts::insert`] while there are fewer than so many.
     pub(crate) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
         if self.live() < most { self.insert(contact) } else { NO_CONTACT }
+    }
+
+    /// Calls `f` with each contact of these pairs, in their order.
+    pub(crate) fn for_each_of<'p>(
+        &mut self,
+        pairs: impl IntoIterator<Item = &'p Pair>,
+        mut f: impl FnMut(&Pair, &mut Contact),
+    ) {
+        for pair in pairs {
+            let mut slot = pair.contact;
+            while let Some(contact) = self.all.get_mut(slot as usize) {
+                f(pair, contact);
+                slot = contact.next;
+            }
+        }
     }
 
     /// Frees a contact and all that follow it.

@@ -1,11 +1,11 @@
 //! Measures of a world: ghosts of a step, openings of joints, and the motion of groups of bodies.
 
 use super::{Entrant, Scene};
+use crate::config::tuning::CONTACT_MARGIN;
 use crate::narrow_phase::{
     BodyPath, CastResult, GHOST_GAP, MeshCast, Motion, NONE, cast_convex, cast_mesh, cast_plane,
 };
 use crate::shape::Kind;
-use crate::step::MARGIN;
 use crate::time_of_impact::Way;
 use crate::world::World;
 use glam::{DQuat, DVec3, Vec3};
@@ -40,7 +40,7 @@ fn ways(world: &World, collider: u32) -> [BodyPath; 2] {
 fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPath)) -> bool {
     let [a, b] = [a, b].map(|c| &world.colliders.all[c as usize]);
     let motion = Motion::new(a, path_a, b, path_b);
-    let near = GHOST_GAP * MARGIN * world.settings.length_unit;
+    let near = GHOST_GAP * CONTACT_MARGIN * world.settings.length_unit;
     match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, near).is_some(),
         Kind::Mesh | Kind::HeightField => {

@@ -2,8 +2,8 @@
 
 use super::scenes::{DT, RAGDOLL_WALL, blade_times};
 use super::{Entrant, Scene, builtin};
+use crate::narrow_phase::segment_hits;
 use crate::narrow_phase::{Relative, Support, distance};
-use crate::query::segment_hits;
 use crate::scene::{SceneBody, Terrain};
 use crate::shape::Geometry;
 use crate::world::World;

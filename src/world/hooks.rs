@@ -1,9 +1,11 @@
 //! Hooks: a caller's word on contacts before they are solved.
 
+use super::World;
+use crate::constraint::Tweak;
 use crate::error::{Error, within};
+use crate::events::StartOfStep;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::{Contact, NONE};
-use crate::world::World;
 use glam::{DVec3, Vec3};
 
 /// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
@@ -32,37 +34,6 @@ pub struct NoHooks;
 
 impl ContactHooks for NoHooks {
     fn contact(&self, _: &mut ContactHook<'_>) {}
-}
-
-/// What hooks said of a contact; no number where they said nothing.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tweak {
-    pub(crate) friction: [f32; 2],
-    pub(crate) restitution: f32,
-    /// By which the surface of b moves past that of a, in the world [m/s].
-    pub(crate) surface: Vec3,
-}
-
-impl Tweak {
-    pub(crate) const NONE: Tweak =
-        Tweak { friction: [f32::NAN; 2], restitution: f32::NAN, surface: Vec3::ZERO };
-
-    fn is_none(&self) -> bool {
-        self.friction[0].is_nan() && self.restitution.is_nan() && self.surface == Vec3::ZERO
-    }
-
-    pub(crate) fn friction_or(&self, own: (f32, f32)) -> (f32, f32) {
-        if self.friction[0].is_nan() { own } else { self.friction.into() }
-    }
-    pub(crate) fn restitution_or(&self, own: f32) -> f32 {
-        if self.restitution.is_nan() { own } else { self.restitution }
-    }
-}
-
-/// What hooks said of a contact.
-#[inline]
-pub(crate) fn tweak_of(tweaks: &[Tweak], slot: usize) -> Tweak {
-    tweaks.get(slot).copied().unwrap_or(Tweak::NONE)
 }
 
 /// A manifold that is about to be solved, in the hands of [`ContactHooks`].
@@ -109,17 +80,17 @@ impl ContactHook<'_> {
 
     /// How fast the two come together, at the point where that is fastest [m/s]; negative if they part.
     pub fn approach_speed(&self) -> f32 {
-        let speed = |p| self.world.impact(self.contact, p).2;
+        let speed = |p| self.start().impact(self.contact, p).2;
         self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// The impulse that would stop the approach at its fastest point, were the two alone [N s]: an estimate of what
-    /// [`ContactEvent::impulse`](super::ContactEvent::impulse) will be.
+    /// [`ContactEvent::impulse`](crate::ContactEvent::impulse) will be.
     pub fn estimated_impulse(&self) -> f32 {
-        let world = self.world;
+        let start = self.start();
         let one = |p| {
-            let (normal, at, speed) = world.impact(self.contact, p);
-            let mobility: f32 = self.indices().iter().map(|&i| world.mobility(i, at, normal)).sum();
+            let (normal, at, speed) = start.impact(self.contact, p);
+            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, at, normal)).sum();
             if mobility > 0.0 { speed.max(0.0) / mobility } else { 0.0 }
         };
         self.contact.points().iter().map(one).fold(0.0, f32::max)
@@ -168,16 +139,14 @@ impl ContactHook<'_> {
         Ok(())
     }
 
-    /// What was said of it so far, and whether it was vetoed.
-    #[cfg(feature = "replay")]
-    pub(crate) fn said(&self) -> (Tweak, bool) {
-        (self.tweak, self.vetoed)
-    }
-
     /// Says what was said before.
     #[cfg(feature = "replay")]
     pub(crate) fn say(&mut self, tweak: Tweak, vetoed: bool) {
         (self.tweak, self.vetoed) = (tweak, vetoed);
+    }
+
+    fn start(&self) -> StartOfStep<'_> {
+        self.world.start_of_step()
     }
 
     fn indices(&self) -> [usize; 2] {
@@ -212,8 +181,12 @@ impl World {
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
-                    passes |= hook.vetoed;
-                    let tweak = hook.tweak;
+                    let (tweak, vetoed) = (hook.tweak, hook.vetoed);
+                    #[cfg(feature = "replay")]
+                    if let Some(recorder) = &mut self.recorder {
+                        recorder.hear(tweak, vetoed);
+                    }
+                    passes |= vetoed;
                     match tweaks.get_mut(slot as usize) {
                         Some(place) => *place = tweak,
                         // What was said can't be kept.
@@ -237,14 +210,5 @@ impl World {
         }
         vetoed.sort_unstable();
         (self.events.tweaks, self.events.vetoed) = (tweaks, vetoed);
-    }
-
-    /// By how much an impulse along a direction at a point changes the speed of a body there [1/kg].
-    fn mobility(&self, i: usize, at: DVec3, direction: Vec3) -> f32 {
-        let Some(inertia) = self.buffers.forces.inverse_inertia.get(i) else { return 0.0 };
-        let arm = (at - self.bodies.pose[i].position).as_vec3().cross(direction);
-        let turned = inertia.mul(crate::lanes::Vec3::new(arm.x, arm.y, arm.z)).lane(0);
-        let free = self.bodies.traits[i].free(direction).length_squared();
-        self.bodies.mass[i].inverse * free + arm.dot(turned)
     }
 }

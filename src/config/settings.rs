@@ -1,10 +1,9 @@
-//! Every tunable, with unit, range, default and source.
+//! What a caller may set, with unit, range, default and source.
 
-use crate::constraint::Order;
+use super::order::Order;
 use crate::error::{Error, positive, within};
 use crate::limits;
 use crate::memory::Budget;
-use crate::narrow_phase::Start;
 use glam::Vec3;
 
 /// How a body is kept from passing through others; of two, the greater is the dearer.
@@ -70,6 +69,17 @@ pub(crate) struct StageModes {
     pub(crate) broad: Continuous,
     pub(crate) narrow: Continuous,
     pub(crate) finish: Continuous,
+}
+
+/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the start of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Start {
+    /// It is replaced by that of the first touch, which is searched for along the predicted motion.
+    Cast,
+    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
+    Speculative,
+    /// It stays as far as the predicted motion crosses it over the faces that it is of (`narrow_phase/gates.rs`).
+    Gated,
 }
 
 /// How friction of two directions is bounded.

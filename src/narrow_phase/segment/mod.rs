@@ -5,7 +5,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::narrow_phase::Triangles;
+use super::Triangles;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Vec3};
 
@@ -22,7 +22,7 @@ pub(crate) struct SegmentHit {
 }
 
 /// A fraction, and the direction that the surface faces.
-pub(super) type Entry = (f64, DVec3);
+pub(crate) type Entry = (f64, DVec3);
 
 /// First entry of the segment into a shape, in the shape's frame. A segment that starts inside a solid shape,
 /// or in the half-space of a plane, doesn't enter it: None. Triangles are met from both sides.
@@ -70,12 +70,12 @@ pub(crate) fn segment_hits_triangles<T: Triangles + ?Sized>(
     Some(SegmentHit { fraction, normal: normal.as_vec3() })
 }
 
-pub(super) fn plane(start: DVec3, path: DVec3) -> Option<Entry> {
+pub(crate) fn plane(start: DVec3, path: DVec3) -> Option<Entry> {
     let end = start.y + path.y;
     (start.y >= 0.0 && path.y < 0.0 && end <= 0.0).then(|| ((start.y / -path.y).min(1.0), DVec3::Y))
 }
 
-pub(super) fn ball(start: DVec3, path: DVec3, radius: f64) -> Option<Entry> {
+pub(crate) fn ball(start: DVec3, path: DVec3, radius: f64) -> Option<Entry> {
     let c = start.length_squared() - radius * radius;
     let b = start.dot(path);
     if c < 0.0 || b >= 0.0 {
@@ -85,12 +85,12 @@ pub(super) fn ball(start: DVec3, path: DVec3, radius: f64) -> Option<Entry> {
     (first <= 1.0).then(|| (first.max(0.0), start + path * first))
 }
 
-pub(super) fn cuboid(start: DVec3, path: DVec3, half: DVec3) -> Option<Entry> {
+pub(crate) fn cuboid(start: DVec3, path: DVec3, half: DVec3) -> Option<Entry> {
     let faces = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(half.to_array());
     clip(start, path, faces.flat_map(|(axis, half)| [(axis, half), (-axis, half)]))
 }
 
-pub(super) fn polyhedron(start: DVec3, path: DVec3, hull: &ConvexHull, extra: f64) -> Option<Entry> {
+pub(crate) fn polyhedron(start: DVec3, path: DVec3, hull: &ConvexHull, extra: f64) -> Option<Entry> {
     clip(start, path, hull.planes.iter().map(|(n, offset)| (n.as_dvec3(), f64::from(*offset) + extra)))
 }
 
@@ -117,7 +117,7 @@ fn clip(start: DVec3, path: DVec3, planes: impl Iterator<Item = (DVec3, f64)>) -
 }
 
 /// Two balls and, where neither contains the other, the cone that touches both.
-pub(super) fn capsule(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Option<Entry> {
+pub(crate) fn capsule(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Option<Entry> {
     let centre = DVec3::Y * half;
     // Sine of the angle by which the side leans: its normals point up by it.
     let lean = if half > 0.0 { (bottom - top) / (2.0 * half) } else { 2.0 };
@@ -173,7 +173,7 @@ pub(super) fn capsule(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f6
 }
 
 /// The part of a cone between two heights.
-pub(super) fn frustum(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Option<Entry> {
+pub(crate) fn frustum(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Option<Entry> {
     // Radius at a height: mean - lean y.
     let (mean, lean) = (0.5 * (bottom + top), 0.5 * (bottom - top) / half);
     let caps = [(DVec3::Y, half), (-DVec3::Y, half)];

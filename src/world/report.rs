@@ -1,11 +1,11 @@
 //! What a step did.
 
-use super::guard::Counts;
+use super::World;
 use crate::broad_phase::BroadStats;
 use crate::constraint::Prepared;
+use crate::finish::Counts;
 use crate::narrow_phase::NarrowStats;
 use crate::time_of_impact::Impacts;
-use crate::world::World;
 
 /// How long the stages took [us].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,43 +95,75 @@ pub struct StepReport {
     pub shed: u32,
 }
 
+/// What the stages of a step counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct StepCounts {
+    pub(crate) broad: BroadStats,
+    /// Contacts that pushed in the last step, and whose pairs ended.
+    pub(crate) ghosts: u32,
+    pub(crate) narrow: NarrowStats,
+    pub(crate) prepared: Prepared,
+    /// Contacts that pushed before they touched.
+    pub(crate) pushed: u32,
+    pub(crate) held: Counts,
+    /// Impacts that were met one by one.
+    pub(crate) met: Impacts,
+}
+
+impl StepCounts {
+    /// Adds a look for pairs.
+    pub(crate) fn add_broad(&mut self, two: BroadStats) {
+        let one = self.broad;
+        self.broad = BroadStats {
+            moved: one.moved + two.moved,
+            added: one.added + two.added,
+            removed: one.removed + two.removed,
+            built: one.built + two.built,
+            ..two
+        };
+    }
+
+    /// Pairs and points that there was no room for, until rows were made.
+    pub(crate) fn shed(&self) -> u32 {
+        self.broad.shed + self.narrow.shed + self.prepared.shed
+    }
+
+    /// How many bodies outran their boxes. If pairs were shed, having no pair does not prove that the path is clear: then 0.
+    pub(crate) fn fast(&self) -> u32 {
+        if self.broad.shed > 0 { 0 } else { self.broad.fast }
+    }
+}
+
 impl StepReport {
     /// Bodies that the guard held, in either way.
     pub fn held(&self) -> u32 {
         self.cut + self.lifted
     }
 
-    pub(crate) fn new(
-        world: &World,
-        times: StageTimes,
-        (broad, gone): (BroadStats, u32),
-        narrow: NarrowStats,
-        prepared: Prepared,
-        pushed: u32,
-        (held, impacts): (Counts, Impacts),
-    ) -> StepReport {
+    pub(crate) fn new(world: &World, times: StageTimes, did: &StepCounts) -> StepReport {
+        let StepCounts { broad, narrow, prepared, held, met, .. } = did;
         StepReport {
             times,
             pairs: world.broad.pairs.len() as u32,
             moved: broad.moved,
             swept: broad.fast,
-            ghosts: narrow.ghosts + gone,
+            ghosts: narrow.ghosts + did.ghosts,
             recycled: narrow.recycled,
             casts: narrow.casts,
             impacts: prepared.impacts,
             manifolds: prepared.manifolds,
             real: prepared.real,
             potential: prepared.potential,
-            pushed,
+            pushed: did.pushed,
             cut: held.cut,
             lifted: held.lifted,
             settled: held.settled,
             weighted_trees: world.buffers.joints.weighted_trees(),
             damped_trees: world.buffers.joints.damped_trees(),
             stopped: world.faults.stopped.len() as u32,
-            struck: impacts.struck,
-            stood: impacts.stood,
-            shed: broad.shed + narrow.shed + prepared.shed + impacts.shed,
+            struck: met.struck,
+            stood: met.stood,
+            shed: did.shed() + met.shed,
             asleep: world.bodies.sleepers() as u32,
             slept: world.sleep.slept,
             woke: world.sleep.woke,

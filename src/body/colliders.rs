@@ -1,0 +1,49 @@
+//! The colliders of all bodies.
+
+use super::{ColliderList, Pose};
+use crate::handle::{ShapeHandle, Slots};
+use crate::memory::Room;
+use crate::shape::{Collider, Hot};
+
+/// Colliders by stable index, with their world poses.
+#[derive(Debug, Default)]
+pub(crate) struct Colliders {
+    pub(crate) all: Vec<Collider>,
+    pub(crate) hot: Vec<Hot>,
+    pub(crate) poses: Vec<Pose>,
+    pub(crate) slots: Slots,
+}
+
+impl Colliders {
+    /// Makes place for so many more.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        let (mut room, len) = (Room::ENDLESS, self.all.len() + more);
+        room.fit(&mut self.all, len);
+        room.fit(&mut self.hot, len);
+        room.fit(&mut self.poses, len);
+    }
+
+    pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
+        ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
+    }
+
+    /// The collider's body has a new index.
+    pub(crate) fn follow(&mut self, collider: u32, body: u32) {
+        self.all[collider as usize].body = body;
+        self.hot[collider as usize].body = body;
+    }
+
+    /// The colliders of a body whose index is new.
+    pub(crate) fn follow_all(&mut self, own: &ColliderList, body: u32) {
+        own.as_slice().iter().for_each(|&collider| self.follow(collider, body));
+    }
+
+    /// World pose of a collider from that of its body.
+    pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
+        let c = &self.all[collider as usize];
+        self.poses[collider as usize] = Pose {
+            position: body.position + (body.rotation * c.position).as_dvec3(),
+            rotation: body.rotation * c.rotation,
+        };
+    }
+}

@@ -1,0 +1,303 @@
+//! Each body by itself: turned and moved to the end of the step, as far as the guard lets it.
+
+use super::ends::Crossing;
+use super::free::Clear;
+use super::guard::{Guard, Held};
+use super::turned::Turned;
+use super::{BLOCK, Beside};
+use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, carry_spin, exp_map};
+use crate::constraint::{Restitution, TreeSlot, TreeSlots};
+use crate::forces::spins_freely;
+use crate::lanes::{self, Record, Sym3};
+use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
+use crate::shape::Hot;
+use crate::threads::Shared;
+use glam::{Quat, Vec3};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// A body in touch that turns by more than this in a step turns as a free one does [rad].
+const WHIRLS: f32 = 0.5;
+
+/// What the threads that move bodies share.
+pub(super) struct Moving<'a> {
+    pub(super) guard: &'a Guard<'a>,
+    pub(super) velocity: Shared<'a, Record>,
+    pub(super) pose: Shared<'a, Pose>,
+    pub(super) delta: Shared<'a, Record>,
+    pub(super) clear: Shared<'a, Clear>,
+    pub(super) mass: &'a [Mass],
+    pub(super) traits: &'a [Traits],
+    pub(super) colliders: &'a [ColliderList],
+    pub(super) inverse_inertia: &'a [Sym3<f32>],
+    pub(super) impacts: &'a Restitution,
+    pub(super) seats: &'a TreeSlots,
+    pub(super) beside: &'a [Beside],
+    pub(super) stacks: &'a [Mutex<Vec<u32>>],
+    /// Bodies of trees that were cut short.
+    pub(super) cut: &'a Mutex<Vec<(TreeSlot, f32)>>,
+    pub(super) off: Off<'a>,
+    /// Whether the axis of any body may wander.
+    pub(super) uneven: bool,
+    pub(super) movers: usize,
+    pub(super) dynamic: usize,
+    pub(super) dt: f32,
+    /// How many paths were cut and ends lifted, whether any body strayed, and which were stopped.
+    pub(super) cuts: AtomicU32,
+    pub(super) lifts: AtomicU32,
+    pub(super) strays: AtomicBool,
+    pub(super) stopped: Mutex<Vec<u32>>,
+}
+
+/// A body that is being moved.
+struct Body<'a> {
+    index: usize,
+    pose: &'a mut Pose,
+    velocity: &'a mut Record,
+    /// Its displacement; the pads say whether it was touched, and whether its spin was carried along.
+    delta: &'a mut Record,
+    /// Its colliders.
+    own: &'a [u32],
+}
+
+impl Moving<'_> {
+    /// Moves the bodies of a block.
+    pub(super) fn move_block(&self, block: usize) {
+        // Without the guard there are none, and nothing is pushed.
+        let mut none = Vec::new();
+        let mut own = self.stacks.get(block).and_then(|stack| stack.lock().ok());
+        let stack = own.as_deref_mut().unwrap_or(&mut none);
+        let (first, end) = (block * BLOCK, ((block + 1) * BLOCK).min(self.movers));
+        let turned = Turned::of((first..end).filter(|&i| self.turns_freely(i)).filter_map(|i| {
+            // SAFETY: each body is in one block.
+            let (pose, d) = unsafe { (self.pose.get(i), self.delta.get(i)) };
+            let (rotation, spin, inertia) = (pose.rotation, self.off.start[i].angular, self.mass[i].inertia);
+            (d.pad0 == 0.0).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
+        }));
+        for i in first..end {
+            // SAFETY: each body is in one block.
+            let (pose, velocity, delta) =
+                unsafe { (self.pose.get(i), self.velocity.get(i), self.delta.get(i)) };
+            let own = self.colliders.get(i).map_or(&[][..], |own| own.as_slice());
+            self.move_body(Body { index: i, pose, velocity, delta, own }, &turned, stack);
+        }
+    }
+
+    fn turns_freely(&self, i: usize) -> bool {
+        self.uneven
+            && i < self.dynamic
+            && spins_freely(&self.mass[i], &self.traits[i], self.off.start[i].angular, self.dt)
+    }
+
+    /// `turned`: those of the block that turn freely.
+    #[inline]
+    fn move_body(&self, mut body: Body<'_>, turned: &Turned, stack: &mut Vec<u32>) {
+        let (i, whence) = (body.index, *body.pose);
+        if !body.delta.is_within(FAR) || !body.velocity.is_within(MAX_LEFT_SPEED) {
+            *body.delta = Record::default();
+            self.stop(&mut body, whence);
+            return;
+        }
+        let seat = self.seats.of(i);
+        let precesses = self.turn(&mut body, turned, stack);
+        let Some(moved) = self.moved(&mut body, precesses, seat, stack) else {
+            // Stays where it was until it is settled.
+            body.delta.pad0 = STRAY;
+            self.strays.store(true, Ordering::Relaxed);
+            return;
+        };
+        body.pose.position += moved.as_dvec3();
+        if seat.is_some()
+            && self.guard.cuts
+            && self.guard.wants(&self.traits[i], body.own)
+            && let Some(crossing) = self.guard.crossing(stack, body.own, &whence, body.pose)
+        {
+            self.cuts.fetch_add(1, Ordering::Relaxed);
+            stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.inverse_inertia[i]);
+            self.note_cut(seat, crossing.share);
+        }
+        if !is_in_range(body.pose) || !body.velocity.is_within(MAX_LEFT_SPEED) {
+            // What it turned or was lifted by was no number, however sound it began, or it is out of the world.
+            self.stop(&mut body, whence);
+        }
+    }
+
+    /// Turns a body. Says whether its axis wandered, near something static: no look ahead knew of that.
+    #[inline]
+    fn turn(&self, body: &mut Body<'_>, turned: &Turned, stack: &mut Vec<u32>) -> bool {
+        let Body { index: i, pose, velocity, delta: d, own } = body;
+        let (i, own) = (*i, *own);
+        if d.pad0 == 0.0 && self.turns_freely(i) {
+            let before = pose.rotation;
+            (pose.rotation, velocity.angular) = turned.of_place(i % BLOCK);
+            return self.beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
+                && self.off.turned(i, before, pose.rotation, own)
+                && !self.guard.is_free(stack, own, pose.position, d.linear, self.off.reach(own));
+        }
+        // Looked up only where it is needed: most bodies need none.
+        let inertia = || self.mass[i].inertia;
+        if let Some((rotation, time)) = self.impacts.turned(i) {
+            // It bounced, and its spin is that of the moment.
+            let turn =
+                FreeTurn { rotation, spin: velocity.angular, inertia: inertia(), time: self.dt - time };
+            (pose.rotation, velocity.angular) = turn.one();
+            return false;
+        }
+        let mut turned = (exp_map(d.angular) * pose.rotation).normalize();
+        // Bodies of trees that keep their energy turned with their angular momentum, substep by substep.
+        let carried = d.pad1 != 0.0;
+        if self.uneven
+            && i < self.dynamic
+            && !carried
+            && spins_freely(&self.mass[i], &self.traits[i], velocity.angular, self.dt)
+        {
+            if d.angular.length_squared() > WHIRLS * WHIRLS && self.guard.is_elastic(own) {
+                // About an axis that stands still a rod that spins about its own would hardly tilt, and sink into
+                // what lifts its end. Its spin keeps its energy, as seen from the body.
+                let (rotation, spin) = (pose.rotation, d.angular / self.dt);
+                let turn = FreeTurn { rotation, spin, inertia: inertia(), time: self.dt };
+                turned = turn.one().0;
+                let (own, spin) = FreeTurn { spin: velocity.angular, ..turn }.one();
+                velocity.angular = turned * (own.conjugate() * spin);
+            } else {
+                velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, inertia());
+            }
+        }
+        pose.rotation = turned;
+        false
+    }
+
+    /// How far a body moves, as far as the guard lets it [m]; none if it strays. `precesses`: its axis wandered.
+    #[inline]
+    fn moved(
+        &self,
+        body: &mut Body<'_>,
+        precesses: bool,
+        seat: Option<TreeSlot>,
+        stack: &mut Vec<u32>,
+    ) -> Option<Vec3> {
+        let Body { index: i, pose, velocity, delta: d, own } = body;
+        let (i, own, guard) = (*i, *own, self.guard);
+        let touched = d.pad0 != 0.0;
+        let mut moved = d.linear;
+        // What met nothing went along the path that the broad phase and the narrow phase looked along.
+        let alone =
+            !touched && !precesses && self.beside.get(i).is_some_and(|beside| *beside != Beside::Static);
+        if i >= self.dynamic || alone || !guard.wants(&self.traits[i], own) {
+            return Some(moved);
+        }
+        let from = pose.position;
+        // What bounced meets what it was thrown at with its speed, in the next step. What is joined goes nowhere alone.
+        let bounced = self.impacts.bounced(i);
+        let led = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
+        // SAFETY: each body is in one block.
+        let clear = unsafe { self.clear.get(i) };
+        let mut is_stray = !led && (precesses || touched && self.off.strays(i, d, own));
+        if !is_stray && (guard.cuts || !led) && !guard.is_clear(stack, own, clear, from, moved) {
+            let mut kept = **velocity;
+            match guard.hold(stack, own, from, &mut moved, &mut kept) {
+                Some((Held::Cut, _)) if !led => is_stray = true,
+                Some((held, _)) if guard.cuts => {
+                    let count = if held == Held::Cut { &self.cuts } else { &self.lifts };
+                    count.fetch_add(1, Ordering::Relaxed);
+                    self.note_cut(seat, moved.length() / d.linear.length());
+                    if !bounced {
+                        **velocity = kept;
+                    }
+                }
+                _ => moved = d.linear,
+            }
+        }
+        (!is_stray).then_some(moved)
+    }
+
+    /// A body of a tree went only a share of its way.
+    fn note_cut(&self, seat: Option<TreeSlot>, share: f32) {
+        if let (Some(seat), Ok(mut cut)) = (seat, self.cut.lock()) {
+            // Lifted off something, it may have gone further than it wanted, or where it wanted nowhere.
+            cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));
+        }
+    }
+
+    #[cold]
+    fn stop(&self, body: &mut Body<'_>, whence: Pose) {
+        stop_body(body.pose, body.velocity, whence, body.index < self.dynamic);
+        self.stopped.lock().unwrap_or_else(PoisonError::into_inner).push(body.index as u32);
+    }
+}
+
+/// What tells strays from others.
+pub(super) struct Off<'a> {
+    pub(super) motion: &'a [Record],
+    pub(super) start: &'a [Record],
+    pub(super) hot: &'a [Hot],
+    /// Who ends less far off strays not [m].
+    pub(super) least: f32,
+    pub(super) dt: f32,
+}
+
+impl Off<'_> {
+    /// Whether any point of a body ended far from where it was predicted to be, with the pull of the step and without.
+    fn strays(&self, i: usize, went: &Record, own: &[u32]) -> bool {
+        let reach = self.reach(own);
+        let is_far = |linear: Vec3, angular: Vec3| {
+            let swing = reach * (went.angular - angular).length().min(2.0);
+            (went.linear - linear).length() + swing > self.least
+        };
+        let (meant, start) = (&self.motion[i], &self.start[i]);
+        is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
+    }
+
+    /// Whether a body that turned as a free one is turned otherwise than predicted, by so much that a point of it is far off.
+    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
+        let meant = exp_map(self.motion[i].angular) * before;
+        // The chord of the angle between them.
+        let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
+        self.reach(own) * chord > self.least
+    }
+
+    /// How far any point of a body is from its centre, at most [m].
+    fn reach(&self, own: &[u32]) -> f32 {
+        own.iter().fold(0.0, |reach, &c| {
+            let hot = &self.hot[c as usize];
+            reach.max(hot.lever + hot.radius)
+        })
+    }
+}
+
+/// Marks a stray, where others have whether they were touched.
+pub(super) const STRAY: f32 = -1.0;
+/// Who ends further from where it was predicted to be strays [length units].
+pub(super) const STRAYS: f32 = 0.0025;
+
+/// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.
+#[cold]
+pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, whence: Pose, is_dynamic: bool) {
+    *pose = whence;
+    if is_dynamic {
+        *velocity = Record::default();
+    }
+}
+
+/// Whether a body is where a caller could put it; beyond, boxes and distances would be no numbers soon.
+#[inline(always)]
+pub(super) fn is_in_range(pose: &Pose) -> bool {
+    pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
+}
+
+/// Displacements beyond are out of the world, whatever the body was [m], [rad].
+pub(super) const FAR: f32 = 4.0 * MAX_POSITION as f32;
+
+/// Takes away the speed with which an end of a body goes into something.
+fn stop_end(velocity: &mut Record, crossing: &Crossing, inverse_mass: f32, inverse_inertia: &Sym3<f32>) {
+    let Crossing { arm, normal, .. } = *crossing;
+    let speed = normal.dot(velocity.linear + velocity.angular.cross(arm));
+    let lever = arm.cross(normal);
+    let turned = inverse_inertia.mul(lanes::Vec3::new(lever.x, lever.y, lever.z)).lane(0);
+    let mobility = inverse_mass + lever.dot(turned);
+    if speed < 0.0 && mobility > 0.0 {
+        let impulse = -speed / mobility;
+        velocity.linear += normal * (impulse * inverse_mass);
+        velocity.angular += turned * impulse;
+    }
+}

@@ -1,0 +1,48 @@
+//! Buffers that stages hand on to each other.
+
+use crate::constraint::{JointRows, PrepareScratch, Restitution, Rows};
+use crate::forces::Forces;
+use crate::memory::{Category, MemoryReport, bytes_of};
+use crate::narrow_phase::Scratch;
+use crate::statics::Statics;
+use crate::{finish, movers, solver, time_of_impact};
+
+/// Kept from step to step, so that a step allocates nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    pub(crate) forces: Forces,
+    pub(crate) broad: movers::Buffers,
+    pub(crate) narrow: Scratch,
+    pub(crate) restitution: Restitution,
+    pub(crate) prepare: PrepareScratch,
+    pub(crate) rows: Rows,
+    pub(crate) joints: JointRows,
+    pub(crate) statics: Statics,
+    pub(crate) solver: solver::State,
+    pub(crate) finish: finish::Buffers,
+    pub(crate) impacts: time_of_impact::Buffers,
+    /// Length of the step [s].
+    pub(crate) dt: f32,
+    /// Length of the last substep [s]: impulses are warm-started in proportion.
+    pub(crate) last_h: f32,
+    /// See `constraint::evenness`.
+    pub(crate) evenness: f32,
+}
+
+impl Buffers {
+    /// `continuous`: whether anything is. Discrete physics looks along the predicted motion too, but no further than a margin.
+    pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {
+        let motion = if continuous { Category::Continuous } else { Category::Scratch };
+        report.add(motion, bytes_of(&self.forces.motion));
+        report.add(Category::Continuous, self.impacts.bytes());
+        report.add(Category::Scratch, self.forces.bytes());
+        report.add(Category::Scratch, self.broad.bytes());
+        report.add(Category::Scratch, self.narrow.bytes());
+        report.add(Category::Scratch, self.restitution.bytes());
+        report.add(Category::Scratch, self.prepare.bytes());
+        report.add(Category::Joints, self.joints.bytes());
+        report.add(Category::Scratch, self.statics.bytes());
+        report.add(Category::Scratch, self.solver.bytes());
+        report.add(Category::Scratch, self.finish.bytes());
+    }
+}

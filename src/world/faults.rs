@@ -1,0 +1,86 @@
+//! Bodies that a step had to stop, and a step that begins again without them.
+
+use super::World;
+use crate::constraint::Prepared;
+use crate::faults::{ATTEMPTS, culprits, pulled};
+use crate::forces::predict;
+use crate::handle::BodyHandle;
+use crate::threads::Crew;
+
+impl World {
+    /// Bodies that the last step stopped, because their new place or velocity was no number or out of range. Each is where it
+    /// was before the step, at rest, and takes part in the next one. As many as [`StepReport::stopped`](crate::StepReport::stopped) says.
+    pub fn stopped_bodies(&self) -> &[BodyHandle] {
+        &self.faults.stopped
+    }
+
+    /// Predicts motions. Whose forces alone make them no numbers stands still from here on.
+    pub(crate) fn predict(&mut self, crew: &Crew<'_>, dt: f32) {
+        if self.predict_all(crew, dt) {
+            let slots = pulled(&self.bodies, &self.buffers.forces, dt);
+            self.freeze(&slots);
+            self.predict_all(crew, dt);
+        }
+    }
+
+    fn predict_all(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
+        predict(crew, &mut self.bodies, self.settings.gravity, &mut self.buffers.forces, dt)
+    }
+
+    /// Prepares and solves once more without those whose motion is no number. `prepared`: what came of it with them.
+    #[cold]
+    pub(crate) fn solve_without_faults(
+        &mut self,
+        crew: &Crew<'_>,
+        dt: f32,
+        mut prepared: Prepared,
+    ) -> Prepared {
+        for attempt in 1..=ATTEMPTS {
+            let delta = &self.buffers.solver.delta;
+            let slots = culprits(&self.bodies, delta, &self.joints, attempt == ATTEMPTS);
+            if slots.is_empty() {
+                // They came back into the range by themselves.
+                break;
+            }
+            // Velocities as they were when the step began; poses still are.
+            self.bodies.velocity[..self.buffers.forces.start.len()]
+                .copy_from_slice(&self.buffers.forces.start);
+            self.freeze(&slots);
+            self.forget_impulses();
+            self.predict_all(crew, dt);
+            self.listen();
+            prepared = self.prepare(crew, dt);
+            if !self.solve(crew, dt) {
+                break;
+            }
+        }
+        prepared
+    }
+
+    fn freeze(&mut self, slots: &[u32]) {
+        self.faults.freeze(slots, &mut self.bodies, &mut self.colliders, &mut self.joints);
+    }
+
+    /// Ends the step for those that stood still.
+    pub(crate) fn thaw(&mut self) {
+        let World { bodies, colliders, joints, faults, broad, .. } = self;
+        if faults.thaw(bodies, colliders, joints, |collider| broad.look_again(collider)) {
+            // What they made of impulses before they were found, or of those of others.
+            self.forget_impulses();
+        }
+    }
+
+    /// Where impulses are no numbers, or are of a body that stands still, nothing is warm-started with them.
+    pub(crate) fn forget_impulses(&mut self) {
+        let frozen = self.faults.frozen(&self.bodies);
+        let hot = &self.colliders.hot;
+        let stands = |c: u32| frozen.contains(&hot[c as usize].body);
+        self.contacts.for_each_of(&self.broad.pairs, |pair, contact| {
+            let stands = !frozen.is_empty() && (stands(pair.a) || stands(pair.b));
+            if stands || !contact.has_sound_loads() {
+                contact.forget_loads();
+            }
+        });
+        self.joints.forget_unsound();
+    }
+}

@@ -1,0 +1,139 @@
+//! Who looks on: recordings of what changes a world, and meters of its steps. A world holds them and calls them; what they make of
+//! it is theirs.
+
+use super::{Stage, World};
+use crate::body::BodyDesc;
+use crate::config::{Continuous, RowGroup, Settings};
+#[cfg(feature = "replay")]
+use crate::constraint::Tweak;
+use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
+use crate::joint::{Drive, JointDesc, Limit};
+use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
+use glam::{DVec3, Quat, Vec3};
+
+/// What a call is about to change, by the names of the methods of [`World`].
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "replay"), allow(dead_code, reason = "nobody records it"))]
+pub(crate) enum Change<'a> {
+    SetSettings(&'a Settings),
+    SetOrigin(DVec3),
+    AddBody(&'a BodyDesc),
+    AddBodies(&'a [BodyDesc]),
+    RemoveBody(BodyHandle),
+    AddShape(BodyHandle, &'a ShapeDesc),
+    RemoveShape(ShapeHandle),
+    SetMaterial(ShapeHandle, Material),
+    SetFilter(ShapeHandle, Filter),
+    SetListening(ShapeHandle, bool, bool),
+    SetSensor(ShapeHandle, bool),
+    SetPose(BodyHandle, DVec3, Quat),
+    SetVelocity(BodyHandle, Vec3, Vec3),
+    AddForce(BodyHandle, Vec3, Vec3),
+    ApplyImpulse(BodyHandle, Vec3, DVec3),
+    SetGravityScale(BodyHandle, f32),
+    SetContinuous(BodyHandle, Continuous),
+    RaiseBody(BodyHandle, Option<RowGroup>),
+    SetMass(BodyHandle, MassProperties),
+    AddJoint(&'a JointDesc),
+    AddJoints(&'a [JointDesc]),
+    RemoveJoint(JointHandle),
+    SetJoint(JointHandle, &'a [Limit], &'a [Drive]),
+    RaiseJoint(JointHandle, Option<RowGroup>),
+    Wake(BodyHandle),
+    SendToSleep(BodyHandle),
+    SetCanSleep(BodyHandle, bool),
+    SetEnabled(BodyHandle, bool),
+}
+
+/// Who notes the changes and the steps of a world.
+#[cfg(feature = "replay")]
+pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
+    /// A call is about to change the world, and nothing can refuse it any more. `asked`: queries made the world hold more memory
+    /// since the change before.
+    fn note(&mut self, change: Change<'_>, asked: bool);
+    /// A step begins; `asked` as for changes.
+    fn begin_step(&mut self, asked: bool);
+    /// A stage of the step is over.
+    fn look(&mut self, world: &World, stage: Stage);
+    /// What hooks said of the next contact, and whether they vetoed it.
+    fn hear(&mut self, tweak: Tweak, vetoed: bool);
+    /// The step of `dt` seconds is over.
+    fn end_step(&mut self, world: &World, dt: f32);
+}
+
+/// Who measures steps. It looks on while rows are solved.
+#[cfg(feature = "lab")]
+pub(crate) trait StepMeter:
+    std::any::Any + std::fmt::Debug + crate::solver::Witness + Send + Sync
+{
+    /// Rows are about to be solved, over a step of `dt` seconds.
+    fn before_rows(&mut self, world: &mut World, dt: f32);
+    /// They were; it may solve them better.
+    fn after_rows(&mut self, world: &mut World);
+    /// Bodies have moved.
+    fn after_step(&mut self, world: &World);
+}
+
+/// Without the features of who looks on all of it is no code; with them, and nobody there, one branch that is always the same.
+#[cfg_attr(
+    not(all(feature = "replay", feature = "lab")),
+    allow(unused_variables, clippy::unused_self, reason = "nobody looks on")
+)]
+impl World {
+    /// Notes a change, before anything is changed and when nothing can refuse it any more.
+    #[inline]
+    pub(crate) fn note(&mut self, change: Change<'_>) {
+        #[cfg(feature = "replay")]
+        if self.recorder.is_some() {
+            let asked = self.was_asked();
+            if let Some(recorder) = &mut self.recorder {
+                recorder.note(change, asked);
+            }
+        }
+    }
+
+    #[inline]
+    pub(crate) fn note_step_begins(&mut self) {
+        #[cfg(feature = "replay")]
+        {
+            let asked = self.was_asked();
+            if let Some(recorder) = &mut self.recorder {
+                recorder.begin_step(asked);
+            }
+        }
+    }
+
+    #[inline]
+    pub(crate) fn note_stage(&mut self, stage: Stage) {
+        #[cfg(feature = "replay")]
+        if let Some(mut recorder) = self.recorder.take() {
+            recorder.look(self, stage);
+            self.recorder = Some(recorder);
+        }
+    }
+
+    #[inline]
+    pub(crate) fn note_step_ends(&mut self, dt: f32) {
+        #[cfg(feature = "replay")]
+        if let Some(mut recorder) = self.recorder.take() {
+            recorder.end_step(self, dt);
+            self.recorder = Some(recorder);
+        }
+    }
+
+    /// Measures the step, once bodies have moved.
+    #[inline]
+    pub(crate) fn measure_step(&mut self) {
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = self.meter.take() {
+            meter.after_step(self);
+            self.meter = Some(meter);
+        }
+    }
+
+    /// Whether queries may have made the world hold more memory, which a budget counts.
+    #[cfg(feature = "replay")]
+    pub(crate) fn was_asked(&self) -> bool {
+        !self.settings.budget.is_none() && self.now.is_fresh()
+    }
+}

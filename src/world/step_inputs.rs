@@ -1,0 +1,375 @@
+//! What each stage of a step reads and writes of the world, and what has to be seen to around it.
+
+use super::stage::Part;
+use super::{Buffers, StepCounts, World};
+use crate::body::{Bodies, Colliders};
+use crate::config::tuning::{
+    CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
+};
+use crate::config::{FrictionModel, Settings};
+use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
+use crate::finish::Counts;
+use crate::forces::Forces;
+use crate::memory::{Category, Rooms};
+use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
+use crate::statics::Structure;
+use crate::threads::{Crew, Shared};
+use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
+use crate::{finish, movers, solver};
+
+impl World {
+    /// Finds the pairs of the step, or once more after some bodies woke.
+    pub(crate) fn find_pairs(&mut self, crew: &Crew<'_>, did: &mut StepCounts) {
+        let mut rooms = self.rooms();
+        let Buffers { broad: buffers, forces, narrow, rows, .. } = &mut self.buffers;
+        let input = movers::Input {
+            bodies: &self.bodies,
+            joints: &self.joints,
+            motion: &forces.motion,
+            mode: self.settings.stage_modes().broad,
+            unit: self.settings.length_unit,
+        };
+        movers::place(crew, &input, &mut self.colliders, &mut self.broad, buffers, &mut rooms);
+        // Rows of the last step are of no use any more, and without pairs there is nothing to make rows of.
+        let contacts = self.contacts.live();
+        let mut give = |bytes: usize| rows.give_up(bytes, contacts);
+        let missing = |pairs: usize| narrow.missing(pairs);
+        let (colliders, broad) = (&self.colliders.all, (&mut self.broad, buffers));
+        let stats = movers::find(crew, &input, colliders, broad, &missing, (&mut rooms, &mut give));
+        did.add_broad(stats);
+        did.ghosts += self.forget_pairs_that_ended();
+    }
+
+    /// Pairs that ended are heard of, and their contacts go. Says how many of these had pushed in the last step.
+    fn forget_pairs_that_ended(&mut self) -> u32 {
+        let mut removed = std::mem::take(&mut self.buffers.broad.removed);
+        if !removed.is_empty() {
+            self.grant_events();
+        }
+        let mut ghosts = 0;
+        for pair in &removed {
+            self.part_pair(pair);
+            ghosts += self.contacts.count_pushed(pair.contact);
+            self.contacts.remove_chain(pair.contact);
+        }
+        removed.clear();
+        self.buffers.broad.removed = removed;
+        ghosts
+    }
+
+    /// Finds the contacts of the step.
+    pub(crate) fn find_contacts(&mut self, crew: &Crew<'_>, dt: f32) -> NarrowStats {
+        let unit = self.settings.length_unit;
+        let mut rooms = self.rooms();
+        let (joints, slots) = (&self.joints, &self.bodies.slot);
+        let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
+        let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
+        let input = Input {
+            colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
+            poses: &self.colliders.poses,
+            motion: &forces.motion,
+            fall: self.settings.gravity * (0.5 * dt * dt),
+            dynamic: self.bodies.dynamic(),
+            margin: CONTACT_MARGIN * unit,
+            touch_distance: TOUCH_DISTANCE * unit,
+            unit,
+            fast: CAST_MOTION * unit,
+            recycle: if self.settings.recycling { RECYCLE_DISTANCE * unit } else { -1.0 },
+            mode: self.settings.stage_modes().narrow,
+            start: self.settings.start(),
+            scale,
+            has_joints: &|body| joints.has_any(slots[body as usize]),
+        };
+        let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
+        let mut space = lend(rows, prepare, how, statics.lists());
+        let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
+        let stats = collide(crew, &input, pairs, contacts, narrow, (&mut rooms, &mut space));
+        rows.take_back(space.slab);
+        stats
+    }
+
+    /// Estimates loads of contacts that are not known. `touching`: some contact is new.
+    pub(crate) fn estimate_loads(&mut self, touching: bool, dt: f32) {
+        let (mut rooms, h) = (self.rooms(), self.lengths(dt).last());
+        let Buffers { statics, forces, .. } = &mut self.buffers;
+        statics.pending |= touching;
+        let mut structure = Structure {
+            bodies: &self.bodies,
+            colliders: &self.colliders,
+            pairs: &self.broad.pairs,
+            contacts: &mut self.contacts,
+            acceleration: &forces.acceleration,
+        };
+        statics.estimate(&mut structure, &self.settings, (dt, h), &mut rooms);
+    }
+
+    /// Makes the rows of the step.
+    pub(crate) fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
+        let mut rooms = self.rooms();
+        let lost = self.part(Part::Restitution, |world| world.find_impacts(dt, &mut rooms));
+        self.part(Part::Joints, |world| world.arrange_joints(crew, dt));
+        let prepared = self.prepare_contacts(crew, dt, &mut rooms);
+        self.part(Part::Joints, |world| world.fill_joints(crew, dt));
+        Prepared { shed: prepared.shed + lost, ..prepared }
+    }
+
+    /// Finds the points that may bounce. Says how many there was no room for.
+    fn find_impacts(&mut self, dt: f32, rooms: &mut Rooms) -> u32 {
+        let Buffers { forces, restitution, .. } = &mut self.buffers;
+        if self.needs.restitution == 0 {
+            restitution.clear();
+            return 0;
+        }
+        let unit = self.settings.length_unit;
+        let input = FindInput {
+            bodies: &self.bodies,
+            colliders: &self.colliders.all,
+            poses: &self.colliders.poses,
+            pairs: &self.broad.pairs,
+            contacts: &self.contacts.all,
+            joints: &self.joints,
+            motion: &forces.motion,
+            acceleration: &forces.acceleration,
+            tweaks: &self.events.tweaks,
+            threshold: self.settings.restitution_threshold * unit,
+            real: TOUCH_DISTANCE * unit,
+            dt,
+        };
+        rooms.within(Category::Scratch, |room| find(&input, restitution, room))
+    }
+
+    /// Arranges joints in trees and batches, if they changed, and fills the trees.
+    fn arrange_joints(&mut self, crew: &Crew<'_>, dt: f32) {
+        let lengths = self.lengths(dt);
+        let Buffers { joints: rows, forces, .. } = &mut self.buffers;
+        if self.joints.changed {
+            self.revisions.moving += u64::from(self.joints.is_stale());
+            self.joints.compact();
+            let (order, in_trees) = (self.settings.order, self.settings.joint_trees);
+            rows.arrange(&self.joints, &self.bodies, order, in_trees);
+        }
+        if self.joints.count > 0 || !rows.tree_slots.is_empty() {
+            let input = JointInput {
+                bodies: &self.bodies,
+                inverse_inertia: &[],
+                acceleration: &forces.acceleration,
+                joints: &self.joints,
+                pairs: &self.broad.pairs,
+                hot: &self.colliders.hot,
+                tree_contacts: &[],
+                order: self.settings.order,
+                warm: lengths.ratio(),
+                h: lengths.now(),
+                unit: self.settings.length_unit,
+            };
+            rows.fill_trees(crew, &input, &mut forces.inverse_inertia);
+        }
+    }
+
+    fn prepare_contacts(&mut self, crew: &Crew<'_>, dt: f32, rooms: &mut Rooms) -> Prepared {
+        let unit = self.settings.length_unit;
+        let (ahead, lengths) = (self.room_ahead(rooms), self.lengths(dt));
+
+        let Buffers { forces, joints, rows, prepare: scratch, .. } = &mut self.buffers;
+        let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
+        let input = PrepareInput {
+            bodies: &self.bodies,
+            colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
+            poses: &self.colliders.poses,
+            contacts: &self.contacts.all,
+            pairs: &self.broad.pairs,
+            motion: &forces.motion,
+            inverse_inertia: &forces.inverse_inertia,
+            real: TOUCH_DISTANCE * unit,
+            near: 2.0 * CONTACT_MARGIN * unit,
+            ahead,
+            lengths,
+            stick: STATIC_SLIP_SPEED * unit,
+            slop: self.settings.slop * unit,
+            order: self.settings.order,
+            tree_slots: &joints.tree_slots,
+            tweaks: &self.events.tweaks,
+            per_point: self.settings.friction_model == FrictionModel::Point,
+            friction: self.needs.friction > 0,
+            scale,
+        };
+        prepare(crew, &input, rows, scratch, rooms)
+    }
+
+    fn fill_joints(&mut self, crew: &Crew<'_>, dt: f32) {
+        if self.joints.count == 0 {
+            return;
+        }
+        let lengths = self.lengths(dt);
+        let (joints, slots) = (&self.joints, &self.bodies.slot);
+        let Buffers { joints: batches, forces, rows, prepare, .. } = &mut self.buffers;
+        prepare.crowd.leave_out(|body: usize| joints.of_body(slots[body]).next().is_some());
+        let input = JointInput {
+            bodies: &self.bodies,
+            inverse_inertia: &forces.inverse_inertia,
+            acceleration: &forces.acceleration,
+            joints,
+            pairs: &self.broad.pairs,
+            hot: &self.colliders.hot,
+            tree_contacts: &rows.tree_contacts,
+            order: self.settings.order,
+            warm: lengths.ratio(),
+            h: lengths.now(),
+            unit: self.settings.length_unit,
+        };
+        batches.fill(crew, &input);
+    }
+
+    /// Solves the rows; says whether all velocities stayed in range.
+    pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
+        #[cfg(feature = "lab")]
+        let mut meter = self.meter.take();
+        #[cfg(feature = "lab")]
+        let witness = meter.as_deref_mut().map(|meter| {
+            meter.before_rows(self, dt);
+            meter as &mut dyn solver::Witness
+        });
+        #[cfg(not(feature = "lab"))]
+        let witness = None;
+        let buffers = &mut self.buffers;
+        let rows = (&mut buffers.rows, &mut buffers.joints);
+        let state = (&mut buffers.solver, &buffers.prepare.crowd, witness);
+        let impulses = self.events.impulses.as_mut_slice();
+        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
+        let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
+        let sound = solver::solve(crew, &self.settings, dt, bodies, forces, rows, impacts, state);
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = meter {
+            meter.after_rows(self);
+            self.meter = Some(meter);
+        }
+        sound
+    }
+
+    /// Forces last for a step.
+    pub(crate) fn forget_forces(&mut self) {
+        self.bodies.forget_forces(self.settings.budget.is_none());
+    }
+
+    /// Where things are now is where queries look.
+    pub(crate) fn update_queries(&mut self) {
+        self.now.step(self.settings.budget.is_none());
+    }
+
+    /// Lengths of the substeps of a step, and of those of the step before.
+    pub(crate) fn lengths(&self, dt: f32) -> StepLengths {
+        let now = dt / self.settings.substeps as f32;
+        let Buffers { last_h, evenness, .. } = self.buffers;
+        StepLengths::new(last_h, now, dt, evenness, self.settings.warm_starting)
+    }
+
+    /// What joints bore, and which of them broke.
+    pub(crate) fn store_joints(&mut self, dt: f32) {
+        self.joints.broken.clear();
+        if self.joints.count == 0 {
+            return;
+        }
+        let hold = (dt / JOINT_HOLD_TIME).min(1.0);
+        self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
+        // Rows may end as no numbers though the velocities that they acted on were brought back.
+        self.joints.forget_unsound();
+        if self.joints.any_breakable() {
+            self.break_joints();
+        }
+    }
+
+    /// What contacts bore. Says how many pushed before they touched.
+    pub(crate) fn store_contacts(&mut self, crew: &Crew<'_>, dt: f32) -> u32 {
+        let lengths = self.lengths(dt);
+        let (dynamic, hot) = (self.bodies.dynamic(), &self.colliders.hot);
+        let solved = self.broad.pairs.iter().filter(|pair| !pair.is_idle(hot, dynamic));
+        let per_point = self.settings.friction_model == FrictionModel::Point;
+        let Buffers { rows, statics, .. } = &mut self.buffers;
+        if per_point {
+            // Each point adds its share.
+            self.contacts.for_each_of(solved.clone(), |_, contact| contact.friction = glam::Vec3::ZERO);
+        }
+        let stored = {
+            let contacts = Shared::new(&mut self.contacts.all);
+            solver::store(crew, rows, dt, lengths, &contacts)
+        };
+        statics.pending |= stored.unknown_load;
+        if per_point {
+            // Contacts whose points were solved apart bear what these did.
+            self.contacts.for_each_of(solved, |_, contact| {
+                statics.pending |= contact.bear(dt, lengths.now());
+            });
+        }
+        stored.pushed
+    }
+
+    /// Moves bodies to the end of the step. `fast`: how many outran their boxes, or 0 if that is not known.
+    pub(crate) fn move_bodies(&mut self, crew: &Crew<'_>, fast: u32, dt: f32) -> Counts {
+        let continuous = self.is_continuous();
+        let buffers = &mut self.buffers;
+        let input = finish::Input {
+            bodies: &mut self.bodies,
+            colliders: &self.colliders,
+            broad: &self.broad,
+            joints: &self.joints,
+            forces: &buffers.forces,
+            narrow: &buffers.narrow,
+            impacts: &buffers.restitution,
+            delta: &mut buffers.solver.delta,
+            rows: &mut buffers.rows,
+            joint_rows: &mut buffers.joints,
+            vetoed: &self.events.vetoed,
+            settings: &self.settings,
+            continuous,
+            senses: self.needs.sensors > 0,
+            fast,
+            dt,
+        };
+        let (held, mut stopped) = finish::finish(crew, input, &mut buffers.finish);
+        if !stopped.is_empty() {
+            self.faults.note_stopped(&self.bodies, &mut stopped);
+        }
+        held
+    }
+
+    /// Meets impacts one by one, if the method asks for that.
+    pub(crate) fn meet_impacts(&mut self, crew: &Crew<'_>, dt: f32) -> Impacts {
+        if !meets_impacts(&self.settings) {
+            return Impacts::default();
+        }
+        let room = self.room(Category::Continuous);
+        let buffers = &mut self.buffers;
+        let mut solved = Solved {
+            bodies: &mut self.bodies,
+            colliders: &self.colliders,
+            broad: &self.broad,
+            joints: &self.joints,
+            forces: &buffers.forces,
+            delta: &buffers.solver.delta,
+            vetoed: &self.events.vetoed,
+            settings: &self.settings,
+            dt,
+        };
+        meet_impacts(crew, &mut solved, &mut buffers.impacts, room)
+    }
+}
+
+/// What contacts weigh, should there not be enough memory for all.
+fn scale<'a>(
+    colliders: &'a Colliders,
+    bodies: &'a Bodies,
+    forces: &'a Forces,
+    settings: &Settings,
+    dt: f32,
+) -> Scale<'a> {
+    Scale {
+        hot: &colliders.hot,
+        motion: &forces.motion,
+        mass: &bodies.mass,
+        dynamic: bodies.dynamic(),
+        gain: dt * settings.substeps as f32,
+        unit: settings.length_unit,
+    }
+}
