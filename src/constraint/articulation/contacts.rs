@@ -107,11 +107,13 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let mut push = unit;
                 if node.jointed {
                     let [arm, other] = node.arm_now;
-                    let mut asked = node.free.mul(&unit).seen_at(arm);
+                    let mut requested = node.free.mul(&unit).seen_at(arm);
                     if let Some(parent) = &parent {
-                        asked.subtract(parent.whole.mul(&node.stiff.mul(&asked).moved(other)).seen_at(other));
+                        requested.subtract(
+                            parent.whole.mul(&node.stiff.mul(&requested).moved(other)).seen_at(other),
+                        );
                     }
-                    push.subtract(node.stiff.mul(&asked).moved(arm));
+                    push.subtract(node.stiff.mul(&requested).moved(arm));
                 }
                 node.free.mul(&push)
             };
@@ -161,10 +163,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         node.carried.add(node.pending);
         if node.jointed {
             let [arm, other] = node.arm_now;
-            let asked = node.free.mul(&node.pending).seen_at(arm);
-            node.asked.add(asked);
+            let requested = node.free.mul(&node.pending).seen_at(arm);
+            node.requested.add(requested);
             if let Some(parent) = parent {
-                let push = node.stiff.mul(&asked).moved(other);
+                let push = node.stiff.mul(&requested).moved(other);
                 parent.pending.add(push);
                 parent.change.add(parent.whole.mul(&push));
             }
@@ -181,9 +183,9 @@ impl<L: Lanes> Node<L> {
         let mut push = self.carried;
         if self.jointed {
             let [arm, other] = self.arm_now;
-            let mut asked = self.asked;
-            asked.subtract(above.seen_at(other));
-            push.subtract(self.stiff.mul(&asked).moved(arm));
+            let mut requested = self.requested;
+            requested.subtract(above.seen_at(other));
+            push.subtract(self.stiff.mul(&requested).moved(arm));
         }
         self.free.mul(&push)
     }

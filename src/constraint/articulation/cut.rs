@@ -257,7 +257,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &self.nodes[real..] {
             for _ in 0..rows_of(node.turns) {
                 let direction = &extra.directions[row];
-                rest[row] = node.asked.dot(&direction.along) + self.change_along(direction);
+                rest[row] = node.requested.dot(&direction.along) + self.change_along(direction);
                 row += 1;
             }
         }

@@ -166,12 +166,12 @@ impl<L: GatherLanes> TreeBatch<L> {
             // The anchor has moved already.
             self.gather_up(|node, parent| {
                 let [arm, other] = node.arm_now;
-                let mut asked = node.velocity.seen_at(arm);
+                let mut requested = node.velocity.seen_at(arm);
                 if let Some(parent) = parent {
-                    asked.subtract(parent.velocity.seen_at(other));
+                    requested.subtract(parent.velocity.seen_at(other));
                 }
-                asked.add(node.open());
-                asked
+                requested.add(node.open());
+                requested
             });
             self.extra.shifts = true;
             self.answer_all();

@@ -91,7 +91,7 @@ pub(crate) struct Node<L> {
     pub(crate) anchored: Twist<L>,
     pub(crate) anchor_moved: Twist<L>,
     pub(crate) carried: Twist<L>,
-    pub(crate) asked: Twist<L>,
+    pub(crate) requested: Twist<L>,
     pub(crate) change: Twist<L>,
     pub(crate) pending: Twist<L>,
     /// Impulse of contacts that are solved along with the tree; the same with the impulses of its joints; and
@@ -161,7 +161,7 @@ impl<L: Lanes> Default for Node<L> {
             anchored: Twist::zero(),
             anchor_moved: Twist::zero(),
             carried: Twist::zero(),
-            asked: Twist::zero(),
+            requested: Twist::zero(),
             change: Twist::zero(),
         }
     }

@@ -55,21 +55,21 @@ impl<L: GatherLanes> TreeBatch<L> {
             _ => Drives::All,
         };
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
+        let requested = |node: &Node<L>, parent: Option<&Node<L>>| {
             let [arm, other] = node.arm_now;
-            let mut asked = node.velocity.seen_at(arm);
-            asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
-            asked.linear += pass.linear_bias(node.apart_now, rate);
-            asked.angular += pass.angular_bias(node.error_now, rate);
+            let mut requested = node.velocity.seen_at(arm);
+            requested.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
+            requested.linear += pass.linear_bias(node.apart_now, rate);
+            requested.angular += pass.angular_bias(node.error_now, rate);
             if !pass.relax {
-                asked.add(node.bend);
+                requested.add(node.bend);
             }
-            asked
+            requested
         };
-        self.gather_up(asked);
+        self.gather_up(requested);
         if !contacts.is_empty() {
             self.traverse(contacts, touch);
-            self.gather_up(asked);
+            self.gather_up(requested);
         }
         self.answer_all();
         let zero = Vec3::zero();
@@ -112,14 +112,14 @@ impl<L: GatherLanes> TreeBatch<L> {
             let [arm, other] = node.arm_now;
             node.force = match parent {
                 Some(parent) => {
-                    let mut asked = node.asked;
+                    let mut requested = node.requested;
                     node.beside.add(parent.pushes);
-                    asked.subtract(node.rest.mul(&node.beside).seen_at(other));
-                    let force = node.unspun(node.joined.mul(&asked));
+                    requested.subtract(node.rest.mul(&node.beside).seen_at(other));
+                    let force = node.unspun(node.joined.mul(&requested));
                     parent.pushes.add(force.moved(other));
                     force
                 }
-                None => node.unspun(node.stiff.mul(&node.asked)),
+                None => node.unspun(node.stiff.mul(&node.requested)),
             };
             node.pushes.subtract(node.force.moved(arm));
         }
@@ -132,17 +132,17 @@ impl<L: GatherLanes> TreeBatch<L> {
 
     /// Collects what is requested of each joint, less what the joints below it do.
     #[inline(always)]
-    pub(crate) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+    pub(crate) fn gather_up(&mut self, requested: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         for i in self.real..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            node.asked = asked(node, parent.as_deref());
+            node.requested = requested(node, parent.as_deref());
         }
-        self.gather_up_bodies(asked);
+        self.gather_up_bodies(requested);
     }
 
     /// From the leaves to the root, without cut joints.
     #[inline(always)]
-    pub(crate) fn gather_up_bodies(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+    pub(crate) fn gather_up_bodies(&mut self, requested: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
@@ -153,11 +153,11 @@ impl<L: GatherLanes> TreeBatch<L> {
             carried.add(node.pushed);
             let carried = node.free.mul(&carried);
             let mut all = carried.seen_at(node.arm_now[0]);
-            all.add(asked(node, parent.as_deref()));
-            node.asked = node.unspun(all);
+            all.add(requested(node, parent.as_deref()));
+            node.requested = node.unspun(all);
             if let Some(parent) = parent {
                 node.beside = parent.carried;
-                parent.carried.add(node.stiff.mul(&node.asked).moved(node.arm_now[1]));
+                parent.carried.add(node.stiff.mul(&node.requested).moved(node.arm_now[1]));
             }
         }
     }

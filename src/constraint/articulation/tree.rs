@@ -205,21 +205,21 @@ impl<L: GatherLanes> TreeBatch<L> {
             // A hinge transmits nothing about its axis, which has turned.
             node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
         }
-        self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
+        self.nodes.iter_mut().for_each(|node| node.requested = Twist::zero());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
             if let Some(parent) = parent {
-                parent.asked.angular -= other;
+                parent.requested.angular -= other;
             }
             let body = self.body_of(i);
-            self.nodes[body].asked.angular += own;
+            self.nodes[body].requested.angular += own;
         }
-        self.add_motors(|node| &mut node.asked.angular);
+        self.add_motors(|node| &mut node.requested.angular);
         let exact = self.exact();
         for node in &mut self.nodes {
             let own = node.velocity.angular - node.gained;
-            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.asked.angular);
+            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.requested.angular);
             node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
             node.gained = now - own;
         }

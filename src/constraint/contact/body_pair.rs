@@ -90,12 +90,12 @@ impl<L: GatherLanes> BodyPair<L> {
         b: Option<Written<'_>>,
         records: &Shared<'_, Record>,
     ) {
-        let write = |linear, angular, to: Written<'_>| {
+        let write = |linear, angular, Written { index, lanes }: Written<'_>| {
             let out = scatter(linear, angular);
             for lane in 0..L::N {
-                if to.lanes >> lane & 1 != 0 {
+                if lanes >> lane & 1 != 0 {
                     // SAFETY: a lane that may be written has its body alone in this stage.
-                    unsafe { *records.get(to.index[lane] as usize) = out[lane] };
+                    unsafe { *records.get(index[lane] as usize) = out[lane] };
                 }
             }
         };

@@ -269,8 +269,8 @@ impl Spring {
         let k = k / (1.0 + h * h * k * mobility);
         let force = most / h;
         let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
-        let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
-        [held, (impulse * asked).max(0.0)]
+        let requested = if c > 1e-6 * d { speed * d / c } else { 0.0 };
+        [held, (impulse * requested).max(0.0)]
     }
 }
 

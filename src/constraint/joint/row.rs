@@ -162,11 +162,11 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
-        let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {
+        let one = |gap: L, speed: L, requested: L, (old, held): (L, L), (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
             // Away from a rigid end, only the speed that would pass it within the substep is removed.
             let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
-            let soft = asked - gap * self.pull;
+            let soft = requested - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
             let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
