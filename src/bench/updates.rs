@@ -73,7 +73,7 @@ impl Crowd {
         let rules = Rules { may_collide: &|_, _| true, order: &|i, j| (i.min(j), i.max(j)), missing: &|_| 0 };
         self.broad.start_movers();
         self.broad.place_movers(&self.movers, MARGIN);
-        let mut room = Rooms::ENDLESS.clone();
+        let mut room = Rooms::ENDLESS;
         self.broad.update_within(&Crew::alone(), &rules, &mut self.removed, (&mut room, &mut |_| 0));
     }
 }

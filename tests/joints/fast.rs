@@ -7,9 +7,7 @@
 //! rounding and for velocities that are half a substep late under gravity.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, MassProperties, Motion,

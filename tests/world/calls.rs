@@ -4,9 +4,7 @@
 //! shapes, joints, sensors, listeners and hooks. The first findings were pairs of what sleeps with what is
 //! kinematic and at rest.
 
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::Vec3;
 use backstop::{
     Axis, BodyDesc, BodyHandle, Continuous, ContinuousMethod, Drive, Filter, Frame, FrictionModel, Geometry,

@@ -1,8 +1,6 @@
 //! What is at rest sleeps, in islands; what touches it, moves it or takes its support away wakes it.
 
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
 use backstop::{

@@ -6,9 +6,7 @@
 //! zero but for what single precision and springs under uneven loads leave of it: some hundredths of a
 //! millimetre. The bounds are ten to a hundred times that.
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Standing;
 use backstop::{BodyDesc, BodyHandle, FrictionModel, Geometry, Settings, ShapeDesc, World};

@@ -11,9 +11,7 @@ mod refused;
 mod same;
 mod seen;
 
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, ClosestPoint, ConvexHull, Error, Filter, Geometry, HeightField, Overlap,

@@ -6,9 +6,7 @@
 mod calls;
 mod files;
 
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
 use backstop::scene::{Scene, Terrain, builtin};

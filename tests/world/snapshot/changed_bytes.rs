@@ -1,9 +1,7 @@
 //! Bytes of snapshots that somebody changed, with the checksum put right: each is refused and leaves the
 //! world as it was, or the world can be stepped on, without a panic and with numbers only.
 
-use crate::common;
-use crate::common::random::Random;
-
+use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Axis, BodyDesc, BodyHandle, ConvexHull, Drive, Geometry, HeightField, JointDesc, Motion, Settings,

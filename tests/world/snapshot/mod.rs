@@ -8,8 +8,7 @@ mod changed_bytes;
 mod game;
 mod goes_on;
 
-use crate::common;
-use crate::common::random::Random;
+use crate::common::{self, random::Random};
 use game::Game;
 
 use backstop::glam::{DVec3, Quat, Vec3};
