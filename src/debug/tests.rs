@@ -444,7 +444,7 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
 /// poses with them.
 #[test]
 fn a_world_can_be_drawn_after_any_change() {
-    (0..12).for_each(|n| draw_after_changes(7 + 1000 * n));
+    (0..24).for_each(|n| draw_after_changes(7 + 1000 * n));
 }
 
 fn draw_after_changes(seed: u64) {

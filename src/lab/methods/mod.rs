@@ -1,8 +1,8 @@
 //! Methods of solving a [`Problem`], a file each. [`Method::ALL`] names them.
 //!
-//! [`pivoting`] and [`newton`] have the exact methods, [`projected`] the iterations. Exact methods share the
-//! forms into which they bring a problem ([`forms`]), the rounds that lead from these to the exact cone
-//! ([`rounds`]) and the bookkeeping of a run ([`run`]).
+//! `pivoting` and `newton` have the exact methods, `projected` the iterations. Exact methods share the
+//! forms into which they bring a problem (`forms`), the rounds that lead from these to the exact cone
+//! (`rounds`) and the bookkeeping of a run (`run`).
 
 mod cone;
 mod envelope;

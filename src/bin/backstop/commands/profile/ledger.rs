@@ -62,12 +62,12 @@ pub(crate) struct Additional {
     /// Mean over the frames in which most moving bodies touch nothing; `None` if there are none.
     pub(crate) falling: Option<f64>,
     pub(crate) falling_frames: usize,
-    /// Of the most expensive frame, and its number.
+    /// That of the most expensive frame, and the number of that frame.
     pub(crate) max: f64,
     pub(crate) max_step: u32,
-    /// Of the cheapest frame.
+    /// That of the cheapest frame.
     pub(crate) min: f64,
-    /// Ratio of the sums of all times.
+    /// That of the sums of all times.
     pub(crate) whole: f64,
     /// Mean times of a frame [us].
     pub(crate) discrete_us: f64,
