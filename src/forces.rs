@@ -4,7 +4,7 @@ use crate::body::{Bodies, Mass, Traits, is_uneven};
 use crate::lanes::{Lanes, Record, Sym3, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -55,7 +55,7 @@ pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
 
 /// Computes [`Forces`] for a step of `dt` seconds. Says whether the motion of a dynamic body is not [sound](is_sound).
 pub(crate) fn predict(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     bodies: &mut Bodies,
     gravity: Vec3,
     forces: &mut Forces,
@@ -80,7 +80,7 @@ pub(crate) fn predict(
         motion: Shared::new(motion),
     };
     let unsound = AtomicBool::new(false);
-    crew.run(movers.div_ceil(BLOCK), &|block| {
+    workers.run(movers.div_ceil(BLOCK), &|block| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(movers);
         // What no body needs is not asked of each.
         let sound = match (bodies.locked > 0, pulled) {

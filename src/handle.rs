@@ -1,6 +1,6 @@
 //! Handles of the caller: an index and a generation, so that a stale handle is noticed.
 
-use crate::memory::{Buffer, Room};
+use crate::memory::{Allowance, Buffer};
 
 macro_rules! handle {
     ($(#[$doc:meta])* $name:ident) => {
@@ -54,8 +54,8 @@ impl Slots {
     /// Makes place for so many more.
     pub(crate) fn reserve(&mut self, more: usize) {
         let wanted = (self.slots.len() + more).saturating_sub(self.free.len());
-        let mut room = Room::ENDLESS;
-        room.fit(&mut self.slots, wanted);
+        let mut allowance = Allowance::ENDLESS;
+        allowance.fit(&mut self.slots, wanted);
     }
 
     /// The dense index, unless the handle is stale.

@@ -8,9 +8,9 @@ use crate::broad_phase::{Aabb, BroadPhase, BroadStats, GiveUp, Mover, Pair, Rule
 use crate::config::Continuous;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Category, Rooms, bytes_of};
+use crate::memory::{Allowances, Buffer, Category, bytes_of};
 use crate::shape::Collider;
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 
 /// Buffers of one step.
@@ -69,12 +69,12 @@ pub(crate) struct Input<'a> {
 
 /// Places the colliders of all bodies that can move, and their boxes in the broad phase.
 pub(crate) fn place(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &Input<'_>,
     colliders: &mut Colliders,
     broad: &mut BroadPhase,
     buffers: &mut Buffers,
-    rooms: &mut Rooms,
+    allowances: &mut Allowances,
 ) {
     let count = input.bodies.movers();
     let Buffers { movers, starts, .. } = buffers;
@@ -92,20 +92,20 @@ pub(crate) fn place(
         mode: Continuous::Discrete,
     };
     // A budget foresees place for all.
-    let wave = if rooms.is_endless() { WAVE } else { count.max(1) };
+    let wave = if allowances.is_endless() { WAVE } else { count.max(1) };
     broad.start_movers();
     for first in (0..count).step_by(wave) {
         let end = count.min(first + wave);
         let start = starts[first];
         let len = (starts.get(end).copied().unwrap_or(total) - start) as usize;
-        rooms.within(Category::Scratch, |room| room.fit(movers, len));
+        allowances.within(Category::Scratch, |allowance| allowance.fit(movers, len));
         movers.resize(len, empty);
         let out = Shared::new(movers);
         let poses = Shared::new(&mut colliders.poses);
         let (bodies, all) = (input.bodies, &colliders.all);
         let (motion, whole) = (input.motion, input.mode);
         let starts = &*starts;
-        crew.run((end - first).div_ceil(BLOCK), &|block| {
+        workers.run((end - first).div_ceil(BLOCK), &|block| {
             for i in first + block * BLOCK..(first + (block + 1) * BLOCK).min(end) {
                 let mode = whole.of(bodies.traits[i].continuous);
                 let pose = &bodies.pose[i];
@@ -134,12 +134,12 @@ pub(crate) fn place(
 /// Finds the pairs of the step. `missing`: bytes that stages after this one need for so many pairs; `give`: frees memory that is
 /// of no use any more.
 pub(crate) fn find(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &Input<'_>,
     colliders: &[Collider],
     (broad, buffers): (&mut BroadPhase, &mut Buffers),
     missing: &dyn Fn(usize) -> usize,
-    (rooms, give): (&mut Rooms, GiveUp<'_>),
+    (allowances, give): (&mut Allowances, GiveUp<'_>),
 ) -> BroadStats {
     let count = input.bodies.movers();
     buffers.removed.clear();
@@ -164,7 +164,7 @@ pub(crate) fn find(
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
     let rules = Rules { may_collide: &may_collide, order: &order, missing };
-    broad.update_within(crew, &rules, &mut buffers.removed, (rooms, give))
+    broad.update_within(workers, &rules, &mut buffers.removed, (allowances, give))
 }
 
 fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {

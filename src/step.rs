@@ -5,7 +5,7 @@
 
 use crate::config::tuning::MIN_THREADED_BODIES;
 use crate::error::Error;
-use crate::threads::{Crew, with_crew};
+use crate::threads::{Workers, with_workers};
 use crate::world::{ContactHooks, NoHooks, Part, Stage, StepCounts, StepReport, World};
 
 impl World {
@@ -32,56 +32,56 @@ impl World {
         self.note_step_begins();
         let threads = if self.bodies.movers() < MIN_THREADED_BODIES { 1 } else { self.settings.threads };
         let mut helpers = std::mem::take(&mut self.helpers);
-        with_crew(threads, &mut helpers, |crew| self.run(&crew, dt, hooks));
+        with_workers(threads, &mut helpers, |workers| self.run(&workers, dt, hooks));
         self.helpers = helpers;
         self.note_step_ends(dt);
         Ok(&self.report)
     }
 
     /// The stages.
-    fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
+    fn run(&mut self, workers: &Workers<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let mut clock = self.begin_step(dt);
         let mut did = StepCounts::default();
         clock.stage(self, Stage::Broad, |world| {
-            world.predict(crew, dt);
-            world.find_pairs(crew, &mut did);
+            world.predict(workers, dt);
+            world.find_pairs(workers, &mut did);
             if world.part(Part::Sleeping, World::wake_what_is_reached) {
-                world.predict(crew, dt);
-                world.find_pairs(crew, &mut did);
+                world.predict(workers, dt);
+                world.find_pairs(workers, &mut did);
             }
         });
-        clock.stage(self, Stage::Narrow, |world| did.narrow = world.find_contacts(crew, dt));
+        clock.stage(self, Stage::Narrow, |world| did.narrow = world.find_contacts(workers, dt));
         clock.stage(self, Stage::Hooks, |world| world.part(Part::Hooks, |world| world.ask_hooks(hooks)));
         clock.stage(self, Stage::Prepare, |world| {
             world.estimate_loads(did.narrow.touching, dt);
-            world.listen();
-            did.prepared = world.prepare(crew, dt);
+            world.reserve_impulses();
+            did.prepared = world.prepare(workers, dt);
             if did.shed() > 0 {
                 world.buffers.prepare.crowd.shed();
             }
         });
         clock.stage(self, Stage::Solve, |world| {
-            if !world.solve(crew, dt) {
-                did.prepared = world.solve_without_faults(crew, dt, did.prepared);
+            if !world.solve(workers, dt) {
+                did.prepared = world.solve_without_faults(workers, dt, did.prepared);
             }
             did.prepared.impacts = world.buffers.restitution.count;
             world.forget_forces();
             world.part(Part::Joints, |world| world.store_joints(dt));
-            did.pushed = world.store_contacts(crew, dt);
-            world.part(Part::Events, World::hear_contacts);
+            did.pushed = world.store_contacts(workers, dt);
+            world.part(Part::Events, World::record_contact_events);
         });
         let demand = clock.demand;
         clock.stage(self, Stage::Finish, |world| {
-            did.held = world.move_bodies(crew, did.fast(), dt);
-            did.met = world.meet_impacts(crew, dt);
+            did.held = world.move_bodies(workers, did.fast(), dt);
+            did.met = world.meet_impacts(workers, dt);
             world.measure_step();
             world.thaw();
             // Not before: hooks may have asked where things are.
             world.update_queries();
-            world.part(Part::Sensors, World::hear_sensors);
+            world.part(Part::Sensors, World::record_sensor_events);
             world.sort_events();
-            world.part(Part::Sleeping, |world| world.rest(crew, dt));
-            world.give_back(demand);
+            world.part(Part::Sleeping, |world| world.rest(workers, dt));
+            world.release(demand);
         });
         self.end_step(clock, &did, dt);
     }

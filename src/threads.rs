@@ -17,14 +17,14 @@ use std::sync::Arc;
 
 /// The threads of a step: the caller alone, or with helpers.
 #[derive(Clone, Copy)]
-pub(crate) struct Crew<'a> {
+pub(crate) struct Workers<'a> {
     stage: Option<&'a Stage>,
 }
 
-impl Crew<'_> {
+impl Workers<'_> {
     /// Only the caller.
     pub(crate) fn alone() -> Self {
-        Crew { stage: None }
+        Workers { stage: None }
     }
 
     /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order
@@ -58,21 +58,21 @@ impl Helpers {
 
 /// Runs `f` here, with a crew of at most `threads` from the caller's rayon pool.
 #[cfg(feature = "parallel")]
-pub(crate) fn with_crew<R: Send>(
+pub(crate) fn with_workers<R: Send>(
     threads: usize,
     helpers: &mut Helpers,
-    f: impl FnOnce(Crew<'_>) -> R + Send,
+    f: impl FnOnce(Workers<'_>) -> R + Send,
 ) -> R {
     // Asking rayon starts its pool: not for one thread.
     let helping = if threads > 1 { threads.min(rayon::current_num_threads()) - 1 } else { 0 };
     if helping == 0 {
-        return f(Crew::alone());
+        return f(Workers::alone());
     }
     if rayon::current_thread_index().is_some() {
         let stage = Stage::default();
         return beside(&stage, helping, || {
             let _quit = Quit { stage: &stage, wait: true };
-            f(Crew { stage: Some(&stage) })
+            f(Workers { stage: Some(&stage) })
         });
     }
     let stage = helpers.0.get_or_insert_default();
@@ -83,7 +83,7 @@ pub(crate) fn with_crew<R: Send>(
         let stage = stage.clone();
         rayon::spawn(move || stage.answer(number));
     });
-    f(Crew { stage: Some(stage) })
+    f(Workers { stage: Some(stage) })
 }
 
 /// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the
@@ -106,8 +106,12 @@ fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) 
 
 /// Runs `f` with the caller alone: built without threads.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn with_crew<R>(_threads: usize, _helpers: &mut Helpers, f: impl FnOnce(Crew<'_>) -> R) -> R {
-    f(Crew::alone())
+pub(crate) fn with_workers<R>(
+    _threads: usize,
+    _helpers: &mut Helpers,
+    f: impl FnOnce(Workers<'_>) -> R,
+) -> R {
+    f(Workers::alone())
 }
 
 /// A slice whose elements different blocks of a stage may write, each element by one block at most.
@@ -186,13 +190,13 @@ mod tests {
     #[test]
     fn every_block_runs_once_with_any_crew() {
         for threads in [1, 2, 3, 8] {
-            with_crew(threads, &mut Helpers::default(), |crew| {
+            with_workers(threads, &mut Helpers::default(), |workers| {
                 for blocks in [0, 1, 2, 7, 100] {
                     for _ in 0..if cfg!(miri) { 4 } else { 50 } {
                         let mut counts = vec![0u32; blocks];
                         let shared = Shared::new(&mut counts);
                         // SAFETY: each block writes its own element.
-                        crew.run(blocks, &|block| unsafe { *shared.get(block) += 1 });
+                        workers.run(blocks, &|block| unsafe { *shared.get(block) += 1 });
                         assert!(counts.iter().all(|&c| c == 1));
                     }
                 }
@@ -203,9 +207,9 @@ mod tests {
     #[test]
     fn a_crew_without_free_threads_still_finishes() {
         // The pool has one thread, so the helpers that were asked for never arrive.
-        with_crew(8, &mut Helpers::default(), |crew| {
+        with_workers(8, &mut Helpers::default(), |workers| {
             let sum = AtomicUsize::new(0);
-            crew.run(1000, &|block| {
+            workers.run(1000, &|block| {
                 sum.fetch_add(block, Ordering::Relaxed);
             });
             assert_eq!(sum.into_inner(), 499_500);
@@ -217,7 +221,8 @@ mod tests {
         // The caller takes the first block, and a helper, if there is one, the last.
         for bad in [0, 4, 9] {
             let mut helpers = Helpers::default();
-            let run = || with_crew(2, &mut helpers, |crew| crew.run(10, &|block| assert_ne!(block, bad)));
+            let run =
+                || with_workers(2, &mut helpers, |workers| workers.run(10, &|block| assert_ne!(block, bad)));
             assert!(catch_unwind(AssertUnwindSafe(run)).is_err());
         }
     }

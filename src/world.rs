@@ -33,7 +33,7 @@ pub(crate) use observers::Change;
 pub(crate) use observers::Recorder;
 #[cfg(feature = "lab")]
 pub(crate) use observers::StepMeter;
-pub(crate) use plan::Crowd;
+pub(crate) use plan::ContentForecast;
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use restoring::{Brings, Replacement};
@@ -42,8 +42,8 @@ pub(crate) use stage::{Part, Stage};
 
 use mass::{columns_of, mass_of, movable};
 
-use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Colliders, Mass, NewBody, Pose, Traits};
-use crate::broad_phase::{BroadPhase, Now, Pair};
+use crate::body::{Bodies, BodyDesc, BodyDetails, BodyKind, Colliders, Mass, NewBody, Pose, Traits};
+use crate::broad_phase::{BroadPhase, Pair, QueryIndex};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::error::Error;
@@ -72,7 +72,7 @@ pub struct World {
     pub(crate) colliders: Colliders,
     pub(crate) broad: BroadPhase,
     /// Where what moves is now, for queries.
-    pub(crate) now: Now,
+    pub(crate) now: QueryIndex,
     pub(crate) joints: Joints,
     pub(crate) contacts: Contacts,
     pub(crate) buffers: Buffers,
@@ -196,7 +196,7 @@ impl World {
     /// impacts at their times, for the bodies that are there. A budget alone is never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
-        self.make_place_for_settings(&settings)?;
+        self.reserve_for_settings(&settings)?;
         self.note(Change::SetSettings(&settings));
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
@@ -230,7 +230,7 @@ impl World {
     /// the budget does not allow it.
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
-        self.make_place(std::slice::from_ref(desc))?;
+        self.reserve(std::slice::from_ref(desc))?;
         self.note(Change::AddBody(desc));
         Ok(self.insert(desc, centre, mass))
     }
@@ -241,13 +241,13 @@ impl World {
     /// As for [`World::add_body`].
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
-        self.make_place(descs)?;
+        self.reserve(descs)?;
         self.note(Change::AddBodies(descs));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.slots.reserve(shapes);
         self.colliders.reserve(shapes);
-        Ok(descs.iter().zip(masses).map(|(desc, (cold, mass))| self.insert(desc, cold, mass)).collect())
+        Ok(descs.iter().zip(masses).map(|(desc, (details, mass))| self.insert(desc, details, mass)).collect())
     }
 
     /// Removes a body with its shapes.
@@ -298,7 +298,7 @@ impl World {
             return Ok(());
         }
         if enabled {
-            self.make_place_for_enabled(index)?;
+            self.reserve_for_enabled(index)?;
         }
         self.note(Change::SetEnabled(body, enabled));
         let index = self.disturb(index);
@@ -361,7 +361,7 @@ impl World {
     /// # Errors
     /// If the handle is stale.
     pub fn user_data(&self, body: BodyHandle) -> Result<u64, Error> {
-        Ok(self.bodies.cold[self.index(body)?].user_data)
+        Ok(self.bodies.details[self.index(body)?].user_data)
     }
 
     /// Sets the factor on gravity.
@@ -390,7 +390,7 @@ impl World {
         self.bodies.set_continuous(index, mode);
         let mode = self.bodies.mode(index);
         for &c in self.bodies.colliders[index].as_slice() {
-            self.colliders.hot[c as usize].mode = mode;
+            self.colliders.summaries[c as usize].mode = mode;
         }
         Ok(())
     }
@@ -401,7 +401,7 @@ impl World {
     /// If the handle is stale or the budget does not allow it.
     pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
-        self.make_place_for_raised(above.is_some())?;
+        self.reserve_for_raised(above.is_some())?;
         self.note(Change::RaiseBody(body, above));
         self.revise(index);
         self.bodies.raise(index, above);
@@ -437,7 +437,7 @@ impl World {
             .all_dynamic()
             .map(|i| {
                 let (mass, pose, v) = (&self.bodies.mass[i], &self.bodies.pose[i], &self.bodies.velocity[i]);
-                let m = f64::from(self.bodies.cold[i].mass);
+                let m = f64::from(self.bodies.details[i].mass);
                 let local = pose.rotation.conjugate() * v.angular;
                 let spin = 0.5 * f64::from(local.dot(mass.inertia * local));
                 let linear = 0.5 * m * v.linear.as_dvec3().length_squared();
@@ -471,7 +471,7 @@ impl World {
     }
 
     /// Checks a description and computes what the body's columns need.
-    fn check(&self, desc: &BodyDesc) -> Result<(Cold, Mass), Error> {
+    fn check(&self, desc: &BodyDesc) -> Result<(BodyDetails, Mass), Error> {
         desc.validate()?;
         let total = desc.mass.unwrap_or_else(|| mass_of(&desc.shapes));
         if desc.kind == BodyKind::Dynamic && desc.mass.is_none() && total.mass <= 0.0 {
@@ -483,15 +483,15 @@ impl World {
         Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
     }
 
-    fn insert(&mut self, desc: &BodyDesc, cold: Cold, mass: Mass) -> BodyHandle {
+    fn insert(&mut self, desc: &BodyDesc, details: BodyDetails, mass: Mass) -> BodyHandle {
         let rotation = desc.rotation.normalize();
         let locks = Traits::lock_bits(desc.lock_translation, desc.lock_rotation);
         let moves = desc.kind != BodyKind::Static;
         let new = NewBody {
             kind: desc.kind,
             pose: Pose {
-                position: desc.position + (rotation * cold.centre).as_dvec3(),
-                rotation: (rotation * cold.axes).normalize(),
+                position: desc.position + (rotation * details.centre).as_dvec3(),
+                rotation: (rotation * details.axes).normalize(),
             },
             velocity: Record {
                 linear: if moves { desc.linear_velocity } else { Vec3::ZERO },
@@ -507,7 +507,7 @@ impl World {
                 sleepless: !desc.can_sleep,
                 disabled: false,
             },
-            cold,
+            details,
         };
         let shapes = &mut self.colliders;
         let (slot, generation) = self.bodies.insert(new, |colliders, index| {
@@ -533,7 +533,7 @@ impl World {
         self.bodies.rests = self.settings.sleeping;
         if self.bodies.rest.len() != wanted {
             self.bodies.rest.clear();
-            self.bodies.rest.widen(wanted);
+            self.bodies.rest.reserve_total(wanted);
             self.bodies.rest.resize(wanted, 0.0);
             if wanted == 0 {
                 self.bodies.rest.shrink_to_fit();

@@ -4,9 +4,9 @@ use super::Kernel;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
-use crate::memory::Rooms;
+use crate::memory::Allowances;
 use crate::scene::builtin;
-use crate::threads::{Crew, Shared};
+use crate::threads::{Shared, Workers};
 use crate::{Settings, World};
 use std::hint::black_box;
 
@@ -109,7 +109,7 @@ pub fn preparing() -> Kernel {
             slop: 0.0005,
             bodies: &world.bodies,
             colliders: &world.colliders.all,
-            hot: &world.colliders.hot,
+            summaries: &world.colliders.summaries,
             poses: &world.colliders.poses,
             contacts: &world.contacts.all,
             pairs: &world.broad.pairs,
@@ -126,7 +126,7 @@ pub fn preparing() -> Kernel {
             per_point: false,
             friction: true,
             scale: crate::narrow_phase::Scale {
-                hot: &world.colliders.hot,
+                summaries: &world.colliders.summaries,
                 motion: &forces.motion,
                 mass: &world.bodies.mass,
                 dynamic: world.bodies.dynamic(),
@@ -134,7 +134,7 @@ pub fn preparing() -> Kernel {
                 unit: 1.0,
             },
         };
-        prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Rooms::ENDLESS.clone());
+        prepare(&Workers::alone(), &input, &mut rows, &mut scratch, &mut Allowances::ENDLESS.clone());
         black_box(&mut rows);
     })
 }

@@ -4,8 +4,8 @@ use super::Kernel;
 use crate::broad_phase::kernels::Tree;
 use crate::broad_phase::{Aabb, BroadPhase, Mover, Pair, Rules};
 use crate::config::Continuous;
-use crate::memory::Rooms;
-use crate::threads::Crew;
+use crate::memory::Allowances;
+use crate::threads::Workers;
 use glam::{Vec3, vec3};
 use std::hint::black_box;
 
@@ -73,8 +73,8 @@ impl Crowd {
         let rules = Rules { may_collide: &|_, _| true, order: &|i, j| (i.min(j), i.max(j)), missing: &|_| 0 };
         self.broad.start_movers();
         self.broad.place_movers(&self.movers, MARGIN);
-        let mut room = Rooms::ENDLESS;
-        self.broad.update_within(&Crew::alone(), &rules, &mut self.removed, (&mut room, &mut |_| 0));
+        let mut allowance = Allowances::ENDLESS;
+        self.broad.update_within(&Workers::alone(), &rules, &mut self.removed, (&mut allowance, &mut |_| 0));
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::{ColliderList, Pose};
 use crate::handle::{ShapeHandle, Slots};
-use crate::memory::Room;
-use crate::shape::{Collider, Hot};
+use crate::memory::Allowance;
+use crate::shape::{Collider, ColliderSummary};
 
 /// Colliders by stable index, with their world poses.
 #[derive(Debug, Default)]
 pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
-    pub(crate) hot: Vec<Hot>,
+    pub(crate) summaries: Vec<ColliderSummary>,
     pub(crate) poses: Vec<Pose>,
     pub(crate) slots: Slots,
 }
@@ -17,10 +17,10 @@ pub(crate) struct Colliders {
 impl Colliders {
     /// Makes place for so many more.
     pub(crate) fn reserve(&mut self, more: usize) {
-        let (mut room, len) = (Room::ENDLESS, self.all.len() + more);
-        room.fit(&mut self.all, len);
-        room.fit(&mut self.hot, len);
-        room.fit(&mut self.poses, len);
+        let (mut allowance, len) = (Allowance::ENDLESS, self.all.len() + more);
+        allowance.fit(&mut self.all, len);
+        allowance.fit(&mut self.summaries, len);
+        allowance.fit(&mut self.poses, len);
     }
 
     pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
@@ -30,7 +30,7 @@ impl Colliders {
     /// The collider's body has a new index.
     pub(crate) fn follow(&mut self, collider: u32, body: u32) {
         self.all[collider as usize].body = body;
-        self.hot[collider as usize].body = body;
+        self.summaries[collider as usize].body = body;
     }
 
     /// The colliders of a body whose index is new.

@@ -10,4 +10,4 @@ pub(crate) use colliders::Colliders;
 pub use desc::{BodyDesc, BodyKind};
 pub(crate) use free::{FREE, FreeTurn};
 pub(crate) use motion::{carry_spin, exp_map};
-pub(crate) use store::{Bodies, Cold, ColliderList, IDLE, Mass, NewBody, Pose, Traits, is_uneven};
+pub(crate) use store::{Bodies, BodyDetails, ColliderList, IDLE, Mass, NewBody, Pose, Traits, is_uneven};

@@ -7,7 +7,7 @@ use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
 use crate::lanes::Record;
-use crate::memory::{Buffer, Room, add_bytes, bytes_of};
+use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use glam::{DVec3, Quat, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
@@ -33,7 +33,7 @@ pub(crate) struct Mass {
 
 /// Details of a body that a step reads seldom.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cold {
+pub(crate) struct BodyDetails {
     /// From the body's origin to its centre of mass, in the body's axes [m].
     pub(crate) centre: Vec3,
     /// Principal axes in the body's axes.
@@ -123,7 +123,7 @@ impl Part {
 macro_rules! for_each_column {
     ($bodies:ident as [$($by:tt)+], $column:ident => $do:expr) => {{
         for_each_column!(@ [$bodies] [$($by)+] $column $do;
-            slot, kind, pose, velocity, mass, traits, cold, colliders);
+            slot, kind, pose, velocity, mass, traits, details, colliders);
     }};
     (@ $bodies:tt $by:tt $column:ident $do:expr; $($name:ident),+) => {
         $(for_each_column!(@one $bodies $by $name $column $do);)+
@@ -144,7 +144,7 @@ pub(crate) struct Bodies {
     pub(crate) velocity: Vec<Record>,
     pub(crate) mass: Vec<Mass>,
     pub(crate) traits: Vec<Traits>,
-    pub(crate) cold: Vec<Cold>,
+    pub(crate) details: Vec<BodyDetails>,
     /// Collider indices of each body.
     pub(crate) colliders: Vec<ColliderList>,
     /// Force [N] and torque [N m] about the centre of mass, for the next step; empty unless the caller ever
@@ -227,7 +227,7 @@ pub(crate) struct NewBody {
     pub(crate) velocity: Record,
     pub(crate) mass: Mass,
     pub(crate) traits: Traits,
-    pub(crate) cold: Cold,
+    pub(crate) details: BodyDetails,
 }
 
 impl Bodies {
@@ -322,11 +322,11 @@ impl Bodies {
 
     /// Makes place for so many more.
     pub(crate) fn reserve(&mut self, more: usize) {
-        let (mut room, len) = (Room::ENDLESS, self.len() + more);
+        let (mut allowance, len) = (Allowance::ENDLESS, self.len() + more);
         self.slots.reserve(more);
-        for_each_column!(self as [&mut], column => room.fit(column, len));
+        for_each_column!(self as [&mut], column => allowance.fit(column, len));
         if !self.force.is_empty() {
-            room.fit(&mut self.force, len);
+            allowance.fit(&mut self.force, len);
         }
     }
 
@@ -356,7 +356,7 @@ impl Bodies {
         self.velocity.push(body.velocity);
         self.mass.push(body.mass);
         self.traits.push(body.traits);
-        self.cold.push(body.cold);
+        self.details.push(body.details);
         self.colliders.push(ColliderList::None);
     }
 

@@ -17,7 +17,7 @@ use crate::shape::{Near, Slabs};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The view of the world that the tree needs.
-pub(crate) trait Present {
+pub(crate) trait WorldView {
     /// Calls `f` with every collider that can move.
     fn each_mover(&self, f: &mut dyn FnMut(u32));
     /// Whether a collider is there and can move, or is there and static; nothing if it isn't there.
@@ -28,7 +28,7 @@ pub(crate) trait Present {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(crate) struct Current {
+pub(crate) struct QueryTree {
     pub(super) tree: Tree,
     /// By collider: the place in the tree, and the box there.
     place: Vec<u32>,
@@ -48,7 +48,7 @@ pub(crate) struct Current {
     new: Vec<u32>,
 }
 
-impl Current {
+impl QueryTree {
     /// A collider was added, moved or removed.
     pub(crate) fn touch(&mut self, collider: u32) {
         if self.touched.len() == self.touched.capacity() {
@@ -79,7 +79,7 @@ impl Current {
     }
 
     /// Makes it fit the world.
-    fn refresh(&mut self, broad: &BroadPhase, world: &impl Present) {
+    fn refresh(&mut self, broad: &BroadPhase, world: &impl WorldView) {
         self.unasked = 0;
         if !self.made {
             // What is added from now on is told.
@@ -119,7 +119,7 @@ impl Current {
     }
 
     /// All that can move is where it is now.
-    fn follow(&mut self, world: &impl Present) {
+    fn follow(&mut self, world: &impl WorldView) {
         self.stepped = false;
         self.endless.clear();
         let mut moved = std::mem::take(&mut self.new);
@@ -159,7 +159,7 @@ impl Current {
     }
 
     fn add_new(&mut self, bad: bool) {
-        let Current { tree, place, bounds, new, .. } = self;
+        let QueryTree { tree, place, bounds, new, .. } = self;
         let bounds = |c: u32| bounds[c as usize];
         let place = |c: u32, at: u32| place[c as usize] = at;
         if bad {
@@ -205,17 +205,17 @@ impl Current {
     }
 }
 
-/// A [`Current`] that is made when it is asked for, once whoever asks: several threads may.
+/// A [`QueryTree`] that is made when it is asked for, once whoever asks: several threads may.
 #[derive(Debug, Default)]
-pub(crate) struct Now {
-    fresh: OnceLock<Current>,
+pub(crate) struct QueryIndex {
+    fresh: OnceLock<QueryTree>,
     /// The last one, while it isn't fresh: its memory, and what happened since.
-    stale: Mutex<Current>,
+    stale: Mutex<QueryTree>,
 }
 
-impl Now {
+impl QueryIndex {
     /// Something is about to change. None: nobody asked yet, so there is nothing to be told.
-    pub(crate) fn change(&mut self) -> Option<&mut Current> {
+    pub(crate) fn change(&mut self) -> Option<&mut QueryTree> {
         let stale = self.stale.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(current) = self.fresh.take() {
             *stale = current;
@@ -228,7 +228,7 @@ impl Now {
         if let Some(current) = self.change() {
             current.step();
             if may_go && current.unasked > IDLE {
-                *current = Current::default();
+                *current = QueryTree::default();
             }
         }
     }
@@ -253,9 +253,9 @@ impl Now {
     pub(crate) fn get(
         &self,
         broad: &BroadPhase,
-        world: &impl Present,
+        world: &impl WorldView,
         grant: Option<&dyn Fn(usize) -> Result<(), Error>>,
-    ) -> Result<&Current, Error> {
+    ) -> Result<&QueryTree, Error> {
         match self.fresh.get() {
             Some(current) => Ok(current),
             None => self.make(broad, world, grant),
@@ -266,9 +266,9 @@ impl Now {
     fn make(
         &self,
         broad: &BroadPhase,
-        world: &impl Present,
+        world: &impl WorldView,
         grant: Option<&dyn Fn(usize) -> Result<(), Error>>,
-    ) -> Result<&Current, Error> {
+    ) -> Result<&QueryTree, Error> {
         if let Some(grant) = grant {
             // Not under the lock: who counts what is held counts this too.
             let lacking = self.stale().lacking(broad);
@@ -280,14 +280,14 @@ impl Now {
         Ok(self.fresh.get_or_init(|| {
             let mut current = std::mem::take(&mut *stale);
             if grant.is_some() {
-                current.each_wanted(broad, &mut |buffer, len| buffer.widen(len));
+                current.each_wanted(broad, &mut |buffer, len| buffer.reserve_total(len));
             }
             current.refresh(broad, world);
             current
         }))
     }
 
-    fn stale(&self) -> MutexGuard<'_, Current> {
+    fn stale(&self) -> MutexGuard<'_, QueryTree> {
         self.stale.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -309,9 +309,9 @@ impl Now {
         // It may be made just now.
         let made = || {
             let stale = self.stale();
-            self.fresh.get().map_or_else(|| stale.bytes(), Current::bytes)
+            self.fresh.get().map_or_else(|| stale.bytes(), QueryTree::bytes)
         };
-        self.fresh.get().map_or_else(made, Current::bytes)
+        self.fresh.get().map_or_else(made, QueryTree::bytes)
     }
 }
 
@@ -328,7 +328,7 @@ impl BroadPhase {
     #[inline(always)]
     pub(crate) fn ordered_path(
         &self,
-        current: &Current,
+        current: &QueryTree,
         sorts: Sorts,
         slabs: &Slabs<f32x4>,
         mut most: f32,
@@ -342,7 +342,7 @@ impl BroadPhase {
     /// The same for a point: keys are squared distances [m²].
     pub(crate) fn ordered_near(
         &self,
-        current: &Current,
+        current: &QueryTree,
         sorts: Sorts,
         near: &Near<f32x4>,
         mut most: f32,
@@ -355,7 +355,7 @@ impl BroadPhase {
 
     /// Calls `f` with what has no bounds.
     #[inline(always)]
-    pub(super) fn endless(&self, current: &Current, sorts: Sorts, mut f: impl FnMut(u32)) {
+    pub(super) fn endless(&self, current: &QueryTree, sorts: Sorts, mut f: impl FnMut(u32)) {
         if sorts.statics {
             for &c in &self.unbounded {
                 if self.proxies[c as usize].path == look_up::ENDLESS_STATIC {
@@ -371,7 +371,7 @@ impl BroadPhase {
     #[inline(always)]
     fn ordered(
         &self,
-        current: &Current,
+        current: &QueryTree,
         sorts: Sorts,
         key: &impl Fn(&Vec3<f32x4>, &Vec3<f32x4>, f32) -> f32x4,
         mut most: f32,

@@ -3,8 +3,10 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4, ones};
-use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out, sum_bytes};
-use crate::threads::{Crew, Shared, per_block};
+use crate::memory::{
+    Allowance, Allowances, Amounts, Buffer, Buffers, Category, Made, bytes_of, even_out, sum_bytes,
+};
+use crate::threads::{Shared, Workers, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
@@ -33,7 +35,7 @@ pub(super) struct Block {
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
     /// Bytes that its buffers may still grow by, and how often they could not.
-    room: Room,
+    allowance: Allowance,
     shed: u32,
 }
 
@@ -78,9 +80,9 @@ pub(crate) type GiveUp<'a> = &'a mut dyn FnMut(usize) -> usize;
 const LOST: usize = 256;
 
 /// Has others make room; says whether they made any.
-fn make_room(bytes: usize, rooms: &mut Rooms, give: GiveUp<'_>) -> bool {
+fn make_room(bytes: usize, allowances: &mut Allowances, give: GiveUp<'_>) -> bool {
     let freed = give(bytes);
-    rooms.within(Category::Rows, |room| room.give(freed));
+    allowances.within(Category::Rows, |allowance| allowance.give(freed));
     freed > 0
 }
 
@@ -105,20 +107,20 @@ impl BroadPhase {
     /// Drops the pairs that may no longer touch.
     pub(super) fn keep_pairs(
         &mut self,
-        crew: &Crew,
+        workers: &Workers,
         may_collide: MayCollide,
         removed: &mut Vec<Pair>,
-        room: &mut Room,
+        allowance: &mut Allowance,
     ) {
         let mut changes = std::mem::take(&mut self.changes);
         // Pairs are only taken in if there is room for this; one that is not looked at lasts longer than it
         // need.
-        let words = room.fit(&mut changes, words_of(self.pairs.len()));
+        let words = allowance.fit(&mut changes, words_of(self.pairs.len()));
         changes.clear();
         changes.resize(words, Change::default());
         {
             let (this, all) = (&*self, Shared::new(&mut changes));
-            this.run(crew, words.div_ceil(KEEP_WORDS), &|b| {
+            this.run(workers, words.div_ceil(KEEP_WORDS), &|b| {
                 for word in b * KEEP_WORDS..words.min((b + 1) * KEEP_WORDS) {
                     // SAFETY: each word is in one block.
                     unsafe { *all.get(word) = this.change_of(word, may_collide) };
@@ -134,7 +136,7 @@ impl BroadPhase {
             while ended != 0 {
                 let bit = 63 - ended.leading_zeros() as usize;
                 ended ^= 1 << bit;
-                if room.fit(removed, removed.len() + 1) > removed.len() {
+                if allowance.fit(removed, removed.len() + 1) > removed.len() {
                     removed.push(self.table.swap_remove(&mut self.pairs, word * 64 + bit));
                 }
             }
@@ -164,24 +166,25 @@ impl BroadPhase {
     /// for.
     pub(super) fn find_pairs(
         &mut self,
-        crew: &Crew,
+        workers: &Workers,
         rules: &Rules,
-        (rooms, give): (&mut Rooms, GiveUp<'_>),
+        (allowances, give): (&mut Allowances, GiveUp<'_>),
     ) -> (u32, u32) {
         let wanted = self.changed.len().div_ceil(BLOCK);
         // A budget is shared out among all that want something of it.
-        let wave = if rooms.is_endless() { WAVE } else { wanted };
-        let count = rooms.within(Category::BroadPhase, |room| self.grow_blocks(wanted.min(wave), room));
+        let wave = if allowances.is_endless() { WAVE } else { wanted };
+        let count = allowances
+            .within(Category::BroadPhase, |allowance| self.grow_blocks(wanted.min(wave), allowance));
         let shed = if count < wanted.min(wave) { self.changed.len() - count * BLOCK } else { 0 };
         let (mut shed, before) = (shed as u32, self.pairs.len());
         let end = if shed > 0 { count } else { wanted };
         for first in (0..end).step_by(count.max(1)) {
             let count = count.min(end - first);
-            let mut lost = self.search_within(crew, first, count, rules, rooms);
-            if lost > 0 && make_room(LOST * lost as usize, rooms, give) {
-                lost = self.search_within(crew, first, count, rules, rooms);
+            let mut lost = self.search_within(workers, first, count, rules, allowances);
+            if lost > 0 && make_room(LOST * lost as usize, allowances, give) {
+                lost = self.search_within(workers, first, count, rules, allowances);
             }
-            shed += lost + self.take_in(count, rules, (rooms, give));
+            shed += lost + self.take_in(count, rules, (allowances, give));
         }
         ((self.pairs.len() - before) as u32, shed)
     }
@@ -189,20 +192,20 @@ impl BroadPhase {
     /// Searches within shares of what room there is; says how often it was too little.
     fn search_within(
         &mut self,
-        crew: &Crew,
+        workers: &Workers,
         first: usize,
         count: usize,
         rules: &Rules,
-        rooms: &mut Rooms,
+        allowances: &mut Allowances,
     ) -> u32 {
-        let share = self.share(count, &rooms.room(Category::BroadPhase));
-        self.search(crew, first, count, rules);
-        rooms.within(Category::BroadPhase, |room| self.settle(count, share, room))
+        let share = self.share(count, &allowances.allowance(Category::BroadPhase));
+        self.search(workers, first, count, rules);
+        allowances.within(Category::BroadPhase, |allowance| self.settle(count, share, allowance))
     }
 
     /// Searches for the pairs of some blocks of what changed.
-    fn search(&self, crew: &Crew, first: usize, count: usize, rules: &Rules) {
-        self.run(crew, count, &|b| {
+    fn search(&self, workers: &Workers, first: usize, count: usize, rules: &Rules) {
+        self.run(workers, count, &|b| {
             let block = &mut *lock(&self.blocks[b]);
             block.found.clear();
             let start = (first + b) * BLOCK;
@@ -219,7 +222,7 @@ impl BroadPhase {
                     {
                         let (a, b) = (rules.order)(c, other);
                         let pair = (if self.is_fast(c, other) { a | FAST } else { a }, b);
-                        block.shed += u32::from(!block.room.push(&mut block.found, pair));
+                        block.shed += u32::from(!block.allowance.push(&mut block.found, pair));
                     }
                 }
             }
@@ -227,17 +230,22 @@ impl BroadPhase {
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
-    fn take_in(&mut self, count: usize, rules: &Rules, (rooms, give): (&mut Rooms, GiveUp<'_>)) -> u32 {
+    fn take_in(
+        &mut self,
+        count: usize,
+        rules: &Rules,
+        (allowances, give): (&mut Allowances, GiveUp<'_>),
+    ) -> u32 {
         let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
-        if !rooms.is_endless() {
-            let mut most = self.most_pairs(before + found, rules, rooms);
+        if !allowances.is_endless() {
+            let mut most = self.most_pairs(before + found, rules, allowances);
             if most < before + found {
                 let bytes = self.missing(before + found) + (rules.missing)(before + found);
-                if make_room(bytes.saturating_sub(rooms.whole()), rooms, give) {
-                    most = self.most_pairs(before + found, rules, rooms);
+                if make_room(bytes.saturating_sub(allowances.whole()), allowances, give) {
+                    most = self.most_pairs(before + found, rules, allowances);
                 }
             }
             let granted = most.saturating_sub(before);
@@ -248,8 +256,8 @@ impl BroadPhase {
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
             let missing = self.missing(most);
-            rooms.within(Category::BroadPhase, |room| room.take(missing));
-            self.widen(most);
+            allowances.within(Category::BroadPhase, |allowance| allowance.take(missing));
+            self.reserve_total(most);
         }
         let mut shed = 0;
         for b in 0..count {
@@ -271,12 +279,12 @@ impl BroadPhase {
     }
 
     /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
-    fn most_pairs(&self, wanted: usize, rules: &Rules, rooms: &Rooms) -> usize {
+    fn most_pairs(&self, wanted: usize, rules: &Rules, allowances: &Allowances) -> usize {
         let fits = |pairs: usize| {
             let mut missing = Amounts::default();
             missing.add(Category::BroadPhase, self.missing(pairs));
             missing.add(Category::Scratch, (rules.missing)(pairs));
-            rooms.fits(&missing)
+            allowances.fits(&missing)
         };
         let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
         while too_many - most > 1 {
@@ -292,61 +300,61 @@ impl BroadPhase {
     }
 
     /// Makes sure that there are so many blocks, if there is room for them; says how many may be used.
-    fn grow_blocks(&mut self, count: usize, room: &mut Room) -> usize {
+    fn grow_blocks(&mut self, count: usize, allowance: &mut Allowance) -> usize {
         if count > self.blocks.len() {
             // A few more, or every other step would add one.
             let more = count + count / 4;
             let mut blocks = with_stacks(&mut self.blocks);
-            let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= room.left());
+            let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= allowance.left());
             let Some(most) = most else { return self.blocks.len() };
-            room.take(blocks.missing(most));
-            blocks.widen(most);
-            room.within(2, |room| even_out(&mut self.blocks, &mut self.marks_of_blocks, room));
+            allowance.take(blocks.missing(most));
+            blocks.reserve_total(most);
+            allowance.within(2, |allowance| even_out(&mut self.blocks, &mut self.marks_of_blocks, allowance));
         }
         count
     }
 
     /// Gives each block an equal share of half of what is left.
-    fn share(&mut self, count: usize, room: &Room) -> Room {
-        let share = room.share(2 * count);
+    fn share(&mut self, count: usize, allowance: &Allowance) -> Allowance {
+        let share = allowance.share(2 * count);
         for block in &mut self.blocks[..count] {
             let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
-            (block.room, block.shed) = (share, 0);
+            (block.allowance, block.shed) = (share, 0);
         }
         share
     }
 
     /// Takes off what the blocks used of their shares, and lets all have what one needed. Says what was shed.
-    fn settle(&mut self, count: usize, share: Room, room: &mut Room) -> u32 {
+    fn settle(&mut self, count: usize, share: Allowance, allowance: &mut Allowance) -> u32 {
         let mut shed = 0;
         for block in &mut self.blocks[..count] {
             let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
-            room.take(share.left() - block.room.left());
+            allowance.take(share.left() - block.allowance.left());
             shed += block.shed;
         }
-        room.within(8, |room| even_out(&mut self.blocks, &mut self.marks_of_blocks, room));
+        allowance.within(8, |allowance| even_out(&mut self.blocks, &mut self.marks_of_blocks, allowance));
         shed
     }
 
     #[cfg(not(test))]
-    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
-        crew.run(count, work);
+    fn run(&self, workers: &Workers, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        workers.run(count, work);
     }
 
     #[cfg(test)]
-    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
+    fn run(&self, workers: &Workers, count: usize, work: &(dyn Fn(usize) + Sync)) {
         match self.shuffle.map(|shuffle| shuffle(count)) {
-            Some(order) => crew.run(count, &|b| work(order[b])),
-            None => crew.run(count, work),
+            Some(order) => workers.run(count, &|b| work(order[b])),
+            None => workers.run(count, work),
         }
     }
 
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save
     /// what can't collide with it. An endless one finds nothing: the others find it.
     pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
-        let Block { stack, partners, room, shed, .. } = block;
+        let Block { stack, partners, allowance, shed, .. } = block;
         partners.clear();
-        let mut add = |c: u32| *shed += u32::from(!room.push(partners, c));
+        let mut add = |c: u32| *shed += u32::from(!allowance.push(partners, c));
         let bounds = &self.proxies[collider as usize].bounds;
         let role = self.roles[collider as usize];
         if matches!(role, Role::Absent | Role::New | Role::Endless) {

@@ -11,7 +11,7 @@ use std::cell::Cell;
 
 /// The colliders that a look-up searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Whom {
+pub(crate) enum SearchSet {
     All,
     /// Only what was inserted as static.
     Statics,
@@ -19,14 +19,20 @@ pub(crate) enum Whom {
 
 impl BroadPhase {
     /// Calls `f` with every collider whose box touches this one.
-    pub(crate) fn in_box(&self, stack: &mut Vec<u32>, whom: Whom, bounds: &Aabb, mut f: impl FnMut(u32)) {
+    pub(crate) fn in_box(
+        &self,
+        stack: &mut Vec<u32>,
+        whom: SearchSet,
+        bounds: &Aabb,
+        mut f: impl FnMut(u32),
+    ) {
         for &c in self.unbounded_of(whom) {
             if self.proxies[c as usize].bounds.overlaps(bounds) {
                 f(c);
             }
         }
         self.statics.visit_box(stack, bounds, &mut f);
-        if whom == Whom::All {
+        if whom == SearchSet::All {
             self.movers.visit_box(stack, bounds, f);
         }
     }
@@ -38,7 +44,7 @@ impl BroadPhase {
     pub(crate) fn on_path(
         &self,
         stack: &mut Vec<u32>,
-        whom: Whom,
+        whom: SearchSet,
         (from, to): (Vec3, Vec3),
         extent: Vec3,
         mut f: impl FnMut(u32) -> f32,
@@ -56,7 +62,7 @@ impl BroadPhase {
         self.unbounded_of(whom).for_each(|&c| found(c));
         let test = |node: &super::bvh::Node| lanes.get().hits(node.min, node.max).bits();
         self.statics.visit(stack, test, &mut found);
-        if whom == Whom::All {
+        if whom == SearchSet::All {
             self.movers.visit(stack, test, found);
         }
     }
@@ -70,15 +76,15 @@ impl BroadPhase {
         extent: Vec3,
         mut f: impl FnMut(u32),
     ) {
-        self.on_path(stack, Whom::Statics, (from, to), extent, |c| {
+        self.on_path(stack, SearchSet::Statics, (from, to), extent, |c| {
             f(c);
             1.0
         });
     }
 
-    fn unbounded_of(&self, whom: Whom) -> impl Iterator<Item = &u32> {
+    fn unbounded_of(&self, whom: SearchSet) -> impl Iterator<Item = &u32> {
         let is_static = |c: u32| self.proxies[c as usize].path == ENDLESS_STATIC;
-        self.unbounded.iter().filter(move |&&c| whom == Whom::All || is_static(c))
+        self.unbounded.iter().filter(move |&&c| whom == SearchSet::All || is_static(c))
     }
 }
 
@@ -90,7 +96,7 @@ mod tests {
     use super::*;
     use crate::broad_phase::Mover;
     use crate::config::Continuous;
-    use crate::threads::Crew;
+    use crate::threads::Workers;
 
     fn scene() -> BroadPhase {
         let mut broad = BroadPhase::default();
@@ -120,8 +126,8 @@ mod tests {
             found
         };
         let statics: Vec<u32> = (0..100).step_by(7).chain([200]).collect();
-        assert_eq!(look_up(Whom::Statics), statics);
-        assert_eq!(look_up(Whom::All), [statics, vec![300]].concat());
+        assert_eq!(look_up(SearchSet::Statics), statics);
+        assert_eq!(look_up(SearchSet::All), [statics, vec![300]].concat());
     }
 
     #[test]
@@ -129,7 +135,7 @@ mod tests {
         let broad = scene();
         let ends = (Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0));
         let mut found = Vec::new();
-        broad.on_path(&mut Vec::new(), Whom::All, ends, Vec3::ZERO, |c| {
+        broad.on_path(&mut Vec::new(), SearchSet::All, ends, Vec3::ZERO, |c| {
             found.push(c);
             if c == 200 { 0.1 } else { 1.0 }
         });
@@ -142,7 +148,7 @@ mod tests {
         let broad = scene();
         let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::new(12.0, 2.0, 1.0) };
         let mut found = Vec::new();
-        broad.in_box(&mut Vec::new(), Whom::All, &bounds, |c| found.push(c));
+        broad.in_box(&mut Vec::new(), SearchSet::All, &bounds, |c| found.push(c));
         found.sort_unstable();
         assert_eq!(found, [0, 1, 200, 300]);
     }
@@ -159,12 +165,12 @@ mod tests {
             mode: Continuous::Segment,
         };
         let mut removed = Vec::new();
-        broad.update(&Crew::alone(), &[mover(0.0)], 0.1, &|_, _| true, &order, &mut removed);
+        broad.update(&Workers::alone(), &[mover(0.0)], 0.1, &|_, _| true, &order, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (2, 0));
         broad.refresh(&[mover(5000.0)], 0.1);
         broad.remove(0, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (1, 1));
-        broad.update(&Crew::alone(), &[mover(5000.0)], 0.1, &|_, _| true, &order, &mut removed);
+        broad.update(&Workers::alone(), &[mover(5000.0)], 0.1, &|_, _| true, &order, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (1, 1));
     }
 }

@@ -30,15 +30,15 @@ use aabb::LARGEST;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::{Buffer, Category, Marks, Room, Rooms, bytes_of};
-use crate::shape::Hot;
-use crate::threads::Crew;
+use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, bytes_of};
+use crate::shape::ColliderSummary;
+use crate::threads::Workers;
 use bvh::{NONE, Tree};
-pub(crate) use current::{Current, Now, Present, Sorts};
+pub(crate) use current::{QueryIndex, QueryTree, Sorts, WorldView};
 use find::{Block, Change};
 pub(crate) use find::{GiveUp, Rules, STACK};
 use glam::Vec3;
-pub(crate) use look_up::Whom;
+pub(crate) use look_up::SearchSet;
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 pub(crate) use save::{Lists, SavedBroad, tree_words};
@@ -85,8 +85,9 @@ impl Pair {
     /// it before anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its
     /// contacts stay as they are, for the step in which the island wakes.
     #[inline]
-    pub(crate) fn is_idle(&self, hot: &[Hot], dynamic: usize) -> bool {
-        hot[self.a as usize].body as usize >= dynamic && hot[self.b as usize].body as usize >= dynamic
+    pub(crate) fn is_idle(&self, summaries: &[ColliderSummary], dynamic: usize) -> bool {
+        summaries[self.a as usize].body as usize >= dynamic
+            && summaries[self.b as usize].body as usize >= dynamic
     }
 }
 
@@ -259,7 +260,7 @@ impl BroadPhase {
     #[cfg(test)]
     pub(crate) fn update(
         &mut self,
-        crew: &Crew,
+        workers: &Workers,
         movers: &[Mover],
         margin: f32,
         may_collide: MayCollide,
@@ -269,7 +270,7 @@ impl BroadPhase {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
         self.start_movers();
         self.place_movers(movers, margin);
-        self.update_within(crew, &rules, removed, (&mut Rooms::ENDLESS.clone(), &mut |_| 0))
+        self.update_within(workers, &rules, removed, (&mut Allowances::ENDLESS.clone(), &mut |_| 0))
     }
 
     /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as
@@ -277,10 +278,10 @@ impl BroadPhase {
     /// go to `removed`, in an order that doesn't depend on threads.
     pub(crate) fn update_within(
         &mut self,
-        crew: &Crew,
+        workers: &Workers,
         rules: &Rules,
         removed: &mut Vec<Pair>,
-        (rooms, give): (&mut Rooms, GiveUp<'_>),
+        (allowances, give): (&mut Allowances, GiveUp<'_>),
     ) -> BroadStats {
         let built = self.fit_trees();
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
@@ -290,9 +291,11 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        rooms.within(Category::BroadPhase, |room| self.keep_pairs(crew, rules.may_collide, removed, room));
+        allowances.within(Category::BroadPhase, |allowance| {
+            self.keep_pairs(workers, rules.may_collide, removed, allowance)
+        });
         stats.removed = (removed.len() - before) as u32;
-        (stats.added, stats.shed) = self.find_pairs(crew, rules, (rooms, give));
+        (stats.added, stats.shed) = self.find_pairs(workers, rules, (allowances, give));
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;
@@ -380,8 +383,8 @@ impl BroadPhase {
             proxy.bounds = proxy::swept_box(&mover, margin);
             proxy.path = self.paths.len() as u32;
             // Under a budget there is place for all.
-            let mut room = Room::ENDLESS;
-            room.push_within(&mut self.paths, Path::new(&mover, margin), self.counts.moving);
+            let mut allowance = Allowance::ENDLESS;
+            allowance.push_within(&mut self.paths, Path::new(&mover, margin), self.counts.moving);
         } else {
             self.roles[c] = Role::Slow;
             proxy.bounds = proxy::fat_box(mover, margin);
@@ -469,10 +472,10 @@ impl BroadPhase {
     pub(crate) fn leave_place(&mut self, collider: u32) {
         let c = collider as usize;
         if c >= self.roles.len() {
-            let mut room = Room::ENDLESS;
-            room.fit(&mut self.roles, c + 1);
-            room.fit(&mut self.proxies, c + 1);
-            room.fit(&mut self.marks, c + 1);
+            let mut allowance = Allowance::ENDLESS;
+            allowance.fit(&mut self.roles, c + 1);
+            allowance.fit(&mut self.proxies, c + 1);
+            allowance.fit(&mut self.marks, c + 1);
             self.roles.resize(c + 1, Role::Absent);
             self.proxies.resize(c + 1, Proxy::NONE);
             self.marks.resize(c + 1, 0);
@@ -518,10 +521,10 @@ impl BroadPhase {
     }
 
     /// Makes place for them.
-    pub(crate) fn widen(&mut self, pairs: usize) {
-        self.pairs.widen(pairs);
-        self.changes.widen(find::words_of(pairs));
-        self.table.widen(&self.pairs, pairs);
+    pub(crate) fn reserve_total(&mut self, pairs: usize) {
+        self.pairs.reserve_total(pairs);
+        self.changes.reserve_total(find::words_of(pairs));
+        self.table.reserve_total(&self.pairs, pairs);
     }
 
     /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found
@@ -552,7 +555,7 @@ impl BroadPhase {
     }
 
     /// Nothing is swept any more.
-    pub(crate) fn give_back_paths(&mut self) {
+    pub(crate) fn release_paths(&mut self) {
         if self.paths.is_empty() {
             self.paths = Vec::new();
         }

@@ -6,7 +6,7 @@
 //! of leaving a mark: a table that lives for hours doesn't silt up.
 
 use super::Pair;
-use crate::memory::{Room, bytes_of};
+use crate::memory::{Allowance, bytes_of};
 
 /// From two colliders, in any order, to their pair.
 ///
@@ -90,8 +90,8 @@ impl PairTable {
         }
         self.place(hash_of(pair.a, pair.b), pairs.len() as u32);
         // Under a budget there is place for it.
-        let mut room = Room::ENDLESS;
-        room.push(pairs, pair);
+        let mut allowance = Allowance::ENDLESS;
+        allowance.push(pairs, pair);
     }
 
     /// Takes a pair out; the last of the list moves to its place.
@@ -133,7 +133,7 @@ impl PairTable {
     }
 
     /// Makes place for so many pairs, of which these are there.
-    pub(super) fn widen(&mut self, pairs: &[Pair], count: usize) {
+    pub(super) fn reserve_total(&mut self, pairs: &[Pair], count: usize) {
         if Self::size_for(count) > self.tags.len() {
             self.refill(pairs, Self::size_for(count));
         }

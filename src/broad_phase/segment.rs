@@ -149,7 +149,7 @@ pub(crate) struct PathLanes<L> {
     /// Amount by which boxes are inflated: half extents, spin, margin, rounding [m].
     grow: Vec3<L>,
     /// Half, and a little more for rounding.
-    widen: L,
+    reserve_total: L,
 }
 
 impl<L: Lanes> PathLanes<L> {
@@ -160,7 +160,7 @@ impl<L: Lanes> PathLanes<L> {
             middle: Vec3::splat(path.middle),
             half: Vec3::splat(path.half),
             grow: Vec3::splat(grow),
-            widen: L::splat(0.5 + 0.5 * rounding),
+            reserve_total: L::splat(0.5 + 0.5 * rounding),
         }
     }
 
@@ -170,7 +170,7 @@ impl<L: Lanes> PathLanes<L> {
         // The corners first, relative to the path: far from the origin their middle would lose what matters.
         let (low, high) = (min - self.middle, max - self.middle);
         let offset = (low + high) * L::splat(0.5);
-        let extent = (high - low) * self.widen + self.grow;
+        let extent = (high - low) * self.reserve_total + self.grow;
         path_hits_boxes(self.half, offset, extent)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::BroadPhase;
 use super::bvh::{Node, Tree};
-use super::current::{Current, Sorts};
+use super::current::{QueryTree, Sorts};
 use crate::lanes::f32x4;
 use crate::shape::{FourTree, Stream, Walk};
 
@@ -23,7 +23,7 @@ impl BroadPhase {
     /// `most`, which it may lower; about the nearest first after what has no bounds.
     pub(crate) fn together(
         &self,
-        current: &Current,
+        current: &QueryTree,
         sorts: Sorts,
         (stream, walk): (&mut Stream, &mut Walk),
         rays: u64,

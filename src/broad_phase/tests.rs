@@ -1,7 +1,7 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
 use super::*;
-use crate::threads::{Helpers, with_crew};
+use crate::threads::{Helpers, with_workers};
 use glam::{DVec3, vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,7 +87,7 @@ impl Scene {
         self.bodies.insert(c, Body { mover, moves, asleep: false, group: r.below(4) as u32 });
     }
 
-    fn step(&mut self, crew: &Crew) -> BroadStats {
+    fn step(&mut self, workers: &Workers) -> BroadStats {
         for body in self.bodies.values_mut().filter(|b| b.moves && !b.asleep) {
             let m = &mut body.mover;
             m.aabb = Aabb { min: m.aabb.min + m.motion, max: m.aabb.max + m.motion };
@@ -102,7 +102,7 @@ impl Scene {
             self.bodies.values().filter(|b| b.moves && !b.asleep).map(|b| b.mover).collect();
         let bodies = &self.bodies;
         let may = |i: u32, j: u32| allowed(&bodies[&i], &bodies[&j]);
-        self.broad.update(crew, &movers, MARGIN, &may, &ordered, &mut self.removed)
+        self.broad.update(workers, &movers, MARGIN, &may, &ordered, &mut self.removed)
     }
 
     /// Adds, removes, wakes, puts to sleep and changes filters at random.
@@ -183,7 +183,7 @@ fn run_against_brute_force(centre: Vec3, size: f32) {
         if step > 0 {
             scene.disturb();
         }
-        scene.step(&Crew::alone());
+        scene.step(&Workers::alone());
         let pairs = scene.pairs();
         let expected: BTreeSet<(u32, u32)> = scene
             .bodies
@@ -252,7 +252,7 @@ fn a_bullet_meets_a_bullet_head_on_and_only_that_one() {
     (1..5).for_each(|c| broad.insert_mover(c));
     let mut removed = Vec::new();
     let mut update = |broad: &mut BroadPhase, movers: &[Mover]| {
-        broad.update(&Crew::alone(), movers, MARGIN, &|_, _| true, &ordered, &mut removed)
+        broad.update(&Workers::alone(), movers, MARGIN, &|_, _| true, &ordered, &mut removed)
     };
     update(&mut broad, &movers);
     assert_eq!(
@@ -279,10 +279,10 @@ fn pairs_and_their_order_do_not_depend_on_which_block_runs_when() {
         }
         scene.broad.shuffle = orders;
         let mut all = Vec::new();
-        with_crew(threads, &mut Helpers::default(), |crew| {
+        with_workers(threads, &mut Helpers::default(), |workers| {
             for _ in 0..50 {
                 scene.disturb();
-                scene.step(&crew);
+                scene.step(&workers);
                 all.push(scene.broad.pairs.clone());
             }
         });
@@ -306,19 +306,19 @@ fn a_steady_scene_changes_nothing_and_allocates_nothing() {
     };
     rest(&mut scene, |v| v * 0.1);
     for _ in 0..300 {
-        scene.step(&Crew::alone());
+        scene.step(&Workers::alone());
     }
     let (_, reserved) = scene.broad.bytes();
     for _ in 0..50 {
-        scene.step(&Crew::alone());
+        scene.step(&Workers::alone());
     }
     assert!(scene.broad.bytes().1 <= reserved + reserved / 50, "buffers have found their size");
     rest(&mut scene, |_| 0.0);
-    scene.step(&Crew::alone());
-    scene.step(&Crew::alone());
+    scene.step(&Workers::alone());
+    scene.step(&Workers::alone());
     let (_, reserved) = scene.broad.bytes();
     for _ in 0..10 {
-        assert_eq!(scene.step(&Crew::alone()), BroadStats::default());
+        assert_eq!(scene.step(&Workers::alone()), BroadStats::default());
     }
     assert_eq!(scene.broad.bytes().1, reserved);
 }

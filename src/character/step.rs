@@ -13,9 +13,9 @@ const MOST_SLIDES: u32 = 4;
 pub(super) fn step_up(shape: &Shape<'_>, walk: &mut Slide, wall: DVec3, height: f64) -> Result<(), Error> {
     let from = walk.at;
     let up = shape.up * height;
-    let room = shape.cast(from, up)?.map_or(1.0, |hit| f64::from(hit.fraction));
-    let risen = height * room;
-    let mut above = Slide::new(from + up * room, walk.across, 0.0).on(shape.up, from);
+    let allowance = shape.cast(from, up)?.map_or(1.0, |hit| f64::from(hit.fraction));
+    let risen = height * allowance;
+    let mut above = Slide::new(from + up * allowance, walk.across, 0.0).on(shape.up, from);
     above.run(shape, MOST_SLIDES, 0.0, &mut |_| {})?;
     // It must get beyond the obstacle.
     if (above.at - from).dot(wall) > -shape.tiny {

@@ -19,7 +19,7 @@ pub(crate) struct StartOfStep<'a> {
 impl StartOfStep<'_> {
     /// The body of a collider.
     pub(crate) fn body_of(&self, collider: u32) -> BodyHandle {
-        self.bodies.handle(self.colliders.hot[collider as usize].body as usize)
+        self.bodies.handle(self.colliders.summaries[collider as usize].body as usize)
     }
 
     /// Normal in the world, from a to b, place, and speed of approach at a point before anything was solved. Bodies are
@@ -35,7 +35,7 @@ impl StartOfStep<'_> {
     /// Velocity of a point of a collider's body at the start of the step, with what acceleration adds until a fraction of
     /// it.
     fn speed_before(&self, collider: u32, at: DVec3, fraction: f32) -> Vec3 {
-        let i = self.colliders.hot[collider as usize].body as usize;
+        let i = self.colliders.summaries[collider as usize].body as usize;
         let forces = self.forces;
         let Some(v) = forces.start.get(i) else { return Vec3::ZERO };
         let pull = forces.acceleration.get(i).map_or(Vec3::ZERO, |a| a.linear) * (self.dt * fraction);

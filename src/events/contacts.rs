@@ -15,20 +15,20 @@ pub(crate) struct Touching<'a> {
 
 impl Touching<'_> {
     /// Compares who touches with who did, and measures impacts.
-    pub(crate) fn hear(&self, pairs: &mut [Pair], events: &mut Events) {
-        let hot = &self.start.colliders.hot;
+    pub(crate) fn record(&self, pairs: &mut [Pair], events: &mut Events) {
+        let summaries = &self.start.colliders.summaries;
         let dynamic = self.start.bodies.dynamic();
         for pair in pairs {
-            let [a, b] = [pair.a, pair.b].map(|c| &hot[c as usize]);
+            let [a, b] = [pair.a, pair.b].map(|c| &summaries[c as usize]);
             let heard = a.has_events() || b.has_events();
-            if !heard || a.is_sensor() || b.is_sensor() || pair.is_idle(hot, dynamic) {
+            if !heard || a.is_sensor() || b.is_sensor() || pair.is_idle(summaries, dynamic) {
                 continue;
             }
-            self.hear_pair(pair, events);
+            self.record_pair(pair, events);
         }
     }
 
-    fn hear_pair(&self, pair: &mut Pair, events: &mut Events) {
+    fn record_pair(&self, pair: &mut Pair, events: &mut Events) {
         let real = TOUCH_DISTANCE * self.settings.length_unit;
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
@@ -53,7 +53,7 @@ impl Touching<'_> {
         let shapes = [pair.a, pair.b].map(|c| self.start.colliders.handle(c));
         if pair.touching && !touches {
             let end = ContactEnd { shapes: [shapes[0].min(shapes[1]), shapes[0].max(shapes[1])] };
-            push(&mut events.ends, end, most, (&mut events.room, &mut events.lost));
+            push(&mut events.ends, end, most, (&mut events.allowance, &mut events.lost));
         }
         pair.touching = touches;
         let Some((_, contact, point)) = worst else { return };
@@ -70,10 +70,10 @@ impl Touching<'_> {
             event.normal = -normal;
         }
         if began {
-            push(&mut events.begins, event, most, (&mut events.room, &mut events.lost));
+            push(&mut events.begins, event, most, (&mut events.allowance, &mut events.lost));
         }
         if hit {
-            push(&mut events.hits, event, most, (&mut events.room, &mut events.lost));
+            push(&mut events.hits, event, most, (&mut events.allowance, &mut events.lost));
         }
     }
 }

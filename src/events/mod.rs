@@ -22,7 +22,7 @@ use crate::body::Colliders;
 use crate::broad_phase::Pair;
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::memory::{Room, bytes_of};
+use crate::memory::{Allowance, bytes_of};
 use glam::{DVec3, Vec3};
 
 /// Two shapes that began to touch, or hit each other.
@@ -81,7 +81,7 @@ pub(crate) struct Events {
     /// Ends between steps that there was no room for.
     missed: u32,
     /// What its buffers may still grow by.
-    pub(crate) room: Room,
+    pub(crate) allowance: Allowance,
 }
 
 impl Events {
@@ -113,7 +113,7 @@ impl Events {
     }
 
     /// Nobody listens any more, and there is nothing that was not heard.
-    pub(crate) fn give_back(&mut self) {
+    pub(crate) fn release(&mut self) {
         let Events { tweaks, vetoed, lost, .. } = std::mem::take(self);
         *self = Events { tweaks, vetoed, lost, ..Events::default() };
     }
@@ -147,9 +147,9 @@ impl Events {
     }
 
     /// Makes place for the impulses of so many contacts; of none if nobody listens.
-    pub(crate) fn listen(&mut self, contacts: usize) {
+    pub(crate) fn reserve_impulses(&mut self, contacts: usize) {
         self.impulses.clear();
-        let granted = self.room.fit(&mut self.impulses, contacts);
+        let granted = self.allowance.fit(&mut self.impulses, contacts);
         self.impulses.resize(granted, 0.0);
         self.lost += (contacts - granted) as u32;
     }
@@ -158,21 +158,21 @@ impl Events {
     pub(crate) fn part(&mut self, colliders: &Colliders, pair: &Pair) {
         if pair.touching {
             let [a, b] = [pair.a, pair.b].map(|c| colliders.handle(c));
-            let sensor = |c: u32| colliders.hot[c as usize].is_sensor();
+            let sensor = |c: u32| colliders.summaries[c as usize].is_sensor();
             let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
-            self.missed += u32::from(!self.room.push(&mut self.gone, gone));
+            self.missed += u32::from(!self.allowance.push(&mut self.gone, gone));
         }
     }
 
     /// Adds the ends of pairs that are gone, and sorts: the same for all who read whatever the order of pairs.
     pub(crate) fn finish(&mut self, most: usize) {
-        let Events { gone, ends, left, lost, missed, room, .. } = self;
+        let Events { gone, ends, left, lost, missed, allowance, .. } = self;
         *lost += std::mem::take(missed);
         for (a, b, sensor) in gone.drain(..) {
             if sensor {
-                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, (room, lost));
+                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, (allowance, lost));
             } else {
-                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, (room, lost));
+                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, (allowance, lost));
             }
         }
         self.begins.sort_by_key(|event| event.shapes);
@@ -184,8 +184,8 @@ impl Events {
     }
 }
 
-fn push<T>(events: &mut Vec<T>, event: T, most: usize, (room, lost): (&mut Room, &mut u32)) {
-    if events.len() >= most || !room.push(events, event) {
+fn push<T>(events: &mut Vec<T>, event: T, most: usize, (allowance, lost): (&mut Allowance, &mut u32)) {
+    if events.len() >= most || !allowance.push(events, event) {
         *lost += 1;
     }
 }

@@ -22,10 +22,10 @@ pub(crate) struct Sensing<'a> {
 
 impl Sensing<'_> {
     /// Who came into sensors and who left them in this step.
-    pub(crate) fn hear(&self, pairs: &mut [Pair], events: &mut Events) {
+    pub(crate) fn record(&self, pairs: &mut [Pair], events: &mut Events) {
         let most = self.settings.event_capacity as usize;
         for pair in pairs {
-            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
+            let sensor = |c: u32| self.colliders.summaries[c as usize].is_sensor();
             let (own, visitor) = match (sensor(pair.a), sensor(pair.b)) {
                 (true, false) => (pair.a, pair.b),
                 (false, true) => (pair.b, pair.a),
@@ -39,12 +39,12 @@ impl Sensing<'_> {
             let inside = self.meet(pair, true).is_some();
             if pair.touching {
                 if !inside {
-                    push(&mut events.left, event(1.0), most, (&mut events.room, &mut events.lost));
+                    push(&mut events.left, event(1.0), most, (&mut events.allowance, &mut events.lost));
                 }
             } else if let Some(fraction) = self.meet(pair, false).or(inside.then_some(1.0)) {
-                push(&mut events.entered, event(fraction), most, (&mut events.room, &mut events.lost));
+                push(&mut events.entered, event(fraction), most, (&mut events.allowance, &mut events.lost));
                 if !inside {
-                    push(&mut events.left, event(1.0), most, (&mut events.room, &mut events.lost));
+                    push(&mut events.left, event(1.0), most, (&mut events.allowance, &mut events.lost));
                 }
             }
             pair.touching = inside;
@@ -67,7 +67,7 @@ impl Sensing<'_> {
 
     /// A collider's body at the end of the step, at rest.
     fn place_now(&self, collider: u32) -> BodyPath {
-        let pose = &self.bodies.pose[self.colliders.hot[collider as usize].body as usize];
+        let pose = &self.bodies.pose[self.colliders.summaries[collider as usize].body as usize];
         BodyPath {
             centre: pose.position,
             rotation: pose.rotation,

@@ -5,7 +5,7 @@
 //! be empty; or they stay on one side of all that is around.
 
 use super::guard::Guard;
-use crate::broad_phase::{Aabb, Whom};
+use crate::broad_phase::{Aabb, SearchSet};
 use crate::shape::Geometry;
 use glam::{DVec3, Vec3};
 
@@ -76,7 +76,7 @@ impl Guard<'_> {
         let reach = least + slack(start, end);
         let around = Aabb { min: start.min(end) - reach, max: start.max(end) + reach };
         let mut free = true;
-        self.broad.in_box(stack, Whom::Statics, &around, |c| {
+        self.broad.in_box(stack, SearchSet::Statics, &around, |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
             if !free || !self.may_meet(own, c) {
                 return;

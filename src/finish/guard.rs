@@ -22,14 +22,14 @@ use crate::config::Continuous;
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hits};
-use crate::shape::{Collider, Geometry, Hot};
+use crate::shape::{Collider, ColliderSummary, Geometry};
 use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
     pub(crate) broad: &'a BroadPhase,
     pub(crate) colliders: &'a [Collider],
-    pub(crate) hot: &'a [Hot],
+    pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
     /// Whether paths are cut and ends lifted, where nothing else helps.
@@ -200,7 +200,7 @@ impl Guard<'_> {
 
     /// Whether a joint lets a body and another's shape pass through each other.
     fn are_joined(&self, own: &[u32], other: u32) -> bool {
-        let slot = |c: u32| self.slots[self.hot[c as usize].body as usize];
+        let slot = |c: u32| self.slots[self.summaries[c as usize].body as usize];
         self.joints.count > 0 && own.first().is_some_and(|&o| self.joints.keep_apart(slot(o), slot(other)))
     }
 
@@ -254,7 +254,7 @@ impl Guard<'_> {
         let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
         let mut held = 0;
         for pair in pairs {
-            let body = |c: u32| self.hot[c as usize].body as usize;
+            let body = |c: u32| self.summaries[c as usize].body as usize;
             let (mover, other) = if body(pair.a) < dynamic { (pair.a, pair.b) } else { (pair.b, pair.a) };
             let (i, k) = (body(mover), body(other));
             if i >= dynamic || k < dynamic || k >= movers || !self.parts(pair) {

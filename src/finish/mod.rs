@@ -31,9 +31,9 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::narrow_phase::Scratch;
-use crate::shape::Hot;
+use crate::shape::ColliderSummary;
 use crate::solver::closing;
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 use std::sync::{Mutex, PoisonError};
 
 /// Buffers of one step.
@@ -82,7 +82,7 @@ impl Buffers {
     }
 
     /// What the guard of continuous bodies keeps goes.
-    pub(crate) fn give_back(&mut self) {
+    pub(crate) fn release(&mut self) {
         *self = Buffers::default();
     }
 
@@ -119,7 +119,7 @@ fn mark_beside(
     beside: &mut Vec<Beside>,
     fast: u32,
     (movers, dynamic): (usize, usize),
-    (pairs, colliders): (&[Pair], &[Hot]),
+    (pairs, colliders): (&[Pair], &[ColliderSummary]),
     missed: impl Fn(usize, usize) -> bool,
 ) {
     beside.clear();
@@ -168,14 +168,18 @@ pub(crate) struct Input<'a> {
 
 /// Moves the bodies to the end of the step. Says how many the guard held, and which were stopped because their motion was no
 /// number or led out of the world.
-pub(crate) fn finish(crew: &Crew<'_>, mut input: Input<'_>, buffers: &mut Buffers) -> (Counts, Vec<u32>) {
+pub(crate) fn finish(
+    workers: &Workers<'_>,
+    mut input: Input<'_>,
+    buffers: &mut Buffers,
+) -> (Counts, Vec<u32>) {
     // Read by the guard beside bodies that it moves.
     let slots = std::mem::take(&mut input.bodies.slot);
     let mode = if input.continuous { input.settings.stage_modes().finish } else { Continuous::Discrete };
     let guard = Guard {
         broad: input.broad,
         colliders: &input.colliders.all,
-        hot: &input.colliders.hot,
+        summaries: &input.colliders.summaries,
         poses: &input.colliders.poses,
         mode,
         cuts: input.settings.guard && mode != Continuous::Discrete,
@@ -184,7 +188,7 @@ pub(crate) fn finish(crew: &Crew<'_>, mut input: Input<'_>, buffers: &mut Buffer
         joints: input.joints,
         slots: &slots,
     };
-    let (mut held, mut stopped, strays) = move_all(crew, &guard, &mut input, buffers);
+    let (mut held, mut stopped, strays) = move_all(workers, &guard, &mut input, buffers);
     mend_all(&guard, &mut input, buffers, strays, (&mut held, &mut stopped));
     input.bodies.slot = slots;
     (held, stopped)
@@ -192,7 +196,7 @@ pub(crate) fn finish(crew: &Crew<'_>, mut input: Input<'_>, buffers: &mut Buffer
 
 /// Moves each body by itself, in blocks. Also says whether there are strays, which stay where they were.
 fn move_all(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     guard: &Guard<'_>,
     input: &mut Input<'_>,
     buffers: &mut Buffers,
@@ -202,15 +206,16 @@ fn move_all(
     let blocks = movers.div_ceil(BLOCK);
     let Buffers { stacks, clear, beside, cut, .. } = buffers;
     if input.continuous {
-        stacks_of(stacks).widen(blocks);
+        stacks_of(stacks).reserve_total(blocks);
     }
     clear.resize(if input.continuous { dynamic } else { 0 }, Clear::default());
-    let (hot, touching) = (&colliders.hot, TOUCH_DISTANCE * unit);
-    mark_beside(beside, input.fast, (movers, dynamic), (&broad.pairs, hot), |pair, body| {
+    let (summaries, touching) = (&colliders.summaries, TOUCH_DISTANCE * unit);
+    mark_beside(beside, input.fast, (movers, dynamic), (&broad.pairs, summaries), |pair, body| {
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
-    let off = Off { motion: &forces.motion, start: &forces.start, hot, least: STRAYS * unit, dt: input.dt };
+    let off =
+        Off { motion: &forces.motion, start: &forces.start, summaries, least: STRAYS * unit, dt: input.dt };
     let moving = Moving {
         guard,
         velocity: Shared::new(velocity),
@@ -236,7 +241,7 @@ fn move_all(
         strays: Default::default(),
         stopped: Default::default(),
     };
-    crew.run(blocks, &|block| moving.move_block(block));
+    workers.run(blocks, &|block| moving.move_block(block));
     let held = Counts { cut: moving.cuts.into_inner(), lifted: moving.lifts.into_inner(), settled: 0 };
     let stopped = moving.stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
     (held, stopped, moving.strays.into_inner())

@@ -10,7 +10,7 @@ use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
-use crate::shape::Hot;
+use crate::shape::ColliderSummary;
 use crate::threads::Shared;
 use glam::{Quat, Vec3};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -230,7 +230,7 @@ impl Moving<'_> {
 pub(super) struct Off<'a> {
     pub(super) motion: &'a [Record],
     pub(super) start: &'a [Record],
-    pub(super) hot: &'a [Hot],
+    pub(super) summaries: &'a [ColliderSummary],
     /// Who ends less far off strays not [m].
     pub(super) least: f32,
     pub(super) dt: f32,
@@ -259,8 +259,8 @@ impl Off<'_> {
     /// How far any point of a body is from its centre, at most [m].
     fn reach(&self, own: &[u32]) -> f32 {
         own.iter().fold(0.0, |reach, &c| {
-            let hot = &self.hot[c as usize];
-            reach.max(hot.lever + hot.radius)
+            let summaries = &self.summaries[c as usize];
+            reach.max(summaries.lever + summaries.radius)
         })
     }
 }

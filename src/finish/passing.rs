@@ -58,7 +58,7 @@ impl Guard<'_> {
         for pass in 1..=PASSES {
             let before = held;
             for pair in pairs.iter().filter(|pair| pair.fast) {
-                let [i, k] = [pair.a, pair.b].map(|c| self.hot[c as usize].body as usize);
+                let [i, k] = [pair.a, pair.b].map(|c| self.summaries[c as usize].body as usize);
                 let Movers { bodies, seats, .. } = &*movers;
                 let tree = |i: usize| seats.of(i).map(TreeSlot::of_tree);
                 if i >= dynamic
@@ -96,7 +96,7 @@ impl Guard<'_> {
 
     /// Whether the centres of two bodies pass each other further off than either shape reaches: most by far.
     fn pass_by(&self, pair: &Pair, (i, k): (usize, usize), bodies: &Bodies) -> bool {
-        let [a, b] = [pair.a, pair.b].map(|c| &self.hot[c as usize]);
+        let [a, b] = [pair.a, pair.b].map(|c| &self.summaries[c as usize]);
         let start = (self.poses[pair.a as usize].position - self.poses[pair.b as usize].position).as_vec3();
         let way = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() - start;
         let along = (-start.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -109,7 +109,7 @@ impl Guard<'_> {
     fn part(&self, (one, other, passing): (u32, u32, Passing), movers: &mut Movers<'_>) {
         let Passing { stop, normal, lift } = passing;
         let Movers { bodies, delta, impacts, seats, cut, stack } = movers;
-        let [i, k] = [one, other].map(|c| self.hot[c as usize].body as usize);
+        let [i, k] = [one, other].map(|c| self.summaries[c as usize].body as usize);
         let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
         let (gi, gk) = if lift.is_some() { (gives(i), gives(k)) } else { (0.0, 0.0) };
         for (c, i, way) in [(one, i, normal * gi), (other, k, normal * -gk)] {

@@ -16,11 +16,11 @@ use super::ends::ends_of;
 use super::guard::{Counts, Guard, Held};
 use super::moving::{STRAY, STRAYS, is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
-use crate::broad_phase::{Whom, aabb_of};
+use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
 };
@@ -257,7 +257,7 @@ impl Settling<'_> {
             let bounds = aabb_of(shape, pose.position, pose.rotation);
             // A shape about its body's centre holds the ways to its ends.
             let mut may_cross = shape.position != Vec3::ZERO;
-            guard.broad.in_box(stack, Whom::Statics, &bounds, |other| {
+            guard.broad.in_box(stack, SearchSet::Statics, &bounds, |other| {
                 if !guard.may_meet(self.own, other) {
                     return;
                 }
@@ -298,11 +298,11 @@ impl Settling<'_> {
             return (raw.count > 0).then_some((depth(&raw), raw.normal));
         }
         if may_grow {
-            scratch.each(&mut |buffer, len| buffer.widen(len));
+            scratch.each(&mut |buffer, len| buffer.reserve_total(len));
         }
         let Scratch { mesh, raw } = scratch;
         raw.clear();
-        mesh.room = Room::new(0);
+        mesh.allowance = Allowance::new(0);
         mesh.nearby.forget();
         if !collide_mesh(shape, still, &rel, Reach::new(0.0).within(-self.least), mesh, raw) {
             return None;

@@ -14,4 +14,4 @@ pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub(crate) use frames::Placed;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use save::{JointLists, JointRecords, SavedJoints, group_code, group_of};
-pub(crate) use store::{Joint, Joints, Lock, LockKind, More, Row, RowKind};
+pub(crate) use store::{Joint, JointAdditions, Joints, Lock, LockKind, Row, RowKind};

@@ -2,7 +2,7 @@
 //! seldom do.
 
 use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
-use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
+use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::memory::Buffer;
@@ -179,9 +179,9 @@ impl JointRecords {
         self.all.iter().any(Joint::is_there)
     }
 
-    fn more(&self) -> More {
+    fn more(&self) -> JointAdditions {
         let breakable = self.all.iter().filter(|joint| joint.is_there() && joint.can_break()).count();
-        More {
+        JointAdditions {
             joints: self.all.len(),
             breakable,
             locks: self.locks.len(),

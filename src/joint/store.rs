@@ -97,7 +97,7 @@ pub(crate) struct Row {
 
 /// How many joints, locks and rows are about to be added.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct More {
+pub(crate) struct JointAdditions {
     pub(super) joints: usize,
     pub(super) breakable: usize,
     pub(super) locks: usize,
@@ -106,17 +106,17 @@ pub(crate) struct More {
     pub(super) bodies: usize,
 }
 
-impl More {
-    pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> More {
+impl JointAdditions {
+    pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> JointAdditions {
         let limits = locked_together(limits);
         let locks = limits.iter().filter(|limit| lock_of(limit).is_some()).count();
-        More { locks, rows: limits.len() - locks + drives.len(), ..More::default() }
+        JointAdditions { locks, rows: limits.len() - locks + drives.len(), ..JointAdditions::default() }
     }
 
-    pub(crate) fn of_joint(desc: &JointDesc) -> More {
+    pub(crate) fn of_joint(desc: &JointDesc) -> JointAdditions {
         let breakable = usize::from([desc.break_force, desc.break_torque].iter().any(|s| s.is_finite()));
         let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
-        More { joints: 1, breakable, bodies, ..More::of(&desc.limits, &desc.drives) }
+        JointAdditions { joints: 1, breakable, bodies, ..JointAdditions::of(&desc.limits, &desc.drives) }
     }
 
     /// Locks, and other rows.
@@ -125,8 +125,8 @@ impl More {
     }
 
     /// Both.
-    pub(crate) fn and(self, other: More) -> More {
-        More {
+    pub(crate) fn and(self, other: JointAdditions) -> JointAdditions {
+        JointAdditions {
             joints: self.joints + other.joints,
             breakable: self.breakable + other.breakable,
             locks: self.locks + other.locks,
@@ -305,7 +305,7 @@ impl Joints {
     }
 
     /// There are no joints any more: all goes but what tells handles that are stale.
-    pub(crate) fn give_back(&mut self) {
+    pub(crate) fn release(&mut self) {
         self.compact();
         (self.locks, self.rows, self.first, self.broken) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     }
@@ -359,26 +359,26 @@ impl Joints {
 
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
     /// may have one for itself, of so many bytes.
-    pub(crate) fn missing(&mut self, more: More, batch: usize) -> usize {
+    pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
         let batches = (self.fresh + more.locks + more.rows) * batch;
         batches + self.missing_columns(more)
     }
 
     /// The same in the columns alone.
-    pub(crate) fn missing_columns(&mut self, more: More) -> usize {
+    pub(crate) fn missing_columns(&mut self, more: JointAdditions) -> usize {
         let mut bytes = 0;
         self.each(more, &mut |buffer, len| bytes += buffer.missing(len));
         bytes
     }
 
     /// Makes place for it in the columns.
-    pub(crate) fn widen(&mut self, more: More) {
-        self.each(more, &mut |buffer, len| buffer.widen(len));
+    pub(crate) fn reserve_total(&mut self, more: JointAdditions) {
+        self.each(more, &mut |buffer, len| buffer.reserve_total(len));
     }
 
     /// Calls `f` with each column and the place that it needs.
-    fn each(&mut self, more: More, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        let all = More {
+    fn each(&mut self, more: JointAdditions, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        let all = JointAdditions {
             joints: self.all.len() + more.joints.saturating_sub(self.slots.spare()),
             breakable: self.breakable as usize + more.breakable,
             locks: self.locks.len() + more.locks,
@@ -389,7 +389,7 @@ impl Joints {
     }
 
     /// The same for so many in all.
-    pub(super) fn each_of_all(&mut self, all: More, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+    pub(super) fn each_of_all(&mut self, all: JointAdditions, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.all, all.joints);
         self.slots.each(all.joints, f);
         f(&mut self.locks, all.locks);
@@ -399,8 +399,8 @@ impl Joints {
     }
 
     /// As many again as a quarter of what there is.
-    pub(crate) fn ahead(&self, more: More) -> More {
-        More {
+    pub(crate) fn ahead(&self, more: JointAdditions) -> JointAdditions {
+        JointAdditions {
             joints: more.joints + self.all.len() / 4,
             locks: more.locks + self.locks.len() / 4,
             rows: more.rows + self.rows.len() / 4,

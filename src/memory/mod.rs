@@ -1,17 +1,17 @@
 //! Every long-lived byte belongs to a category; the report says how many, and what continuous physics adds.
 
+mod allowance;
+mod allowances;
 mod amounts;
 mod budget;
 mod column;
-mod room;
-mod rooms;
 mod slab;
 
+pub(crate) use allowance::{Allowance, Buffer, Buffers, Made, Marks, even_out};
+pub(crate) use allowances::Allowances;
 pub(crate) use amounts::Amounts;
 pub use budget::Budget;
 pub(crate) use column::{add_bytes, bytes_of, in_arc, sum_bytes};
-pub(crate) use room::{Buffer, Buffers, Made, Marks, Room, even_out};
-pub(crate) use rooms::Rooms;
 pub(crate) use slab::{Cut, Slab};
 
 use std::fmt;

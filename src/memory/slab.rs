@@ -5,7 +5,7 @@
 //! elements want 32 bytes is moved by hand instead (new memory, a copy, and the old freed), and what is freed
 //! that way stays behind as a hole.
 
-use super::{Buffer, Room};
+use super::{Allowance, Buffer};
 use bytemuck::{Pod, Zeroable};
 
 /// The unit in which memory is reserved.
@@ -39,8 +39,8 @@ impl Slab {
     }
 
     /// Makes place for so many bytes, not for more.
-    pub(crate) fn widen(&mut self, bytes: usize) {
-        self.memory.widen(pieces(bytes));
+    pub(crate) fn reserve_total(&mut self, bytes: usize) {
+        self.memory.reserve_total(pieces(bytes));
     }
 
     /// Gives up what it has beyond that.
@@ -50,8 +50,8 @@ impl Slab {
     }
 
     /// Makes sure that so many bytes can be handed out, for which there is place or room without end.
-    pub(crate) fn fit(&mut self, bytes: usize, room: &mut Room) {
-        let pieces = room.fit(&mut self.memory, pieces(bytes));
+    pub(crate) fn fit(&mut self, bytes: usize, allowance: &mut Allowance) {
+        let pieces = allowance.fit(&mut self.memory, pieces(bytes));
         if self.memory.len() < pieces {
             self.memory.resize(pieces, Piece::zeroed());
         }
@@ -59,8 +59,8 @@ impl Slab {
 
     /// Makes place for so many of a type that is in it alone, as far as there is room; says for how many
     /// there is.
-    pub(crate) fn make_place<T>(&mut self, len: usize, room: &mut Room) -> usize {
-        self.fit(len * size_of::<T>(), room);
+    pub(crate) fn reserve<T>(&mut self, len: usize, allowance: &mut Allowance) -> usize {
+        self.fit(len * size_of::<T>(), allowance);
         len.min(size_of_val(self.memory.as_slice()) / size_of::<T>())
     }
 
@@ -113,10 +113,10 @@ mod tests {
 
     #[test]
     fn arrays_lie_one_behind_the_other() {
-        let (mut slab, mut room) = (Slab::default(), Room::ENDLESS);
+        let (mut slab, mut allowance) = (Slab::default(), Allowance::ENDLESS);
         for (wide, narrow) in [(0, 0), (3, 5), (1, 900), (200, 7), (0, 2)] {
             let bytes = wide * 32 + narrow * 4;
-            slab.fit(bytes, &mut room);
+            slab.fit(bytes, &mut allowance);
             let mut cut = slab.cut();
             let (a, b) = (cut.next::<f32x8>(wide), cut.next::<u32>(narrow));
             a.fill(f32x8::splat(wide as f32));
@@ -130,13 +130,13 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_what_it_takes() {
-        let (mut slab, mut room) = (Slab::default(), Room::new(10_000));
+        let (mut slab, mut allowance) = (Slab::default(), Allowance::new(10_000));
         assert_eq!((slab.missing(0), slab.bytes(0)), (0, (0, 0)));
         let missing = slab.missing(1000);
-        slab.widen(1000);
+        slab.reserve_total(1000);
         assert_eq!(slab.bytes(0), (0, missing));
-        slab.fit(1000, &mut room);
-        assert_eq!((slab.missing(1000), room.left()), (0, 10_000));
+        slab.fit(1000, &mut allowance);
+        assert_eq!((slab.missing(1000), allowance.left()), (0, 10_000));
         let spare = slab.spare(100);
         slab.shrink(100);
         assert_eq!((slab.bytes(100).1, slab.missing(100)), (missing - spare, 0));

@@ -5,7 +5,7 @@ use super::convex::collide_convex;
 use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::contacts::contact::Contact;
 use crate::narrow_phase::contacts::found::BlockOutput;
 use crate::narrow_phase::pairs::box_box::box_box;
@@ -15,7 +15,7 @@ use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
 use crate::narrow_phase::pairs::sphere_box::sphere_box;
 use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
 use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
-use crate::shape::{Hot, Kind};
+use crate::shape::{ColliderSummary, Kind};
 use crate::threads::{Shared, per_block};
 
 /// A shape pair, as a small number.
@@ -36,8 +36,8 @@ const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
 pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
 impl Bin {
-    pub(crate) fn of(a: &Hot, b: &Hot) -> Bin {
-        let tapered = |c: &Hot| c.kind == Kind::Capsule && c.size[1] != c.size[2];
+    pub(crate) fn of(a: &ColliderSummary, b: &ColliderSummary) -> Bin {
+        let tapered = |c: &ColliderSummary| c.kind == Kind::Capsule && c.size[1] != c.size[2];
         match (a.kind, b.kind) {
             (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
             (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
@@ -90,7 +90,7 @@ pub(crate) struct Bins {
 
 impl Bins {
     /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, room: &mut Room) {
+    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, allowance: &mut Allowance) {
         let mut starts = [0u32; COUNT + 1];
         for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
             starts[bin as usize + 1] += 1;
@@ -101,9 +101,9 @@ impl Bins {
         let total = starts[COUNT];
         // The broad phase takes in pairs only if there is memory for all of them here, so it must not be used
         // for anything else.
-        let place = if room.is_endless() { total as usize } else { bin_of.len() };
-        room.fit(&mut self.order, place);
-        room.fit(&mut self.blocks, Self::most_blocks(place));
+        let place = if allowance.is_endless() { total as usize } else { bin_of.len() };
+        allowance.fit(&mut self.order, place);
+        allowance.fit(&mut self.blocks, Self::most_blocks(place));
         self.order.clear();
         self.order.resize(total as usize, 0);
         self.blocks.clear();
@@ -180,7 +180,7 @@ pub(crate) fn run_bin(
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {
             let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
-            let shape = |c: u32| input.hot[c as usize].size;
+            let shape = |c: u32| input.summaries[c as usize].size;
             let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
             let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
             let lanes = PairLanes::new(placed, |lane| {

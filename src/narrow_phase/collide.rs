@@ -10,19 +10,19 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
+use crate::memory::{Allowances, Buffer, Category, Slab, bytes_of};
 use crate::narrow_phase::contacts::admit::RowSpace;
 use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
 use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, FoundContacts};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::weight::Scale;
-use crate::shape::{Collider, Hot, Kind};
-use crate::threads::{Crew, Shared, per_block};
+use crate::shape::{Collider, ColliderSummary, Kind};
+use crate::threads::{Shared, Workers, per_block};
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
     pub(crate) colliders: &'a [Collider],
-    pub(crate) hot: &'a [Hot],
+    pub(crate) summaries: &'a [ColliderSummary],
     /// World pose of each collider at the start of the step.
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
@@ -53,19 +53,19 @@ pub(crate) struct Input<'a> {
 impl Input<'_> {
     /// Displacement and rotation vector of a collider's body within the step.
     pub(crate) fn motion_of(&self, collider: u32) -> Record {
-        let body = self.hot[collider as usize].body as usize;
+        let body = self.summaries[collider as usize].body as usize;
         self.motion.get(body).copied().unwrap_or_default()
     }
 
     /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
-        let pushed = |c: u32| (self.hot[c as usize].body as usize) < self.dynamic;
+        let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
     }
 
     /// Whether a pair only reports what is in a sensor.
     fn is_sensor(&self, pair: &Pair) -> bool {
-        [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())
+        [pair.a, pair.b].iter().any(|&c| self.summaries[c as usize].is_sensor())
     }
 
     /// How a pair may approach within the step.
@@ -73,7 +73,7 @@ impl Input<'_> {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let swing = |collider: u32, motion: &Record| {
             // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
-            let (c, turn) = (&self.hot[collider as usize], motion.turn_angle());
+            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle());
             if turn == 0.0 {
                 return 0.0;
             }
@@ -90,7 +90,7 @@ impl Input<'_> {
             turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
         };
         let displacement = b.linear - a.linear;
-        let own = |c: u32| self.hot[c as usize].mode;
+        let own = |c: u32| self.summaries[c as usize].mode;
         let mode = self.mode.of(own(pair.a).max(own(pair.b)));
         Approach {
             displacement,
@@ -190,29 +190,31 @@ const BLOCK: usize = per_block(128, 8);
 /// Finds the contacts of all pairs, and leaves to their rows the memory that these will need. The rows of the
 /// last step are no longer needed: under a budget new contacts use their memory for a while.
 pub(crate) fn collide(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &Input<'_>,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    (rooms, space): (&mut Rooms, &mut RowSpace),
+    (allowances, space): (&mut Allowances, &mut RowSpace),
 ) -> NarrowStats {
     // The broad phase takes in pairs only if there is memory for this.
-    rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
-    place(crew, input, pairs, contacts, scratch);
+    allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.bin_of, pairs.len()));
+    place(workers, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
-    rooms.within(Category::Scratch, |room| bins.sort(bin_of, EMPTIED, room));
+    allowances.within(Category::Scratch, |allowance| bins.sort(bin_of, EMPTIED, allowance));
     let mut stats = NarrowStats {
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, pairs, input, (rooms, &mut space.slab));
+    found.plan(bins, pairs, input, (allowances, &mut space.slab));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
-        let last = rooms.within(Category::Scratch, |room| found.wave(&mut bins.blocks, first, room));
-        run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
-        stats.shed += found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (rooms, space));
+        let last =
+            allowances.within(Category::Scratch, |allowance| found.wave(&mut bins.blocks, first, allowance));
+        run_blocks(workers, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
+        stats.shed +=
+            found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (allowances, space));
         first = last;
         if first == end {
             break;
@@ -228,7 +230,7 @@ pub(crate) fn collide(
 
 /// Works on the pairs of some blocks.
 fn run_blocks(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &Input<'_>,
     (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
     pairs: &[Pair],
@@ -241,7 +243,7 @@ fn run_blocks(
     let blocks = &mut blocks[wave];
     let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places(slab));
     let order = &*order;
-    crew.run(count, &|block| {
+    workers.run(count, &|block| {
         // SAFETY: this is the only one that runs the block.
         let block = unsafe { blocks.get(block) };
         let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
@@ -255,12 +257,18 @@ fn run_blocks(
 ///
 /// Relative poses are not stored: most pairs don't need them again, and computing them anew costs less than
 /// storing them.
-fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Contacts, scratch: &mut Scratch) {
+fn place(
+    workers: &Workers<'_>,
+    input: &Input<'_>,
+    pairs: &[Pair],
+    contacts: &mut Contacts,
+    scratch: &mut Scratch,
+) {
     scratch.bin_of.clear();
     scratch.bin_of.resize(pairs.len(), 0);
     let bin_of = Shared::new(&mut scratch.bin_of);
     let all = Shared::new(&mut contacts.all);
-    crew.run(pairs.len().div_ceil(BLOCK), &|block| {
+    workers.run(pairs.len().div_ceil(BLOCK), &|block| {
         let end = ((block + 1) * BLOCK).min(pairs.len());
         for first in (block * BLOCK..end).step_by(8) {
             let lanes = &pairs[first..end.min(first + 8)];
@@ -268,7 +276,7 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
             for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
-                    let idle = pair.is_idle(input.hot, input.dynamic);
+                    let idle = pair.is_idle(input.summaries, input.dynamic);
                     *bin_of.get(first + i) = if idle && pair.contact != NO_CONTACT {
                         KEPT
                     } else if idle {
@@ -278,7 +286,7 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
                         FAR
                     } else {
-                        let kind = |c: u32| &input.hot[c as usize];
+                        let kind = |c: u32| &input.summaries[c as usize];
                         Bin::of(kind(pair.a), kind(pair.b)).0
                     };
                 }
@@ -292,7 +300,7 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if pair.contact != NO_CONTACT {
         return false;
     }
-    let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
+    let (a, b) = (&input.summaries[pair.a as usize], &input.summaries[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
     // Beyond the reach of all kernels.
     let closing = if approach.is_continuous() {
@@ -367,7 +375,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
         return false;
     }
-    let reach = input.hot[pair.a as usize].radius.min(input.hot[pair.b as usize].radius);
+    let reach = input.summaries[pair.a as usize].radius.min(input.summaries[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
     if pair.fast && !(first.bears() > 0.0 && is_slow(input, pair, limit)) {
         return false;
@@ -410,7 +418,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
 /// Whether two bodies that bear each other move by no more than `limit`, apart from gravity [m].
 fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     let approach = input.approach(pair);
-    let [a, b] = [pair.a, pair.b].map(|c| (input.hot[c as usize].body as usize) < input.dynamic);
+    let [a, b] = [pair.a, pair.b].map(|c| (input.summaries[c as usize].body as usize) < input.dynamic);
     let falls = f32::from(u8::from(b)) - f32::from(u8::from(a));
     (approach.displacement - input.fall * falls).length() + approach.swing <= limit
 }
@@ -427,7 +435,7 @@ fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
 
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
-    matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
+    matches!(input.summaries[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
 /// Limits that tell matching points and contacts from new ones.
@@ -441,7 +449,7 @@ pub(crate) struct MatchLimits {
 
 impl MatchLimits {
     pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> MatchLimits {
-        let radius = |c: u32| input.hot[c as usize].radius;
+        let radius = |c: u32| input.summaries[c as usize].radius;
         let near = 0.1 * radius(pair.a).min(radius(pair.b));
         // A creeping pair is found anew once it has moved by `recycle`, and before it has moved by twice
         // that.

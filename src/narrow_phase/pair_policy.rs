@@ -106,7 +106,7 @@ impl PairState<'_> {
     /// this path misses what is near proves nothing then.
     fn may_leave_predicted_path(&self) -> bool {
         let (input, pair) = (self.input, self.pair);
-        let [a, b] = [pair.a, pair.b].map(|c| input.hot[c as usize].body);
+        let [a, b] = [pair.a, pair.b].map(|c| input.summaries[c as usize].body);
         input.is_static(pair) && (input.has_joints)(if (a as usize) < input.dynamic { a } else { b })
     }
 }
@@ -134,7 +134,7 @@ impl PairState<'_> {
     /// start are good for.
     fn slides_far(&self) -> bool {
         let Self { input, pair, approach, .. } = *self;
-        let moves = |c: u32| (input.hot[c as usize].body as usize) < input.motion.len();
+        let moves = |c: u32| (input.summaries[c as usize].body as usize) < input.motion.len();
         let inner = |c: u32| input.colliders[c as usize].inner_radius;
         approach.is_continuous()
             && input.start == Start::Cast

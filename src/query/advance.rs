@@ -63,17 +63,17 @@ pub(super) fn first_touch(
             point: gap.point_b - gap.normal * b.radius + course.path * t,
             depth: 0.0,
         };
-        let room = gap.lower - radii;
+        let allowance = gap.lower - radii;
         let closing = course.path.dot(gap.normal);
         // The gap stays open to the end of the path.
-        if closing <= 0.0 || t + room / closing > 1.0 {
+        if closing <= 0.0 || t + allowance / closing > 1.0 {
             return None;
         }
-        if room <= course.tolerance {
+        if allowance <= course.tolerance {
             return Some(touch);
         }
         // Aims at half of the tolerance, so that it is reached in finitely many steps.
-        t += (room - 0.5 * course.tolerance) / closing;
+        t += (allowance - 0.5 * course.tolerance) / closing;
         if t > most {
             return None;
         }

@@ -2,7 +2,7 @@
 
 use super::filter::{QueryFilter, Sees};
 use crate::body::{BodyKind, Pose};
-use crate::broad_phase::{Aabb, Current, Present};
+use crate::broad_phase::{Aabb, QueryTree, WorldView};
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::lanes::f32x4;
@@ -46,7 +46,7 @@ pub(super) fn turn_back(rotation: Quat, v: DVec3) -> DVec3 {
     turn(rotation.conjugate(), v)
 }
 
-impl Present for World {
+impl WorldView for World {
     fn each_mover(&self, f: &mut dyn FnMut(u32)) {
         // Sleeping ones too: they may have moved in the step in which they fell asleep.
         let there = |&body: &usize| !self.bodies.traits[body].disabled;
@@ -70,7 +70,7 @@ impl World {
     /// # Errors
     /// If the budget does not allow it.
     #[inline]
-    pub(crate) fn current(&self) -> Result<&Current, Error> {
+    pub(crate) fn current(&self) -> Result<&QueryTree, Error> {
         let grant = |bytes: usize| self.grant(Category::BroadPhase, bytes);
         let bounded: Option<&dyn Fn(usize) -> Result<(), Error>> =
             if self.settings.budget.is_none() { None } else { Some(&grant) };

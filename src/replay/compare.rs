@@ -120,6 +120,6 @@ fn differing(one: impl Iterator<Item = (u32, Short)>, other: impl Iterator<Item 
 fn describe(slot: u32, world: &World, names: &Names) -> Option<DivergedBody> {
     let (generation, index) = world.bodies.slots.live(slot)?;
     let name = names.get(&slot).filter(|name| name.0 == generation).map(|name| name.1.clone());
-    let user_data = world.bodies.cold[index as usize].user_data;
+    let user_data = world.bodies.details[index as usize].user_data;
     Some(DivergedBody { handle: BodyHandle { slot, generation }, user_data, name })
 }

@@ -47,7 +47,7 @@ pub(super) struct Heard {
 }
 
 impl Heard {
-    pub(super) fn hear(&mut self, tweak: Tweak, vetoed: bool) {
+    pub(super) fn record(&mut self, tweak: Tweak, vetoed: bool) {
         match Decision::new((tweak, vetoed), self.silent) {
             Some(decision) => {
                 self.decisions.push(decision);

@@ -225,8 +225,8 @@ impl Recorder for Tape {
         }
     }
 
-    fn hear(&mut self, tweak: Tweak, vetoed: bool) {
-        self.heard.hear(tweak, vetoed);
+    fn record(&mut self, tweak: Tweak, vetoed: bool) {
+        self.heard.record(tweak, vetoed);
     }
 
     fn end_step(&mut self, world: &World, dt: f32) {

@@ -11,7 +11,7 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::shape::{Collider, Kind, ShapeDesc};
-use crate::world::Crowd;
+use crate::world::ContentForecast;
 use glam::Vec3;
 
 /// Pairs and contacts of each body with others in a pile that has come down (builtin scene `pile`: 10.9 and
@@ -44,14 +44,14 @@ struct Shape {
 }
 
 /// How many of each there will be.
-pub(super) fn expect(scene: &Scene, settings: &Settings) -> Crowd {
+pub(super) fn expect(scene: &Scene, settings: &Settings) -> ContentForecast {
     let start = at_start(scene, settings);
     let down = once_down(scene, settings);
     let most = |a: usize, b: usize| if b > a { (b as f32 * SLACK) as usize } else { a };
-    let contacts = |crowd: &Crowd| crowd.contacts.iter().flatten().sum::<usize>();
+    let contacts = |crowd: &ContentForecast| crowd.contacts.iter().flatten().sum::<usize>();
     let mut crowd = if contacts(&down) > contacts(&start) {
         let contacts = down.contacts.map(|side| side.map(|n| (n as f32 * SLACK) as usize));
-        Crowd { contacts, ..down }
+        ContentForecast { contacts, ..down }
     } else {
         start
     };
@@ -105,7 +105,7 @@ fn full(a: Kind, b: Kind) -> usize {
 }
 
 /// Pairs and contacts where the scene begins.
-fn at_start(scene: &Scene, settings: &Settings) -> Crowd {
+fn at_start(scene: &Scene, settings: &Settings) -> ContentForecast {
     let mut all = shapes(scene);
     let mut joined: Vec<[usize; 2]> = scene
         .joints
@@ -118,7 +118,7 @@ fn at_start(scene: &Scene, settings: &Settings) -> Crowd {
     let axis = widest(&all);
     all.sort_by(|a, b| a.bounds.min[axis].total_cmp(&b.bounds.min[axis]));
     let (fat, close) = (FAT * settings.length_unit, CLOSE * settings.length_unit);
-    let mut crowd = Crowd::default();
+    let mut crowd = ContentForecast::default();
     let mut open: Vec<usize> = Vec::new();
     for i in 0..all.len() {
         let a = &all[i];
@@ -158,9 +158,9 @@ fn widest(all: &[Shape]) -> usize {
 }
 
 /// Pairs and contacts once all has come down.
-fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
+fn once_down(scene: &Scene, settings: &Settings) -> ContentForecast {
     if scene.gravity == Vec3::ZERO && settings.gravity == Vec3::ZERO {
-        return Crowd::default();
+        return ContentForecast::default();
     }
     let hangs = hanging(scene);
     let (mut footprints, mut falling) = (0.0, 0.0);
@@ -198,7 +198,7 @@ fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
             let size = box_of_all.max - box_of_all.min;
             size.x * size.z
         }
-        None => return Crowd::default(),
+        None => return ContentForecast::default(),
     };
     // How many layers there would be.
     let layers = footprints / area.max(f32::MIN_POSITIVE);
@@ -224,12 +224,12 @@ fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
     let all = pairs.0 + pairs.1;
     let with_meshes = if of_meshes { pairs.1 } else { 0.0 };
     let bare = (all - with_meshes - contacts[0]).max(0.0);
-    Crowd {
+    ContentForecast {
         pairs: all as usize,
         of_meshes: with_meshes as usize,
         fresh: (bare * NEAR) as usize,
         contacts: by_points.map(|side| side.map(|n| n as usize)),
-        ..Crowd::default()
+        ..ContentForecast::default()
     }
 }
 

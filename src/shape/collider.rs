@@ -40,7 +40,7 @@ impl Kind {
 
 /// The part of a collider that loops over pairs read: half a cache line, where the whole takes three.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hot {
+pub(crate) struct ColliderSummary {
     /// See [`Collider::size`].
     pub(crate) size: [f32; 4],
     /// See [`Collider::radius`].
@@ -55,12 +55,12 @@ pub(crate) struct Hot {
     pub(crate) flags: u8,
 }
 
-/// Bits of [`Hot::flags`]: a sensor; someone listens; hooks are asked.
+/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked.
 pub(crate) const SENSOR: u8 = 1;
 pub(crate) const EVENTS: u8 = 2;
 pub(crate) const HOOKS: u8 = 4;
 
-impl Hot {
+impl ColliderSummary {
     #[inline]
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
@@ -85,8 +85,8 @@ impl Collider {
         self.flags & SENSOR != 0
     }
 
-    pub(crate) fn hot(&self, mode: Continuous) -> Hot {
-        Hot {
+    pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {
+        ColliderSummary {
             size: self.size,
             radius: self.radius,
             lever: self.position.length(),
@@ -120,7 +120,7 @@ pub(crate) struct Collider {
     pub(crate) material: Material,
     pub(crate) filter: Filter,
     pub(crate) density: f32,
-    /// See [`Hot::flags`].
+    /// See [`ColliderSummary::flags`].
     pub(crate) flags: u8,
     pub(crate) user_data: u64,
 }

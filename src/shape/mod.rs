@@ -16,7 +16,7 @@ mod slabs;
 mod stored;
 mod stream;
 
-pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
+pub(crate) use collider::{Collider, ColliderSummary, EVENTS, HOOKS, Kind, SENSOR};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;

@@ -11,10 +11,10 @@ use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::events::Events;
 use crate::joint::Joints;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::{Contacts, NONE};
-use crate::shape::Hot;
-use crate::threads::{Crew, Shared, per_block};
+use crate::shape::ColliderSummary;
+use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -52,7 +52,7 @@ impl Groups {
     fn find(
         &mut self,
         bodies: &Bodies,
-        hot: &[Hot],
+        summaries: &[ColliderSummary],
         pairs: &[Pair],
         contacts: &Contacts,
         joints: &Joints,
@@ -83,7 +83,7 @@ impl Groups {
         };
         for pair in pairs.iter().filter(|pair| pair.contact != NONE || pair.touching) {
             if pair.touching || touches(contacts, pair, real) {
-                link(self, hot[pair.a as usize].body, hot[pair.b as usize].body);
+                link(self, summaries[pair.a as usize].body, summaries[pair.b as usize].body);
             }
         }
         if joints.count > 0 {
@@ -132,9 +132,9 @@ pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
 
 /// Counts how long bodies have been at rest. Says whether a dynamic one has been for long enough to fall asleep.
 pub(crate) fn count_rest(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     bodies: &mut Bodies,
-    hot: &[Hot],
+    summaries: &[ColliderSummary],
     settings: &Settings,
     dt: f32,
 ) -> bool {
@@ -143,11 +143,12 @@ pub(crate) fn count_rest(
     let tired = AtomicBool::new(false);
     let rest = Shared::new(&mut bodies.rest);
     let (velocity, colliders) = (&bodies.velocity, &bodies.colliders);
-    crew.run(movers.div_ceil(BLOCK), &|block| {
+    workers.run(movers.div_ceil(BLOCK), &|block| {
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
             let v = &velocity[i];
             let still = if i < dynamic {
-                let reach = |r: f32, &c: &u32| r.max(hot[c as usize].lever + hot[c as usize].radius);
+                let reach =
+                    |r: f32, &c: &u32| r.max(summaries[c as usize].lever + summaries[c as usize].radius);
                 let arm = colliders[i].as_slice().iter().fold(0.0, reach);
                 v.linear.length().max(v.angular.length() * arm) < speed
             } else {
@@ -178,14 +179,14 @@ impl Sleep {
     /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
     pub(crate) fn numbers(
         &self,
-        (bodies, hot): (&Bodies, &[Hot]),
+        (bodies, summaries): (&Bodies, &[ColliderSummary]),
         pairs: &[Pair],
         contacts: &Contacts,
         joints: &Joints,
         unit: f32,
     ) -> Vec<u32> {
         let mut groups = Groups::default();
-        groups.find(bodies, hot, pairs, contacts, joints, (TOUCH_DISTANCE * unit, false));
+        groups.find(bodies, summaries, pairs, contacts, joints, (TOUCH_DISTANCE * unit, false));
         let slot_of = |i: usize| {
             if i < bodies.dynamic() {
                 return bodies.slot[groups.of(i as u32) as usize];
@@ -200,26 +201,31 @@ impl Sleep {
 
 impl Islands<'_> {
     /// Puts islands to sleep, as they were found, all of whose bodies have been at rest for so long [s].
-    pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, room: Room) {
-        self.send_to_sleep(|_, rest| rest >= time, events, room);
+    pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, allowance: Allowance) {
+        self.send_to_sleep(|_, rest| rest >= time, events, allowance);
     }
 
     /// Sends the island of an awake dynamic body to sleep, if all of it may. Islands must have been found at once.
-    pub(crate) fn send(&mut self, index: u32, events: &mut Events, room: Room) {
+    pub(crate) fn send(&mut self, index: u32, events: &mut Events, allowance: Allowance) {
         let root = self.sleep.groups.of(index);
-        self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, room);
+        self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, allowance);
     }
 
     /// Finds the islands of all awake bodies. `at_once`: whatever may sleep is taken to be at rest for ever.
     pub(crate) fn find(&mut self, at_once: bool) {
         let real = TOUCH_DISTANCE * self.unit;
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
-        sleep.groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, at_once));
+        sleep.groups.find(bodies, &colliders.summaries, &broad.pairs, contacts, joints, (real, at_once));
     }
 
-    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest. `room`: what the
+    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest. `allowance`: what the
     /// pairs that they keep may take.
-    fn send_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool, events: &mut Events, mut room: Room) {
+    fn send_to_sleep(
+        &mut self,
+        tired: impl Fn(u32, f32) -> bool,
+        events: &mut Events,
+        mut allowance: Allowance,
+    ) {
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {
@@ -229,9 +235,10 @@ impl Islands<'_> {
         if !(0..dynamic).any(|i| is_tired(sleep, i)) {
             return;
         }
-        let senses = |pair: &Pair| [pair.a, pair.b].iter().any(|&c| colliders.hot[c as usize].is_sensor());
+        let senses =
+            |pair: &Pair| [pair.a, pair.b].iter().any(|&c| colliders.summaries[c as usize].is_sensor());
         let fate = |sleep: &Sleep, pair: &Pair| {
-            let [a, b] = [pair.a, pair.b].map(|c| colliders.hot[c as usize].body);
+            let [a, b] = [pair.a, pair.b].map(|c| colliders.summaries[c as usize].body);
             let (i, k) = (a.min(b), a.max(b));
             let (of_i, of_k) = (i < dynamic && is_tired(sleep, i), k < dynamic && is_tired(sleep, k));
             match (of_i, of_k) {
@@ -245,10 +252,10 @@ impl Islands<'_> {
                 _ => Fate::Stays,
             }
         };
-        if !room.is_endless() {
+        if !allowance.is_endless() {
             let kept = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Kept(_)));
             let wanted = sleep.kept as usize + kept.count();
-            if room.fit(&mut sleep.pairs, wanted) < wanted {
+            if allowance.fit(&mut sleep.pairs, wanted) < wanted {
                 return;
             }
         }

@@ -23,14 +23,14 @@ impl Islands<'_> {
         waking.clear();
         let asleep = self.bodies.asleep();
         for pair in &self.broad.pairs {
-            let [a, b] = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body as usize);
+            let [a, b] = [pair.a, pair.b].map(|c| self.colliders.summaries[c as usize].body as usize);
             let (sleeper, comer) = match (asleep.contains(&a), asleep.contains(&b)) {
                 (true, false) => (pair.a, pair.b),
                 (false, true) => (pair.b, pair.a),
                 _ => continue,
             };
-            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
-            let body = self.colliders.hot[sleeper as usize].body as usize;
+            let sensor = |c: u32| self.colliders.summaries[c as usize].is_sensor();
+            let body = self.colliders.summaries[sleeper as usize].body as usize;
             // What stands still for this step alone is in no island.
             let Some(island) = self.sleep.island_of(self.bodies.slot[body]) else { continue };
             if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair, motion) {
@@ -56,7 +56,7 @@ impl Islands<'_> {
     /// meet; or touches it, at rest.
     fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair, motion: &[Record]) -> bool {
         let real = TOUCH_DISTANCE * self.unit;
-        let body = self.colliders.hot[comer as usize].body as usize;
+        let body = self.colliders.summaries[comer as usize].body as usize;
         let (bodies, colliders) = (&*self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {
             return body < bodies.dynamic() && pair.contact != NONE && touches(self.contacts, pair, real);
@@ -98,9 +98,9 @@ impl Islands<'_> {
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);
         waking.clear();
-        let hot = &self.colliders.hot;
-        let own = |c: u32| hot[c as usize].body as usize == index;
-        let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[hot[c as usize].body as usize]);
+        let summaries = &self.colliders.summaries;
+        let own = |c: u32| summaries[c as usize].body as usize == index;
+        let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[summaries[c as usize].body as usize]);
         let kept = self.sleep.kept_pairs();
         for pair in self.broad.pairs.iter().chain(kept) {
             if own(pair.a) || own(pair.b) {

@@ -8,7 +8,7 @@ use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
 use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
-use crate::shape::{Hot, Kind};
+use crate::shape::{ColliderSummary, Kind};
 use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
 
@@ -83,8 +83,8 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
 
 /// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in
 /// `collide.rs`.
-fn may_be_kept(first: &Contact, hot: &[Hot]) -> bool {
-    let rolls = |c: u32| matches!(hot[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
+fn may_be_kept(first: &Contact, summaries: &[ColliderSummary]) -> bool {
+    let rolls = |c: u32| matches!(summaries[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
 }
 
@@ -92,12 +92,12 @@ fn may_be_kept(first: &Contact, hot: &[Hot]) -> bool {
 pub(super) fn save_contacts<'a>(
     pairs: impl Iterator<Item = &'a Pair>,
     contacts: &Contacts,
-    hot: &[Hot],
+    summaries: &[ColliderSummary],
     out: &mut Vec<u32>,
 ) -> u32 {
     let mut count = 0;
     for pair in pairs.filter(|pair| pair.contact != NONE) {
-        let kept = may_be_kept(&contacts.all[pair.contact as usize], hot);
+        let kept = may_be_kept(&contacts.all[pair.contact as usize], summaries);
         let mut slot = pair.contact;
         while slot != NONE {
             let contact = &contacts.all[slot as usize];

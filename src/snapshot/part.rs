@@ -6,7 +6,7 @@
 
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
-use crate::body::{BodyKind, Cold, Mass, NewBody, Pose, Traits};
+use crate::body::{BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
 use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
@@ -103,24 +103,24 @@ fn save_frame(position: Vec3, rotation: Quat, out: &mut Vec<u32>) {
 
 fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
     let bodies = &world.bodies;
-    let (slot, kind, cold, traits, mass) =
-        (bodies.slot[i], bodies.kind[i], &bodies.cold[i], &bodies.traits[i], &bodies.mass[i]);
+    let (slot, kind, details, traits, mass) =
+        (bodies.slot[i], bodies.kind[i], &bodies.details[i], &bodies.traits[i], &bodies.mass[i]);
     let own = bodies.colliders[i].as_slice();
     out.extend([slot, bodies.slots.generation(slot), own.len() as u32]);
     let bits = [
         kind as u32,
         traits.continuous as u32,
         u32::from(traits.sleepless) | u32::from(traits.disabled) << 1,
-        u32::from(cold.mass_from_shapes),
+        u32::from(details.mass_from_shapes),
         group_code(traits.raised),
         u32::from(traits.locks) & 15,
         u32::from(traits.locks) >> 4,
     ];
     out.push(bits.iter().rev().fold(0, |all, bits| all << 4 | bits));
-    out.extend([traits.gravity_scale.to_bits(), mass.inverse.to_bits(), cold.mass.to_bits()]);
+    out.extend([traits.gravity_scale.to_bits(), mass.inverse.to_bits(), details.mass.to_bits()]);
     out.extend(words::<6>([mass.inertia, mass.inverse_inertia]));
-    save_frame(cold.centre, cold.axes, out);
-    out.extend(words::<2>(cold.user_data));
+    save_frame(details.centre, details.axes, out);
+    out.extend(words::<2>(details.user_data));
     if kind == BodyKind::Static {
         save_pose(&bodies.pose[i], out);
     }
@@ -327,9 +327,9 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     if kind == BodyKind::Static && !colliders.iter().all(|c| c.is_placed(&pose, traits.disabled)) {
         return Err(broken("the place of a static shape"));
     }
-    let cold = Cold { centre, axes, mass, mass_from_shapes: part(3) != 0, user_data };
+    let details = BodyDetails { centre, axes, mass, mass_from_shapes: part(3) != 0, user_data };
     let mass = Mass { inverse, inertia, inverse_inertia };
-    let body = NewBody { kind, pose, velocity: Record::default(), mass, traits, cold };
+    let body = NewBody { kind, pose, velocity: Record::default(), mass, traits, details };
     Ok(BodyRecord { slot, generation, body, colliders })
 }
 

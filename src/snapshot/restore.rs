@@ -33,11 +33,11 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
-        whole.make_place_to_restore(&brings)?;
+        whole.reserve_to_restore(&brings)?;
         whole.report = std::mem::take(&mut world.report);
         *world = whole;
     } else {
-        world.make_place_to_restore(&brings)?;
+        world.reserve_to_restore(&brings)?;
     }
     if let Some(records) = records {
         install(world, records);

@@ -21,7 +21,7 @@ use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 pub(crate) use impact_body::ImpactBody;
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses, disable};
@@ -73,7 +73,7 @@ const BLOCK: usize = per_block(256, 1);
 /// Solves the rows over a step of `dt` seconds. `impulses`: those of contacts that someone listens to are added, or nothing if
 /// it is empty. Says whether all velocities stayed in range.
 pub(crate) fn solve(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     settings: &Settings,
     dt: f32,
     bodies: &mut Bodies,
@@ -196,7 +196,7 @@ pub(crate) fn solve(
         // what they did then. Those of joints turn, and see to it themselves; trees that keep their energy need none.
         let is_swift_at = |v: &Record| lanes(*v).abs().lt(swift).bits() & BOTH != BOTH;
         let is_swift = AtomicBool::new(false);
-        all_bodies(crew, movers, |i| {
+        all_bodies(workers, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
@@ -223,20 +223,20 @@ pub(crate) fn solve(
             nets.begin(&net_input, &batches, dynamic, &is_swift_at);
         }
         if substep == 0 {
-            passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
+            passes.run(workers, Kind::WarmStart, &batches, &joined, &motion);
         }
         if joined_at_all {
-            passes.predict(crew, &joined, &motion);
+            passes.predict(workers, &joined, &motion);
         }
         for _ in 0..settings.iterations {
-            passes.run(crew, Kind::Solve, &batches, &joined, &motion);
+            passes.run(workers, Kind::Solve, &batches, &joined, &motion);
         }
         watch(&mut witness, false);
         calm();
         watch(&mut witness, true);
         if joined_at_all {
             let is_swift = AtomicBool::new(false);
-            all_bodies(crew, movers, |i| {
+            all_bodies(workers, movers, |i| {
                 // SAFETY: each body is in one block.
                 if is_swift_at(unsafe { velocity.get(i) }) {
                     is_swift.store(true, Ordering::Relaxed);
@@ -253,7 +253,7 @@ pub(crate) fn solve(
             nets.hold_back(&net_input, &is_swift_at);
         }
         watch(&mut witness, true);
-        all_bodies(crew, movers, |i| {
+        all_bodies(workers, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
             let (now, before) = (lanes(*v), lanes(*b));
@@ -281,17 +281,17 @@ pub(crate) fn solve(
             impacts.go_on(h, moving, &forces.acceleration);
         }
         if joined_at_all {
-            passes.go(crew, &batches, &joined, &motion, &closing(settings));
+            passes.go(workers, &batches, &joined, &motion, &closing(settings));
         }
         watch(&mut witness, true);
-        if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
+        if passes.run(workers, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
             watch(&mut witness, false);
-            let shifts = passes.run(crew, Kind::Rub, &batches, &joined, &motion);
+            let shifts = passes.run(workers, Kind::Rub, &batches, &joined, &motion);
             watch(&mut witness, true);
             if shifts {
-                passes.run(crew, Kind::Relax, &batches, &joined, &motion);
+                passes.run(workers, Kind::Relax, &batches, &joined, &motion);
             }
         }
         watch(&mut witness, false);
@@ -346,8 +346,8 @@ const BOTH: u32 = 0b0111_0111;
 const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 
 #[inline(always)]
-fn all_bodies(crew: &Crew<'_>, movers: usize, work: impl Fn(usize) + Sync) {
-    crew.run(movers.div_ceil(BLOCK), &|block| {
+fn all_bodies(workers: &Workers<'_>, movers: usize, work: impl Fn(usize) + Sync) {
+    workers.run(movers.div_ceil(BLOCK), &|block| {
         (block * BLOCK..((block + 1) * BLOCK).min(movers)).for_each(&work);
     });
 }

@@ -10,7 +10,7 @@ use crate::constraint::{
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -57,7 +57,7 @@ impl Passes {
     /// Relaxing, says whether potential points push; rubbing, whether that shifts loads.
     pub(crate) fn run(
         &self,
-        crew: &Crew<'_>,
+        workers: &Workers<'_>,
         kind: Kind,
         views: &Views<'_>,
         joined: &Joined<'_>,
@@ -70,7 +70,7 @@ impl Passes {
         for stage in views.stages {
             if !joints.is_empty() {
                 let before = joints.partition_point(|joint| joint.place < stage.place);
-                self.run_joints(crew, kind, &joints[..before], joined.views, motion, along);
+                self.run_joints(workers, kind, &joints[..before], joined.views, motion, along);
                 joints = &joints[before..];
             }
             let pass = self.of(stage.group, kind, surfaces);
@@ -87,15 +87,15 @@ impl Passes {
                     pushes.store(true, Ordering::Relaxed);
                 }
             };
-            share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
+            share_out(workers, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
-        self.run_joints(crew, kind, joints, joined.views, motion, along);
+        self.run_joints(workers, kind, joints, joined.views, motion, along);
         pushes.into_inner()
     }
 
     fn run_joints(
         &self,
-        crew: &Crew<'_>,
+        workers: &Workers<'_>,
         kind: Kind,
         stages: &[JointStage],
         views: &JointViews<'_>,
@@ -125,12 +125,12 @@ impl Passes {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
             // colour, and then one thread has it all.
             let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass, along) };
-            share_out(crew, stage.start as usize..stage.end as usize, stage.single && !is_tree, &one);
+            share_out(workers, stage.start as usize..stage.end as usize, stage.single && !is_tree, &one);
         }
     }
 
     /// Lets joints of trees that keep their energy act before any row of the substep is solved.
-    pub(crate) fn predict(&self, crew: &Crew<'_>, joined: &Joined<'_>, motion: &Motion<'_, '_>) {
+    pub(crate) fn predict(&self, workers: &Workers<'_>, joined: &Joined<'_>, motion: &Motion<'_, '_>) {
         let pass = JointPass {
             inverse_h: self.inverse_h,
             softness: self.joint,
@@ -144,14 +144,14 @@ impl Passes {
             let one = |i: usize| unsafe {
                 JointRows::predict(joined.views, TreeRef::new(i, stage.single), motion, &pass);
             };
-            share_out(crew, stage.start as usize..stage.end as usize, false, &one);
+            share_out(workers, stage.start as usize..stage.end as usize, false, &one);
         }
     }
 
     /// Closes locks that are in no tree, moves the bodies of trees that keep their energy, and closes the joints of trees.
     pub(crate) fn go(
         &self,
-        crew: &Crew<'_>,
+        workers: &Workers<'_>,
         along: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
@@ -165,14 +165,14 @@ impl Passes {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
             // colour, and then one thread has it all.
             let one = |i: usize| unsafe { JointRows::close_locks(joined.views, stage, i, motion, most) };
-            share_out(crew, stage.start as usize..stage.end as usize, stage.single, &one);
+            share_out(workers, stage.start as usize..stage.end as usize, stage.single, &one);
         }
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
                 JointRows::go(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
             };
-            share_out(crew, stage.start as usize..stage.end as usize, false, &one);
+            share_out(workers, stage.start as usize..stage.end as usize, false, &one);
         }
     }
 
@@ -192,12 +192,12 @@ impl Passes {
 
 /// Works through the batches of a stage, in blocks for several threads unless they have to go one after another.
 #[inline(always)]
-fn share_out(crew: &Crew<'_>, batches: Range<usize>, serial: bool, one: &(impl Fn(usize) + Sync)) {
+fn share_out(workers: &Workers<'_>, batches: Range<usize>, serial: bool, one: &(impl Fn(usize) + Sync)) {
     if serial || batches.len() <= BLOCK {
         batches.for_each(one);
         return;
     }
-    crew.run(batches.len().div_ceil(BLOCK), &|block| {
+    workers.run(batches.len().div_ceil(BLOCK), &|block| {
         let first = batches.start + block * BLOCK;
         (first..(first + BLOCK).min(batches.end)).for_each(one);
     });
@@ -280,7 +280,7 @@ pub(crate) struct Stored {
 
 /// Writes impulses back to the contacts, after a step of `dt` seconds.
 pub(crate) fn store(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     rows: &mut Rows,
     dt: f32,
     lengths: StepLengths,
@@ -312,7 +312,7 @@ pub(crate) fn store(
             (start..end).for_each(|index| block(stage, index));
             continue;
         }
-        crew.run((end - start).div_ceil(STORED), &|n| {
+        workers.run((end - start).div_ceil(STORED), &|n| {
             let first = start + n * STORED;
             (first..(first + STORED).min(end)).for_each(|index| block(stage, index));
         });

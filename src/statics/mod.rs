@@ -15,7 +15,7 @@ use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Category, Room, Rooms, bytes_of};
+use crate::memory::{Allowance, Allowances, Buffer, Category, bytes_of};
 use crate::narrow_phase::{Contact, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
@@ -120,12 +120,12 @@ impl Statics {
         self.supports.missing(contacts) + self.points.missing(POINTS)
     }
 
-    fn reserve(&mut self, dynamic: usize, contacts: usize, room: &mut Room) -> bool {
-        room.fit(&mut self.places, dynamic) == dynamic
-            && room.fit(&mut self.burdens, dynamic) == dynamic
-            && room.fit(&mut self.by_height, dynamic) == dynamic
-            && room.fit(&mut self.supports, contacts) == contacts
-            && room.fit(&mut self.points, POINTS) == POINTS
+    fn reserve(&mut self, dynamic: usize, contacts: usize, allowance: &mut Allowance) -> bool {
+        allowance.fit(&mut self.places, dynamic) == dynamic
+            && allowance.fit(&mut self.burdens, dynamic) == dynamic
+            && allowance.fit(&mut self.by_height, dynamic) == dynamic
+            && allowance.fit(&mut self.supports, contacts) == contacts
+            && allowance.fit(&mut self.points, POINTS) == POINTS
     }
 }
 
@@ -146,7 +146,7 @@ impl Statics {
         structure: &mut Structure<'_>,
         settings: &Settings,
         (dt, h): (f32, f32),
-        rooms: &mut Rooms,
+        allowances: &mut Allowances,
     ) {
         let gravity = settings.gravity.length();
         if gravity == 0.0 || !settings.warm_starting {
@@ -155,7 +155,8 @@ impl Statics {
         let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.all.capacity());
         self.wait = self.wait.saturating_sub(1);
         // In every step: an estimate in a scene that has long settled must not be the first to allocate.
-        let fits = rooms.within(Category::Scratch, |room| self.reserve(dynamic, contacts, room));
+        let fits =
+            allowances.within(Category::Scratch, |allowance| self.reserve(dynamic, contacts, allowance));
         if !self.pending || self.wait > 0 {
             return;
         }
@@ -170,7 +171,7 @@ impl Statics {
         if fits && structure.find_supports(self, &rest) {
             structure.add_known_loads(self, &rest);
             structure.find_supported(self, &rest);
-            rooms.within(Category::Scratch, |room| structure.hand_down(self, &rest, room));
+            allowances.within(Category::Scratch, |allowance| structure.hand_down(self, &rest, allowance));
         }
         let wait = (structure.pairs.len() / PAIRS_PER_STEP) as u32;
         (self.wait, self.pending) = (wait.clamp(1, LONGEST_WAIT), false);
@@ -179,7 +180,7 @@ impl Statics {
 
 impl Structure<'_> {
     /// Hands the burden of each supported body to the new contacts below it.
-    fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, room: &mut Room) {
+    fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, allowance: &mut Allowance) {
         let Statics { places, burdens, by_height, supports, points, .. } = statics;
         let axes = rest.up.any_orthonormal_pair();
         for &place in by_height.iter().rev() {
@@ -205,7 +206,7 @@ impl Structure<'_> {
                         arm: origin + contact.frame * point.position,
                         ..PointLoad::default()
                     };
-                    if point.separation <= rest.touching && !room.push(points, load) {
+                    if point.separation <= rest.touching && !allowance.push(points, load) {
                         return;
                     }
                 }

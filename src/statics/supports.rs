@@ -11,7 +11,7 @@ impl Structure<'_> {
         let Statics { places, burdens, supports, .. } = statics;
         let dynamic = self.bodies.dynamic();
         supports.clear();
-        for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
+        for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.summaries, dynamic)) {
             let mut slot = pair.contact;
             while slot != NONE {
                 let index = slot;
@@ -89,7 +89,7 @@ impl Structure<'_> {
     pub(super) fn add_known_loads(&self, statics: &mut Statics, rest: &Rest) {
         let Statics { places, burdens, .. } = statics;
         for pair in self.pairs {
-            let bodies = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body);
+            let bodies = [pair.a, pair.b].map(|c| self.colliders.summaries[c as usize].body);
             let place = |body: u32| places.get(body as usize).copied().unwrap_or(NOWHERE);
             let of_pair = bodies.map(place);
             if of_pair == [NOWHERE; 2] {

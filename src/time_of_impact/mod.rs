@@ -21,15 +21,15 @@ mod strike;
 mod track;
 
 use crate::body::{Bodies, Colliders};
-use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, Whom, aabb_of};
+use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, SearchSet, aabb_of};
 use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::config::{Continuous, ContinuousMethod, Settings};
 use crate::forces::Forces;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::{MeshScratch, RawManifold};
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 use first_touch::{Search, Touch, first_touch};
 use glam::Vec3;
 use queue::{Hit, Queue};
@@ -134,16 +134,16 @@ pub(crate) fn meets_impacts(settings: &Settings) -> bool {
     Rules::of(settings).is_some()
 }
 
-/// Meets the impacts of a step whose bodies stand at its end, if the method asks for that. `room`: what buffers may grow by.
+/// Meets the impacts of a step whose bodies stand at its end, if the method asks for that. `allowance`: what buffers may grow by.
 pub(crate) fn meet_impacts(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     on: &mut Solved<'_>,
     buffers: &mut Buffers,
-    room: Room,
+    allowance: Allowance,
 ) -> Impacts {
     let Some(rules) = Rules::of(on.settings) else { return Impacts::default() };
-    let mut run = Run { dt: on.dt, on, buffers, rules, room, impacts: Impacts::default() };
-    run.find_first(crew);
+    let mut run = Run { dt: on.dt, on, buffers, rules, allowance, impacts: Impacts::default() };
+    run.find_first(workers);
     while let Some(hit) = run.buffers.queue.pop() {
         run.strike(&hit);
     }
@@ -156,13 +156,13 @@ struct Run<'a, 'b> {
     buffers: &'a mut Buffers,
     rules: Rules,
     dt: f32,
-    room: Room,
+    allowance: Allowance,
     impacts: Impacts,
 }
 
 impl Run<'_, '_> {
     /// Fills the queue with the touches that the ways of the step lead to.
-    fn find_first(&mut self, crew: &Crew<'_>) {
+    fn find_first(&mut self, workers: &Workers<'_>) {
         let movers = self.on.bodies.movers();
         let Buffers { track_of, tracks, queue, times, .. } = &mut *self.buffers;
         track_of.clear();
@@ -177,12 +177,12 @@ impl Run<'_, '_> {
             return;
         }
         let mut times = std::mem::take(&mut self.buffers.times);
-        let place = self.room.fit(&mut times, count).min(count);
+        let place = self.allowance.fit(&mut times, count).min(count);
         self.impacts.shed += (count - place) as u32;
         times.resize(place, Touch::NEVER);
         {
             let (out, this) = (Shared::new(&mut times), self.view());
-            crew.run(place.div_ceil(BLOCK), &|block| {
+            workers.run(place.div_ceil(BLOCK), &|block| {
                 for i in block * BLOCK..((block + 1) * BLOCK).min(place) {
                     let pair = &this.on.broad.pairs[i];
                     if pair.fast && !this.is_tracked(pair) && this.may_strike(pair.a, pair.b) {
@@ -217,11 +217,12 @@ impl Run<'_, '_> {
             }
             let own = on.bodies.colliders[i].as_slice();
             let far = own.iter().any(|&c| {
-                let hot = &on.colliders.hot[c as usize];
+                let summaries = &on.colliders.summaries[c as usize];
                 let least = on.colliders.all[c as usize].inner_radius;
-                let swing = (hot.lever + hot.radius) * turned.min(2.0);
+                let swing = (summaries.lever + summaries.radius) * turned.min(2.0);
                 // Who hardly moves gets through nothing.
-                let moves = went.linear.length() + (hot.lever + hot.radius) * went.angular.length();
+                let moves =
+                    went.linear.length() + (summaries.lever + summaries.radius) * went.angular.length();
                 aside + swing > margin && moves > 0.5 * least
             });
             if far {
@@ -257,20 +258,20 @@ impl Run<'_, '_> {
         let mut stack = std::mem::take(&mut self.buffers.stack);
         for k in 0..count {
             let c = self.on.bodies.colliders[body].as_slice()[k];
-            if self.on.colliders.hot[c as usize].is_sensor() {
+            if self.on.colliders.summaries[c as usize].is_sensor() {
                 continue;
             }
             let bounds = self.view().bounds(c, &way, since);
             near.clear();
-            let (room, shed) = (&mut self.room, &mut self.impacts.shed);
-            self.on.broad.in_box(&mut stack, Whom::All, &bounds, |other| {
-                *shed += u32::from(!room.push(&mut near, other));
+            let (allowance, shed) = (&mut self.allowance, &mut self.impacts.shed);
+            self.on.broad.in_box(&mut stack, SearchSet::All, &bounds, |other| {
+                *shed += u32::from(!allowance.push(&mut near, other));
             });
             // In an order that does not hang on the shape of a tree.
             near.sort_unstable();
             for &other in &near {
                 // Those that were sent another way are not where the tree has them.
-                let of = self.on.colliders.hot[other as usize].body as usize;
+                let of = self.on.colliders.summaries[other as usize].body as usize;
                 if self.buffers.track_of.get(of).is_none_or(|&track| track == NONE) {
                     self.try_pair(c, other, since);
                 }
@@ -293,7 +294,7 @@ impl Run<'_, '_> {
         if !view.may_strike(one, other) {
             return;
         }
-        let key = |c: u32| (view.on.colliders.hot[c as usize].kind, c);
+        let key = |c: u32| (view.on.colliders.summaries[c as usize].kind, c);
         let (a, b) = if key(one) <= key(other) { (one, other) } else { (other, one) };
         let touch = view.touch(a, b, since);
         let turns = [a, b].map(|c| view.turns(c));
@@ -303,7 +304,7 @@ impl Run<'_, '_> {
     }
 
     fn push(&mut self, hit: Hit) {
-        if !self.buffers.queue.push(hit, &mut self.room) {
+        if !self.buffers.queue.push(hit, &mut self.allowance) {
             self.impacts.shed += 1;
         }
     }
@@ -332,19 +333,20 @@ impl View<'_> {
     }
 
     fn is_tracked(&self, pair: &Pair) -> bool {
-        let of = |c: u32| self.on.colliders.hot[c as usize].body as usize;
+        let of = |c: u32| self.on.colliders.summaries[c as usize].body as usize;
         self.track_of(of(pair.a)).is_some() || self.track_of(of(pair.b)).is_some()
     }
 
     /// How often the body of a collider was sent another way.
     fn turns(&self, collider: u32) -> u32 {
-        self.track_of(self.on.colliders.hot[collider as usize].body as usize).map_or(0, |track| track.turns)
+        self.track_of(self.on.colliders.summaries[collider as usize].body as usize)
+            .map_or(0, |track| track.turns)
     }
 
     /// Whether an impact of two colliders would be met.
     fn may_strike(&self, a: u32, b: u32) -> bool {
         let Solved { bodies, colliders, joints, settings, vetoed, .. } = self.on;
-        let [x, y] = [a, b].map(|c| &colliders.hot[c as usize]);
+        let [x, y] = [a, b].map(|c| &colliders.summaries[c as usize]);
         let (i, k) = (x.body as usize, y.body as usize);
         let dynamic = bodies.dynamic();
         let filter = |c: u32| &colliders.all[c as usize].filter;

@@ -1,7 +1,7 @@
 //! Touches in the order of their times.
 
 use super::first_touch::Touch;
-use crate::memory::Room;
+use crate::memory::Allowance;
 
 /// Two colliders that touch if both go on as they do.
 #[derive(Clone, Copy, Debug)]
@@ -31,9 +31,9 @@ impl Queue {
     }
 
     /// Adds a touch; says whether there was room.
-    pub(super) fn push(&mut self, hit: Hit, room: &mut Room) -> bool {
+    pub(super) fn push(&mut self, hit: Hit, allowance: &mut Allowance) -> bool {
         let all = &mut self.0;
-        if !room.push(all, hit) {
+        if !allowance.push(all, hit) {
             return false;
         }
         let mut place = all.len() - 1;
@@ -84,7 +84,7 @@ mod tests {
             let time = (seed >> 28) as f32 / 16.0;
             assert!(queue.push(
                 Hit { touch: Touch { time, ..Touch::NEVER }, a: i % 7, b: i, turns: [0; 2] },
-                &mut Room::default()
+                &mut Allowance::default()
             ));
         }
         let mut last = (0, 0, 0);
@@ -99,6 +99,6 @@ mod tests {
     #[test]
     fn without_room_nothing_is_added() {
         let hit = Hit { touch: Touch::NEVER, a: 0, b: 1, turns: [0; 2] };
-        assert!(!Queue::default().push(hit, &mut Room::new(8)));
+        assert!(!Queue::default().push(hit, &mut Allowance::new(8)));
     }
 }

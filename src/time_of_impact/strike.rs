@@ -20,7 +20,7 @@ impl Run<'_, '_> {
         if [hit.a, hit.b].map(|c| view.turns(c)) != hit.turns {
             return;
         }
-        let of = |c: u32| self.on.colliders.hot[c as usize].body as usize;
+        let of = |c: u32| self.on.colliders.summaries[c as usize].body as usize;
         let (i, k) = (of(hit.a), of(hit.b));
         let dynamic = self.on.bodies.dynamic();
         let tracks = [i, k].map(|body| (body < self.on.bodies.movers()).then(|| self.track(body)));
@@ -149,14 +149,14 @@ impl Run<'_, '_> {
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
         manifolds.clear();
         if matches!(b.kind, Kind::Mesh | Kind::HeightField) {
-            mesh.room = self.room;
+            mesh.allowance = self.allowance;
             mesh.nearby.forget();
             collide_mesh(a, b, &rel, Reach::new(margin), mesh, manifolds);
-            self.room = mesh.room;
-            mesh.room = crate::memory::Room::ENDLESS;
+            self.allowance = mesh.allowance;
+            mesh.allowance = crate::memory::Allowance::ENDLESS;
         } else {
             let raw: RawManifold = collide_convex(a, b, &rel, margin);
-            self.room.push(manifolds, raw);
+            self.allowance.push(manifolds, raw);
         }
         let mut points = [Point::default(); impulse::MOST];
         let mut count = 0;

@@ -6,9 +6,9 @@ use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
-use crate::joint::More;
+use crate::joint::JointAdditions;
 use crate::lanes::Record;
-use crate::memory::{Amounts, Budget, Buffer, Category, MemoryReport, Room, Rooms, bytes_of};
+use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
 use crate::shape::{Kind, ShapeDesc};
 
 /// How many there are, or will be, of what has an entry in buffers that a step can't do without.
@@ -47,7 +47,7 @@ impl World {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
         report.add(Category::Shapes, bytes_of(&self.colliders.all));
-        report.add(Category::Shapes, bytes_of(&self.colliders.hot));
+        report.add(Category::Shapes, bytes_of(&self.colliders.summaries));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
         report.add(Category::Shapes, bytes_of(&self.assets.list));
@@ -75,26 +75,26 @@ impl World {
     }
 
     /// What may still be reserved.
-    pub(crate) fn rooms(&self) -> Rooms {
+    pub(crate) fn allowances(&self) -> Allowances {
         self.rooms_of(&self.settings.budget)
     }
 
     /// What another budget leaves.
-    fn rooms_of(&self, budget: &Budget) -> Rooms {
+    fn rooms_of(&self, budget: &Budget) -> Allowances {
         self.rooms_without(budget, &Amounts::default())
     }
 
     /// The same once so much is gone.
-    pub(super) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Rooms {
+    pub(super) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
         if budget.is_none() {
-            return Rooms::ENDLESS;
+            return Allowances::ENDLESS;
         }
         let whole = self.buffers_by_category();
         let mut held = self.memory();
         // What continuous collision has of their buffers may be theirs in the next step.
         held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
         held.drop(gone);
-        Rooms::new(budget, &held, whole.total() - gone.total())
+        Allowances::new(budget, &held, whole.total() - gone.total())
     }
 
     /// Whether so many bytes may be reserved.
@@ -104,37 +104,37 @@ impl World {
     pub(crate) fn grant(&self, category: Category, bytes: usize) -> Result<(), Error> {
         let mut asked = Amounts::default();
         asked.add(category, bytes);
-        check(&asked, &self.rooms())
+        check(&asked, &self.allowances())
     }
 
     /// What may still be reserved of one category.
-    pub(crate) fn room(&self, category: Category) -> Room {
-        self.rooms().room(category)
+    pub(crate) fn allowance(&self, category: Category) -> Allowance {
+        self.allowances().allowance(category)
     }
 
     /// What contacts that only continuous collision makes, and their rows, may take in a step: all that is left of its limit,
     /// and what it had for them before.
-    pub(crate) fn room_ahead(&self, rooms: &Rooms) -> usize {
+    pub(crate) fn room_ahead(&self, allowances: &Allowances) -> usize {
         if self.settings.budget.limit_of(Category::Continuous).is_none() {
             return usize::MAX;
         }
         let held = |report: MemoryReport| report.category(Category::Continuous).reserved;
-        rooms.own(Category::Continuous) + held(self.memory()) - held(self.buffers_by_category())
+        allowances.own(Category::Continuous) + held(self.memory()) - held(self.buffers_by_category())
     }
 
     /// What events may still reserve, from here on.
-    pub(crate) fn grant_events(&mut self) {
-        self.events.room = self.room(Category::Events);
+    pub(crate) fn refresh_event_allowance(&mut self) {
+        self.events.allowance = self.allowance(Category::Events);
     }
 
     /// Makes place for bodies in all that has an entry for each, including what their steps can't do without, so that
     /// only pairs and contacts are left for a step to do without.
-    pub(super) fn make_place(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
+    pub(super) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
         let more = self.counts_of(descs);
-        self.make_place_for(more, descs.len() == 1)
+        self.reserve_for(more, descs.len() == 1)
     }
 
     /// What bodies bring.
@@ -155,7 +155,7 @@ impl World {
     }
 
     /// The same for a further shape of a body that has some.
-    pub(super) fn make_place_for_shape(
+    pub(super) fn reserve_for_shape(
         &mut self,
         kind: BodyKind,
         shape: &ShapeDesc,
@@ -168,25 +168,25 @@ impl World {
         let mut more = Counts { once, assets, ..Counts::default() };
         more.once.add(Category::Bodies, list_bytes(has, has + 1));
         more.add_shape(kind, shape);
-        self.make_place_for(more, true)
+        self.reserve_for(more, true)
     }
 
     /// Makes place for the order of contacts of raised bodies.
-    pub(super) fn make_place_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+    pub(super) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        self.make_place_for(Counts { raised, ..Counts::default() }, false)
+        self.reserve_for(Counts { raised, ..Counts::default() }, false)
     }
 
     /// Makes the column of forces, which exists only once one was applied.
-    pub(super) fn make_place_for_forces(&mut self) -> Result<(), Error> {
+    pub(super) fn reserve_for_forces(&mut self) -> Result<(), Error> {
         let (column, bodies) = (&self.bodies.force, self.bodies.len());
         if column.is_empty() {
             let mut asked = Amounts::default();
             asked.add(Category::Bodies, column.missing(bodies));
-            check(&asked, &self.rooms())?;
-            self.bodies.force.widen(bodies);
+            check(&asked, &self.allowances())?;
+            self.bodies.force.reserve_total(bodies);
             self.bodies.force.resize(bodies, Record::default());
         }
         Ok(())
@@ -196,7 +196,7 @@ impl World {
     ///
     /// # Errors
     /// If their budget does not allow it.
-    pub(super) fn make_place_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
+    pub(super) fn reserve_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         let now = self.counts(Counts::default());
         let counts = Counts {
             rests: settings.sleeping && !now.rests,
@@ -209,12 +209,12 @@ impl World {
         let mut asked = Amounts::default();
         self.each_of_switched(counts, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         check(&asked, &self.rooms_of(&settings.budget))?;
-        self.each_of_switched(counts, &mut |_, buffer, len| buffer.widen(len));
+        self.each_of_switched(counts, &mut |_, buffer, len| buffer.reserve_total(len));
         Ok(())
     }
 
     /// Makes place for a body that takes part again.
-    pub(super) fn make_place_for_enabled(&mut self, index: usize) -> Result<(), Error> {
+    pub(super) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -225,30 +225,30 @@ impl World {
         }
         // They have their slots.
         more.colliders.slots = 0;
-        self.make_place_for(more, false)
+        self.reserve_for(more, false)
     }
 
     /// Makes place for what is there, whether or not the budget allows it: without it there is no step.
-    pub(crate) fn make_place_for_step(&mut self) {
+    pub(crate) fn reserve_for_step(&mut self) {
         if !self.settings.budget.is_none() {
             let counts = self.counts(Counts::default());
-            self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
+            self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
         }
     }
 
     /// `ahead`: and for others.
-    fn make_place_for(&mut self, more: Counts, ahead: bool) -> Result<(), Error> {
-        let rooms = self.rooms();
+    fn reserve_for(&mut self, more: Counts, ahead: bool) -> Result<(), Error> {
+        let allowances = self.allowances();
         let mut counts = self.counts(more);
         // Place for a quarter more while that takes a small part of what is left, so that bodies added one by one are
         // not all moved each time.
         let wider = counts.with_more(4);
-        if ahead && rooms.part(AHEAD).fits(&self.lacking(wider)) {
+        if ahead && allowances.part(AHEAD).fits(&self.lacking(wider)) {
             counts = wider;
         } else {
-            check(&self.lacking(counts), &rooms)?;
+            check(&self.lacking(counts), &allowances)?;
         }
-        self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
+        self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
         Ok(())
     }
 
@@ -272,26 +272,26 @@ impl World {
 
     /// Makes place for joints, and ahead for others: in their columns, in the batches of steps, and in what steps keep of each body that may be
     /// joined.
-    pub(super) fn make_place_for_joints(&mut self, more: More, ahead: bool) -> Result<(), Error> {
+    pub(super) fn reserve_for_joints(&mut self, more: JointAdditions, ahead: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
         let counts = self.counts(Counts { joined: true, ..Counts::default() });
         let further = if ahead { self.joints.ahead(more) } else { more };
-        let (rooms, of_bodies) = (self.rooms(), self.lacking(counts));
-        let mut asked = |more: More| {
+        let (allowances, of_bodies) = (self.allowances(), self.lacking(counts));
+        let mut asked = |more: JointAdditions| {
             let mut asked = of_bodies;
             asked.add(Category::Joints, self.joints.missing(more, WIDEST_JOINT_BATCH));
             asked
         };
         // So that joints added one by one are not all moved each time.
         let (wider, exact) = (asked(further), asked(more));
-        let far = rooms.part(AHEAD).fits(&wider);
+        let far = allowances.part(AHEAD).fits(&wider);
         if !far {
-            check(&exact, &rooms)?;
+            check(&exact, &allowances)?;
         }
-        self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
-        self.joints.widen(if far { further } else { more });
+        self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
+        self.joints.reserve_total(if far { further } else { more });
         Ok(())
     }
 
@@ -326,7 +326,7 @@ impl World {
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         let colliders = &mut self.colliders;
         f(Shapes, &mut colliders.all, n.colliders.slots);
-        f(Shapes, &mut colliders.hot, n.colliders.slots);
+        f(Shapes, &mut colliders.summaries, n.colliders.slots);
         f(Shapes, &mut colliders.poses, n.colliders.slots);
         colliders.slots.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
@@ -372,14 +372,16 @@ impl World {
 const AHEAD: usize = 8;
 
 /// Whether so much fits; says what is short if it doesn't.
-pub(super) fn check(asked: &Amounts, rooms: &Rooms) -> Result<(), Error> {
-    if rooms.fits(asked) {
+pub(super) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
+    if allowances.fits(asked) {
         return Ok(());
     }
-    let short = |&category: &Category| asked.of(category) > rooms.own(category);
+    let short = |&category: &Category| asked.of(category) > allowances.own(category);
     Err(match Category::ALL.into_iter().find(short) {
-        Some(category) => Error::Budget { category, asked: asked.of(category), left: rooms.own(category) },
-        None => Error::Budget { category: asked.largest(), asked: asked.total(), left: rooms.whole() },
+        Some(category) => {
+            Error::Budget { category, asked: asked.of(category), left: allowances.own(category) }
+        }
+        None => Error::Budget { category: asked.largest(), asked: asked.total(), left: allowances.whole() },
     })
 }
 

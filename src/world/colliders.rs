@@ -9,15 +9,15 @@ use glam::{DVec3, Quat, Vec3};
 
 impl World {
     pub(super) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
-        let cold = &self.bodies.cold[body];
-        let to_axes = cold.axes.conjugate();
+        let details = &self.bodies.details[body];
+        let to_axes = details.axes.conjugate();
         let geometry = &shape.geometry;
         let collider = Collider {
             kind: Kind::of(geometry),
             body: body as u32,
             place: self.bodies.colliders[body].as_slice().len() as u32,
             size: geometry.size(),
-            position: to_axes * (shape.position - cold.centre),
+            position: to_axes * (shape.position - details.centre),
             rotation: (to_axes * shape.rotation.normalize()).normalize(),
             radius: geometry.radius(),
             inner_radius: geometry.inner_radius(),
@@ -35,12 +35,12 @@ impl World {
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
             self.colliders.reserve(1);
-            self.colliders.hot.push(collider.hot(mode));
+            self.colliders.summaries.push(collider.summaries(mode));
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
         } else {
             self.colliders.slots.moved(slot, slot);
-            self.colliders.hot[slot as usize] = collider.hot(mode);
+            self.colliders.summaries[slot as usize] = collider.summaries(mode);
             self.colliders.all[slot as usize] = collider;
         }
         self.bodies.attach(body, slot);
@@ -81,8 +81,8 @@ impl World {
         let shapes = &mut self.colliders;
         self.assets.list.clear();
         self.needs = Needs::default();
-        shapes.hot.clear();
-        shapes.hot.resize(slots, nothing.hot(Continuous::Discrete));
+        shapes.summaries.clear();
+        shapes.summaries.resize(slots, nothing.summaries(Continuous::Discrete));
         shapes.all.clear();
         shapes.all.resize(slots, nothing);
         shapes.poses.clear();
@@ -95,7 +95,7 @@ impl World {
         let mode = self.bodies.mode(collider.body as usize);
         self.assets.add(&collider.geometry);
         self.needs.count(collider, 1);
-        self.colliders.hot[slot as usize] = collider.hot(mode);
+        self.colliders.summaries[slot as usize] = collider.summaries(mode);
         self.colliders.all[slot as usize].clone_from(collider);
         self.colliders.poses[slot as usize] = pose;
     }
@@ -124,7 +124,7 @@ impl World {
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
         if !self.removed.is_empty() {
-            self.grant_events();
+            self.refresh_event_allowance();
         }
         for place in 0..self.removed.len() {
             let pair = self.removed[place];

@@ -55,9 +55,9 @@ impl World {
 
     /// Nobody listens to a shape any more: unless the other's listen, it is not known whom it touches.
     pub(crate) fn forget_touches(&mut self, collider: u32) {
-        let hot = &self.colliders.hot;
+        let summaries = &self.colliders.summaries;
         for pair in self.broad.pairs.iter_mut().filter(|pair| pair.a == collider || pair.b == collider) {
-            let [a, b] = [pair.a, pair.b].map(|c| &hot[c as usize]);
+            let [a, b] = [pair.a, pair.b].map(|c| &summaries[c as usize]);
             pair.touching &= a.has_events() || b.has_events() || a.is_sensor() || b.is_sensor();
         }
     }
@@ -68,39 +68,39 @@ impl World {
     }
 
     /// Makes place for the impulses of contacts, if anyone listens.
-    pub(crate) fn listen(&mut self) {
+    pub(crate) fn reserve_impulses(&mut self) {
         let wanted = if self.needs.events > 0 { self.contacts.all.len() } else { 0 };
         self.events.impulses.clear();
         if wanted > 0 {
-            self.grant_events();
+            self.refresh_event_allowance();
         }
-        self.events.listen(wanted);
+        self.events.reserve_impulses(wanted);
     }
 
     /// Compares who touches with who did, and measures impacts.
-    pub(crate) fn hear_contacts(&mut self) {
+    pub(crate) fn record_contact_events(&mut self) {
         if self.needs.events == 0 {
             return;
         }
-        self.grant_events();
+        self.refresh_event_allowance();
         let World { bodies, colliders, buffers, contacts, settings, broad, events, .. } = self;
         let start = StartOfStep { bodies, colliders, forces: &buffers.forces, dt: buffers.dt };
-        Touching { start, contacts, settings }.hear(&mut broad.pairs, events);
+        Touching { start, contacts, settings }.record(&mut broad.pairs, events);
     }
 
     /// Who came into sensors and who left them in this step.
-    pub(crate) fn hear_sensors(&mut self) {
+    pub(crate) fn record_sensor_events(&mut self) {
         if self.needs.sensors == 0 {
             return;
         }
-        self.grant_events();
+        self.refresh_event_allowance();
         let World { bodies, colliders, settings, broad, events, .. } = self;
-        Sensing { bodies, colliders, settings }.hear(&mut broad.pairs, events);
+        Sensing { bodies, colliders, settings }.record(&mut broad.pairs, events);
     }
 
     /// What was heard in the step, in its order.
     pub(crate) fn sort_events(&mut self) {
-        self.grant_events();
+        self.refresh_event_allowance();
         self.events.finish(self.settings.event_capacity as usize);
     }
 

@@ -5,7 +5,7 @@ use crate::constraint::Prepared;
 use crate::faults::{ATTEMPTS, culprits, pulled};
 use crate::forces::predict;
 use crate::handle::BodyHandle;
-use crate::threads::Crew;
+use crate::threads::Workers;
 
 impl World {
     /// Bodies that the last step stopped, because their new place or velocity was no number or out of range. Each is where it
@@ -15,23 +15,23 @@ impl World {
     }
 
     /// Predicts motions. Whose forces alone make them no numbers stands still from here on.
-    pub(crate) fn predict(&mut self, crew: &Crew<'_>, dt: f32) {
-        if self.predict_all(crew, dt) {
+    pub(crate) fn predict(&mut self, workers: &Workers<'_>, dt: f32) {
+        if self.predict_all(workers, dt) {
             let slots = pulled(&self.bodies, &self.buffers.forces, dt);
             self.freeze(&slots);
-            self.predict_all(crew, dt);
+            self.predict_all(workers, dt);
         }
     }
 
-    fn predict_all(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
-        predict(crew, &mut self.bodies, self.settings.gravity, &mut self.buffers.forces, dt)
+    fn predict_all(&mut self, workers: &Workers<'_>, dt: f32) -> bool {
+        predict(workers, &mut self.bodies, self.settings.gravity, &mut self.buffers.forces, dt)
     }
 
     /// Prepares and solves once more without those whose motion is no number. `prepared`: what came of it with them.
     #[cold]
     pub(crate) fn solve_without_faults(
         &mut self,
-        crew: &Crew<'_>,
+        workers: &Workers<'_>,
         dt: f32,
         mut prepared: Prepared,
     ) -> Prepared {
@@ -47,10 +47,10 @@ impl World {
                 .copy_from_slice(&self.buffers.forces.start);
             self.freeze(&slots);
             self.forget_impulses();
-            self.predict_all(crew, dt);
-            self.listen();
-            prepared = self.prepare(crew, dt);
-            if !self.solve(crew, dt) {
+            self.predict_all(workers, dt);
+            self.reserve_impulses();
+            prepared = self.prepare(workers, dt);
+            if !self.solve(workers, dt) {
                 break;
             }
         }
@@ -73,8 +73,8 @@ impl World {
     /// Where impulses are no numbers, or are of a body that stands still, nothing is warm-started with them.
     pub(crate) fn forget_impulses(&mut self) {
         let frozen = self.faults.frozen(&self.bodies);
-        let hot = &self.colliders.hot;
-        let stands = |c: u32| frozen.contains(&hot[c as usize].body);
+        let summaries = &self.colliders.summaries;
+        let stands = |c: u32| frozen.contains(&summaries[c as usize].body);
         self.contacts.for_each_of(&self.broad.pairs, |pair, contact| {
             let stands = !frozen.is_empty() && (stands(pair.a) || stands(pair.b));
             if stands || !contact.has_sound_loads() {

@@ -150,7 +150,7 @@ impl ContactHook<'_> {
     }
 
     fn indices(&self) -> [usize; 2] {
-        [self.contact.a, self.contact.b].map(|c| self.world.colliders.hot[c as usize].body as usize)
+        [self.contact.a, self.contact.b].map(|c| self.world.colliders.summaries[c as usize].body as usize)
     }
 }
 
@@ -162,17 +162,20 @@ impl World {
             self.events.tweaks.clear();
             return;
         }
-        self.grant_events();
+        self.refresh_event_allowance();
         let mut tweaks = std::mem::take(&mut self.events.tweaks);
         let mut vetoed = std::mem::take(&mut self.events.vetoed);
         tweaks.clear();
-        let granted = self.events.room.fit(&mut tweaks, self.contacts.all.len());
+        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.all.len());
         tweaks.resize(granted, Tweak::NONE);
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
-            let asks = |c: u32| self.colliders.hot[c as usize].has_hooks();
+            let asks = |c: u32| self.colliders.summaries[c as usize].has_hooks();
             let asked = asks(pair.a) || asks(pair.b);
-            if pair.contact == NONE || !asked || pair.is_idle(&self.colliders.hot, self.bodies.dynamic()) {
+            if pair.contact == NONE
+                || !asked
+                || pair.is_idle(&self.colliders.summaries, self.bodies.dynamic())
+            {
                 continue;
             }
             let (mut slot, mut passes) = (pair.contact, false);
@@ -184,7 +187,7 @@ impl World {
                     let (tweak, vetoed) = (hook.tweak, hook.vetoed);
                     #[cfg(feature = "replay")]
                     if let Some(recorder) = &mut self.recorder {
-                        recorder.hear(tweak, vetoed);
+                        recorder.record(tweak, vetoed);
                     }
                     passes |= vetoed;
                     match tweaks.get_mut(slot as usize) {
@@ -197,7 +200,7 @@ impl World {
             }
             // The guard has to know of it, or it would hold what is let through.
             let listed =
-                passes && self.events.room.push(&mut vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
+                passes && self.events.allowance.push(&mut vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
             self.events.lost += u32::from(passes && !listed);
             if listed {
                 let mut slot = pair.contact;

@@ -1,11 +1,11 @@
 //! Joints of the world: add, remove, change, look up.
 
 use super::{Change, World};
-use crate::body::{BodyKind, Cold};
+use crate::body::{BodyDetails, BodyKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Drive, Frame, JointDesc, Limit, More};
+use crate::joint::{Drive, Frame, JointAdditions, JointDesc, Limit};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
@@ -16,7 +16,7 @@ impl World {
     /// does not allow it.
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         self.check_joint(desc)?;
-        self.make_place_for_joints(More::of_joint(desc), true)?;
+        self.reserve_for_joints(JointAdditions::of_joint(desc), true)?;
         self.note(Change::AddJoint(desc));
         Ok(self.insert_joint(desc))
     }
@@ -30,10 +30,11 @@ impl World {
             return Ok(Vec::new());
         }
         descs.iter().try_for_each(|desc| self.check_joint(desc))?;
-        let more = descs.iter().map(More::of_joint).fold(More::default(), More::and);
-        self.make_place_for_joints(more, false)?;
+        let more =
+            descs.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
+        self.reserve_for_joints(more, false)?;
         self.note(Change::AddJoints(descs));
-        self.joints.widen(more);
+        self.joints.reserve_total(more);
         Ok(descs.iter().map(|desc| self.insert_joint(desc)).collect())
     }
 
@@ -50,10 +51,10 @@ impl World {
         self.wake_joined(desc.bodies.map(|body| body.slot));
         let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
-            let (cold, frame) = (&self.bodies.cold[bodies[side]], &desc.frames[side]);
+            let (details, frame) = (&self.bodies.details[bodies[side]], &desc.frames[side]);
             Frame {
-                position: cold.axes.conjugate() * (frame.position - cold.centre),
-                rotation: (cold.axes.conjugate() * frame.rotation.normalize()).normalize(),
+                position: details.axes.conjugate() * (frame.position - details.centre),
+                rotation: (details.axes.conjugate() * frame.rotation.normalize()).normalize(),
             }
         });
         self.revisions.moving += 1;
@@ -103,7 +104,7 @@ impl World {
         let slot = self.joint(joint)?;
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
-        self.make_place_for_joints(More::of(limits, drives), true)?;
+        self.reserve_for_joints(JointAdditions::of(limits, drives), true)?;
         self.note(Change::SetJoint(joint, limits, drives));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
@@ -225,8 +226,8 @@ impl World {
     }
 
     /// Joints stay where they are when a body's centre of mass and axes change.
-    pub(super) fn recentre_joints(&mut self, index: usize, old: &Cold) {
-        let (slot, new) = (self.bodies.slot[index], self.bodies.cold[index]);
+    pub(super) fn recentre_joints(&mut self, index: usize, old: &BodyDetails) {
+        let (slot, new) = (self.bodies.slot[index], self.bodies.details[index]);
         let own: Vec<u32> = self.joints.of_body(slot).collect();
         for joint in own {
             let joint = &mut self.joints.all[joint as usize];

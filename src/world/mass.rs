@@ -1,7 +1,7 @@
 //! Mass of the world's bodies: given, or that of their shapes.
 
 use super::{Change, World};
-use crate::body::{BodyKind, Cold, Mass, Pose};
+use crate::body::{BodyDetails, BodyKind, Mass, Pose};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::shape::{MassProperties, ShapeDesc};
@@ -13,7 +13,7 @@ impl World {
     /// # Errors
     /// If the handle is stale.
     pub fn mass(&self, body: BodyHandle) -> Result<f32, Error> {
-        Ok(self.bodies.cold[self.index(body)?].mass)
+        Ok(self.bodies.details[self.index(body)?].mass)
     }
 
     /// Replaces the mass of a body; from now on it does not follow from the shapes.
@@ -27,7 +27,7 @@ impl World {
         self.note(Change::SetMass(body, mass));
         let index = self.wake_body(index);
         self.revise(index);
-        self.bodies.cold[index].mass_from_shapes = false;
+        self.bodies.details[index].mass_from_shapes = false;
         self.replace_mass(index, &mass);
         Ok(())
     }
@@ -39,26 +39,28 @@ impl World {
 
     /// Mass of each shape of a body, in the body's axes.
     pub(super) fn parts_of(&self, index: usize) -> impl Iterator<Item = MassProperties> + '_ {
-        let cold = self.bodies.cold[index];
+        let details = self.bodies.details[index];
         self.bodies.colliders[index].as_slice().iter().map(move |&c| {
             let c = &self.colliders.all[c as usize];
-            let (position, rotation) = (cold.centre + cold.axes * c.position, cold.axes * c.rotation);
+            let (position, rotation) =
+                (details.centre + details.axes * c.position, details.axes * c.rotation);
             MassProperties::of(&c.geometry, c.density).transformed(position, rotation)
         })
     }
 
     /// Moves the centre of mass and the principal axes under the colliders, which stay where they are.
     pub(super) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
-        let old = self.bodies.cold[index];
-        let (cold, columns) = columns_of(mass, self.bodies.kind[index], old.user_data, old.mass_from_shapes);
+        let old = self.bodies.details[index];
+        let (details, columns) =
+            columns_of(mass, self.bodies.kind[index], old.user_data, old.mass_from_shapes);
         let pose = self.bodies.pose[index];
         let body = pose.rotation * old.axes.conjugate();
-        let shift = body * (cold.centre - old.centre);
+        let shift = body * (details.centre - old.centre);
         self.bodies.pose[index] =
-            Pose { position: pose.position + shift.as_dvec3(), rotation: (body * cold.axes).normalize() };
+            Pose { position: pose.position + shift.as_dvec3(), rotation: (body * details.axes).normalize() };
         let velocity = &mut self.bodies.velocity[index];
         velocity.linear += velocity.angular.cross(shift);
-        self.bodies.cold[index] = cold;
+        self.bodies.details[index] = details;
         self.bodies.set_mass(index, columns);
         // What can't turn is in no tree.
         let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
@@ -67,12 +69,12 @@ impl World {
         self.note_move(index);
         for &c in self.bodies.colliders[index].as_slice() {
             let c = &mut self.colliders.all[c as usize];
-            c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
-            c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
+            c.position = details.axes.conjugate() * (old.centre + old.axes * c.position - details.centre);
+            c.rotation = (details.axes.conjugate() * old.axes * c.rotation).normalize();
         }
         for &c in self.bodies.colliders[index].as_slice() {
-            let hot = &mut self.colliders.hot[c as usize];
-            *hot = self.colliders.all[c as usize].hot(hot.mode);
+            let summaries = &mut self.colliders.summaries[c as usize];
+            *summaries = self.colliders.all[c as usize].summaries(summaries.mode);
         }
     }
 }
@@ -105,7 +107,7 @@ pub(super) fn columns_of(
     kind: BodyKind,
     user_data: u64,
     mass_from_shapes: bool,
-) -> (Cold, Mass) {
+) -> (BodyDetails, Mass) {
     // Rounding must not turn the axes of a body that is aligned with them already.
     let (m, tiny) =
         (mass.inertia, 1e-6 * mass.inertia.x_axis.x.max(mass.inertia.y_axis.y).max(mass.inertia.z_axis.z));
@@ -116,10 +118,10 @@ pub(super) fn columns_of(
         mass.principal()
     };
     let over = |x: f32| if x > 0.0 && x.is_finite() { 1.0 / x } else { 0.0 };
-    let cold = Cold { centre: mass.center, axes, mass: mass.mass, mass_from_shapes, user_data };
+    let details = BodyDetails { centre: mass.center, axes, mass: mass.mass, mass_from_shapes, user_data };
     if kind != BodyKind::Dynamic {
-        return (Cold { mass: 0.0, ..cold }, Mass::default());
+        return (BodyDetails { mass: 0.0, ..details }, Mass::default());
     }
     let inverse_inertia = Vec3::new(over(moments.x), over(moments.y), over(moments.z));
-    (cold, Mass { inverse: over(mass.mass), inertia: moments, inverse_inertia })
+    (details, Mass { inverse: over(mass.mass), inertia: moments, inverse_inertia })
 }

@@ -17,9 +17,9 @@ impl World {
     /// If the handle is stale.
     pub fn position(&self, body: BodyHandle) -> Result<DVec3, Error> {
         let index = self.index(body)?;
-        let (pose, cold) = (&self.bodies.pose[index], &self.bodies.cold[index]);
-        let turn = pose.rotation * cold.axes.conjugate();
-        Ok(pose.position - (turn * cold.centre).as_dvec3())
+        let (pose, details) = (&self.bodies.pose[index], &self.bodies.details[index]);
+        let turn = pose.rotation * details.axes.conjugate();
+        Ok(pose.position - (turn * details.centre).as_dvec3())
     }
 
     /// Where a body's origin is, relative to [`World::origin`] [m].
@@ -36,7 +36,7 @@ impl World {
     /// If the handle is stale.
     pub fn rotation(&self, body: BodyHandle) -> Result<Quat, Error> {
         let index = self.index(body)?;
-        Ok(self.bodies.pose[index].rotation * self.bodies.cold[index].axes.conjugate())
+        Ok(self.bodies.pose[index].rotation * self.bodies.details[index].axes.conjugate())
     }
 
     /// Where a body's centre of mass is in the world [m].
@@ -75,10 +75,10 @@ impl World {
         self.note(Change::SetPose(body, position, rotation));
         let rotation = unit;
         let index = self.disturb(index);
-        let cold = &self.bodies.cold[index];
+        let details = &self.bodies.details[index];
         self.bodies.pose[index] = Pose {
-            position: position + (rotation * cold.centre).as_dvec3(),
-            rotation: (rotation * cold.axes).normalize(),
+            position: position + (rotation * details.centre).as_dvec3(),
+            rotation: (rotation * details.axes).normalize(),
         };
         self.place_colliders(index);
         self.note_move(index);
@@ -126,10 +126,10 @@ impl World {
         limits::position(position)?;
         let rotation = unit_quat("rotation", rotation)?;
         limits::step(dt)?;
-        let (pose, cold) = (&self.bodies.pose[index], &self.bodies.cold[index]);
-        let target = position + (rotation * cold.centre).as_dvec3();
+        let (pose, details) = (&self.bodies.pose[index], &self.bodies.details[index]);
+        let target = position + (rotation * details.centre).as_dvec3();
         let linear = ((target - pose.position) / f64::from(dt)).as_vec3();
-        let mut turn = rotation * cold.axes * pose.rotation.conjugate();
+        let mut turn = rotation * details.axes * pose.rotation.conjugate();
         if turn.w < 0.0 {
             turn = -turn;
         }
@@ -151,7 +151,7 @@ impl World {
         let sum = self.bodies.force.get(index).copied().unwrap_or_default();
         limits::force("sum of forces", sum.linear + force)?;
         limits::force("sum of torques", sum.angular + torque)?;
-        self.make_place_for_forces()?;
+        self.reserve_for_forces()?;
         self.note(Change::AddForce(body, force, torque));
         let index = self.wake_body(index);
         self.bodies.note_push();

@@ -92,7 +92,7 @@ impl World {
 
     /// At the end of a step that needed `now`: gives back what only earlier ones needed. With a budget place that was made
     /// stays, so that what comes to need it again is never refused.
-    pub(crate) fn give_back(&mut self, now: Demand) {
+    pub(crate) fn release(&mut self, now: Demand) {
         if !self.settings.budget.is_none() {
             self.last_demand.0 |= now.0;
             return;
@@ -100,34 +100,34 @@ impl World {
         let gone = self.last_demand.0 & !now.0;
         self.last_demand = now;
         if gone != 0 {
-            self.give_back_all(gone);
+            self.release_all(gone);
         }
     }
 
     #[cold]
-    fn give_back_all(&mut self, gone: u8) {
+    fn release_all(&mut self, gone: u8) {
         let buffers = &mut self.buffers;
         if gone & Demand::RESTITUTION != 0 {
             buffers.restitution = Default::default();
         }
         if gone & Demand::LISTENING != 0 {
-            self.events.give_back();
+            self.events.release();
         }
         if gone & Demand::HOOKS != 0 {
             (self.events.tweaks, self.events.vetoed) = Default::default();
             buffers.rows.surfaces = Vec::new();
         }
         if gone & Demand::JOINTS != 0 {
-            self.joints.give_back();
-            buffers.joints.give_back();
+            self.joints.release();
+            buffers.joints.release();
             buffers.rows.tree_contacts = Vec::new();
             buffers.finish.part_trees();
             self.revisions.moving += 1;
         }
         if gone & Demand::CONTINUOUS != 0 {
-            buffers.finish.give_back();
+            buffers.finish.release();
             buffers.prepare.forget_ahead();
-            self.broad.give_back_paths();
+            self.broad.release_paths();
         }
         if gone & Demand::RAISED != 0 {
             buffers.prepare.lower();

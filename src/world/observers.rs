@@ -56,7 +56,7 @@ pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
     /// A stage of the step is over.
     fn look(&mut self, world: &World, stage: Stage);
     /// What hooks said of the next contact, and whether they vetoed it.
-    fn hear(&mut self, tweak: Tweak, vetoed: bool);
+    fn record(&mut self, tweak: Tweak, vetoed: bool);
     /// The step of `dt` seconds is over.
     fn end_step(&mut self, world: &World, dt: f32);
 }

@@ -5,13 +5,13 @@ use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
 use crate::constraint::JOINT_BYTES;
-use crate::joint::{JointDesc, More};
+use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::FRESH_BYTES;
 
 /// How many there will be at most of what comes and goes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Crowd {
+pub(crate) struct ContentForecast {
     pub(crate) pairs: usize,
     /// Pairs with meshes and height fields.
     pub(crate) of_meshes: usize,
@@ -31,7 +31,7 @@ impl World {
         settings: &Settings,
         bodies: impl IntoIterator<Item = &'a BodyDesc> + Clone,
         joints: &[JointDesc],
-        crowd: &Crowd,
+        crowd: &ContentForecast,
     ) -> Amounts {
         // No body ever comes into it: it only knows how large things are.
         let mut empty = World { settings: settings.clone(), ..World::default() };
@@ -42,7 +42,8 @@ impl World {
         });
         let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
 
-        let more = joints.iter().map(More::of_joint).fold(More::default(), More::and);
+        let more =
+            joints.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
         bytes.add(Category::Joints, empty.joints.missing_columns(more));
         let [lock, row, branch] = JOINT_BYTES;
         let (locks, rows) = more.rows();

@@ -67,7 +67,7 @@ impl World {
     ///
     /// # Errors
     /// If the budget does not allow it.
-    pub(crate) fn make_place_to_restore(&mut self, brings: &Brings<'_>) -> Result<(), Error> {
+    pub(crate) fn reserve_to_restore(&mut self, brings: &Brings<'_>) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -81,8 +81,8 @@ impl World {
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
         check(&asked, &self.rooms_without(&self.settings.budget, &gone))?;
-        self.each_restored(brings, &mut |_, buffer, len| buffer.widen(len));
-        self.broad.widen(brings.pairs);
+        self.each_restored(brings, &mut |_, buffer, len| buffer.reserve_total(len));
+        self.broad.reserve_total(brings.pairs);
         Ok(())
     }
 

@@ -22,13 +22,13 @@ impl World {
             MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
         if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
             movable(&mass)?;
-            if self.bodies.cold[index].mass_from_shapes {
+            if self.bodies.details[index].mass_from_shapes {
                 // Two that are far apart turn harder than each of them.
                 let parts: Vec<MassProperties> = self.parts_of(index).chain([mass]).collect();
                 movable(&MassProperties::combine(&parts))?;
             }
         }
-        self.make_place_for_shape(
+        self.reserve_for_shape(
             self.bodies.kind[index],
             shape,
             self.bodies.colliders[index].as_slice().len(),
@@ -37,7 +37,7 @@ impl World {
         let index = self.disturb(index);
         self.revise(index);
         let collider = self.new_collider(index, shape);
-        if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
+        if self.bodies.details[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
         }
         Ok(self.shape_handle(collider))
@@ -53,7 +53,7 @@ impl World {
         let collider = self.collider(shape)?;
         let index = self.colliders.all[collider as usize].body as usize;
         let from_shapes =
-            self.bodies.cold[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
+            self.bodies.details[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
         let mut mass = None;
         if from_shapes {
             let rest = self.bodies.colliders[index].as_slice().iter().filter(|&&c| c != collider);
@@ -146,7 +146,7 @@ impl World {
         let index = self.collider(shape)? as usize;
         self.note(Change::SetListening(shape, events, hooks));
         let mut body = self.colliders.all[index].body as usize;
-        let stops = !events && self.colliders.hot[index].has_events();
+        let stops = !events && self.colliders.summaries[index].has_events();
         if stops {
             // What it touches is to be in the list.
             body = self.disturb(body);
@@ -156,7 +156,7 @@ impl World {
         collider.flags =
             collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
         self.needs.count(collider, 1);
-        self.colliders.hot[index].flags = collider.flags;
+        self.colliders.summaries[index].flags = collider.flags;
         if stops {
             self.forget_touches(index as u32);
         }
@@ -182,7 +182,7 @@ impl World {
         self.needs.count(collider, -1);
         collider.flags = collider.flags & !SENSOR | if sensor { SENSOR } else { 0 };
         self.needs.count(collider, 1);
-        self.colliders.hot[index as usize].flags = collider.flags;
+        self.colliders.summaries[index as usize].flags = collider.flags;
         self.enter_broad(index);
         Ok(())
     }

@@ -6,9 +6,9 @@ use crate::broad_phase::Aabb;
 use crate::error::Error;
 use crate::events::Events;
 use crate::handle::BodyHandle;
-use crate::memory::{Category, Room};
+use crate::memory::{Allowance, Category};
 use crate::sleep::{Islands, count_rest};
-use crate::threads::Crew;
+use crate::threads::Workers;
 
 impl World {
     /// Whether a body is asleep.
@@ -101,38 +101,38 @@ impl World {
     }
 
     /// Counts how long bodies have been at rest, and puts islands to sleep that have been for long enough.
-    pub(crate) fn rest(&mut self, crew: &Crew<'_>, dt: f32) {
+    pub(crate) fn rest(&mut self, workers: &Workers<'_>, dt: f32) {
         if !self.settings.sleeping {
             return;
         }
-        let tired = count_rest(crew, &mut self.bodies, &self.colliders.hot, &self.settings, dt);
+        let tired = count_rest(workers, &mut self.bodies, &self.colliders.summaries, &self.settings, dt);
         if self.sleep.is_due(tired) {
             self.split_islands().0.find(false);
-            let (time, room) = (self.settings.sleep_time, self.room_to_sleep());
+            let (time, allowance) = (self.settings.sleep_time, self.room_to_sleep());
             let (mut islands, _, events) = self.split_islands();
-            islands.send_tired(time, events, room);
+            islands.send_tired(time, events, allowance);
         }
     }
 
     fn send_island_to_sleep(&mut self, index: u32) {
         self.split_islands().0.find(true);
-        let room = self.room_to_sleep();
+        let allowance = self.room_to_sleep();
         let (mut islands, _, events) = self.split_islands();
-        islands.send(index, events, room);
+        islands.send(index, events, allowance);
     }
 
     /// What pairs of islands that fall asleep may take.
-    fn room_to_sleep(&mut self) -> Room {
+    fn room_to_sleep(&mut self) -> Allowance {
         if self.needs.events > 0 {
-            self.grant_events();
+            self.refresh_event_allowance();
         }
-        self.room(Category::BroadPhase)
+        self.allowance(Category::BroadPhase)
     }
 
     /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
     pub(crate) fn islands(&self) -> Vec<u32> {
         let World { bodies, colliders, broad, contacts, joints, sleep, settings, .. } = self;
-        sleep.numbers((bodies, &colliders.hot), &broad.pairs, contacts, joints, settings.length_unit)
+        sleep.numbers((bodies, &colliders.summaries), &broad.pairs, contacts, joints, settings.length_unit)
     }
 
     fn split_islands(&mut self) -> (Islands<'_>, &mut Buffers, &mut Events) {

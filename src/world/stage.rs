@@ -92,7 +92,7 @@ impl World {
         let start = Instant::now();
         let clock = Clock { start, last: start, times: StageTimes::default(), demand: self.demand() };
         self.spent = PartTimes::default();
-        self.make_place_for_step();
+        self.reserve_for_step();
         self.keep_rest();
         self.events.start();
         self.faults.forget();

@@ -10,17 +10,17 @@ use crate::config::{FrictionModel, Settings};
 use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
 use crate::finish::Counts;
 use crate::forces::Forces;
-use crate::memory::{Category, Rooms};
+use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::statics::Structure;
-use crate::threads::{Crew, Shared};
+use crate::threads::{Shared, Workers};
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
 use crate::{finish, movers, solver};
 
 impl World {
     /// Finds the pairs of the step, or once more after some bodies woke.
-    pub(crate) fn find_pairs(&mut self, crew: &Crew<'_>, did: &mut StepCounts) {
-        let mut rooms = self.rooms();
+    pub(crate) fn find_pairs(&mut self, workers: &Workers<'_>, did: &mut StepCounts) {
+        let mut allowances = self.allowances();
         let Buffers { broad: buffers, forces, narrow, rows, .. } = &mut self.buffers;
         let input = movers::Input {
             bodies: &self.bodies,
@@ -29,13 +29,13 @@ impl World {
             mode: self.settings.stage_modes().broad,
             unit: self.settings.length_unit,
         };
-        movers::place(crew, &input, &mut self.colliders, &mut self.broad, buffers, &mut rooms);
+        movers::place(workers, &input, &mut self.colliders, &mut self.broad, buffers, &mut allowances);
         // Rows of the last step are of no use any more, and without pairs there is nothing to make rows of.
         let contacts = self.contacts.live();
         let mut give = |bytes: usize| rows.give_up(bytes, contacts);
         let missing = |pairs: usize| narrow.missing(pairs);
         let (colliders, broad) = (&self.colliders.all, (&mut self.broad, buffers));
-        let stats = movers::find(crew, &input, colliders, broad, &missing, (&mut rooms, &mut give));
+        let stats = movers::find(workers, &input, colliders, broad, &missing, (&mut allowances, &mut give));
         did.add_broad(stats);
         did.ghosts += self.forget_pairs_that_ended();
     }
@@ -44,7 +44,7 @@ impl World {
     fn forget_pairs_that_ended(&mut self) -> u32 {
         let mut removed = std::mem::take(&mut self.buffers.broad.removed);
         if !removed.is_empty() {
-            self.grant_events();
+            self.refresh_event_allowance();
         }
         let mut ghosts = 0;
         for pair in &removed {
@@ -58,15 +58,15 @@ impl World {
     }
 
     /// Finds the contacts of the step.
-    pub(crate) fn find_contacts(&mut self, crew: &Crew<'_>, dt: f32) -> NarrowStats {
+    pub(crate) fn find_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> NarrowStats {
         let unit = self.settings.length_unit;
-        let mut rooms = self.rooms();
+        let mut allowances = self.allowances();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
         let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
         let input = Input {
             colliders: &self.colliders.all,
-            hot: &self.colliders.hot,
+            summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
             motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
@@ -84,14 +84,14 @@ impl World {
         let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
         let mut space = lend(rows, prepare, how, statics.lists());
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
-        let stats = collide(crew, &input, pairs, contacts, narrow, (&mut rooms, &mut space));
+        let stats = collide(workers, &input, pairs, contacts, narrow, (&mut allowances, &mut space));
         rows.take_back(space.slab);
         stats
     }
 
     /// Estimates loads of contacts that are not known. `touching`: some contact is new.
     pub(crate) fn estimate_loads(&mut self, touching: bool, dt: f32) {
-        let (mut rooms, h) = (self.rooms(), self.lengths(dt).last());
+        let (mut allowances, h) = (self.allowances(), self.lengths(dt).last());
         let Buffers { statics, forces, .. } = &mut self.buffers;
         statics.pending |= touching;
         let mut structure = Structure {
@@ -101,21 +101,21 @@ impl World {
             contacts: &mut self.contacts,
             acceleration: &forces.acceleration,
         };
-        statics.estimate(&mut structure, &self.settings, (dt, h), &mut rooms);
+        statics.estimate(&mut structure, &self.settings, (dt, h), &mut allowances);
     }
 
     /// Makes the rows of the step.
-    pub(crate) fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
-        let mut rooms = self.rooms();
-        let lost = self.part(Part::Restitution, |world| world.find_impacts(dt, &mut rooms));
-        self.part(Part::Joints, |world| world.arrange_joints(crew, dt));
-        let prepared = self.prepare_contacts(crew, dt, &mut rooms);
-        self.part(Part::Joints, |world| world.fill_joints(crew, dt));
+    pub(crate) fn prepare(&mut self, workers: &Workers<'_>, dt: f32) -> Prepared {
+        let mut allowances = self.allowances();
+        let lost = self.part(Part::Restitution, |world| world.find_impacts(dt, &mut allowances));
+        self.part(Part::Joints, |world| world.arrange_joints(workers, dt));
+        let prepared = self.prepare_contacts(workers, dt, &mut allowances);
+        self.part(Part::Joints, |world| world.fill_joints(workers, dt));
         Prepared { shed: prepared.shed + lost, ..prepared }
     }
 
     /// Finds the points that may bounce. Says how many there was no room for.
-    fn find_impacts(&mut self, dt: f32, rooms: &mut Rooms) -> u32 {
+    fn find_impacts(&mut self, dt: f32, allowances: &mut Allowances) -> u32 {
         let Buffers { forces, restitution, .. } = &mut self.buffers;
         if self.needs.restitution == 0 {
             restitution.clear();
@@ -136,11 +136,11 @@ impl World {
             real: TOUCH_DISTANCE * unit,
             dt,
         };
-        rooms.within(Category::Scratch, |room| find(&input, restitution, room))
+        allowances.within(Category::Scratch, |allowance| find(&input, restitution, allowance))
     }
 
     /// Arranges joints in trees and batches, if they changed, and fills the trees.
-    fn arrange_joints(&mut self, crew: &Crew<'_>, dt: f32) {
+    fn arrange_joints(&mut self, workers: &Workers<'_>, dt: f32) {
         let lengths = self.lengths(dt);
         let Buffers { joints: rows, forces, .. } = &mut self.buffers;
         if self.joints.changed {
@@ -156,27 +156,27 @@ impl World {
                 acceleration: &forces.acceleration,
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
-                hot: &self.colliders.hot,
+                summaries: &self.colliders.summaries,
                 tree_contacts: &[],
                 order: self.settings.order,
                 warm: lengths.ratio(),
                 h: lengths.now(),
                 unit: self.settings.length_unit,
             };
-            rows.fill_trees(crew, &input, &mut forces.inverse_inertia);
+            rows.fill_trees(workers, &input, &mut forces.inverse_inertia);
         }
     }
 
-    fn prepare_contacts(&mut self, crew: &Crew<'_>, dt: f32, rooms: &mut Rooms) -> Prepared {
+    fn prepare_contacts(&mut self, workers: &Workers<'_>, dt: f32, allowances: &mut Allowances) -> Prepared {
         let unit = self.settings.length_unit;
-        let (ahead, lengths) = (self.room_ahead(rooms), self.lengths(dt));
+        let (ahead, lengths) = (self.room_ahead(allowances), self.lengths(dt));
 
         let Buffers { forces, joints, rows, prepare: scratch, .. } = &mut self.buffers;
         let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
         let input = PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
-            hot: &self.colliders.hot,
+            summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
             contacts: &self.contacts.all,
             pairs: &self.broad.pairs,
@@ -195,10 +195,10 @@ impl World {
             friction: self.needs.friction > 0,
             scale,
         };
-        prepare(crew, &input, rows, scratch, rooms)
+        prepare(workers, &input, rows, scratch, allowances)
     }
 
-    fn fill_joints(&mut self, crew: &Crew<'_>, dt: f32) {
+    fn fill_joints(&mut self, workers: &Workers<'_>, dt: f32) {
         if self.joints.count == 0 {
             return;
         }
@@ -212,18 +212,18 @@ impl World {
             acceleration: &forces.acceleration,
             joints,
             pairs: &self.broad.pairs,
-            hot: &self.colliders.hot,
+            summaries: &self.colliders.summaries,
             tree_contacts: &rows.tree_contacts,
             order: self.settings.order,
             warm: lengths.ratio(),
             h: lengths.now(),
             unit: self.settings.length_unit,
         };
-        batches.fill(crew, &input);
+        batches.fill(workers, &input);
     }
 
     /// Solves the rows; says whether all velocities stayed in range.
-    pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
+    pub(crate) fn solve(&mut self, workers: &Workers<'_>, dt: f32) -> bool {
         #[cfg(feature = "lab")]
         let mut meter = self.meter.take();
         #[cfg(feature = "lab")]
@@ -239,7 +239,7 @@ impl World {
         let impulses = self.events.impulses.as_mut_slice();
         let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
         let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
-        let sound = solver::solve(crew, &self.settings, dt, bodies, forces, rows, impacts, state);
+        let sound = solver::solve(workers, &self.settings, dt, bodies, forces, rows, impacts, state);
         #[cfg(feature = "lab")]
         if let Some(mut meter) = meter {
             meter.after_rows(self);
@@ -281,10 +281,10 @@ impl World {
     }
 
     /// What contacts bore. Says how many pushed before they touched.
-    pub(crate) fn store_contacts(&mut self, crew: &Crew<'_>, dt: f32) -> u32 {
+    pub(crate) fn store_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> u32 {
         let lengths = self.lengths(dt);
-        let (dynamic, hot) = (self.bodies.dynamic(), &self.colliders.hot);
-        let solved = self.broad.pairs.iter().filter(|pair| !pair.is_idle(hot, dynamic));
+        let (dynamic, summaries) = (self.bodies.dynamic(), &self.colliders.summaries);
+        let solved = self.broad.pairs.iter().filter(|pair| !pair.is_idle(summaries, dynamic));
         let per_point = self.settings.friction_model == FrictionModel::Point;
         let Buffers { rows, statics, .. } = &mut self.buffers;
         if per_point {
@@ -293,7 +293,7 @@ impl World {
         }
         let stored = {
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, rows, dt, lengths, &contacts)
+            solver::store(workers, rows, dt, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;
         if per_point {
@@ -306,7 +306,7 @@ impl World {
     }
 
     /// Moves bodies to the end of the step. `fast`: how many outran their boxes, or 0 if that is not known.
-    pub(crate) fn move_bodies(&mut self, crew: &Crew<'_>, fast: u32, dt: f32) -> Counts {
+    pub(crate) fn move_bodies(&mut self, workers: &Workers<'_>, fast: u32, dt: f32) -> Counts {
         let continuous = self.is_continuous();
         let buffers = &mut self.buffers;
         let input = finish::Input {
@@ -327,7 +327,7 @@ impl World {
             fast,
             dt,
         };
-        let (held, mut stopped) = finish::finish(crew, input, &mut buffers.finish);
+        let (held, mut stopped) = finish::finish(workers, input, &mut buffers.finish);
         if !stopped.is_empty() {
             self.faults.note_stopped(&self.bodies, &mut stopped);
         }
@@ -335,11 +335,11 @@ impl World {
     }
 
     /// Meets impacts one by one, if the method asks for that.
-    pub(crate) fn meet_impacts(&mut self, crew: &Crew<'_>, dt: f32) -> Impacts {
+    pub(crate) fn meet_impacts(&mut self, workers: &Workers<'_>, dt: f32) -> Impacts {
         if !meets_impacts(&self.settings) {
             return Impacts::default();
         }
-        let room = self.room(Category::Continuous);
+        let allowance = self.allowance(Category::Continuous);
         let buffers = &mut self.buffers;
         let mut solved = Solved {
             bodies: &mut self.bodies,
@@ -352,7 +352,7 @@ impl World {
             settings: &self.settings,
             dt,
         };
-        meet_impacts(crew, &mut solved, &mut buffers.impacts, room)
+        meet_impacts(workers, &mut solved, &mut buffers.impacts, allowance)
     }
 }
 
@@ -365,7 +365,7 @@ fn scale<'a>(
     dt: f32,
 ) -> Scale<'a> {
     Scale {
-        hot: &colliders.hot,
+        summaries: &colliders.summaries,
         motion: &forces.motion,
         mass: &bodies.mass,
         dynamic: bodies.dynamic(),

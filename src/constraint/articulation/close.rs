@@ -120,8 +120,8 @@ pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     response: &mut impl Response<L, P, 0>,
 ) {
     for (i, point) in batch.points.iter().enumerate() {
-        let room = (point.now + L::splat(closing.slop)).max(L::zero());
-        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + room;
+        let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
+        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance;
         let mass = response.mass(batch, i);
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
         response.apply(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());

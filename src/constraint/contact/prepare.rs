@@ -13,16 +13,16 @@ use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
-use crate::memory::{Category, Rooms};
+use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Contact, Scale};
-use crate::shape::{Collider, Hot};
-use crate::threads::{Crew, Shared, per_block};
+use crate::shape::{Collider, ColliderSummary};
+use crate::threads::{Shared, Workers, per_block};
 
 /// Input of preparation.
 pub(crate) struct PrepareInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a [Collider],
-    pub(crate) hot: &'a [Hot],
+    pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
     pub(crate) contacts: &'a [Contact],
     pub(crate) pairs: &'a [Pair],
@@ -67,23 +67,24 @@ const BLOCK: usize = per_block(8, 1);
 
 /// Makes all batches of the step, as far as memory allows.
 pub(crate) fn prepare(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
-    rooms: &mut Rooms,
+    allowances: &mut Allowances,
 ) -> Prepared {
     rows.set_friction(input.friction);
-    let prepared = arrange(input, rows, scratch, rooms);
+    let prepared = arrange(input, rows, scratch, allowances);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
-        && rooms.within(Category::Rows, |room| room.fit(&mut rows.surfaces, rows.schedule.len()))
+        && allowances
+            .within(Category::Rows, |allowance| allowance.fit(&mut rows.surfaces, rows.schedule.len()))
             == rows.schedule.len()
     {
         rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
     }
     let mut surfaces = std::mem::take(&mut rows.surfaces);
-    fill_all(crew, input, &rows.views(), &mut surfaces, scratch);
+    fill_all(workers, input, &rows.views(), &mut surfaces, scratch);
     rows.surfaces = surfaces;
     prepared
 }
@@ -91,7 +92,7 @@ pub(crate) fn prepare(
 /// Fills the batches of the schedule.
 #[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
 fn fill_all(
-    crew: &Crew<'_>,
+    workers: &Workers<'_>,
     input: &PrepareInput<'_>,
     views: &Views<'_>,
     surfaces: &mut [Surface],
@@ -99,7 +100,7 @@ fn fill_all(
 ) {
     let (moving, surfaces) = (!surfaces.is_empty(), Shared::new(surfaces));
     let (schedule, stages) = (views.schedule, views.stages);
-    crew.run(schedule.len().div_ceil(BLOCK), &|block| {
+    workers.run(schedule.len().div_ceil(BLOCK), &|block| {
         let mut stage = stages.partition_point(|s| s.end as usize <= block * BLOCK);
         for place in block * BLOCK..((block + 1) * BLOCK).min(schedule.len()) {
             while stages[stage].end as usize <= place {

@@ -5,7 +5,7 @@ use super::friction::{FrictionRow, FrictionView, ImpactRow};
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
-use crate::memory::{Buffer, Cut, Room, Slab, bytes_of};
+use crate::memory::{Allowance, Buffer, Cut, Slab, bytes_of};
 use crate::threads::Shared;
 
 /// Counts for batches whose bodies `b` may move, and for those where all are static: batches of one to four
@@ -75,31 +75,31 @@ impl Rows {
 
     /// Reserves exactly what is missing for so many; if need be, out of what the other buffer has to spare.
     /// Returns whether there is room for all.
-    pub(crate) fn make_place(&mut self, wanted: &Tally, room: &mut Room) -> bool {
+    pub(crate) fn reserve(&mut self, wanted: &Tally, allowance: &mut Allowance) -> bool {
         let [batches, friction] = Self::bytes_of(wanted);
         let lacking = self.batches.missing(batches) + self.friction.missing(friction);
         let spare = self.batches.spare(batches) + self.friction.spare(friction);
-        if lacking > room.left().saturating_add(spare) {
+        if lacking > allowance.left().saturating_add(spare) {
             return false;
         }
-        if lacking > room.left() {
+        if lacking > allowance.left() {
             // Neither keeps anything from step to step.
-            room.give(spare);
+            allowance.give(spare);
             self.batches.shrink(batches);
             self.friction.shrink(friction);
         }
-        room.take(lacking);
-        self.batches.widen(batches);
-        self.friction.widen(friction);
+        allowance.take(lacking);
+        self.batches.reserve_total(batches);
+        self.friction.reserve_total(friction);
         true
     }
 
     /// Makes so many, for which memory is reserved or unlimited.
-    pub(crate) fn resize(&mut self, wanted: &Tally, room: &mut Room) {
+    pub(crate) fn resize(&mut self, wanted: &Tally, allowance: &mut Allowance) {
         self.tally = *wanted;
         let [batches, friction] = Self::bytes_of(wanted);
-        self.batches.fit(batches, room);
-        self.friction.fit(friction, room);
+        self.batches.fit(batches, allowance);
+        self.friction.fit(friction, allowance);
     }
 
     /// Sets whether contacts have friction; if that changes, the memory of friction is released.

@@ -20,8 +20,8 @@ use crate::joint::{Joints, Row, RowKind};
 use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
-use crate::shape::Hot;
-use crate::threads::{Crew, Shared};
+use crate::shape::ColliderSummary;
+use crate::threads::{Shared, Workers};
 
 /// Batches of one type that may be solved at the same time: one colour of one group.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ pub(crate) struct JointInput<'a> {
     pub(crate) acceleration: &'a [Record],
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
-    pub(crate) hot: &'a [Hot],
+    pub(crate) summaries: &'a [ColliderSummary],
     /// Contacts that are solved along with trees.
     pub(crate) tree_contacts: &'a [TreeContacts],
     /// The order in which groups of rows are solved.
@@ -88,7 +88,7 @@ impl JointRows {
     }
 
     /// Releases all memory: there are no joints any more.
-    pub(crate) fn give_back(&mut self) {
+    pub(crate) fn release(&mut self) {
         *self = JointRows { arrangement: self.arrangement, ..JointRows::default() };
     }
 
@@ -246,7 +246,7 @@ impl JointRows {
     /// stiffened one.
     pub(crate) fn fill_trees(
         &mut self,
-        crew: &Crew<'_>,
+        workers: &Workers<'_>,
         input: &JointInput<'_>,
         inverse_inertia: &mut [Sym3<f32>],
     ) {
@@ -258,14 +258,14 @@ impl JointRows {
         self.touching.resize(input.bodies.dynamic(), false);
         for pair in input.pairs.iter().filter(|pair| pair.contact != NO_CONTACT) {
             for c in [pair.a, pair.b] {
-                let body = input.hot[c as usize].body as usize;
+                let body = input.summaries[c as usize].body as usize;
                 self.touching.get_mut(body).into_iter().for_each(|touches| *touches = true);
             }
         }
         let (touching, inertia) = (self.touching.as_slice(), &*inverse_inertia);
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| fill_tree(unsafe { trees.get(i) }, input, inertia, touching));
+        workers.run(count, &|i| fill_tree(unsafe { trees.get(i) }, input, inertia, touching));
         self.single_trees.iter_mut().for_each(|batch| fill_tree(batch, input, inertia, touching));
         let (slots, dynamic) = (&mut self.tree_slots, input.bodies.dynamic());
         let mut put = |loops: bool, place: Place, slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
@@ -286,9 +286,9 @@ impl JointRows {
     }
 
     /// Fills all batches.
-    pub(crate) fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
+    pub(crate) fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>) {
         for table in self.tables.all_mut() {
-            table.fill(crew, input);
+            table.fill(workers, input);
         }
         let range = |tree: TreeRef| {
             let end = |before: &dyn Fn(TreeRef) -> bool| {
@@ -298,7 +298,7 @@ impl JointRows {
         };
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| unsafe { trees.get(i) }.take_along(range(TreeRef::new(i, false))));
+        workers.run(count, &|i| unsafe { trees.get(i) }.take_along(range(TreeRef::new(i, false))));
         let single = self.single_trees.iter_mut().enumerate();
         single.for_each(|(i, batch)| batch.take_along(range(TreeRef::new(i, true))));
     }

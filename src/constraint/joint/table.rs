@@ -7,7 +7,7 @@ use super::store::Report;
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::lanes::{GatherLanes, f32x8};
 use crate::memory::bytes_of;
-use crate::threads::{Crew, Shared, per_block};
+use crate::threads::{Shared, Workers, per_block};
 
 /// A batch of one row type: the same lock or row of up to eight joints, a lane each.
 ///
@@ -108,7 +108,7 @@ pub(crate) trait AnyTable {
     /// Makes as many batches as there are owners.
     fn resize(&mut self);
     /// Fills all batches.
-    fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>);
+    fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>);
     /// How many locks or rows there are.
     fn len(&self) -> u32;
     /// Live and reserved bytes.
@@ -145,9 +145,9 @@ impl<B8: JointBatch<f32x8> + Send, B1: JointBatch<f32>> AnyTable for Table<B8, B
         }
     }
 
-    fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
+    fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>) {
         let (lanes, owners) = (Shared::new(&mut self.lanes), &self.owners.lanes);
-        crew.run(owners.len().div_ceil(BLOCK), &|block| {
+        workers.run(owners.len().div_ceil(BLOCK), &|block| {
             let first = block * BLOCK;
             for (i, owners) in owners.iter().enumerate().skip(first).take(BLOCK) {
                 // SAFETY: each batch is in one block.

@@ -6,7 +6,7 @@ use crate::broad_phase::Pair;
 use crate::constraint::{Tweak, tweak_of};
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::Room;
+use crate::memory::Allowance;
 use crate::narrow_phase::Contact;
 use crate::shape::Collider;
 use glam::Vec3;
@@ -34,7 +34,7 @@ pub(crate) struct FindInput<'a> {
 
 /// Lists the points with restitution, if any of them closes within the step. Returns for how many there was
 /// no room.
-pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
+pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut Allowance) -> u32 {
     impacts.clear();
     let (mut any, mut count) = (false, 0);
     for pair in input.pairs {
@@ -46,13 +46,13 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     }
     // Reserved even if nothing closes: so a scene past its densest moment does not grow any more.
     let dynamic = input.bodies.dynamic();
-    room.fit(&mut impacts.spots, count);
-    room.fit(&mut impacts.sites, count);
-    room.fit(&mut impacts.queue, count);
-    room.fit(&mut impacts.wakeful, count);
-    room.fit(&mut impacts.struck, dynamic);
-    room.fit(&mut impacts.moved, dynamic);
-    room.fit(&mut impacts.standing, dynamic);
+    allowance.fit(&mut impacts.spots, count);
+    allowance.fit(&mut impacts.sites, count);
+    allowance.fit(&mut impacts.queue, count);
+    allowance.fit(&mut impacts.wakeful, count);
+    allowance.fit(&mut impacts.struck, dynamic);
+    allowance.fit(&mut impacts.moved, dynamic);
+    allowance.fit(&mut impacts.standing, dynamic);
     if !any {
         return 0;
     }
@@ -60,22 +60,22 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     for pair in input.pairs {
         each_spot(input, pair, &mut |spot| {
             let spot = Spot { order: impacts.spots.len() as u32, ..spot };
-            shed += u32::from(!room.push(&mut impacts.spots, spot));
+            shed += u32::from(!allowance.push(&mut impacts.spots, spot));
             true
         });
     }
     // By bodies, and then in the order of the list, which is unique.
     let pushed = |spot: &Spot| spot.pushed(dynamic as u32);
     impacts.spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
-    let place = room.fit(&mut impacts.struck, dynamic);
-    let place = place.min(room.fit(&mut impacts.moved, dynamic));
-    let place = place.min(room.fit(&mut impacts.standing, dynamic));
+    let place = allowance.fit(&mut impacts.struck, dynamic);
+    let place = place.min(allowance.fit(&mut impacts.moved, dynamic));
+    let place = place.min(allowance.fit(&mut impacts.standing, dynamic));
     if place < dynamic {
         impacts.clear();
         return shed + 1;
     }
     list_bodies(input, impacts);
-    shed + list_sites(input, impacts, room)
+    shed + list_sites(input, impacts, allowance)
 }
 
 /// Lists all dynamic bodies.
@@ -96,7 +96,7 @@ fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
 
 /// Makes a site of all points of the same bodies, and links it to these. Returns the number of points for
 /// whose sites there was no room.
-fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
+fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut Allowance) -> u32 {
     let pushed = |spot: &Spot| spot.pushed(input.bodies.dynamic() as u32);
     let (mut first, mut shed) = (0, 0);
     let spots = std::mem::take(&mut impacts.spots);
@@ -116,9 +116,9 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room)
         };
         first += group.len() as u32;
         let index = impacts.sites.len();
-        let fits = room.fit(&mut impacts.queue, index + 1) > index
-            && room.fit(&mut impacts.wakeful, index + 1) > index
-            && room.push(&mut impacts.sites, site);
+        let fits = allowance.fit(&mut impacts.queue, index + 1) > index
+            && allowance.fit(&mut impacts.wakeful, index + 1) > index
+            && allowance.push(&mut impacts.sites, site);
         if !fits {
             shed += group.len() as u32;
             continue;

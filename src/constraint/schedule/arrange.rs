@@ -12,7 +12,7 @@ use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
-use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
+use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of};
 use crate::narrow_phase::{Contact, NONE, Weight};
 
 /// Counts of the preparation.
@@ -114,23 +114,23 @@ pub(crate) fn arrange(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
-    rooms: &mut Rooms,
+    allowances: &mut Allowances,
 ) -> Prepared {
-    if rooms.is_endless() {
+    if allowances.is_endless() {
         let (prepared, _) = sort(input, scratch, None, Ahead::ANY);
         let batches = schedule(input, rows, scratch, false);
-        rooms.within(Category::Rows, |room| rows.resize(&batches, room));
+        allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
         return prepared;
     }
     // Maximum number of stages.
     scratch.keys.reset(input.order, input.bodies.raises());
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
-    let place = scratch.make_place(total as usize, !input.tree_slots.is_empty(), rows, rooms);
+    let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
     let (prepared, fits) = sort(input, scratch, Some(Thrift::none(place)), ahead);
     let batches = schedule(input, rows, scratch, false);
-    if fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
-        rooms.within(Category::Rows, |room| rows.resize(&batches, room));
+    if fits && allowances.within(Category::Rows, |allowance| rows.reserve(&batches, allowance)) {
+        allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
         return prepared;
     }
     let mut counts = [0; Weight::COUNT];
@@ -144,9 +144,9 @@ pub(crate) fn arrange(
         let thrift = Thrift::after(step, &counts, place);
         let (prepared, fits) = sort(input, scratch, Some(thrift), ahead);
         let batches = schedule(input, rows, scratch, true);
-        let fits = fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room));
+        let fits = fits && allowances.within(Category::Rows, |allowance| rows.reserve(&batches, allowance));
         if last {
-            rooms.within(Category::Rows, |room| rows.resize(&batches, room));
+            allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
             return prepared;
         }
         *if fits { &mut enough } else { &mut too_few } = step;
@@ -167,7 +167,7 @@ fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
 pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
     let dynamic = input.bodies.dynamic();
     for pair in input.pairs {
-        let mut slot = if pair.is_idle(input.hot, dynamic) { NONE } else { pair.contact };
+        let mut slot = if pair.is_idle(input.summaries, dynamic) { NONE } else { pair.contact };
         while slot != NONE {
             let contact = &input.contacts[slot as usize];
             if contact.count > 0 {
@@ -180,16 +180,24 @@ pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, 
 
 pub(super) fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
     let movers = input.bodies.movers();
-    let still = |c: u32| input.hot[c as usize].body as usize >= movers;
+    let still = |c: u32| input.summaries[c as usize].body as usize >= movers;
     let potential = contact.points().iter().all(|p| p.separation > input.real);
     Group::of(still(contact.a) || still(contact.b), potential)
 }
 
 impl PrepareScratch {
     /// Reserves memory for so many parts, as far as it suffices; returns for how many.
-    fn make_place(&mut self, parts: usize, any_in_tree: bool, rows: &mut Rows, rooms: &mut Rooms) -> usize {
+    fn reserve(
+        &mut self,
+        parts: usize,
+        any_in_tree: bool,
+        rows: &mut Rows,
+        allowances: &mut Allowances,
+    ) -> usize {
         let most_stages = self.keys.most_stages();
-        if rooms.within(Category::Rows, |room| room.fit(&mut rows.stages, most_stages)) < most_stages {
+        if allowances.within(Category::Rows, |allowance| allowance.fit(&mut rows.stages, most_stages))
+            < most_stages
+        {
             return 0;
         }
         let missing = |scratch: &Self, rows: &Rows, parts: usize| {
@@ -202,25 +210,25 @@ impl PrepareScratch {
         let (mut place, mut too_many) = (0, parts + 1);
         while too_many - place > 1 {
             let middle = usize::midpoint(place, too_many);
-            *if rooms.fits(&missing(self, rows, middle)) { &mut place } else { &mut too_many } = middle;
+            *if allowances.fits(&missing(self, rows, middle)) { &mut place } else { &mut too_many } = middle;
         }
-        if !rooms.fits(&missing(self, rows, place)) {
+        if !allowances.fits(&missing(self, rows, place)) {
             return 0;
         }
-        rooms.take(&missing(self, rows, place));
-        self.entries.widen(place);
-        self.sorted.widen(place);
-        self.ranges.widen(place);
-        rows.schedule.widen(place);
-        rows.tree_contacts.widen(if any_in_tree { place } else { 0 });
+        allowances.take(&missing(self, rows, place));
+        self.entries.reserve_total(place);
+        self.sorted.reserve_total(place);
+        self.ranges.reserve_total(place);
+        rows.schedule.reserve_total(place);
+        rows.tree_contacts.reserve_total(if any_in_tree { place } else { 0 });
         place
     }
 
     /// Puts the entries in the order in which they are solved, and those of trees by their nodes.
-    fn line_up(&mut self, input: &PrepareInput<'_>, room: &mut Room) {
+    fn line_up(&mut self, input: &PrepareInput<'_>, allowance: &mut Allowance) {
         let PrepareScratch { keys, entries, sorted, .. } = self;
         keys.line_up();
-        room.fit(sorted, entries.len());
+        allowance.fit(sorted, entries.len());
         sorted.clear();
         sorted.resize(entries.len(), Part::NONE);
         for &(part, key) in entries.iter() {
@@ -268,11 +276,11 @@ fn sort(
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
     // Under a budget, memory for all is reserved already.
-    let mut room = Room::ENDLESS;
+    let mut allowance = Allowance::ENDLESS;
     // With bodies that may move and with static ones, by number of points.
     let mut ahead = [[0usize; 4]; 2];
     each_contact(input, |slot, contact| {
-        let body = |c: u32| input.hot[c as usize].body as usize;
+        let body = |c: u32| input.summaries[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
         if contact.points().iter().any(|p| p.separation < -DEEP * input.slop) {
@@ -309,7 +317,7 @@ fn sort(
             let colour = colouring[group as usize].assign(a, b);
             let in_tree = group.is_static() && colour != OVERFLOW && input.tree_slots.of(a.min(b)).is_some();
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
-            room.push(entries, (part, key));
+            allowance.push(entries, (part, key));
         };
         if input.per_point {
             ones(kept).for_each(|point| enter(Part::point(slot, point), 1));
@@ -319,11 +327,11 @@ fn sort(
     });
     if !crowd.is_empty() {
         each_contact(input, |_, contact| {
-            let body = |c: u32| input.hot[c as usize].body as usize;
+            let body = |c: u32| input.summaries[c as usize].body as usize;
             crowd.touch((body(contact.a), body(contact.b)), &input.bodies.velocity, movers);
         });
     }
-    scratch.line_up(input, &mut room);
+    scratch.line_up(input, &mut allowance);
     scratch.note_ahead(input, &ahead);
     (prepared, fits)
 }
@@ -337,7 +345,7 @@ pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
 /// The tree slot of the body of a contact with static geometry.
 fn tree_slot_of(input: &PrepareInput<'_>, part: Part) -> Option<TreeSlot> {
     let contact = &input.contacts[part.slot()];
-    let body = |c: u32| input.hot[c as usize].body as usize;
+    let body = |c: u32| input.summaries[c as usize].body as usize;
     input.tree_slots.of(body(contact.a).min(body(contact.b)))
 }
 

@@ -83,9 +83,9 @@ fn place_that_was_made_is_enough() {
     assert_eq!(joints.bytes(), (0, 0));
     for i in 0..100 {
         let desc = desc(i, i + 1).breaking(1.0, 1.0);
-        let more = More::of_joint(&desc);
+        let more = JointAdditions::of_joint(&desc);
         assert!(joints.missing(more, 1) > 0, "batches at least");
-        joints.widen(more);
+        joints.reserve_total(more);
         let reserved = joints.bytes().1;
         joints.add(&desc, desc.frames);
         assert_eq!(joints.bytes().1, reserved, "{i}");

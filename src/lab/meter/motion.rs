@@ -10,7 +10,7 @@ pub(super) fn energies(world: &World) -> Vec<f64> {
     let bodies = &world.bodies;
     let gravity = world.settings.gravity.as_dvec3();
     let of = |i: usize| {
-        let (mass, pose, v) = (f64::from(bodies.cold[i].mass), &bodies.pose[i], &bodies.velocity[i]);
+        let (mass, pose, v) = (f64::from(bodies.details[i].mass), &bodies.pose[i], &bodies.velocity[i]);
         let spin = pose.rotation.as_dquat().normalize().conjugate() * v.angular.as_dvec3();
         let turning = spin.dot(bodies.mass[i].inertia.as_dvec3() * spin);
         let pull = gravity * f64::from(bodies.traits[i].gravity_scale);

@@ -78,7 +78,7 @@ impl Run {
     fn kinetic_energy(&self) -> f64 {
         let bodies = &self.world.bodies;
         let of = |i: usize| {
-            let (mass, velocity) = (f64::from(bodies.cold[i].mass), &bodies.velocity[i]);
+            let (mass, velocity) = (f64::from(bodies.details[i].mass), &bodies.velocity[i]);
             let spin = bodies.pose[i].rotation.as_dquat().conjugate() * velocity.angular.as_dvec3();
             let turning = spin.dot(bodies.mass[i].inertia.as_dvec3() * spin);
             0.5 * (mass * velocity.linear.as_dvec3().length_squared() + turning)
@@ -93,7 +93,7 @@ impl Run {
         let of = |&body: &BodyHandle| {
             let i = self.world.index(body)?;
             let mean = f64::from(bodies.mass[i].inertia.element_sum()) / 3.0;
-            let width = (6.0 * mean / f64::from(bodies.cold[i].mass)).sqrt();
+            let width = (6.0 * mean / f64::from(bodies.details[i].mass)).sqrt();
             // Bodies that have no extent or can't rotate count as one metre wide.
             Ok(if width.is_finite() && width > 0.0 { width } else { 1.0 })
         };
@@ -140,7 +140,7 @@ impl Track {
         let gravity = f64::from(scene.gravity.length());
         let bodies = &run.world.bodies;
         let lift: f64 = run.dynamic.iter().zip(&widths).try_fold(0.0, |sum, (&body, width)| {
-            let mass = f64::from(bodies.cold[run.world.index(body)?].mass);
+            let mass = f64::from(bodies.details[run.world.index(body)?].mass);
             Ok::<_, Error>(sum + mass * gravity * width)
         })?;
         let scale = kinetic.max(lift).max(f64::MIN_POSITIVE);

@@ -8,7 +8,7 @@
 use super::contact::Contact;
 use super::manifold::RawManifold;
 use super::weight::{Threshold, Weight};
-use crate::memory::{Category, Rooms, Slab};
+use crate::memory::{Allowances, Category, Slab};
 
 /// Bytes that the rows of a contact take, and what is reserved for them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -134,14 +134,14 @@ pub(crate) struct Means {
 }
 
 impl Means {
-    pub(crate) fn new(rooms: &Rooms, space: &RowSpace, (capacity, each): (usize, usize)) -> Means {
+    pub(crate) fn new(allowances: &Allowances, space: &RowSpace, (capacity, each): (usize, usize)) -> Means {
         let reserved = space.slab.bytes(0).1 + space.cost.reserved;
         let add = usize::saturating_add;
         Means {
-            slots: add(capacity, rooms.own(Category::Manifolds) / each),
+            slots: add(capacity, allowances.own(Category::Manifolds) / each),
             each,
-            whole: add(rooms.whole(), capacity * each + reserved),
-            rows: add(rooms.own(Category::Rows), reserved),
+            whole: add(allowances.whole(), capacity * each + reserved),
+            rows: add(allowances.own(Category::Rows), reserved),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::manifold::{MAX_POINTS, RawManifold};
 use crate::broad_phase::Pair;
 use crate::limits::MAX_LOAD;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
 use glam::{Quat, Vec3, Vec4};
@@ -375,19 +375,19 @@ impl Contacts {
     }
 
     /// Reserves slots for so many more, as far as memory allows; returns how many.
-    pub(crate) fn make_place(&mut self, more: usize, room: &mut Room) -> usize {
+    pub(crate) fn reserve(&mut self, more: usize, allowance: &mut Allowance) -> usize {
         let missing = self.lacking(more);
-        if missing > 0 && !room.is_endless() {
-            let granted = missing.min(room.left() / Self::EACH);
+        if missing > 0 && !allowance.is_endless() {
+            let granted = missing.min(allowance.left() / Self::EACH);
             let capacity = self.all.capacity() + granted;
-            room.within(1, |room| room.fit(&mut self.all, capacity));
+            allowance.within(1, |allowance| allowance.fit(&mut self.all, capacity));
             let slots = self.all.capacity();
-            room.fit(&mut self.free, slots);
+            allowance.fit(&mut self.free, slots);
         } else if missing > 0 {
             let wanted = self.all.len() + more - self.free.len();
-            room.fit(&mut self.all, wanted);
+            allowance.fit(&mut self.all, wanted);
         }
-        if room.is_endless() && self.free.capacity() < self.all.capacity() {
+        if allowance.is_endless() && self.free.capacity() < self.all.capacity() {
             self.free.reserve_exact(self.all.capacity() - self.free.len());
         }
         self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
@@ -405,7 +405,7 @@ impl Contacts {
         self.all.missing(contacts) + self.free.missing(contacts)
     }
 
-    /// Inserts a contact where [`Contacts::make_place`] reserved a slot, or returns [`NO_CONTACT`].
+    /// Inserts a contact where [`Contacts::reserve`] reserved a slot, or returns [`NO_CONTACT`].
     pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.all[slot as usize] = contact;
@@ -453,7 +453,7 @@ impl Contacts {
     pub(crate) fn reset(&mut self, place: usize) {
         self.all.clear();
         self.free.clear();
-        self.each(place, &mut |buffer, len| buffer.widen(len));
+        self.each(place, &mut |buffer, len| buffer.reserve_total(len));
     }
 
     /// How many contacts a chain has.

@@ -8,7 +8,7 @@ use super::admit::{Census, Kind as Taken, Means, RowSpace};
 use super::contact::{Contact, Contacts, NO_CONTACT};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
-use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
+use crate::memory::{Allowance, Allowances, Buffer, Buffers, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
@@ -49,7 +49,7 @@ impl MeshBlock {
 
     /// Adds a manifold that was found at a fraction of the step.
     pub(crate) fn add(&mut self, raw: RawManifold, fraction: f32) {
-        if !self.mesh.room.push(&mut self.many, (raw, fraction)) {
+        if !self.mesh.allowance.push(&mut self.many, (raw, fraction)) {
             self.mesh.shed += raw.count;
         }
     }
@@ -60,7 +60,7 @@ impl MeshBlock {
         if end == start {
             return false;
         }
-        let listed = self.mesh.room.push(&mut self.looked, (pair, start, end));
+        let listed = self.mesh.allowance.push(&mut self.looked, (pair, start, end));
         if !listed {
             let lost = self.many.drain(start as usize..);
             self.mesh.shed += lost.map(|(raw, _)| raw.count).sum::<u32>();
@@ -211,7 +211,7 @@ pub(crate) struct FoundContacts {
     place: usize,
     meshes: Vec<MeshBlock>,
     /// Memory granted to each of them.
-    share: Room,
+    share: Allowance,
     marks: Marks,
     chain: Vec<Contact>,
     /// Whether a new contact touches.
@@ -241,20 +241,20 @@ impl FoundContacts {
         bins: &mut Bins,
         pairs: &[Pair],
         input: &Input<'_>,
-        (rooms, slab): (&mut Rooms, &mut Slab),
+        (allowances, slab): (&mut Allowances, &mut Slab),
     ) {
-        let endless = rooms.is_endless();
+        let endless = allowances.is_endless();
         let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
         if wanted > self.meshes.len() {
             // A few more than needed, or every other step would add one.
-            let half = |room: &mut Room| {
-                room.within(2, |room| {
-                    let granted = room.fit(&mut self.meshes, wanted + wanted / 4);
+            let half = |allowance: &mut Allowance| {
+                allowance.within(2, |allowance| {
+                    let granted = allowance.fit(&mut self.meshes, wanted + wanted / 4);
                     self.meshes.resize_with(granted, MeshBlock::default);
-                    even_out(&mut self.meshes, &mut self.marks, room);
+                    even_out(&mut self.meshes, &mut self.marks, allowance);
                 });
             };
-            rooms.within(Category::Scratch, half);
+            allowances.within(Category::Scratch, half);
         }
         let (mut own, mut total) = (0, [0u32; 2]);
         for block in &mut bins.blocks {
@@ -277,15 +277,17 @@ impl FoundContacts {
             total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
-        self.share = rooms.room(Category::Scratch).share(2 * self.meshes.len());
-        self.meshes.iter_mut().for_each(|block| block.mesh.room = self.share);
+        self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
+        self.meshes.iter_mut().for_each(|block| block.mesh.allowance = self.share);
         if endless {
             self.place = 0;
             return;
         }
         let wanted = total[0] as usize;
-        let part = |room: &mut Room| room.within(4, |room| slab.make_place::<Fresh>(wanted, room));
-        self.place = rooms.within(Category::Rows, part);
+        let part = |allowance: &mut Allowance| {
+            allowance.within(4, |allowance| slab.reserve::<Fresh>(wanted, allowance))
+        };
+        self.place = allowances.within(Category::Rows, part);
         if self.place < wanted {
             cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
         }
@@ -293,8 +295,8 @@ impl FoundContacts {
 
     /// The end of the blocks that run before their contacts are committed: as many as there is capacity for.
     /// Under a budget all run, because it is shared out by what all found.
-    pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, room: &mut Room) -> usize {
-        if !room.is_endless() {
+    pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, allowance: &mut Allowance) -> usize {
+        if !allowance.is_endless() {
             return blocks.len();
         }
         let (mut end, mut total) = (first, 0);
@@ -303,7 +305,7 @@ impl FoundContacts {
             total += block.place;
             end += 1;
         }
-        room.fit(&mut self.fresh, total as usize);
+        allowance.fit(&mut self.fresh, total as usize);
         if self.fresh.len() < total as usize {
             self.fresh.resize(total as usize, Fresh::default());
         }
@@ -325,7 +327,7 @@ impl FoundContacts {
         pairs: &mut [Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        (rooms, space): (&mut Rooms, &mut RowSpace),
+        (allowances, space): (&mut Allowances, &mut RowSpace),
     ) -> u32 {
         let last = wave.end == bins.blocks.len();
         if self.place > 0 {
@@ -344,30 +346,31 @@ impl FoundContacts {
         let mut of_meshes = 0;
         for block in &mut *meshes {
             of_meshes += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
-            let used = self.share.left() - block.mesh.room.left();
-            rooms.within(Category::Scratch, |room| room.take(used));
+            let used = self.share.left() - block.mesh.allowance.left();
+            allowances.within(Category::Scratch, |allowance| allowance.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let mut way = Way::FREE;
-        if rooms.is_endless() {
+        if allowances.is_endless() {
             let found = blocks.iter().map(|block| (block.used[0] + block.used[1]) as usize).sum::<usize>();
-            rooms.within(Category::Manifolds, |room| contacts.make_place(found + of_meshes, room));
+            allowances
+                .within(Category::Manifolds, |allowance| contacts.reserve(found + of_meshes, allowance));
         } else {
             let found = (blocks, self.place, &*meshes);
-            way = make_way(found, of_meshes, pairs, contacts, input, (rooms, space));
+            way = make_way(found, of_meshes, pairs, contacts, input, (allowances, space));
             shed += way.shed;
         }
         for block in meshes {
-            shed += rooms.within(Category::Scratch, |room| {
+            shed += allowances.within(Category::Scratch, |allowance| {
                 let found = (&mut self.chain, &mut self.touching);
-                commit_meshes(block, pairs, (contacts, way.most), found, input, room)
+                commit_meshes(block, pairs, (contacts, way.most), found, input, allowance)
             });
         }
         let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
         for found in found_by(blocks, fresh) {
             let pair = &mut pairs[found.pair as usize];
-            if !rooms.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
+            if !allowances.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
                 shed += found.raw.count;
                 continue;
             }
@@ -380,12 +383,12 @@ impl FoundContacts {
             shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
-            rooms.within(Category::Scratch, |room| {
-                let spare = room.left().saturating_sub(way.of_rows);
-                let mut part = if room.is_endless() { *room } else { Room::new(spare / PART) };
+            allowances.within(Category::Scratch, |allowance| {
+                let spare = allowance.left().saturating_sub(way.of_rows);
+                let mut part = if allowance.is_endless() { *allowance } else { Allowance::new(spare / PART) };
                 let before = part.left();
                 even_out(&mut self.meshes, &mut self.marks, &mut part);
-                room.take(before - part.left());
+                allowance.take(before - part.left());
             });
         }
         shed
@@ -416,11 +419,11 @@ fn make_way(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
-    (rooms, space): (&mut Rooms, &mut RowSpace),
+    (allowances, space): (&mut Allowances, &mut RowSpace),
 ) -> Way {
     let cost = space.cost;
     let mut census = Census::new();
-    for pair in pairs.iter().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+    for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
@@ -442,28 +445,30 @@ fn make_way(
         let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
         census.add(found.weight(pair, input), taken, &cost);
     }
-    let admitted = Means::new(rooms, space, contacts.place()).admit(&census);
+    let admitted = Means::new(allowances, space, contacts.place()).admit(&census);
     let mut floor = admitted.floor;
     let shed = evict(&mut floor, pairs, contacts, input);
     let mut ahead = floor;
     let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
     let more = found_by(blocks, space.slab.alone(place)).filter(stays).count() + of_meshes;
     let reserved = space.slab.bytes(0).1 + cost.reserved;
-    let of_rows = admitted.rows.saturating_sub(reserved).min(rooms.own(Category::Rows));
-    let left = |rooms: &Rooms| rooms.own(Category::Manifolds).min(rooms.whole().saturating_sub(of_rows));
-    let lacking = contacts.missing_for(more).saturating_sub(left(rooms));
+    let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
+    let left = |allowances: &Allowances| {
+        allowances.own(Category::Manifolds).min(allowances.whole().saturating_sub(of_rows))
+    };
+    let lacking = contacts.missing_for(more).saturating_sub(left(allowances));
     if lacking > 0 {
         // Rows have more memory than they will need, because there were fewer contacts, or these had more
         // points.
         let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
         let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
-        rooms.within(Category::Rows, |room| room.give(space.slab.spare(to)));
+        allowances.within(Category::Rows, |allowance| allowance.give(space.slab.spare(to)));
         space.slab.shrink(to);
     }
-    let left = left(rooms);
-    let mut room = Room::new(left);
-    let place = contacts.make_place(more, &mut room);
-    rooms.within(Category::Manifolds, |all| all.take(left - room.left()));
+    let left = left(allowances);
+    let mut allowance = Allowance::new(left);
+    let place = contacts.reserve(more, &mut allowance);
+    allowances.within(Category::Manifolds, |all| all.take(left - allowance.left()));
     Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
 }
 
@@ -498,7 +503,7 @@ fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item =
 /// The weight of a pair's contact, if it has one. Contacts with meshes have none here: they are exchanged for
 /// new ones.
 fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
-    let of_mesh = matches!(input.hot[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
+    let of_mesh = matches!(input.summaries[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
     (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
 }
 
@@ -531,7 +536,7 @@ fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
 /// Frees the contacts that do not stay. Returns the number of points shed.
 fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
     let mut shed = 0;
-    for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+    for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
         if let Some(weight) = weight_of(pair, contacts, input)
             && !floor.keeps(weight)
         {
@@ -549,7 +554,7 @@ fn commit_meshes(
     (contacts, most): (&mut Contacts, usize),
     (chain, touching): (&mut Vec<Contact>, &mut bool),
     input: &Input<'_>,
-    room: &mut Room,
+    allowance: &mut Allowance,
 ) -> u32 {
     let mut shed = 0;
     for &(index, start, end) in &block.looked {
@@ -559,7 +564,7 @@ fn commit_meshes(
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
             // The worst case is an impulse that is not inherited.
-            room.push(chain, contacts.all[slot as usize]);
+            allowance.push(chain, contacts.all[slot as usize]);
             slot = contacts.all[slot as usize].next;
         }
         contacts.remove_chain(pair.contact);

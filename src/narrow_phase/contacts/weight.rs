@@ -10,7 +10,7 @@
 use super::contact::Contact;
 use crate::body::Mass;
 use crate::lanes::Record;
-use crate::shape::{Hot, Kind};
+use crate::shape::{ColliderSummary, Kind};
 use glam::Vec3;
 
 /// The weight of a contact, in steps of a sixteenth of an octave.
@@ -63,7 +63,7 @@ impl Weight {
 /// What weights are made of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale<'a> {
-    pub(crate) hot: &'a [Hot],
+    pub(crate) summaries: &'a [ColliderSummary],
     /// Predicted displacement and rotation vector of each body that can move.
     pub(crate) motion: &'a [Record],
     /// The masses of all bodies; those before `dynamic` can be pushed.
@@ -80,12 +80,12 @@ impl Scale<'_> {
     /// The weight for two colliders, given the normal in the world, the least separation [m] and the load of
     /// a substep [N s].
     pub(crate) fn weigh(&self, [a, b]: [u32; 2], normal: Vec3, separation: f32, load: f32) -> Weight {
-        let body = |c: u32| self.hot[c as usize].body as usize;
+        let body = |c: u32| self.summaries[c as usize].body as usize;
         let motion = |c: u32| self.motion.get(body(c)).copied().unwrap_or_default();
         let pushed = |c: u32| body(c) < self.dynamic;
         let inverse = |c: u32| if pushed(c) { self.mass[body(c)].inverse } else { 0.0 };
         let spin = |c: u32, turn: f32| {
-            let c = &self.hot[c as usize];
+            let c = &self.summaries[c as usize];
             let reach = if c.kind == Kind::Sphere { c.lever } else { c.lever + c.radius };
             if turn > 0.0 { turn * reach } else { 0.0 }
         };

@@ -59,16 +59,16 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     let mut hull = [(Vec2::ZERO, 0usize); MAX_CLOUD];
     let all = convex_hull(&mut seeds[..count], &mut hull);
     let keep = hull[..all].iter().any(|h| h.1 == deepest);
-    let room = if keep { MAX_POINTS } else { MAX_POINTS - 1 };
+    let allowance = if keep { MAX_POINTS } else { MAX_POINTS - 1 };
     let mut left = hull;
-    let corners = drop_least_corners(&mut left, all, room, deepest);
+    let corners = drop_least_corners(&mut left, all, allowance, deepest);
     let mut chosen = [(Vec2::ZERO, deepest); MAX_POINTS];
     let mut kept = 1;
     for &corner in left[..corners].iter().filter(|h| h.1 != deepest).take(MAX_POINTS - 1) {
         chosen[kept] = corner;
         kept += 1;
     }
-    if kept == MAX_POINTS && all > room {
+    if kept == MAX_POINTS && all > allowance {
         exchange_for_area(&mut chosen, &hull[..all]);
     }
     for (to, from) in out.iter_mut().zip(&chosen[..kept]) {
@@ -107,12 +107,12 @@ fn seed_clusters(
     count
 }
 
-/// Drops the corner that takes least area with it until there are `room`, but never the deepest. Says how
+/// Drops the corner that takes least area with it until there are `allowance`, but never the deepest. Says how
 /// many are left.
 #[inline(always)]
-fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, room: usize, deepest: usize) -> usize {
+fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, allowance: usize, deepest: usize) -> usize {
     let mut corners = all;
-    while corners > room {
+    while corners > allowance {
         let area = |i: usize| {
             let (before, this) = (left[(i + corners - 1) % corners].0, left[i].0);
             (this - before).perp_dot(left[(i + 1) % corners].0 - this)

@@ -98,10 +98,10 @@ impl Core {
         let cross = along.cross(e);
         let sine2 = cross.length_squared() / (dd * ee);
         let growth = L::splat(self.growth / self.along.length());
-        let room = sine2 - growth * growth;
-        let crossing = room.gt(L::splat(1e-6)) & det.gt(dd * ee * L::splat(1e-6));
+        let allowance = sine2 - growth * growth;
+        let crossing = allowance.gt(L::splat(1e-6)) & det.gt(dd * ee * L::splat(1e-6));
         let apart = (r.dot(cross)).abs() / cross.length().max(tiny);
-        let shift = apart * growth / (sine2 * room * dd).max(tiny).sqrt();
+        let shift = apart * growth / (sine2 * allowance * dd).max(tiny).sqrt();
         let thick = if self.growth > 0.0 { one } else { zero };
         let s = L::select(crossing, (de * er - dr * ee) / L::select(crossing, det, one) + shift, thick);
         let s = s.clamp(zero, one);

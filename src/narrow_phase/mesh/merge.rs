@@ -7,7 +7,7 @@
 use super::boxes::CORNERS;
 use super::patch::Patches;
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::memory::{Room, bytes_of};
+use crate::memory::{Allowance, bytes_of};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::reduce::reduce;
 use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
@@ -35,9 +35,10 @@ impl Merge {
     }
 
     /// Reserves capacity for these patches; returns whether there was memory.
-    pub(crate) fn has_place(&mut self, of: &Patches, room: &mut Room) -> bool {
+    pub(crate) fn has_place(&mut self, of: &Patches, allowance: &mut Allowance) -> bool {
         let (patches, points) = (of.patches.len(), of.points.len());
-        room.fit(&mut self.place, patches) >= patches && room.fit(&mut self.points, points) >= points
+        allowance.fit(&mut self.place, patches) >= patches
+            && allowance.fit(&mut self.points, points) >= points
     }
 
     /// Adds the manifolds of patches that are sorted, the deepest first.

@@ -26,7 +26,7 @@ pub(crate) mod triangle_contact;
 
 use super::{RawManifold, RawPoint, Relative};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::memory::{Buffer, Buffers, Room};
+use crate::memory::{Allowance, Buffer, Buffers};
 use crate::narrow_phase::convex::clip::CLOUD;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -138,7 +138,7 @@ pub(crate) struct MeshScratch {
     patches: Patches,
     merge: Merge,
     /// What its buffers may still grow by.
-    pub(crate) room: Room,
+    pub(crate) allowance: Allowance,
     /// How much was left out because they could not: triangles, or points of manifolds.
     pub(crate) shed: u32,
 }
@@ -189,7 +189,7 @@ impl MeshScratch {
 
     /// The buffer for triangles, if there is memory.
     pub(crate) fn nearby(&mut self) -> Option<&mut Nearby> {
-        self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
+        self.nearby.has_place(&mut self.allowance).then_some(&mut self.nearby)
     }
 
     /// Calls `f` with each buffer and the capacity that it needs if it may not grow: for the triangles that
@@ -230,8 +230,8 @@ pub(crate) fn collide_mesh(
 ) -> bool {
     let Some(ground) = Ground::of(b) else { return false };
     let Some(shape) = Shape::of(a, Pose::new(rel.position, rel.rotation)) else { return false };
-    let MeshScratch { nearby, patches, merge, room, shed } = scratch;
-    if !nearby.has_place(room) {
+    let MeshScratch { nearby, patches, merge, allowance, shed } = scratch;
+    if !nearby.has_place(allowance) {
         *shed += 1;
         return false;
     }
@@ -256,7 +256,7 @@ pub(crate) fn collide_mesh(
         for (eight, lanes) in found.each() {
             // There must be capacity for all that these triangles may yield: the functions below don't check
             // it.
-            if !room.is_endless() && !patches.has_place(8, each, room) {
+            if !allowance.is_endless() && !patches.has_place(8, each, allowance) {
                 *shed += 1;
                 return;
             }
@@ -266,9 +266,9 @@ pub(crate) fn collide_mesh(
         }
     });
     shape.finish(patches);
-    if !room.is_endless() {
+    if !allowance.is_endless() {
         let place = out.len() + MAX_MANIFOLDS;
-        if !merge.has_place(patches, room) || room.fit(out, place) < place {
+        if !merge.has_place(patches, allowance) || allowance.fit(out, place) < place {
             *shed += 1;
             return true;
         }

@@ -4,7 +4,7 @@
 //! and where it hits something does both again: mostly among the same few triangles. Walking the tree and
 //! gathering corners costs more than most of these tests.
 
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::shape::{Collider, Corners, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
@@ -115,8 +115,8 @@ impl Nearby {
     }
 
     /// Whether there is memory for the triangles.
-    pub(crate) fn has_place(&mut self, room: &mut Room) -> bool {
-        if room.fit(&mut self.eights, CHUNK) < CHUNK {
+    pub(crate) fn has_place(&mut self, allowance: &mut Allowance) -> bool {
+        if allowance.fit(&mut self.eights, CHUNK) < CHUNK {
             return false;
         }
         self.eights.resize(CHUNK, Eight::default());

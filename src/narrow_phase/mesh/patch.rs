@@ -18,7 +18,7 @@
 //!    tells which side of the surface that is on.
 
 use super::RawPoint;
-use crate::memory::{Room, bytes_of};
+use crate::memory::{Allowance, bytes_of};
 use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::shape::{Edges, FLAT_COSINE, Fold};
 use glam::Vec3;
@@ -213,11 +213,11 @@ impl Patches {
         parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     }
     /// Reserves capacity for what so many further triangles may yield; returns whether there was memory.
-    pub(crate) fn has_place(&mut self, triangles: usize, points: usize, room: &mut Room) -> bool {
+    pub(crate) fn has_place(&mut self, triangles: usize, points: usize, allowance: &mut Allowance) -> bool {
         let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);
-        room.fit(&mut self.touches, patches) >= patches
-            && room.fit(&mut self.patches, patches) >= patches
-            && room.fit(&mut self.points, points) >= points
+        allowance.fit(&mut self.touches, patches) >= patches
+            && allowance.fit(&mut self.patches, patches) >= patches
+            && allowance.fit(&mut self.points, points) >= points
     }
     pub(crate) fn clear(&mut self) {
         self.touches.clear();

@@ -92,7 +92,7 @@ pub(super) fn moving(entrant: &Entrant, group: &[usize]) -> Moving {
     let mut centre = DVec3::ZERO;
     let indices = || group.iter().filter_map(|&body| world.index(entrant.bodies[body]).ok());
     for i in indices() {
-        let m = f64::from(world.bodies.cold[i].mass);
+        let m = f64::from(world.bodies.details[i].mass);
         all.mass += m;
         centre += world.bodies.pose[i].position * m;
         all.momentum += world.bodies.velocity[i].linear.as_dvec3() * m;
@@ -100,7 +100,7 @@ pub(super) fn moving(entrant: &Entrant, group: &[usize]) -> Moving {
     centre /= all.mass;
     for i in indices() {
         let (pose, v) = (&world.bodies.pose[i], &world.bodies.velocity[i]);
-        let m = f64::from(world.bodies.cold[i].mass);
+        let m = f64::from(world.bodies.details[i].mass);
         let turn: DQuat = pose.rotation.as_dquat().normalize();
         let local = turn.conjugate() * v.angular.as_dvec3();
         let own = world.bodies.mass[i].inertia.as_dvec3() * local;
@@ -117,7 +117,7 @@ pub(super) fn apart(one: &Entrant, other: &Entrant, group: &[usize]) -> f64 {
     let of = |body: usize| {
         let (i, k) = (one.world.index(one.bodies[body]).ok()?, other.world.index(other.bodies[body]).ok()?);
         let (p, q) = (&one.world.bodies.pose[i], &other.world.bodies.pose[k]);
-        let hot = |&c: &u32| &one.world.colliders.hot[c as usize];
+        let hot = |&c: &u32| &one.world.colliders.summaries[c as usize];
         let own = one.world.bodies.colliders[i].as_slice().iter().map(hot);
         // The rotation of a ball does not matter.
         let reach = own.fold(0.0_f32, |r, hot| {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::memory::Room;
+use crate::memory::Allowance;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
@@ -138,7 +138,7 @@ fn meshes_and_height_fields_answer_like_their_triangles() {
         let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
         for other in [&mesh, &field] {
             let mut nearby = Nearby::default();
-            assert!(nearby.has_place(&mut Room::default()));
+            assert!(nearby.has_place(&mut Allowance::default()));
             nearby.expect(Some((centre - Vec3::ONE, centre + Vec3::new(0.5, 0.0, 0.1))));
             // From the tree, gathered, and held from before.
             for gathered in 0..3 {

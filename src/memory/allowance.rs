@@ -2,13 +2,13 @@
 
 /// Bytes that buffers may still grow by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Room {
+pub(crate) struct Allowance {
     left: usize,
 }
 
-impl Default for Room {
+impl Default for Allowance {
     fn default() -> Self {
-        Room::ENDLESS
+        Allowance::ENDLESS
     }
 }
 
@@ -32,13 +32,13 @@ fn generous<T>(before: usize, len: usize) -> usize {
     len.max(before + more)
 }
 
-impl Room {
+impl Allowance {
     /// No limit: the world has no budget.
-    pub(crate) const ENDLESS: Room = Room { left: usize::MAX };
+    pub(crate) const ENDLESS: Allowance = Allowance { left: usize::MAX };
 
-    pub(crate) fn new(left: usize) -> Room {
+    pub(crate) fn new(left: usize) -> Allowance {
         // `usize::MAX` means no limit.
-        Room { left: left.min(usize::MAX - 1) }
+        Allowance { left: left.min(usize::MAX - 1) }
     }
 
     #[inline]
@@ -51,12 +51,12 @@ impl Room {
     }
 
     /// An equal share for each of `parts`, which work at the same time and must not depend on each other.
-    pub(crate) fn share(&self, parts: usize) -> Room {
-        if self.is_endless() { *self } else { Room { left: self.left / parts.max(1) } }
+    pub(crate) fn share(&self, parts: usize) -> Allowance {
+        if self.is_endless() { *self } else { Allowance { left: self.left / parts.max(1) } }
     }
 
     /// Lets `f` use up to one of `parts` equal shares.
-    pub(crate) fn within<R>(&mut self, parts: usize, f: impl FnOnce(&mut Room) -> R) -> R {
+    pub(crate) fn within<R>(&mut self, parts: usize, f: impl FnOnce(&mut Allowance) -> R) -> R {
         let whole = self.share(parts);
         let mut share = whole;
         let result = f(&mut share);
@@ -129,7 +129,7 @@ pub(crate) trait Buffer {
     /// Bytes that it would take to have place for `len` elements in all.
     fn missing(&self, len: usize) -> usize;
     /// Makes place for `len` elements in all, not for more.
-    fn widen(&mut self, len: usize);
+    fn reserve_total(&mut self, len: usize);
 }
 
 impl<T> Buffer for Vec<T> {
@@ -139,7 +139,7 @@ impl<T> Buffer for Vec<T> {
     fn missing(&self, len: usize) -> usize {
         len.saturating_sub(self.capacity()) * size_of::<T>()
     }
-    fn widen(&mut self, len: usize) {
+    fn reserve_total(&mut self, len: usize) {
         if len > self.capacity() {
             self.reserve_exact(len - self.len());
         }
@@ -162,8 +162,8 @@ impl<T> Buffer for Made<'_, T> {
     fn missing(&self, len: usize) -> usize {
         self.all.missing(len) + len.saturating_sub(self.all.len()) * self.holds
     }
-    fn widen(&mut self, len: usize) {
-        self.all.widen(len);
+    fn reserve_total(&mut self, len: usize) {
+        self.all.reserve_total(len);
         self.all.resize_with(len.max(self.all.len()), self.make);
     }
 }
@@ -183,7 +183,7 @@ const MOST: usize = 12;
 /// Gives the buffers of all blocks the capacities of the largest. Which block needs most changes from step to
 /// step; when the next one needs as much, there is place already, so a scene that moves doesn't make buffers
 /// grow for ever.
-pub(crate) fn even_out<B: Buffers>(blocks: &mut [B], marks: &mut Marks, room: &mut Room) {
+pub(crate) fn even_out<B: Buffers>(blocks: &mut [B], marks: &mut Marks, allowance: &mut Allowance) {
     // The second pass is for those that came before the one that has grown.
     for _ in 0..2 {
         let before = marks.0;
@@ -193,9 +193,9 @@ pub(crate) fn even_out<B: Buffers>(blocks: &mut [B], marks: &mut Marks, room: &m
                 let mark = &mut marks.0[i];
                 *mark = buffer.capacity().max(*mark);
                 let missing = buffer.missing(*mark);
-                if missing > 0 && missing <= room.left() {
-                    room.take(missing);
-                    buffer.widen(*mark);
+                if missing > 0 && missing <= allowance.left() {
+                    allowance.take(missing);
+                    buffer.reserve_total(*mark);
                 }
                 i += 1;
             });
@@ -221,33 +221,33 @@ mod tests {
 
     #[test]
     fn a_buffer_grows_as_far_as_the_room_goes_and_no_further() {
-        let mut room = Room::new(100);
+        let mut allowance = Allowance::new(100);
         let mut buffer: Vec<u64> = Vec::new();
-        assert_eq!((room.fit(&mut buffer, 10), room.left()), (10, 20));
+        assert_eq!((allowance.fit(&mut buffer, 10), allowance.left()), (10, 20));
         // Three more would take 24 bytes.
-        assert_eq!((room.fit(&mut buffer, 13), room.left()), (12, 4));
-        let pushed = (0..20).filter(|&i| room.push(&mut buffer, i)).count();
+        assert_eq!((allowance.fit(&mut buffer, 13), allowance.left()), (12, 4));
+        let pushed = (0..20).filter(|&i| allowance.push(&mut buffer, i)).count();
         assert_eq!((pushed, buffer.len(), buffer.capacity()), (12, 12, 12));
     }
 
     #[test]
     fn without_a_budget_everything_fits() {
-        let mut room = Room::ENDLESS;
+        let mut allowance = Allowance::ENDLESS;
         let mut buffer: Vec<u64> = Vec::new();
-        assert_eq!(room.fit(&mut buffer, 1000), 1000);
-        assert!((0..5000).all(|i| room.push(&mut buffer, i)));
-        assert!(room.is_endless() && room.share(7).is_endless());
+        assert_eq!(allowance.fit(&mut buffer, 1000), 1000);
+        assert!((0..5000).all(|i| allowance.push(&mut buffer, i)));
+        assert!(allowance.is_endless() && allowance.share(7).is_endless());
     }
 
     #[test]
     fn all_blocks_have_the_place_of_the_largest() {
         let mut blocks: Vec<Two> = (0..4).map(|i| Two(Vec::with_capacity(i), Vec::new())).collect();
         blocks[1].1.reserve_exact(7);
-        let (mut marks, mut room) = (Marks::default(), Room::new(1000));
-        even_out(&mut blocks, &mut marks, &mut room);
+        let (mut marks, mut allowance) = (Marks::default(), Allowance::new(1000));
+        even_out(&mut blocks, &mut marks, &mut allowance);
         assert!(blocks.iter().all(|b| b.0.capacity() == 3 && b.1.capacity() == 7));
-        assert_eq!(room.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
-        even_out(&mut blocks, &mut marks, &mut room);
-        assert_eq!(room.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
+        assert_eq!(allowance.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
+        even_out(&mut blocks, &mut marks, &mut allowance);
+        assert_eq!(allowance.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
     }
 }
