@@ -181,6 +181,7 @@ impl BestFace {
         Some(BestFace { face, normal, offset, separation, seen })
     }
 
+    #[inline(always)]
     fn sees(&self, face: u16) -> bool {
         face as usize >= 64 * FACE_WORDS || self.seen[usize::from(face) / 64] >> (face % 64) & 1 != 0
     }
