@@ -6,6 +6,7 @@
 use crate::body::{Bodies, BodyKind, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, BroadStats, GiveUp, Mover, Pair, Rules, aabb_of};
 use crate::config::Continuous;
+use crate::config::tuning::FAT_MARGIN;
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Allowances, Buffer, Category, bytes_of};
@@ -46,9 +47,6 @@ impl Buffers {
     }
 }
 
-/// Widest margin of a fat box [length units]: wider, and more pairs are looked at in vain; narrower, and boxes are made
-/// anew more often.
-const MARGIN: f32 = 0.1;
 /// Bodies whose movers are made before the broad phase takes them in: they stay in the nearest cache, and few buffers hold
 /// them.
 const WAVE: usize = 8 * BLOCK;
@@ -127,7 +125,7 @@ pub(crate) fn place(
                 }
             }
         });
-        broad.place_movers(movers, MARGIN * input.unit);
+        broad.place_movers(movers, FAT_MARGIN * input.unit);
     }
 }
 

@@ -3,6 +3,7 @@
 //! One rotation waits for the one before it, so that a single body leaves most of a processor idle; four side
 //! by side take hardly longer than one.
 
+use crate::config::tuning::{FREE_TURN_PART, FREE_TURN_PARTS};
 use crate::lanes::f64x4;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::array::from_fn;
@@ -22,21 +23,15 @@ pub(crate) struct FreeTurn {
 /// How many are turned at once.
 pub(crate) const FREE: usize = 4;
 
-/// A body whose axis may wander by more than this at once is turned in several parts [rad], of which there
-/// are no more than [`PARTS`]. At 100 rad/s and 60 Hz the energy of a body with moments as 1, 1.7 and 2.3
-/// swings by 1 %; at twice as much by 4 %.
-const TURN: f32 = 0.05;
-const PARTS: f32 = 16.0;
-
 impl FreeTurn {
     /// In how many parts the motion is resolved.
     fn wanted(&self) -> f32 {
-        (wobble(self.spin, self.inertia) * self.time / TURN).ceil()
+        (wobble(self.spin, self.inertia) * self.time / FREE_TURN_PART).ceil()
     }
 
     /// In how many it is turned.
     pub(crate) fn parts(&self) -> u32 {
-        self.wanted().clamp(1.0, PARTS) as u32
+        self.wanted().clamp(1.0, FREE_TURN_PARTS) as u32
     }
 
     /// Turned by itself.
@@ -194,7 +189,7 @@ impl Top {
             around: (f64::from(inverse[axis]) - across) * h,
             rest: 0.25 * (i - j) * h,
             parts,
-            is_short: turn.wanted() > PARTS,
+            is_short: turn.wanted() > FREE_TURN_PARTS,
         }
     }
 

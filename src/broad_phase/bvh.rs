@@ -7,6 +7,7 @@
 //! Four children: Dammertz et al., *Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing* (2008).
 
 use super::Aabb;
+use crate::config::tuning::TREE_AREA_GROWTH;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
 use crate::shape::{FourTree, boxes_meet};
@@ -102,10 +103,6 @@ pub(crate) struct Tree {
     /// Ranges of items to be made a node of: start, end, place in the parent.
     tasks: Vec<(u32, u32, u32)>,
 }
-
-/// From this growth of its area on a tree is built anew. A tree of resting bodies never gets there, one of
-/// bodies that fly apart only after each growth by half.
-const AREA_GROWTH: f32 = 1.5;
 
 impl Tree {
     pub(super) fn leaves(&self) -> usize {
@@ -250,7 +247,7 @@ impl Tree {
         }
         if all || self.moved > self.leaves {
             self.moved = 0;
-            return self.refit_all() > self.built_area * AREA_GROWTH;
+            return self.refit_all() > self.built_area * TREE_AREA_GROWTH;
         }
         false
     }

@@ -3,6 +3,7 @@
 use super::bvh::NONE;
 use super::{Aabb, LARGEST, Mover};
 use crate::config::Continuous;
+use crate::config::tuning::{FAT_SHARE, FAT_STEPS_AHEAD, LEAST_FAT_SHARE};
 use glam::{Vec3, Vec3A};
 
 /// The role of a collider in the broad phase. The order decides which of two reports their pair.
@@ -37,13 +38,6 @@ impl Proxy {
     pub(super) const NONE: Proxy = Proxy { bounds: Aabb::EMPTY, place: NONE, path: NONE };
 }
 
-/// A fat box is wider than needed by this share of the mover's longest side ...
-const FAT: f32 = 0.1;
-/// ... but at most by the margin, and at least by this share of it: what is small also moves.
-const LEAST_FAT: f32 = 0.1;
-/// A fat box reaches ahead by the motion of this many steps, at most by the margin: a falling body needs a
-/// new one every few steps instead of every one or two.
-const STEPS_AHEAD: f32 = 4.0;
 /// Bound on the rounding error of a sum as a share of its terms: two units of 2^-24, doubled.
 const ROUNDING: f32 = 4.0 / (1 << 24) as f32;
 /// The same for the lengths of a swept box: more than what the test of two paths is widened by, so that the
@@ -54,7 +48,7 @@ const ROUNDING_SWEPT: f32 = 8.0 * ROUNDING;
 #[inline]
 pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
     let size = (mover.aabb.max - mover.aabb.min).max_element();
-    let own = (size * FAT).max(margin * LEAST_FAT).min(margin);
+    let own = (size * FAT_SHARE).max(margin * LEAST_FAT_SHARE).min(margin);
     let rest = own - mover.spin;
     // Written so that a NaN, which the caller should have refused, counts as fast and is tamed there.
     let slow = rest >= 0.0 && mover.motion.length_squared() <= rest * rest;
@@ -65,7 +59,7 @@ pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
 /// cheap question first: what moves less than the least of margins needn't be measured.
 #[inline]
 pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
-    let least = margin * LEAST_FAT - mover.spin;
+    let least = margin * LEAST_FAT_SHARE - mover.spin;
     let still = least >= 0.0 && mover.motion.length_squared() <= least * least;
     if !still && margin_of(mover, margin).1 {
         return false;
@@ -95,7 +89,7 @@ pub(super) fn needs(mover: &Mover) -> Aabb {
 pub(super) fn fat_box(mover: &Mover, margin: f32) -> Aabb {
     let Aabb { min, max } = needs(mover);
     let limit = Vec3::splat(margin);
-    let ahead = tamed(mover).motion * STEPS_AHEAD;
+    let ahead = tamed(mover).motion * FAT_STEPS_AHEAD;
     let ahead = ahead.clamp(-limit, limit);
     let reach = limit + min.abs().max(max.abs()) * ROUNDING;
     Aabb { min: min + ahead.min(Vec3::ZERO) - reach, max: max + ahead.max(Vec3::ZERO) + reach }

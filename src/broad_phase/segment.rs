@@ -6,6 +6,7 @@
 //! lengths at hand and not to the distance from the world's origin.
 
 use super::{Aabb, LARGEST, Mover};
+use crate::config::tuning::LONG_PATH;
 use crate::lanes::{Lanes, Vec3};
 use crate::shape::path_hits_boxes;
 
@@ -15,10 +16,6 @@ const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 /// The same for boxes of inner nodes: wide enough that rounding never hides a box that would answer yes by
 /// itself.
 const ROUNDING_INNER: f32 = 4.0 * ROUNDING;
-
-/// A path longer than this many of its boxes is looked along; of a shorter one the box around it is searched,
-/// which costs a third, and finds few that the path misses (scene `bullets`: from 8 on no difference).
-const LONG: f32 = 8.0;
 
 /// The segment that a fast mover moves along within the step.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +66,7 @@ impl Path {
 
     /// Whether the box around all of it holds much more than the path itself.
     pub(super) fn is_long(&self) -> bool {
-        self.half.abs().cmpgt(self.extent * LONG).any()
+        self.half.abs().cmpgt(self.extent * LONG_PATH).any()
     }
 
     /// A path of a step that is over: only its collider matters.

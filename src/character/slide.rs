@@ -6,13 +6,10 @@
 use super::planes::Planes;
 use super::shape::Shape;
 use super::step::step_up;
+use crate::config::tuning::SLIDING_SLOPE;
 use crate::error::Error;
 use crate::query::ShapeHit;
 use glam::DVec3;
-
-/// A slope that leaves less than this share of a fall is a stop, and no slope to slide down: that of 7
-/// degrees.
-const SLIDES: f64 = 1.0 / 64.0;
 
 /// Steps that a walk tries to climb.
 const MOST_STEPS: u32 = 4;
@@ -162,7 +159,7 @@ impl Slide {
         let (_, left) = shape.split(self.planes.clip(self.steep.clip(across)));
         let rise = if rise > 0.0 {
             shape.split(self.fly(across, shape.up * rise)).0
-        } else if moved > SLIDES * rise {
+        } else if moved > SLIDING_SLOPE * rise {
             moved
         } else {
             // Sliding is frictionless: gravity accelerates along a slope by its full component in that

@@ -22,7 +22,7 @@ pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
 pub(crate) use joint::arrange::{JointInput, JointRows, JointStage};
 pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointType, WIDEST_JOINT_BATCH};
-pub(crate) use joint::nets::{FOLLOWED, NetInput};
+pub(crate) use joint::nets::NetInput;
 pub(crate) use joint::run::JointViews;
 #[cfg(feature = "lab")]
 pub(crate) use joint::store::RowImpulse;

@@ -2,8 +2,8 @@
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::body::{Pose, exp_map};
-use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
-use crate::narrow_phase::{Contact, GHOST_GAP, NONE, Point, Relative, Support, distance};
+use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP, TOUCH_DISTANCE};
+use crate::narrow_phase::{Contact, NONE, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry, Kind};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};

@@ -3,8 +3,9 @@
 //! A forearm whirls through a thin wall while its centre stays in front of it, and hooks in there. So of bodies in trees the
 //! two ends of each long shape's core are looked at as well, and the tree stops before one of them crosses what is static.
 
-use super::guard::{GRAZE, Guard, KEEP, stop};
+use super::guard::{Guard, stop};
 use crate::body::Pose;
+use crate::config::tuning::{GUARD_DISTANCE, GUARD_GRAZE, SLOW_END};
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
@@ -18,9 +19,6 @@ pub(super) struct Crossing {
     /// Of what it would cross, against its motion.
     pub(super) normal: Vec3,
 }
-
-/// Of the ball that fits into a shape, how far an end may move in a step and still be slow.
-const SLOW: f32 = 0.25;
 
 impl Guard<'_> {
     /// The first end of a body's shapes that crosses static geometry on its way from pose to pose.
@@ -43,8 +41,9 @@ impl Guard<'_> {
                 let way = (after.position + arm.as_dvec3() - from).as_vec3();
                 let length = way.length();
                 // What is slow keeps less of a distance, or limbs that lie somewhere would be held for nothing.
-                let slow = length <= SLOW * collider.inner_radius;
-                let keep = if slow { GRAZE * KEEP } else { KEEP } * collider.inner_radius;
+                let slow = length <= SLOW_END * collider.inner_radius;
+                let keep =
+                    if slow { GUARD_GRAZE * GUARD_DISTANCE } else { GUARD_DISTANCE } * collider.inner_radius;
                 if length == 0.0 || slow && self.is_free(stack, own, from, way, keep) {
                     continue;
                 }

@@ -19,6 +19,7 @@
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
+use crate::config::tuning::{GUARD_DISTANCE, GUARD_GRAZE, GUARD_HOLLOW};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hits};
@@ -61,13 +62,6 @@ pub(crate) struct Counts {
     pub(crate) settled: u32,
 }
 
-/// Share of the inner ball that a centre keeps from a surface when it is held.
-pub(super) const KEEP: f32 = 0.25;
-/// Share of that distance that it keeps when it runs along a surface.
-pub(super) const GRAZE: f32 = 0.25;
-/// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
-const HOLLOW: f32 = 1e-3;
-
 impl Guard<'_> {
     /// Radius of a ball that fits into the body [m].
     pub(super) fn inner(&self, own: &[u32]) -> f32 {
@@ -79,7 +73,7 @@ impl Guard<'_> {
         if c.is_sensor() {
             return 0.0;
         }
-        if c.inner_radius > 0.0 { c.inner_radius } else { HOLLOW * c.radius }
+        if c.inner_radius > 0.0 { c.inner_radius } else { GUARD_HOLLOW * c.radius }
     }
 
     /// Whether a body bounces off others of its kind.
@@ -146,16 +140,16 @@ impl Guard<'_> {
         moved: &mut Vec3,
         velocity: &mut Record,
     ) -> Option<(Held, Vec3)> {
-        let keep = KEEP * self.inner(own);
+        let keep = GUARD_DISTANCE * self.inner(own);
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
-        if self.is_free(stack, own, from, reach, GRAZE * keep) {
+        if self.is_free(stack, own, from, reach, GUARD_GRAZE * keep) {
             return None;
         }
         let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
             return self
-                .keep_off(stack, own, from, moved, GRAZE * keep)
+                .keep_off(stack, own, from, moved, GUARD_GRAZE * keep)
                 .then_some((Held::Lifted, Vec3::ZERO));
         };
         let stop = stop(reach, length, keep, fraction, normal)?;
@@ -276,7 +270,7 @@ impl Guard<'_> {
             if length == 0.0 || !self.wants(&bodies.traits[i], own) {
                 continue;
             }
-            let keep = KEEP * self.inner(own);
+            let keep = GUARD_DISTANCE * self.inner(own);
             let reach = moved * (1.0 + keep / length);
             let Some(hit) = segment_hits(wall, start, start + reach) else { continue };
             let Some(stop) = stop(reach, length, keep, hit.fraction, hit.normal) else { continue };

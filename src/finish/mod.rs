@@ -16,14 +16,14 @@ mod turned;
 pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
-use moving::{FAR, Moving, Off, STRAYS};
+use moving::{FAR, Moving, Off};
 use passing::Movers;
 use settle::{Tools, settle_strays};
 use trees::Trees;
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair, STACK};
-use crate::config::tuning::TOUCH_DISTANCE;
+use crate::config::tuning::{STRAY_DISTANCE, TOUCH_DISTANCE};
 use crate::config::{Continuous, Settings};
 use crate::constraint::{JointRows, Restitution, Rows, TreeSlot};
 use crate::forces::Forces;
@@ -214,8 +214,13 @@ fn move_all(
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
-    let off =
-        Off { motion: &forces.motion, start: &forces.start, summaries, least: STRAYS * unit, dt: input.dt };
+    let off = Off {
+        motion: &forces.motion,
+        start: &forces.start,
+        summaries,
+        least: STRAY_DISTANCE * unit,
+        dt: input.dt,
+    };
     let moving = Moving {
         guard,
         velocity: Shared::new(velocity),

@@ -6,6 +6,7 @@ use super::guard::{Guard, Held};
 use super::turned::Turned;
 use super::{BLOCK, Beside};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, carry_spin, exp_map};
+use crate::config::tuning::FREE_SPIN_IN_TOUCH;
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
@@ -15,9 +16,6 @@ use crate::threads::Shared;
 use glam::{Quat, Vec3};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// A body in touch that turns by more than this in a step turns as a free one does [rad].
-const WHIRLS: f32 = 0.5;
 
 /// What the threads that move bodies share.
 pub(super) struct Moving<'a> {
@@ -151,7 +149,9 @@ impl Moving<'_> {
             && !carried
             && spins_freely(&self.mass[i], &self.traits[i], velocity.angular, self.dt)
         {
-            if d.angular.length_squared() > WHIRLS * WHIRLS && self.guard.is_elastic(own) {
+            if d.angular.length_squared() > FREE_SPIN_IN_TOUCH * FREE_SPIN_IN_TOUCH
+                && self.guard.is_elastic(own)
+            {
                 // About an axis that stands still a rod that spins about its own would hardly tilt, and sink into
                 // what lifts its end. Its spin keeps its energy, as seen from the body.
                 let (rotation, spin) = (pose.rotation, d.angular / self.dt);
@@ -267,8 +267,6 @@ impl Off<'_> {
 
 /// Marks a stray, where others have whether they were touched.
 pub(super) const STRAY: f32 = -1.0;
-/// Who ends further from where it was predicted to be strays [length units].
-pub(super) const STRAYS: f32 = 0.0025;
 
 /// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.
 #[cold]

@@ -7,9 +7,10 @@
 //! lighter one gives way. If it goes right into it, or both have joints and can't be moved alone, both stop on their ways. The
 //! speed with which they close is taken away as by an impulse there.
 
-use super::guard::{Guard, KEEP, stop};
+use super::guard::{Guard, stop};
 use crate::body::{Bodies, Pose, carry_spin};
 use crate::broad_phase::Pair;
+use crate::config::tuning::{GUARD_DISTANCE, PASSING_STEEPNESS};
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::lanes::Record;
 use crate::narrow_phase::segment_hits;
@@ -22,8 +23,6 @@ const MOVED: f32 = 2.0;
 const PASSES: usize = 8;
 /// From this pass on bodies go back to where they were: nothing between helped.
 const RETURNING: usize = 5;
-/// What goes into a surface by more than this share of its way is not led along it.
-const STEEP: f32 = 0.5;
 
 /// What is known of the bodies, and what is done to them.
 pub(super) struct Movers<'a> {
@@ -102,7 +101,7 @@ impl Guard<'_> {
         let along = (-start.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
         // From shape to shape at the start, from centre to centre at the end; a little further than the motion, as below.
         let reach = a.radius.max(b.radius) + 2.0 * (a.lever + b.lever);
-        (start + way * along).length() > 1.01 * reach + KEEP * a.radius.max(b.radius)
+        (start + way * along).length() > 1.01 * reach + GUARD_DISTANCE * a.radius.max(b.radius)
     }
 
     /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.
@@ -183,7 +182,7 @@ impl Guard<'_> {
             return None;
         }
         let inner = self.inner(own);
-        let keep = KEEP * inner;
+        let keep = GUARD_DISTANCE * inner;
         let reach = moved * (1.0 + keep / length);
         // Past the ball around the shape: most pairs by far.
         let along = (-start.dot(reach) / reach.length_squared()).clamp(0.0, 1.0);
@@ -196,7 +195,7 @@ impl Guard<'_> {
         Some(Passing {
             stop: (stop * (length + keep) / length).min(1.0),
             normal: new.rotation * hit.normal,
-            lift: (height > -STEEP * length).then_some((inner - height).max(0.0)),
+            lift: (height > -PASSING_STEEPNESS * length).then_some((inner - height).max(0.0)),
         })
     }
 }

@@ -14,10 +14,11 @@
 
 use super::ends::ends_of;
 use super::guard::{Counts, Guard, Held};
-use super::moving::{STRAY, STRAYS, is_in_range, stop_body};
+use super::moving::{STRAY, is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
+use crate::config::tuning::STRAY_DISTANCE;
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Allowance, Buffer, bytes_of};
@@ -90,7 +91,7 @@ pub(super) fn settle_strays(
             traits: &bodies.traits[i],
             pull: acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
             slop,
-            least: (STRAYS * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
+            least: (STRAY_DISTANCE * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
         };
         let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
         let whence = *pose;

@@ -6,6 +6,7 @@
 use super::FAR;
 use super::guard::Guard;
 use crate::body::{Bodies, Pose, exp_map};
+use crate::config::tuning::{CENTRE_ASIDE, STUCK_TREE, STUCK_TREE_SPEED};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::{Closing, JointRows, Rows, TreeSlot};
 use crate::lanes::Record;
@@ -44,11 +45,11 @@ impl Trees<'_> {
                     (delta[i].linear, delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
                 }
             }
-            if any || share < STUCK {
+            if any || share < STUCK_TREE {
                 // Or it would hang there, ever faster. What is slow enough is not looked at, and slips off.
                 for i in joints.bodies_of(seat) {
                     let v = &mut bodies.velocity[i];
-                    (v.linear, v.angular) = (v.linear * SLOWED, v.angular * SLOWED);
+                    (v.linear, v.angular) = (v.linear * STUCK_TREE_SPEED, v.angular * STUCK_TREE_SPEED);
                 }
             }
             for i in self.joints.bodies_of(seat) {
@@ -75,12 +76,6 @@ impl Trees<'_> {
     }
 }
 
-/// A tree that goes no more than this share of its way is as good as stuck, and what is left of its speed then.
-const STUCK: f32 = 0.25;
-const SLOWED: f32 = 0.5;
-/// A centre that is in the way by no more than this of its body's inner ball is moved aside alone.
-const ASIDE: f32 = 0.1;
-
 /// Keeps a body's centre from crossing something static; says whether an end of it still would, or the centre had to be moved
 /// far.
 fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut Record, i: usize) -> bool {
@@ -90,7 +85,7 @@ fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut
     }
     let (before, mut moved) = (&bodies.pose[i], d.linear);
     guard.hold(stack, own, before.position, &mut moved, &mut bodies.velocity[i]);
-    let aside = (moved - d.linear).length() > ASIDE * guard.inner(own);
+    let aside = (moved - d.linear).length() > CENTRE_ASIDE * guard.inner(own);
     d.linear = moved;
     let after = Pose {
         position: before.position + d.linear.as_dvec3(),

@@ -8,6 +8,7 @@ use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
+use crate::config::tuning::FACE_SINK;
 use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Allowances, Buffer, Category, Slab, bytes_of};
@@ -180,9 +181,6 @@ pub(crate) struct NarrowStats {
 const KEPT: u8 = u8::MAX;
 /// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
-/// How many times further two bodies with a whole face between them may move along its normal than past each
-/// other.
-const SINK: f32 = 4.0;
 /// Pairs a block, a multiple of the lanes: with fewer, claiming blocks costs time; with more, threads end at
 /// different times.
 const BLOCK: usize = per_block(128, 8);
@@ -429,7 +427,7 @@ fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
 fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
     let along = contact.normal.dot(*moved);
     let sinks =
-        contact.count as usize == MAX_POINTS && contact.next == NO_CONTACT && along.abs() < SINK * limit;
+        contact.count as usize == MAX_POINTS && contact.next == NO_CONTACT && along.abs() < FACE_SINK * limit;
     if sinks { (*moved - contact.normal * along).length_squared() } else { moved.length_squared() }
 }
 

@@ -19,7 +19,7 @@ pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
-pub(crate) use contacts::contact::{Contact, Contacts, LOAD_TIME, NO_CONTACT as NONE, Point, UNKNOWN_LOAD};
+pub(crate) use contacts::contact::{Contact, Contacts, NO_CONTACT as NONE, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};
@@ -29,7 +29,6 @@ pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
-pub(crate) use pair_policy::GHOST_GAP;
 pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron, segment_hits};
 
 /// What `bench` times beside what other stages use.

@@ -45,7 +45,7 @@
 //! sensor) is decided before, by [`collide`](super::collide).
 
 use super::cast::ahead::{
-    MeshPair, NO_GAP, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
+    MeshPair, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
     manifold_at_closest_pass, manifold_at_first_touch, manifold_at_half_step, manifold_later_on_path,
     motion_of, right_way_out, strikes, touches_mesh, would_push,
 };
@@ -62,12 +62,10 @@ use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::config::Start;
+use crate::config::tuning::{GHOST_GAP, NO_GAP};
 use crate::shape::{Collider, Kind};
 use crate::threads::Shared;
 use std::cell::OnceCell;
-
-/// A gap that a push should have closed counts as a ghost above this many margins.
-pub(crate) const GHOST_GAP: f32 = 0.5;
 
 /// A pair of the step, where its shapes are and how they move.
 #[derive(Clone, Copy)]

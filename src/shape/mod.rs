@@ -24,7 +24,7 @@ pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
-pub(crate) use mesh::edges::{Edges, FLAT_COSINE, Fold};
+pub(crate) use mesh::edges::{Edges, Fold};
 pub(crate) use mesh::rays::TriangleRays;
 pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
 #[cfg(feature = "replay")]

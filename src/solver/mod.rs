@@ -8,13 +8,16 @@ mod impact_body;
 mod pass;
 
 use crate::body::Bodies;
+use crate::config::tuning::{
+    BOUNCE_TOGETHER, FOLLOWED_TURN, JOINT_DAMPING, JOINT_HERTZ, JOINT_OPEN, JOINT_PUSH_SPEED,
+    STIFFEST_SPRING_SHARE, SWIFT_DISTANCE,
+};
 use crate::config::tuning::{LOAD_SHIFT_SPEED, TOUCH_DISTANCE};
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::contact::row::{Motion, Softness};
 use crate::constraint::{
-    Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
-    usual_substep,
+    Closing, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views, usual_substep,
 };
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
@@ -92,7 +95,7 @@ pub(crate) fn solve(
 
     state.usual_h = usual_substep(state.usual_h, h);
     let count = settings.iterations + 1;
-    let hertz = settings.contact_hertz.min(CALM * Softness::stiffest(count, state.usual_h));
+    let hertz = settings.contact_hertz.min(STIFFEST_SPRING_SHARE * Softness::stiffest(count, state.usual_h));
     // What is fixed is twice as stiff; both are too stiff for a substep or none is.
     let spring = Softness::for_substep(hertz, settings.contact_damping, count, h);
     let fixed = Softness::new(2.0 * hertz, settings.contact_damping, h);
@@ -105,7 +108,7 @@ pub(crate) fn solve(
         shift: LOAD_SHIFT_SPEED * settings.length_unit,
         real: TOUCH_DISTANCE * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
-        recovery: Recovery { linear: JOINT_PUSH * settings.length_unit, angular: JOINT_PUSH },
+        recovery: Recovery { linear: JOINT_PUSH_SPEED * settings.length_unit, angular: JOINT_PUSH_SPEED },
         joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
     };
     let joint_stages = std::mem::take(&mut joints.stages);
@@ -126,8 +129,8 @@ pub(crate) fn solve(
     // What turns or goes further in a substep may be more than rows of joints follow.
     let swift = {
         let slides = joint_stages.iter().any(|stage| stage.kind.slides());
-        let way = if slides { SWIFT_WAY * settings.length_unit } else { f32::INFINITY };
-        let turn = if joined_at_all { FOLLOWED } else { f32::INFINITY };
+        let way = if slides { SWIFT_DISTANCE * settings.length_unit } else { f32::INFINITY };
+        let turn = if joined_at_all { FOLLOWED_TURN } else { f32::INFINITY };
         f32x8::new([way, way, way, way, turn, turn, turn, turn]) * f32x8::splat(1.0 / h)
     };
     let unsound = AtomicBool::new(false);
@@ -164,7 +167,7 @@ pub(crate) fn solve(
                 h,
                 left: h * (settings.substeps - substep) as f32,
                 threshold: settings.restitution_threshold * settings.length_unit,
-                together: TOGETHER * settings.length_unit,
+                together: BOUNCE_TOGETHER * settings.length_unit,
             };
             let before = impacts.standing().len();
             if let Some(witness) = witness.as_deref_mut() {
@@ -318,27 +321,10 @@ pub(crate) fn solve(
     !unsound.into_inner()
 }
 
-/// What goes further in a substep may turn a distance or the arm of a slider too far for its rows [length units].
-const SWIFT_WAY: f32 = 0.02;
-
 /// How far trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
     Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
 }
-
-/// Share of the stiffest spring that contacts have: with all of it a box on one a thousand times lighter rocks ever more.
-const CALM: f32 = 0.83;
-/// The fastest that an error of a joint is taken back [length units/s] or [rad/s].
-const JOINT_PUSH: f32 = 40.0;
-/// Stiffness [Hz] and damping ratio of what joints lock.
-const JOINT_HERTZ: f32 = 240.0;
-const JOINT_DAMPING: f32 = 2.0;
-
-/// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
-const JOINT_OPEN: f32 = 0.0005;
-
-/// Points that are apart by no more than this when another bounces do so with it [length units].
-const TOGETHER: f32 = 0.0005;
 
 /// Bits of the lanes of a record that hold the linear part, and both parts; and the lane of the first pad.
 const LINEAR: u32 = 0b0000_0111;

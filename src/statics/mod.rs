@@ -13,6 +13,7 @@ mod supports;
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
+use crate::config::tuning::REST_STEPS_OF_FALL;
 use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Buffer, Category, bytes_of};
@@ -20,10 +21,6 @@ use crate::narrow_phase::{Contact, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
 
-/// Cosine of the steepest slope that bears something: friction seldom holds more.
-const STEEPEST: f32 = 0.5;
-/// Bodies that approach or part by more than after a fall of so many steps are not at rest, nor are those that slip.
-const STEPS_OF_FALL: f32 = 2.0;
 /// To find new contacts takes a look at all: a step is waited for so many pairs, so many of them at most.
 const PAIRS_PER_STEP: usize = 64;
 pub(crate) const LONGEST_WAIT: u32 = 16;
@@ -164,7 +161,7 @@ impl Statics {
         let rest = Rest {
             up: settings.gravity / -gravity,
             touching: settings.slop * unit,
-            closing: STEPS_OF_FALL * gravity * dt,
+            closing: REST_STEPS_OF_FALL * gravity * dt,
             slip: STATIC_SLIP_SPEED * unit,
             h,
         };

@@ -1,6 +1,7 @@
 //! New contacts that bear bodies, and what those bodies bear already.
 
-use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Structure, Support, is_supported, point_velocity};
+use super::{Burden, NOWHERE, Rest, Statics, Structure, Support, is_supported, point_velocity};
+use crate::config::tuning::STEEPEST_SUPPORT;
 use crate::narrow_phase::{Contact, NONE};
 use glam::Vec3;
 
@@ -45,7 +46,7 @@ impl Structure<'_> {
                 }
                 let steep = normal.dot(rest.up);
                 let (upper, lower) = if steep > 0.0 { (b, a) } else { (a, b) };
-                if steep.abs() >= STEEPEST && (upper as usize) < dynamic {
+                if steep.abs() >= STEEPEST_SUPPORT && (upper as usize) < dynamic {
                     let number = supports.len() as u32;
                     supports.push(Support { upper, lower, contact: index, number, is_a: upper == a });
                 } else {
@@ -101,7 +102,7 @@ impl Structure<'_> {
                 slot = contact.next;
                 let normal = contact.frame * contact.normal;
                 let steep = normal.dot(rest.up);
-                if contact.is_unknown() || steep.abs() < STEEPEST || contact.bears() == 0.0 {
+                if contact.is_unknown() || steep.abs() < STEEPEST_SUPPORT || contact.bears() == 0.0 {
                     continue;
                 }
                 for (side, at) in of_pair.into_iter().enumerate().filter(|(_, at)| *at != NOWHERE) {

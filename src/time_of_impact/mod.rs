@@ -22,6 +22,7 @@ mod track;
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, SearchSet, aabb_of};
+use crate::config::tuning::IMPACT_TOLERANCE;
 use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::config::{Continuous, ContinuousMethod, Settings};
 use crate::forces::Forces;
@@ -382,7 +383,7 @@ impl View<'_> {
         let shape = |c: u32| &self.on.colliders.all[c as usize];
         let path = |c: u32| self.way(shape(c).body as usize).rest(since);
         let turns = self.turns(a).max(self.turns(b));
-        let share = if self.rules.linear { TIGHT } else { tightness(turns) };
+        let share = if self.rules.linear { IMPACT_TOLERANCE } else { tightness(turns) };
         let unit = self.on.settings.length_unit;
         let search = Search { share, unit, resting: TOUCH_DISTANCE * unit };
         let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
@@ -403,11 +404,8 @@ impl View<'_> {
     }
 }
 
-/// Share of the engine's tolerance for a touch: that is for manifolds, this for times.
-const TIGHT: f32 = 0.1;
-
 /// The same for a pair whose bodies were sent another way already. What touched once in a step is a little nearer than the tolerance was; for it
 /// to be able to touch again, that shrinks each time, by less than a search may fall short of it.
 fn tightness(turns: u32) -> f32 {
-    (0..turns.min(12)).fold(TIGHT, |share, _| share * 0.4)
+    (0..turns.min(12)).fold(IMPACT_TOLERANCE, |share, _| share * 0.4)
 }

@@ -18,23 +18,14 @@ use super::free_rotation::{exp, log};
 use super::node::Node;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
 
-/// Joints do no work: velocities with more than this factor times the energy without them are wrong. The
-/// bound must not be tighter: RATTLE's energy oscillates by as much where bodies turn by a fifth of a radian
-/// in a substep, and a one-sided bound would drain it (a box that spins at 50 rad/s lost 25 % in a minute;
-/// see [`TreeBatch::tolerated`]).
-const GAINED: f32 = 1.02;
-/// A joint that velocities leave open by more than this share of its arms was not followed: its bodies turned
-/// by half a radian or more in the substep.
-const STRAINED: f32 = 0.02;
 /// Maximum number of Newton rounds, and the largest rotation of a body in one [rad].
 const ROUNDS: u32 = 24;
 const FURTHEST: f32 = 0.5;
-/// Share of [`Closing::tolerance`] to which joints are closed: velocities need not correct what is left.
-const CLOSED: f32 = 0.02;
 
 /// State of a body from which its substep is solved again.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +81,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in self.nodes.iter().filter(|node| node.jointed) {
             let [a, b] = node.arm_now;
             let reach = a.length_squared() + b.length_squared();
-            let most = reach * L::splat(STRAINED * STRAINED);
+            let most = reach * L::splat(TREE_STRAIN * TREE_STRAIN);
             strained = strained | !(node.apart_now.length_squared().lt(most));
         }
         strained & watched
@@ -193,7 +184,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 node.twist = Vec3::select(left, force.angular, node.twist);
             }
             self.place(L::zero());
-            left = left & (self.open_by(CLOSED * closing.tolerance) | most.gt(L::one()));
+            left = left & (self.open_by(TREE_CLOSED * closing.tolerance) | most.gt(L::one()));
             if !left.any() {
                 break;
             }
@@ -261,7 +252,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     fn tolerated(&self) -> L {
         let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
         let fastest = self.of_bodies().iter().fold(L::zero(), fastest);
-        L::splat(GAINED) + fastest * L::splat(self.h * self.h)
+        L::splat(TREE_ENERGY_BAND) + fastest * L::splat(self.h * self.h)
     }
 
     /// Trees whose anchor does not move: their joints do no work.

@@ -3,12 +3,9 @@
 use super::node::Node;
 use super::spatial::{plus, scaled};
 use super::tree::TreeBatch;
+use crate::config::tuning::TREE_SAFE_FREQUENCY;
 use crate::constraint::joint::ends::inverse;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
-
-/// A body that swings on its joints is integrated without additional inertia up to this value of the square
-/// of frequency times substep.
-const SAFE: f32 = 0.5;
 
 impl<L: GatherLanes> TreeBatch<L> {
     /// A load that pulls at an arm turns the body back, the faster the lighter it is: a chain that bears a
@@ -44,7 +41,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         for node in &mut self.nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
-            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
+            let (pull, own) = (node.pulled, L::splat(0.5 * TREE_SAFE_FREQUENCY) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
             node.stiffened = plus(&node.inertia, &scaled(&node.stiffened, share));
             node.stiffened_inverse = inverse(&node.stiffened);

@@ -17,6 +17,9 @@ use super::node::{Node, Turns};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use crate::config::tuning::{
+    RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
+};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::joint::Lock;
@@ -58,25 +61,6 @@ const ROUNDS: u32 = 6;
 const MISS: f32 = 5e-8;
 /// With a larger error no solution was found, and the substep is solved in parts.
 const LOST: f32 = 1e-5;
-/// A tree that turns further than this in a substep is followed in parts [rad], and in this many at most:
-/// beyond, Newton's method does not converge.
-const TURN: f32 = 0.25;
-const MOST_PARTS: f32 = 16.0;
-/// Trees are treated this way up to this square of frequency times substep, for a body that swings under the
-/// load on its joint: at four RATTLE is unstable, and a body may have two such joints. At 0.5, one of 480
-/// random trees lost 5 % of its energy, on the other path; at two, a chain that bears 100 times the mass of a
-/// link came apart (60 Hz, 4 substeps).
-const TAUT: f32 = 1.0;
-/// Maximum load on a joint, as a multiple of the mass of a body there. With 100, two folded links whipped
-/// faster than any substep follows, at 60 Hz with 4 and with 8 substeps; with 50 none did in 30 s.
-const HEAVY: f32 = 50.0;
-/// Above this multiple the result of a substep is checked: with loads of ten and twenty times their mass, two
-/// links gained up to a sixth of their energy in the substep in which they folded. Two of equal mass gain
-/// nothing that they do not lose again.
-const LADEN: f32 = 5.0;
-/// A load may pull with this multiple of its weight: a pendulum that falls from level does so with three
-/// times.
-const SWING: f32 = 3.0;
 /// Share of [`Closing::tolerance`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 
@@ -98,19 +82,19 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             let load = node.pulled + L::one() / node.inverse_mass;
             let weight = load * node.drift.pull.length();
-            let most = node.impulse.length().max(weight * (L::splat(SWING) * h));
+            let most = node.impulse.length().max(weight * (L::splat(RATTLE_SWING) * h));
             let [own, above] = node.arm_now.map(|arm| arm.length_squared());
             let mut check = |arm: L, body: &Node<L>, gives: L| {
                 let Vec3 { x, y, z } = body.drift.moments.inertia;
                 // To turn about its joint, the body or the one it hangs on has to move.
                 let bears = L::splat(0.5) * (x + y + z) + arm / (body.inverse_mass + gives);
                 // A substep in parts has a shorter time step.
-                let parts = body.velocity.angular.length() * h * L::splat(1.0 / TURN);
-                let parts = parts.max(L::one()).min(L::splat(MOST_PARTS));
+                let parts = body.velocity.angular.length() * h * L::splat(1.0 / RATTLE_TURN);
+                let parts = parts.max(L::one()).min(L::splat(RATTLE_PARTS));
                 let times = load * body.inverse_mass;
-                laden = laden | times.gt(L::splat(LADEN));
-                heavy = heavy | times.gt(L::splat(HEAVY));
-                others = others | (most * arm.sqrt() * h).gt(bears * (L::splat(TAUT) * parts * parts));
+                laden = laden | times.gt(L::splat(RATTLE_LADEN));
+                heavy = heavy | times.gt(L::splat(RATTLE_HEAVY));
+                others = others | (most * arm.sqrt() * h).gt(bears * (L::splat(RATTLE_TAUT) * parts * parts));
             };
             let mobility = |arm: L, body: &Node<L>| {
                 let Vec3 { x, y, z } = body.drift.moments.inverse;
@@ -441,10 +425,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         let fastest = self.nodes.iter().fold(L::zero(), fastest);
         let fastest = L::select(self.exact(), fastest, L::zero());
         if self.lost != 0 {
-            return MOST_PARTS;
+            return RATTLE_PARTS;
         }
         let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
-        (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS)
+        (fastest * self.h * (1.0 / RATTLE_TURN)).ceil().clamp(1.0, RATTLE_PARTS)
     }
 
     /// Free motion over `self.h`.

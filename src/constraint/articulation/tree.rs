@@ -13,6 +13,7 @@ use super::cut::Extra;
 use super::node::{Node, Turns};
 use super::slots::TreeContacts;
 use super::spatial::{Twist, scaled};
+use crate::config::tuning::{LIGHTEST_LINK, TREE_RECOVERY_TOUCHING};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::constraint::schedule::order::Place;
@@ -67,18 +68,6 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) weighted: u32,
 }
 
-/// Minimum mass of a body, as a share of the mass that hangs on it. In `f32` mobilities keep a ten-millionth:
-/// in chains of twenty, links of a 50,000th already lose some digits that matter, and links of a millionth
-/// all.
-const LIGHTEST: f32 = 5e-5;
-
-/// Share of an error that is corrected within a substep. Contacts see a tree body by body and converge slowly
-/// on what both agree on; if errors are corrected faster, what they do not agree on grows (see
-/// [`Softness::stiffest`](crate::constraint::contact::row::Softness::stiffest), with a load that does not
-/// yield).
-pub(crate) const ALONE: f32 = 0.2;
-pub(crate) const TOUCHING: f32 = 0.05;
-
 impl<L> TreeBatch<L> {
     pub(crate) fn of_bodies(&self) -> &[Node<L>] {
         &self.nodes[..self.real]
@@ -113,7 +102,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
-            let least = node.pulled * L::splat(LIGHTEST);
+            let least = node.pulled * L::splat(LIGHTEST_LINK);
             let light = (least * node.inverse_mass).gt(L::one());
             let factor = L::select(light, least * node.inverse_mass, L::one());
             if let Some(parent) = parent {
@@ -165,7 +154,7 @@ impl<L: GatherLanes> TreeBatch<L> {
 
     /// Trees that touch nothing and are warm-started: no load in them is a blow.
     pub(crate) fn is_alone(&self) -> L::Mask {
-        self.share.gt(L::splat(TOUCHING))
+        self.share.gt(L::splat(TREE_RECOVERY_TOUCHING))
     }
 
     /// Applies the impulses of the last step.

@@ -2,16 +2,13 @@
 
 use super::batch::lock_bits;
 use super::prepare::PrepareInput;
+use crate::config::tuning::THIN_SLOP;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
 use crate::narrow_phase::{Contact, MAX_POINTS, Point};
 use crate::shape::{Collider, EVENTS};
-
-/// Tolerated overlap is at most this share of the distance from the middle of the thinner shape to its
-/// surface: the slop of a world made for boxes of a metre would swallow a coin, and half of a wall of 1 mm.
-const THIN: f32 = 0.05;
 
 /// A column of eight lanes for each number. Inert lanes are zero.
 pub(super) struct Columns<const P: usize> {
@@ -223,7 +220,7 @@ impl<const P: usize> Columns<P> {
             lasting = if share > 0.0 { lasting / share } else { 0.0 };
         }
         let thinnest = shape_a.thickness().min(shape_b.thickness());
-        [self.rest[lane], self.reach[lane]] = contact.spring(input.slop.min(THIN * thinnest));
+        [self.rest[lane], self.reach[lane]] = contact.spring(input.slop.min(THIN_SLOP * thinnest));
         for (i, point) in ones(points).map(|i| &contact.points[i % MAX_POINTS]).enumerate().take(P) {
             put3(&mut self.position[i], lane, point.position);
             self.separation[i][lane] = point.separation;

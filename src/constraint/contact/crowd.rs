@@ -4,18 +4,16 @@
 //! velocities again. But along a chain of contacts these speeds add up, and where there are many, a pass
 //! leaves much of them: 500 boxes at one point left it at 114 m/s. Scaling the push of each contact does not
 //! help: once the bodies have come apart into a line, each has few contacts. So the velocity itself is
-//! limited, for such bodies only: to [`MAX_FACTOR`] times the push speed, to their own speed before, or to
+//! limited, for such bodies only: to [`CROWD_PUSH`] times the push speed, to their own speed before, or to
 //! that of the fastest of them and of what they touch, whichever is greatest: an impact may make them as fast
 //! as that. A body that overlaps one other adds the push speed once more, so five times is the maximum. Where
 //! a budget leaves contacts out, these are others in each step, and the speeds add up: there, bodies that
 //! overlap one other are limited too. Bodies with joints are left to their joints.
 
+use crate::config::tuning::CROWD_PUSH;
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 
-/// Factor on the push speed. Two bodies separate at once that speed; with this factor, a pile that was
-/// created within itself comes apart within a second.
-const MAX_FACTOR: f32 = 4.0;
 /// Number of overlaps of a body from which on its velocity is limited, if all are known.
 const SEVERAL: u32 = 2;
 
@@ -77,7 +75,7 @@ impl Crowd {
 
     /// Limits velocities after a substep; `base`: those before any row acted.
     pub(crate) fn calm(&self, velocity: &mut [Record], base: &[Record], push_speed: f32) {
-        let bound = (MAX_FACTOR * push_speed).max(self.fastest);
+        let bound = (CROWD_PUSH * push_speed).max(self.fastest);
         let several = if self.incomplete { 1 } else { SEVERAL };
         for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= several) {
             let (now, most) = (velocity[i].linear.length(), bound.max(base[i].linear.length()));

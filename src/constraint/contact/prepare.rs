@@ -8,6 +8,7 @@ use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::config::Order;
+use crate::config::tuning::LOCKED_YIELD;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
@@ -58,9 +59,6 @@ pub(crate) struct PrepareInput<'a> {
 
 /// For bodies with locked axes: share of their mobility below which the rest is rounding.
 pub(crate) const GONE: f32 = 1e-6;
-/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and
-/// so little that friction needs no more passes.
-const YIELDS: f32 = 1e-4;
 
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
@@ -277,7 +275,7 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     let mut k22 = geometry.linear(t2, t2, ma + mb) + a2.dot(ia2) + b2.dot(ib2);
     if columns.locks != [0; 2] {
         // The matrix stays invertible even where a direction along the surface is locked.
-        let tiny = (k11 + k22) * L::splat(YIELDS);
+        let tiny = (k11 + k22) * L::splat(LOCKED_YIELD);
         (k11, k22) = (k11 + tiny, k22 + tiny);
     }
     let det = k11 * k22 - k12 * k12;

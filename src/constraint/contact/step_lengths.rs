@@ -4,14 +4,10 @@
 //! load depends on the spring alone, so the spring is the same from step to step ([`usual_substep`]); and
 //! impulses of lasting loads scale with the length of the substep ([`StepLengths`]).
 
-use crate::narrow_phase::LOAD_TIME;
+use crate::config::tuning::{
+    EVEN_STEP_BAND, EVENNESS_SHARE, LOAD_TIME, NEW_FORCE_SHARE, SPRING_STEP_FALL, SPRING_STEP_RISE,
+};
 use std::ops::{Add, Mul, Sub};
-
-/// How fast the substep that springs are made for follows that of a step: a hundredth up, a thousandth down.
-/// So it settles where one step in eleven is longer: an occasional hitch softens nothing, and the stiffness
-/// changes slowly.
-const LONGER: f32 = 0.01;
-const SHORTER: f32 = 0.001;
 
 /// The substep for which the springs of contacts are made [s], after a step with substeps of `h` seconds;
 /// `usual`: that of the steps before, or zero.
@@ -20,23 +16,14 @@ const SHORTER: f32 = 0.001;
 /// 1/30 and 1/144 s a box sags 23 times as far in one as in the other, is thrown up in between, and pumps
 /// energy into what stands on it.
 pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
-    if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SHORTER), usual * (1.0 + LONGER)) }
+    if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SPRING_STEP_FALL), usual * (1.0 + SPRING_STEP_RISE)) }
 }
-
-/// Weight of a step's force in the mean where every step has another length.
-const NEW: f32 = 0.25;
-
-/// Weight of a step in [`evenness`].
-const EVENS: f32 = 0.1;
-
-/// Relative difference up to which two steps count as equally long: frames are never quite alike.
-const ALIKE: f32 = 0.1;
 
 /// Share of recent steps that were about as long as the step before; `before`: the same a step ago, zero at
 /// first.
 pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
-    let even = f32::from(u8::from((lengths.now - lengths.last).abs() <= ALIKE * lengths.last));
-    before + (even - before) * EVENS
+    let even = f32::from(u8::from((lengths.now - lengths.last).abs() <= EVEN_STEP_BAND * lengths.last));
+    before + (even - before) * EVENNESS_SHARE
 }
 
 /// The substeps of the last step and of this one.
@@ -71,7 +58,7 @@ impl Load for glam::Vec4 {}
 impl StepLengths {
     /// For a step of `dt` seconds with substeps of `now` seconds, after substeps of `last` seconds or zero.
     pub(crate) fn new(last: f32, now: f32, dt: f32, evenness: f32, warm_starting: bool) -> Self {
-        let share = (dt / LOAD_TIME).max(NEW * (1.0 - evenness).powi(2)).min(1.0);
+        let share = (dt / LOAD_TIME).max(NEW_FORCE_SHARE * (1.0 - evenness).powi(2)).min(1.0);
         StepLengths { last: if last > 0.0 { last } else { now }, now, share, warm_starting }
     }
 

@@ -7,9 +7,10 @@ use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch, mobility};
 use super::measure::Measure;
 use super::row::RowBatch;
+use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
 use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
-use crate::constraint::articulation::tree::{ALONE, TOUCHING, TreeBatch};
+use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
 use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
@@ -170,7 +171,7 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
     for (lane, at) in placed.iter().enumerate() {
         let Some(at) = at else { continue };
         let row = &input.joints.rows[owners[lane] as usize];
-        if !row.is_guided() || at.turned_by(row.beside[1]) > AWRY {
+        if !row.is_guided() || at.turned_by(row.beside[1]) > LOCK_AWRY {
             continue;
         }
         let [force, torque] = borne(&batch.ends, &batch.lever, lane, at, &row.beside);
@@ -285,8 +286,6 @@ fn borne<L: GatherLanes>(
     }
 }
 
-/// Rotation that is off by more than this no longer counts as locked [rad].
-const AWRY: f32 = 0.05;
 /// Share of a mobility below which the rest is rounding.
 const GONE: f32 = 1e-4;
 
@@ -297,7 +296,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
     inverse_inertia: &[Sym3<f32>],
     touching: &[bool],
 ) {
-    let mut share = [ALONE; 8];
+    let mut share = [TREE_RECOVERY; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
@@ -319,7 +318,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
             node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
             node.write |= 1 << lane;
             if touching[own] {
-                *share = TOUCHING;
+                *share = TREE_RECOVERY_TOUCHING;
             }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);

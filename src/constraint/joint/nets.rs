@@ -4,7 +4,7 @@
 //! these bend within it as far as a series goes: for a tenth of a radian or so. Beyond that, their impulses
 //! have little to do with what would hold the joint; in some positions they add energy, and the next substep
 //! adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep that a game
-//! can pay for follows that. So where directions turn by more than [`FOLLOWED`], joints may take energy but
+//! can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may take energy but
 //! give none: after a substep a net has no more than before, except for what motors gave. Any excess is
 //! removed from all of its velocities in proportion, except for the motion of the centre of mass.
 //!
@@ -16,19 +16,13 @@ use super::ends::Recovery;
 use super::rates::{Link, Watched, visit};
 use super::run::JointViews;
 use crate::body::{Mass, Pose, exp_map};
+use crate::config::tuning::{CHORD_ENERGY, WILD_ENERGY};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::contact::rows::{Views, with_batch};
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 use glam::{DVec3, Vec3};
 
-/// Angle up to which rows account for the rotation of their directions in a substep [rad].
-pub(crate) const FOLLOWED: f32 = 0.1;
-/// Velocities along the chord of a circle have more energy than those at its ends: by this factor, where rows
-/// account for it.
-const CHORD: f64 = 2.0;
-/// An excess by this factor is no error of directions: the result has nothing to do with what rows requested.
-const WILD: f64 = 100.0;
 /// Velocities above this [m/s] or [rad/s] are as good as not finite.
 const RUNAWAY: f32 = 1e6;
 /// A loss of a smaller share of its energy is rounding, and not counted.
@@ -331,7 +325,7 @@ impl Nets {
                 // The speed that corrects errors does not last.
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
-                let most = CHORD * f64::from(moving) + closing;
+                let most = CHORD_ENERGY * f64::from(moving) + closing;
                 self.bound(input, root, most);
             }
         }
@@ -376,7 +370,7 @@ impl Nets {
             let v = input.velocity(body);
             fastest = fastest.max(v.linear.abs().max(v.angular.abs()).max_element());
         });
-        let far = most.max(0.0) * WILD + now.mass;
+        let far = most.max(0.0) * WILD_ENERGY + now.mass;
         // The motion of the centre of mass is that before joints acted: they don't change it.
         let whole = self.ledger(input, root, |body| self.all[body].start);
         let free = flags & HELD == 0 && now.mass > 0.0;

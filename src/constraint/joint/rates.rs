@@ -7,9 +7,9 @@ use super::kinds::JointType;
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch};
 use super::measure::Measure;
-use super::nets::FOLLOWED;
 use super::row::RowBatch;
 use super::run::JointViews;
+use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
 use crate::constraint::articulation::node::{Node, Turns};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
@@ -80,7 +80,7 @@ impl<L: Lanes> Ends<L> {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
             let (left, of) = left(lane, v);
-            if exceeds(left.length(), LEFT * of) {
+            if exceeds(left.length(), LOCK_SPEED_LEFT * of) {
                 f(self.one(lane));
             }
         });
@@ -99,7 +99,7 @@ impl<L: Lanes> Ends<L> {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
             // NaN counts as too far.
-            if exceeds(turn(lane, v) * h, FOLLOWED) {
+            if exceeds(turn(lane, v) * h, FOLLOWED_TURN) {
                 f(self.one(lane));
             }
         });
@@ -109,9 +109,6 @@ impl<L: Lanes> Ends<L> {
 fn clear<L: Lanes, const N: usize>(lanes: L::Mask, all: [&mut crate::lanes::Vec3<L>; N]) {
     all.into_iter().for_each(|v| *v = crate::lanes::Vec3::select(lanes, crate::lanes::Vec3::zero(), *v));
 }
-
-/// Share of the speeds at a lock that may be left between its bodies.
-const LEFT: f32 = 0.01;
 
 /// The relative velocity of two points, and the sum of the speeds it consists of.
 fn slip(v: [Record; 2], arms: [Vec3; 2]) -> (Vec3, f32) {
@@ -297,11 +294,11 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
         }
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
-        let in_parts = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
+        let in_parts = if self.is_cut() { FOLLOWED_TURN } else { FOLLOWED_IN_PARTS };
         // Watched trees lose energy in a way of their own (see
         // [`damp`](crate::constraint::articulation::damp)).
         self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
-            let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
+            let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED_TURN };
             if exceeds(turn * h, most) {
                 f(body);
             }
@@ -310,7 +307,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
     fn lost(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         if self.astray != 0 {
             self.each_turn(motion, self.astray, &mut |body, _, turn| {
-                if exceeds(turn * h, FOLLOWED) {
+                if exceeds(turn * h, FOLLOWED_TURN) {
                     f(body);
                 }
             });
@@ -357,9 +354,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 }
-
-/// Angle up to which bodies of trees that conserve energy are followed, in parts [rad].
-const FOLLOWED_IN_PARTS: f32 = 4.0;
 
 impl JointViews<'_> {
     /// # Safety

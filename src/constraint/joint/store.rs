@@ -3,6 +3,7 @@
 use super::arrange::JointRows;
 use super::ends::NONE;
 use crate::body::Bodies;
+use crate::config::tuning::JOINT_LOAD_SHARE;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::joint::{Joint, Joints, Lock, LockKind, Row};
 use crate::lanes::Lanes;
@@ -26,9 +27,6 @@ pub(crate) struct RowImpulse {
     pub(crate) torque: Vec3,
 }
 
-/// Share of a lasting load that does not yield.
-const SHARE: f32 = 0.9;
-
 /// Writes impulses to the joints of a world.
 struct Store<'a> {
     all: &'a mut [Joint],
@@ -48,7 +46,7 @@ impl Report for Store<'_> {
         lock.steady = impulse.length().min(lock.impulse.length());
         lock.impulse = impulse;
         // A load that disappears is dropped at once.
-        let bears = impulse.length() * SHARE;
+        let bears = impulse.length() * JOINT_LOAD_SHARE;
         let lasting = lock.held.min(bears);
         lock.held = lasting + (bears - lasting) * self.hold;
         let joint = &mut self.all[lock.joint as usize];
@@ -62,7 +60,7 @@ impl Report for Store<'_> {
         let row = &mut self.rows[owner as usize];
         let impulse = ends.map(|one| if one.is_finite() { one } else { 0.0 });
         row.impulse = impulse;
-        let bears = (impulse[0] - impulse[1]) * SHARE;
+        let bears = (impulse[0] - impulse[1]) * JOINT_LOAD_SHARE;
         let lasting = if bears * row.held <= 0.0 { 0.0 } else { row.held.max(-bears.abs()).min(bears.abs()) };
         row.held = lasting + (bears - lasting) * self.hold;
         let (joint, p) = (&mut self.all[row.joint as usize], (impulse[0] - impulse[1]) * self.inverse_h);

@@ -18,6 +18,7 @@
 
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
+use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
 use crate::constraint::contact::prepare::GONE;
 use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
@@ -58,9 +59,6 @@ const EXACT: f32 = 1e-5;
 /// A point that ends a substep nearer than this counts as touching: a share of its displacement, and of
 /// `together`.
 const SLACK: f32 = 1e-4;
-const NEAR: f32 = 0.02;
-/// Share of the threshold: what runs into a held body more slowly than this is left to the rows.
-const CREEP: f32 = 0.05;
 /// Maximum number of impacts of a site in a substep; then it is left to the rows. A ball between two that
 /// close in on it bounces without end.
 const HITS: u32 = 256;
@@ -466,7 +464,7 @@ impl Bodies<'_> {
             // To the end of the substep as rows see it, and a little further: what they would stop must have
             // bounced.
             let end = self.end_gap(spot);
-            let rest = end - (end - whole).abs() * SLACK - self.together * NEAR;
+            let rest = end - (end - whole).abs() * SLACK - self.together * BOUNCE_REST_SHARE;
             if rest > 0.0 && rest > -(speed + pull * left) * next {
                 return None;
             }
@@ -477,7 +475,7 @@ impl Bodies<'_> {
         let runs = -(speed + pull * time);
         let approach = runs - kept;
         // The rows must not push a held body: they do not see its velocity.
-        let acts = approach > self.threshold || stand && runs > CREEP * self.threshold;
+        let acts = approach > self.threshold || stand && runs > CREEP_SHARE * self.threshold;
         acts.then_some((now + time, approach.max(runs)))
     }
 

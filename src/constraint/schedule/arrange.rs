@@ -6,6 +6,7 @@ use super::keys::{KINDS, Keys};
 use super::order::{Group, Stage};
 use super::part::Part;
 use crate::config::Order;
+use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
@@ -103,10 +104,6 @@ impl PrepareScratch {
         lists.into_iter().chain(bodies).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
-
-/// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: resting bodies and ones that were
-/// just hit have less.
-const DEEP: f32 = 20.0;
 
 /// Sorts the contacts and reserves memory for their batches. Where it does not suffice for all, those that
 /// are missed least get no rows.
@@ -283,7 +280,7 @@ fn sort(
         let body = |c: u32| input.summaries[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
-        if contact.points().iter().any(|p| p.separation < -DEEP * input.slop) {
+        if contact.points().iter().any(|p| p.separation < -CROWD_OVERLAP * input.slop) {
             crowd.overlap((a, b), dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);

@@ -11,6 +11,7 @@ use super::{Touch, cast_convex, cast_plane, tolerance};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
 use crate::config::Start;
+use crate::config::tuning::{NO_GAP, PLANE_TURN};
 use crate::narrow_phase::collide::Input;
 use crate::narrow_phase::contacts::found::MeshBlock;
 use crate::narrow_phase::convex::collide_convex;
@@ -57,8 +58,9 @@ pub(crate) fn manifold_later_on_path(
 ) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
-    let turns =
-        |shape: &Collider, spin: Vec3| shape.kind != Kind::Sphere && (1.0 - fraction) * spin.length() > EVEN;
+    let turns = |shape: &Collider, spin: Vec3| {
+        shape.kind != Kind::Sphere && (1.0 - fraction) * spin.length() > PLANE_TURN
+    };
     if turns(a, motion.a.spin) || turns(b, motion.b.spin) {
         return None;
     }
@@ -76,9 +78,6 @@ pub(crate) fn manifold_later_on_path(
     }
     found
 }
-
-/// Turn up to which the planes of a manifold hold [rad].
-const EVEN: f32 = 0.7;
 
 /// For mode `Volume`: the manifold of two convex shapes that miss each other, where their centres pass. The
 /// path runs along such a plane, not through it, so the plane pushes only what another impact throws off its
@@ -248,8 +247,6 @@ pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bo
     found.iter().any(|m| closings(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
 }
 
-/// Share of the touch distance up to which a gap counts as none, and what stands out is ignored.
-pub(crate) const NO_GAP: f32 = 0.25;
 /// Rounding of a predicted path [length units].
 const NEARLY: f32 = 1e-5;
 

@@ -24,6 +24,7 @@ use super::path::ShapePath;
 use super::sweep::reach;
 use super::{Touch, tolerance};
 use crate::broad_phase::Pair;
+use crate::config::tuning::SAME_AXIS_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::collide::Input;
 use crate::narrow_phase::convex::collide_convex;
@@ -37,8 +38,6 @@ use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{DMat3, DVec3, Vec3};
 
-/// Cosine of 1.8 degrees: axes nearer than this are one.
-const SAME_AXIS: f32 = 0.9995;
 /// Speed along a unit axis, as a share of the path's length, that counts as zero.
 const STILL: f32 = 1e-6;
 /// Squared sine under which a cross product has no direction.
@@ -65,7 +64,7 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
     let slack = input.margin + approach.swing;
     let Entry { fraction, axis, surely } = enter(a, b, &motion.relative(0.0), path, slack, raw.normal)?;
     let (until, aside) = (fraction.min(1.0), path - axis * axis.dot(path));
-    let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
+    let same = axis.dot(raw.normal) > SAME_AXIS_COSINE && aside.length() * until <= input.margin;
     // If only rotation brings them together, the motion gives no other moment.
     if same || fraction > 1.0 {
         let mut kept = *raw;

@@ -1,5 +1,6 @@
 //! How a moving shape turns, for the tests in lanes.
 
+use crate::config::tuning::UNSEEN_ROTATION;
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::support::vertices;
 use crate::shape::{Collider, Geometry, Kind};
@@ -54,12 +55,9 @@ impl Spin {
             let tilt = vector.cross(Vec3::Y).length();
             most = most.min(off * angle.min(2.0) + tilt * shape.radius);
         }
-        if most <= UNSEEN * tolerance {
+        if most <= UNSEEN_ROTATION * tolerance {
             return Spin { vector: Vec3::ZERO, reach: 0.0 };
         }
         Spin { vector, reach }
     }
 }
-
-/// A rotation counts as none if it moves nothing by more than this share of the tolerance.
-const UNSEEN: f32 = 0.1;

@@ -9,6 +9,7 @@
 use super::mesh::MeshCast;
 use super::motion::{Motion, turn};
 use super::spin::Spin;
+use crate::config::tuning::SAGITTA_SHARE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -118,8 +119,6 @@ struct Moments {
 
 /// Most parts of a motion.
 const PARTS: usize = 4;
-/// A part is halved if its sagitta exceeds this share of the shape's radius.
-const FLAT: f32 = 0.04;
 
 impl<'a> MeshSweep<'a> {
     /// `rel`: pose of the mesh in the shape's frame at the start.
@@ -165,7 +164,7 @@ impl<'a> MeshSweep<'a> {
     fn moments(&self) -> &Moments {
         self.moments.get_or_init(|| {
             let turned = |t: f64| turn(self.spin.as_dvec3() * (t * f64::from(self.until)));
-            let flat = FLAT * self.shape.radius;
+            let flat = SAGITTA_SHARE * self.shape.radius;
             let sagitta = self.sagitta() * self.spin.length();
             if sagitta <= flat {
                 return Moments { ends: [self.moment(1.0, turned(1.0)); PARTS], count: 1 };

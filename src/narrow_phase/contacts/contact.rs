@@ -2,28 +2,15 @@
 
 use super::manifold::{MAX_POINTS, RawManifold};
 use crate::broad_phase::Pair;
+use crate::config::tuning::{KEPT_CONTACT_TURN, LOAD_BAND, LOAD_TIME, SPRING_GAP};
 use crate::limits::MAX_LOAD;
 use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
 use glam::{Quat, Vec3, Vec4};
 
-/// Angle beyond which a kept contact turns with its bodies [rad]: normals on a turntable are right within
-/// that.
-const FROZEN: f32 = 0.002;
-
 /// [`Contact::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
-
-/// Share by which a load may differ from the lasting force that bears it.
-const BAND: f32 = 0.2;
-
-/// Time constant with which lasting forces follow loads [s]: longer than a stack's sway.
-pub(crate) const LOAD_TIME: f32 = 2.0;
-
-/// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears
-/// something 1 mm above what is below it. If springs ended sooner they would drop it.
-const GAP: f32 = 10.0;
 
 /// No contact.
 pub(crate) const NO_CONTACT: u32 = u32::MAX;
@@ -224,20 +211,20 @@ impl Contact {
     /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a
     /// step of `dt` seconds. Says whether that load is one that statics should look at.
     ///
-    /// It follows only a load that is off by more than [`BAND`], and otherwise what statics expects. If it
+    /// It follows only a load that is off by more than [`LOAD_BAND`], and otherwise what statics expects. If it
     /// followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)` and
     /// pump it, wherever several manifolds bear a body.
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.bears() / h;
-        let near = |force: f32| (force - load).abs() <= BAND * load;
-        if self.lasting_force > load * (1.0 + BAND) {
+        let near = |force: f32| (force - load).abs() <= LOAD_BAND * load;
+        if self.lasting_force > load * (1.0 + LOAD_BAND) {
             // At once, or it would push.
             self.lasting_force = load;
         }
         let target = if near(self.static_load) {
             self.static_load
         } else {
-            self.lasting_force.max(load * (1.0 - BAND))
+            self.lasting_force.max(load * (1.0 - LOAD_BAND))
         };
         let share = (dt / LOAD_TIME).min(1.0);
         self.lasting_force += (target - self.lasting_force) * share;
@@ -252,7 +239,7 @@ impl Contact {
     /// not be taken back. Otherwise only overlap beyond the slop is pushed apart, and rows are rigid above
     /// it: bodies that slide, roll or land meet no spring, which could press them through something thin.
     pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
-        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, GAP * slop] }
+        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, SPRING_GAP * slop] }
     }
 
     /// Whether all values carried to the next step are finite and in range.
@@ -320,7 +307,7 @@ impl Contact {
     pub(crate) fn follow(&mut self, now: &Relative, frame: Quat) {
         let separation = self.separations(now);
         let turned = frame * self.frame.conjugate();
-        if turned.xyz().length_squared() > 0.25 * FROZEN * FROZEN {
+        if turned.xyz().length_squared() > 0.25 * KEPT_CONTACT_TURN * KEPT_CONTACT_TURN {
             self.frame = frame;
         }
         for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {

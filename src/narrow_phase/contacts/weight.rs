@@ -9,6 +9,7 @@
 
 use super::contact::Contact;
 use crate::body::Mass;
+use crate::config::tuning::{LASTING_LOAD_WEIGHT, OVERLAP_WEIGHT, STATIC_WEIGHT};
 use crate::lanes::Record;
 use crate::shape::{ColliderSummary, Kind};
 use glam::Vec3;
@@ -22,16 +23,6 @@ const STEPS: u16 = 256;
 /// Bits of a float that a step of weight omits, and the first step: that of 2^-16 length units.
 const BITS: u32 = 19;
 const FIRST: u32 = (127 - 16) << 4;
-/// Load counts for more than the displacement it causes: a contact that bears keeps bearing until another
-/// would cost clearly more, so that the choice does not change from step to step.
-const LASTS: f32 = 2.0;
-/// The share of an overlap that counts. In full, pairs that are deep in each other would displace those that
-/// bear, whose bodies would be the next to sink. With a tenth of it they stay deep for too long.
-const DEEP: f32 = 0.25;
-/// Contacts that cost more than this are shed after all that cost less [length units]; of either kind,
-/// contacts with static geometry last. If those always came last, bodies side by side on a floor would keep
-/// the floor, and enter each other altogether.
-const MUCH: f32 = 0.02;
 
 impl Weight {
     /// Number of weights.
@@ -42,7 +33,8 @@ impl Weight {
     /// The weight of an overlap, or a gap, at the end of the step [length units].
     fn new(is_static: bool, overlap: f32) -> Weight {
         let steps = (overlap.abs().to_bits() >> BITS).saturating_sub(FIRST).min(u32::from(STEPS) - 1) as u16;
-        let class = u16::from(is_static) + 2 * (u16::from(overlap > 0.0) + u16::from(overlap > MUCH));
+        let class =
+            u16::from(is_static) + 2 * (u16::from(overlap > 0.0) + u16::from(overlap > STATIC_WEIGHT));
         Weight(class * STEPS + if overlap > 0.0 { steps } else { STEPS - 1 - steps })
     }
 
@@ -93,8 +85,8 @@ impl Scale<'_> {
         let closing =
             normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.turn_angle()) + spin(b, of_b.turn_angle());
         let both = pushed(a) && pushed(b);
-        let apart = if both && separation < 0.0 { DEEP * separation } else { separation };
-        let held = LASTS * load * self.gain * (inverse(a) + inverse(b));
+        let apart = if both && separation < 0.0 { OVERLAP_WEIGHT * separation } else { separation };
+        let held = LASTING_LOAD_WEIGHT * load * self.gain * (inverse(a) + inverse(b));
         Weight::new(!both, (closing - apart + held) / self.unit)
     }
 

@@ -26,10 +26,6 @@ use polytopes::polytopes;
 use reduce::reduce;
 use round_polytope::{Core, round_polytope, round_round};
 
-/// Faces are preferred to edges, and a's to b's, by this share of the overlap and of the size: a manifold of
-/// four points that lasts is worth more than half a millimetre on a metre.
-pub(super) const PREFERENCE: (f32, f32) = (0.95, 5e-4);
-
 /// All points nearer than the margin of two convex shapes, or of a convex shape and a half-space; in a's
 /// frame.
 pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin: f32) -> RawManifold {

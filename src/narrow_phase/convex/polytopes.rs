@@ -1,9 +1,10 @@
 //! Two polytopes: by a face of one, by two edges, or by what is nearest where they are apart.
 
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
+use super::manifold_of;
 use super::polytope::{Polytope, Pose};
 use super::sat::{EdgeAxis, EdgeSet, FaceAxis, Nearest, edge_axis, edges_in_reach, face_axis, nearest_edges};
-use super::{PREFERENCE, manifold_of};
+use crate::config::tuning::FACE_PREFERENCE;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use glam::Vec3;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -75,7 +76,7 @@ struct FacePair<'a> {
 /// The separation above which another axis counts as clearly better than one with this separation [m].
 #[inline(always)]
 fn clearly(separation: f32, tolerance: f32) -> f32 {
-    if separation < 0.0 { PREFERENCE.0 * separation + tolerance } else { separation + tolerance }
+    if separation < 0.0 { FACE_PREFERENCE.0 * separation + tolerance } else { separation + tolerance }
 }
 
 impl<'a> FacePair<'a> {
@@ -90,7 +91,7 @@ impl<'a> FacePair<'a> {
         against: Vec3,
     ) -> Option<FacePair<'a>> {
         let back = pose.inverse();
-        let tolerance = PREFERENCE.1 * size;
+        let tolerance = FACE_PREFERENCE.1 * size;
         let face_a = face_axis(a, b, pose, margin, against);
         if face_a.separation > margin {
             return None;

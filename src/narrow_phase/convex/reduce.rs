@@ -6,16 +6,13 @@
 //! until four are left. Any wrench that the contact can transmit is a blend of those at the corners of the
 //! hull, so that area is what a reduction loses. The deepest point always stays.
 
+use crate::config::tuning::{POINT_CLUSTER, POINT_DEEPER};
 use crate::lanes::Vec3 as LaneVec3;
 use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawPoint};
 use glam::{Vec2, Vec3};
 
 /// Most points that are considered.
 const MAX_CLOUD: usize = 64;
-/// Points nearer than this share of the whole extent are one.
-const CLUSTER: f32 = 0.02;
-/// A point that is deeper by less than this share of the whole extent is as deep.
-const DEEPER: f32 = 1e-4;
 
 /// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any
 /// had to go.
@@ -31,7 +28,7 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     let mut deepest = 0;
     // A later point has to be clearly deeper: the choice among corners that press alike must not flicker.
     let away = |p: &RawPoint| p.position.distance_squared(points[0].position);
-    let clearly = DEEPER * points.iter().map(away).fold(0.0, f32::max).sqrt();
+    let clearly = POINT_DEEPER * points.iter().map(away).fold(0.0, f32::max).sqrt();
     for (i, point) in points.iter().enumerate() {
         if point.separation < points[deepest].separation - clearly {
             deepest = i;
@@ -46,7 +43,7 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     let reach = points.iter().map(|p| flat(p).length_squared()).fold(0.0, f32::max);
 
     let mut seeds = [(Vec2::ZERO, 0usize); MAX_CLOUD];
-    let count = seed_clusters(points, flat, deepest, CLUSTER * CLUSTER * reach, &mut seeds);
+    let count = seed_clusters(points, flat, deepest, POINT_CLUSTER * POINT_CLUSTER * reach, &mut seeds);
     if let Some(ends) = ends_of_line(&seeds[..count]) {
         out[0] = points[deepest];
         let mut kept = 1;
@@ -163,7 +160,7 @@ fn ends_of_line(points: &[Seed]) -> Option<[usize; 2]> {
     let one = furthest(Vec2::ZERO);
     let other = furthest(one.0);
     let along = other.0 - one.0;
-    let limit = CLUSTER * along.length_squared();
+    let limit = POINT_CLUSTER * along.length_squared();
     points.iter().all(|p| along.perp_dot(p.0 - one.0).abs() <= limit).then_some([one.1, other.1])
 }
 

@@ -7,6 +7,7 @@
 use super::clip::Spans;
 use super::polytope::Polytope;
 use super::sat::{in_lanes, nearest_on_segments};
+use crate::config::tuning::ALONG_SINE_SQUARED;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
 use crate::shape::{Collider, Geometry};
@@ -14,8 +15,6 @@ use glam::Vec3;
 
 /// The most faces of a polytope, in words of 64.
 const FACE_WORDS: usize = 8;
-/// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
-pub(crate) const ALONG: f32 = 0.0025;
 
 /// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between
 /// [m].
@@ -309,7 +308,7 @@ fn add_edge_points(
     let name = (edge as u32 | 0x8000) << 2;
 
     let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
-    if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG * dd * ee {
+    if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG_SINE_SQUARED * dd * ee {
         let (t0, t1) = (core.along.dot(v - core.start) / dd, core.along.dot(w - core.start) / dd);
         let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
         if high - low > 1e-3 {
@@ -430,7 +429,7 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
         add(&mut manifold, margin, (p + q + n * (ra - rb)) * 0.5, h - ra - rb, key);
     };
     let (aa, bb, ab) = (a.along.length_squared(), b.along.length_squared(), a.along.dot(b.along));
-    if aa > 0.0 && bb > 0.0 && aa * bb - ab * ab < ALONG * aa * bb {
+    if aa > 0.0 && bb > 0.0 && aa * bb - ab * ab < ALONG_SINE_SQUARED * aa * bb {
         let (t0, t1) = (a.along.dot(b.start - a.start) / aa, a.along.dot(b.at(1.0) - a.start) / aa);
         let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
         // Side by side, and not overlapping so deep that the way out is along them.

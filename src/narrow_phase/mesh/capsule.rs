@@ -9,10 +9,11 @@ use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
 use super::triangle_contact::TriangleContact;
+use crate::config::tuning::ALONG_SINE_SQUARED;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
-use crate::narrow_phase::convex::round_polytope::{ALONG, Core, part_inside};
+use crate::narrow_phase::convex::round_polytope::{Core, part_inside};
 use glam::Vec3;
 
 /// Where the core is relative to one triangle.
@@ -207,7 +208,7 @@ impl Place<'_> {
         let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
         let s = self.at.0;
         let nearest = apart - core.radius_at(s);
-        if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG * dd * ee {
+        if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG_SINE_SQUARED * dd * ee {
             let (t0, t1) = (core.along.dot(v - core.start) / dd, core.along.dot(v + e - core.start) / dd);
             let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
             if high - low > 1e-3 {

@@ -11,12 +11,13 @@ use super::patch::{Patches, Verdict};
 use super::reach::Bounds;
 use super::sphere::nearest;
 use super::triangle_contact::{TriangleContact, named, outline};
+use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::cast::sweep::{nearest_corner, reach};
 use crate::narrow_phase::convex::clip::Cloud;
+use crate::narrow_phase::convex::collide_triangle;
 use crate::narrow_phase::convex::cylinder::over_triangle;
-use crate::narrow_phase::convex::{PREFERENCE, collide_triangle};
 use crate::shape::Collider;
 
 /// Adds a patch for every triangle that is nearer than its margin.
@@ -41,8 +42,8 @@ pub(crate) fn touch(
         return;
     }
     let near = near & !beside(a, triangles, margins);
-    let slight = f32x8::splat(PREFERENCE.1 * a.radius);
-    let needed = Lanes::max(face * f32x8::splat(-PREFERENCE.0) - slight, f32x8::zero());
+    let slight = f32x8::splat(FACE_PREFERENCE.1 * a.radius);
+    let needed = Lanes::max(face * f32x8::splat(-FACE_PREFERENCE.0) - slight, f32x8::zero());
     let [one, other] = rims.map(|(point, reach)| {
         let deepest = (triangles.height - reach).le(face + slight);
         deepest & inside(triangles, point).ge(needed)

@@ -13,9 +13,9 @@ use super::nearby::Ground;
 use super::patch::{Patches, Touch};
 use super::reach::Bounds;
 use super::triangle_contact::{TriangleContact, named};
+use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
-use crate::narrow_phase::convex::PREFERENCE;
 use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
 use crate::narrow_phase::convex::sat::in_lanes;
@@ -76,7 +76,7 @@ pub(crate) fn touch(
     let vertex = vertex.to_array();
     let deepest = in_lanes(|i| p.vertices[vertex[i] as usize]);
     let inside = inside(triangles, deepest);
-    let needed = face * f32x8::splat(-PREFERENCE.0) - f32x8::splat(PREFERENCE.1 * size);
+    let needed = face * f32x8::splat(-FACE_PREFERENCE.0) - f32x8::splat(FACE_PREFERENCE.1 * size);
     let clear = inside.ge(Lanes::max(needed, f32x8::zero())).bits();
     let (face, margins, inside) = (face.to_array(), margins.to_array(), inside.to_array());
     while bits != 0 {
@@ -117,7 +117,7 @@ pub(crate) fn touch(
 /// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the
 /// face that is most level.
 fn add_deepest(at: Vec3, face: f32, touch: &Touch, size: f32, (first, points): (usize, &mut Vec<RawPoint>)) {
-    if points[first..].iter().all(|p| p.separation > face + PREFERENCE.1 * size) {
+    if points[first..].iter().all(|p| p.separation > face + FACE_PREFERENCE.1 * size) {
         let position = at - touch.front * (0.5 * face);
         points.extend(named(touch, &[RawPoint { position, separation: face, key: key(0, 0x7fff, 1) }]));
     }

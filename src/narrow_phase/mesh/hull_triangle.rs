@@ -5,9 +5,9 @@
 
 use super::patch::Touch;
 use super::triangle_contact::{named, outline};
+use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
-use crate::narrow_phase::convex::PREFERENCE;
 use crate::narrow_phase::convex::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose};
 use crate::narrow_phase::convex::sat::{PARALLEL, nearest_on_segments};
@@ -49,8 +49,8 @@ impl ContactAxis {
         (face, margin): (f32, f32),
         size: f32,
     ) -> Option<ContactAxis> {
-        let tolerance = PREFERENCE.1 * size;
-        let clearly = |s: f32| if s < 0.0 { PREFERENCE.0 * s + tolerance } else { s + tolerance };
+        let tolerance = FACE_PREFERENCE.1 * size;
+        let clearly = |s: f32| if s < 0.0 { FACE_PREFERENCE.0 * s + tolerance } else { s + tolerance };
         let by_face = if face > clearly(by_hull.0) {
             ContactAxis { normal: -touch.front, apart: face, feature: Feature::Triangle }
         } else {
@@ -108,7 +108,7 @@ impl ContactAxis {
             Feature::Hull(face) => {
                 let reference = Loop::new(p.vertices, p.face(face), &Pose::IDENTITY);
                 let plane = (touch.front, touch.front.dot(touch.corners[0]));
-                let tolerance = PREFERENCE.1 * size;
+                let tolerance = FACE_PREFERENCE.1 * size;
                 let outline = outline(touch);
                 clip_face(&reference, p.planes[face], &outline, plane, margin, tolerance, &mut cloud);
                 if cloud.least() > self.apart + tolerance {

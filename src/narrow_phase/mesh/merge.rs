@@ -6,6 +6,7 @@
 
 use super::boxes::CORNERS;
 use super::patch::Patches;
+use crate::config::tuning::{RELATED_NORMAL_COSINE, SAME_NORMAL_COSINE};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Allowance, bytes_of};
 use crate::narrow_phase::convex::polytope::Pose;
@@ -15,10 +16,6 @@ use glam::Vec3;
 
 /// Most manifolds of a pair.
 pub(crate) const MAX_MANIFOLDS: usize = 8;
-/// Cosine of 2.5 degrees, half the angle of a flat edge: normals nearer than this are one.
-const SAME: f32 = 0.999;
-/// Cosine of 25 degrees: normals further apart than this are never one, even if there are too many.
-const RELATED: f32 = 0.9;
 
 /// Buffers.
 #[derive(Default)]
@@ -56,7 +53,9 @@ impl Merge {
             let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
             let nearest = nearest
                 .fold((f32::MIN, MAX_MANIFOLDS), |best, this| if this.0 > best.0 { this } else { best });
-            let place = if nearest.0 > SAME || (count == MAX_MANIFOLDS && nearest.0 > RELATED) {
+            let place = if nearest.0 > SAME_NORMAL_COSINE
+                || (count == MAX_MANIFOLDS && nearest.0 > RELATED_NORMAL_COSINE)
+            {
                 nearest.1
             } else if count < MAX_MANIFOLDS {
                 normals[count] = patch.normal;

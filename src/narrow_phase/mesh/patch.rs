@@ -18,15 +18,11 @@
 //!    tells which side of the surface that is on.
 
 use super::RawPoint;
+use crate::config::tuning::{EDGE_GAP_COSINE, FLAT_EDGE_COSINE};
 use crate::memory::{Allowance, bytes_of};
 use crate::narrow_phase::convex::simplex::from_triangle;
-use crate::shape::{Edges, FLAT_COSINE, Fold};
+use crate::shape::{Edges, Fold};
 use glam::Vec3;
-
-/// Cosine of twice the angle of a flat edge: a normal nearer than this to a face may be one in the gap
-/// between it and its neighbour. There the shape may well reach far below the face elsewhere, on the far side
-/// of a hill.
-pub(crate) const GAP: f32 = 0.984_807_8;
 
 /// Sine up to which a lean counts as none: rounding, for a shape right over an edge.
 const LEAN: f32 = 1e-3;
@@ -141,7 +137,7 @@ impl Touch {
     /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`:
     /// of the shape [m].
     pub(crate) fn judge(&self, normal: Vec3, apart: f32, face_apart: f32, size: f32) -> Verdict {
-        if -normal.dot(self.front) > FLAT_COSINE {
+        if -normal.dot(self.front) > FLAT_EDGE_COSINE {
             return Verdict::Face(f32::MIN);
         }
         let Some(edge) = self.feature(normal, 1e-3 * size) else { return Verdict::Face(f32::MIN) };
@@ -151,7 +147,7 @@ impl Touch {
             Fold::Flat => {
                 // Four times as deep: a corner may poke through a small triangle.
                 let least = 4.0 * apart.min(0.0) - 0.02 * size;
-                let leans = -normal.dot(self.front) < GAP;
+                let leans = -normal.dot(self.front) < EDGE_GAP_COSINE;
                 if leans && face_apart < least { Verdict::Drop } else { Verdict::Face(least) }
             }
         }
@@ -288,7 +284,7 @@ impl Patches {
         let tolerance = 1e-4 * size + 1e-6 * at.abs().max_element();
         self.touches.iter().enumerate().any(|(i, touch)| {
             i != patch.touch as usize
-                && touch.front.dot(own.front) >= FLAT_COSINE
+                && touch.front.dot(own.front) >= FLAT_EDGE_COSINE
                 && touch.continues(at, direction, tolerance)
         })
     }
@@ -356,7 +352,7 @@ impl Patches {
         let planes = &planes[..count];
         let hides = |plane: &Plane, normal: Vec3, touch: u32| {
             let corners = &self.touches[touch as usize].corners;
-            -normal.dot(plane.front) < FLAT_COSINE
+            -normal.dot(plane.front) < FLAT_EDGE_COSINE
                 && corners.iter().all(|c| plane.front.dot(*c) - plane.offset <= plane.low)
         };
         let mut keep = 0;

@@ -6,6 +6,7 @@
 
 use super::Triangles;
 use super::nearby::Extent;
+use crate::config::tuning::{ONE_MANIFOLD_COSINE, ONE_MANIFOLD_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::cast::sweep::reach;
@@ -42,11 +43,6 @@ pub(crate) struct Near {
     pub(crate) count: usize,
 }
 
-/// Cosine of 3.6 degrees: triangles whose normals are nearer than this may end up in one manifold.
-const LEVEL: f32 = 0.998;
-/// The sine of that angle, rounded up.
-const LEAN: f32 = 0.064;
-
 impl Near {
     /// Adds those of eight triangles that may be nearer than `within` [m]: neither their planes nor those of
     /// the box around the shape exclude it. Below zero: those whose planes the shape is beyond by as much,
@@ -62,7 +58,7 @@ impl Near {
         while bits != 0 {
             let front = triangles.front.lane(bits.trailing_zeros() as usize);
             bits &= bits - 1;
-            if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < LEVEL) {
+            if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < ONE_MANIFOLD_COSINE) {
                 if let Some(place) = self.fronts.get_mut(self.count) {
                     *place = front;
                 }
@@ -82,7 +78,7 @@ impl Near {
             (min, max) = (min.min(close.0 + down), max.max(close.1 + down));
         }
         // Level is not quite parallel.
-        let aside = Vec3::splat(LEAN * margin);
+        let aside = Vec3::splat(ONE_MANIFOLD_SINE * margin);
         Some((min - aside, max + aside))
     }
 
@@ -93,7 +89,7 @@ impl Near {
         if self.count == 0 || self.count > self.fronts.len() {
             return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(path)), f32x8::zero());
         }
-        let level = f32x8::splat(LEVEL);
+        let level = f32x8::splat(ONE_MANIFOLD_COSINE);
         self.fronts[..self.count].iter().fold(near, |margins, front| {
             Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins)
         })

@@ -3,9 +3,10 @@
 use super::Triangles;
 use super::nearby::Ground;
 use super::patch::{Patch, Patches, Touch};
+use crate::config::tuning::FLAT_EDGE_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
-use crate::shape::{FLAT_COSINE, Fold};
+use crate::shape::Fold;
 use glam::Vec3;
 
 /// Key of a point with the face's normal on the border of the face, until [`finish`].
@@ -96,7 +97,7 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
         return Some((normal, false));
     }
     // Beyond a flat edge, yet over it: in the gap between two faces of a hardly convex edge.
-    let over = -normal.dot(touch.front) >= FLAT_COSINE && folds.contains(&Fold::Flat);
+    let over = -normal.dot(touch.front) >= FLAT_EDGE_COSINE && folds.contains(&Fold::Flat);
     over.then_some((-touch.front, true))
 }
 
@@ -118,7 +119,7 @@ pub(crate) fn finish(radius: f32, patches: &mut Patches) {
                 && patches.iter().enumerate().any(|(j, other)| {
                     let key = points[other.first as usize].key;
                     let before = key == 0 || (key == BORDER && j < i);
-                    before && other.normal.dot(patch.normal) >= FLAT_COSINE && shared(other)
+                    before && other.normal.dot(patch.normal) >= FLAT_EDGE_COSINE && shared(other)
                 })
         };
         // Points are dropped only after all were examined: a hidden point hides others too.

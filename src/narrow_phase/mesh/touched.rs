@@ -1,5 +1,6 @@
 //! The parts of a mesh or height field that a shape rests on, which a cast can skip.
 
+use crate::config::tuning::SAME_PLANE_COSINE;
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Kind};
@@ -31,9 +32,6 @@ impl Default for Touched {
     }
 }
 
-/// Cosine of 0.25 degrees: planes whose normals are nearer than this are one.
-const SAME: f32 = 0.999_99;
-
 impl Touched {
     /// Empty.
     pub(crate) fn of(a: &Collider) -> Touched {
@@ -57,7 +55,7 @@ impl Touched {
         if !self.whole && -path.dot(front) > margin {
             return;
         }
-        if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
+        if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME_PLANE_COSINE) {
             return;
         }
         if let Some(place) = self.planes.get_mut(self.plane_count) {

@@ -1,8 +1,9 @@
 //! The contact with one triangle by itself, and the patch that the surface as a whole has there.
 
 use super::boxes::key;
-use super::patch::{GAP, Patches, Touch, Verdict};
+use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
+use crate::config::tuning::EDGE_GAP_COSINE;
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Loop;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -52,7 +53,7 @@ impl TriangleContact {
                 over(&mut patches.points);
                 patches.limit(first, least);
                 // In the gap between the faces of a hardly convex edge, over neither of them.
-                if patches.points.len() == first && -normal.dot(front) > GAP {
+                if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE {
                     own(&mut patches.points);
                     let offset = front.dot(touch.corners[0]);
                     let bound = half + Vec3::splat(1e-3 * half.max_element());

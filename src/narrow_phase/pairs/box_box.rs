@@ -13,17 +13,8 @@
 use super::box_apart::closest_vertex;
 use super::box_face::face_points;
 use super::lanes_io::{ManifoldLanes, PairLanes, pick};
+use crate::config::tuning::{AXIS_BIAS, AXIS_DEPTH_BIAS, FLAT_FACE_BIAS, FLAT_FACE_COSINE};
 use crate::lanes::{Lanes, Mask, Vec3};
-
-/// Axes prefer faces, and those of `a`, by this share of the least half extent, and of the depth.
-/// Large against rounding and the tilt of a resting box, small against the slop.
-const BIAS: f32 = 1e-3;
-const DEPTH_BIAS: f32 = 1e-2;
-/// Cosine of the angle (3.6 degrees) up to which faces that give the same depth are better than edges.
-const FLAT: f32 = 0.998;
-/// And how much further the face's lowest vertex may reach, beyond the edge where clipping drops it, as a
-/// share of the least half extent.
-const FLAT_BIAS: f32 = 5e-2;
 
 /// Two boxes in the frame of the first.
 pub(crate) struct Boxes<L> {
@@ -61,8 +52,8 @@ impl<L: Lanes> Boxes<L> {
 /// See the module.
 pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
     let boxes = Boxes::new(p);
-    let bias = boxes.least * L::splat(BIAS);
-    let allowed = |s: L| bias + (-s).max(L::zero()) * L::splat(DEPTH_BIAS);
+    let bias = boxes.least * L::splat(AXIS_BIAS);
+    let allowed = |s: L| bias + (-s).max(L::zero()) * L::splat(AXIS_DEPTH_BIAS);
 
     let face = best_face(&boxes, allowed);
     let edge = best_edge(&boxes);
@@ -72,9 +63,9 @@ pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
     let [s0, s1, s2, s3] = out.separation;
     let deepest = s0.min(s1).min(s2.min(s3));
     // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on.
-    let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT))
+    let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT_FACE_COSINE))
         & (deepest - edge.separation).abs().le(allowed(edge.separation))
-        & (edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_BIAS));
+        & (edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_FACE_BIAS));
     let edge_wins = edge.bound.gt(face.separation + allowed(face.separation)) & !flat;
     let short = apart & deepest.gt(greatest + bias + bias);
     let by_edge =

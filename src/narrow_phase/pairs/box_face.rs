@@ -8,13 +8,8 @@
 
 use super::box_box::{Boxes, Face};
 use super::lanes_io::{ManifoldLanes, pick};
+use crate::config::tuning::{FLUSH_BIAS, TIE_SLOPE};
 use crate::lanes::{Lanes, Vec3};
-
-/// Side planes lie this share of the least half extent further out. Boxes that are flush (walls, pyramids)
-/// then keep their vertices as features, whichever way rounding pushes them.
-const FLUSH: f32 = 1e-4;
-/// Added slope by which equal depths are told apart: of a flat contact always the same corners come first.
-const TIE: f32 = 5e-5;
 
 /// A corner of the clipped face that lies furthest in some direction.
 struct Extreme<L> {
@@ -81,7 +76,7 @@ pub(crate) fn face_points<L: Lanes>(
     let depth = |u: L, v: L| fn_ + gu * u + gv * v;
 
     // Down the slope; level, along a direction that singles out one corner of any rectangle along the axes.
-    let (du, dv) = (L::splat(0.4 * TIE) - gu, L::splat(0.9 * TIE) - gv);
+    let (du, dv) = (L::splat(0.4 * TIE_SLOPE) - gu, L::splat(0.9 * TIE_SLOPE) - gv);
     let none = || Extreme { reach: L::splat(f32::NEG_INFINITY), u: zero, v: zero, key: -L::one() };
     let (mut kept, mut deepest) = ([none(), none(), none(), none()], none());
     let mut offer = |valid: L::Mask, u: L, v: L, key: L| {
@@ -95,7 +90,7 @@ pub(crate) fn face_points<L: Lanes>(
 
     // Edges of the other face, clipped: side * e2 + t e1 and side * e1 + t e2. The first family also
     // brings the vertices, where nothing was clipped.
-    let slack = x.least * L::splat(FLUSH);
+    let slack = x.least * L::splat(FLUSH_BIAS);
     let (wu, wv) = (hu + slack, hv + slack);
     let (one, minus) = (L::one(), -L::one());
     let key = |k: usize| L::splat(k as f32);

@@ -2,9 +2,8 @@
 
 use super::{Entrant, Scene};
 use crate::config::tuning::CONTACT_MARGIN;
-use crate::narrow_phase::{
-    BodyPath, CastResult, GHOST_GAP, MeshCast, Motion, NONE, cast_convex, cast_mesh, cast_plane,
-};
+use crate::config::tuning::GHOST_GAP;
+use crate::narrow_phase::{BodyPath, CastResult, MeshCast, Motion, NONE, cast_convex, cast_mesh, cast_plane};
 use crate::shape::Kind;
 use crate::time_of_impact::Way;
 use crate::world::World;

@@ -6,14 +6,8 @@
 //! Meshes are touched from both sides, and what is a ridge from the front is a valley from behind, hence four
 //! folds and not a flag.
 
+use crate::config::tuning::FLAT_EDGE_SINE;
 use glam::Vec3;
-
-/// Sine of the fold under which an edge counts as flat: 5 degrees. More, and bodies cut visibly into the
-/// ridges of a coarse sphere (at 5 degrees a ball of 1 m misses the ridge by 1 mm, twice the slop); less, and
-/// the tessellation of smooth ground and the noise of its heights are felt.
-pub(crate) const FLAT_SINE: f32 = 0.087_155_74;
-/// Cosine of the same angle.
-pub(crate) const FLAT_COSINE: f32 = 0.996_194_7;
 
 /// How the surface folds at an edge, seen from the triangle's front (the side from which it winds
 /// counter-clockwise).
@@ -61,11 +55,11 @@ impl Fold {
         let lengths = (this.length_squared() * that.length_squared()).sqrt();
         // How far the neighbour rises over this triangle's plane, as a sine; `normal` is |along| |this| long.
         let rise = normal.dot(that) / (normal.length() * that.length());
-        if this.dot(that) < 0.0 && rise.abs() < FLAT_SINE && lengths > 0.0 {
+        if this.dot(that) < 0.0 && rise.abs() < FLAT_EDGE_SINE && lengths > 0.0 {
             Fold::Flat
-        } else if rise < -FLAT_SINE * 1e-3 {
+        } else if rise < -FLAT_EDGE_SINE * 1e-3 {
             Fold::Ridge
-        } else if rise > FLAT_SINE * 1e-3 {
+        } else if rise > FLAT_EDGE_SINE * 1e-3 {
             Fold::Valley
         } else {
             // Folded back onto itself: a blade, sharp from either side.

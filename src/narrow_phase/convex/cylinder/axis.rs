@@ -12,19 +12,13 @@
 
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
+use crate::config::tuning::{CYLINDER_DEEP, CYLINDER_GAP, CYLINDER_TOO_DEEP};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::gjk::{CoreGap, gap_from};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose, Solid};
 use crate::narrow_phase::convex::support::{Pose as ExactPose, Support};
 use glam::{DMat3, Vec3};
 
-/// The gap that is opened then, as a share of the size.
-const GAP: f32 = 2e-4;
-/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the
-/// size.
-const DEEP: f32 = 2e-3;
-/// And up to what overlap it is looked for.
-const TOO_DEEP: f32 = 0.2;
 /// Rounds of taking back an overlap.
 const ROUNDS: usize = 6;
 
@@ -187,7 +181,7 @@ impl Both<'_> {
     /// `size`: a length of the smaller shape [m].
     pub(super) fn best(&self, supports: (&Support, &Support), from: Axis, size: f32) -> (Axis, [Vec3; 2]) {
         // Seen from the wrong side what is apart may seem deep.
-        if from.separation < -DEEP * size {
+        if from.separation < -CYLINDER_DEEP * size {
             let gap = self.gap(supports, (from.normal, 0.0), 1e-6 * size);
             if !gap.overlap && gap.upper > 0.0 {
                 let normal = gap.normal.as_vec3();
@@ -197,7 +191,7 @@ impl Both<'_> {
         }
         let first = self.refine(supports, from, size, f32::MIN);
         // Deeper still, any way out will do.
-        if !(-TOO_DEEP * size..-DEEP * size).contains(&first.0.separation) {
+        if !(-CYLINDER_TOO_DEEP * size..-CYLINDER_DEEP * size).contains(&first.0.separation) {
             return first;
         }
         let (normal, separation) = best_of_many(self, first.0.normal);
@@ -228,7 +222,11 @@ impl Both<'_> {
         let mut kept = (best, [Vec3::ZERO; 2]);
         for _ in 0..ROUNDS {
             // Nearest points that coincide have no direction.
-            let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
+            let open = if best.separation > CYLINDER_GAP * size {
+                0.0
+            } else {
+                CYLINDER_GAP * size - best.separation
+            };
             let shift = best.normal * open;
             let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 4e-3 * open };
             let gap = self.gap((a, b), (best.normal, open), accuracy);
@@ -250,7 +248,7 @@ impl Both<'_> {
             }
             // What the next round gains is to this gain about as the depth is to the size.
             let depth = -best.separation;
-            let settled = depth > GAP * size && gain * depth <= 1e-5 * size * size;
+            let settled = depth > CYLINDER_GAP * size && gain * depth <= 1e-5 * size * size;
             if open == 0.0 || gain <= 1e-5 * size || settled || best.separation < hopeless {
                 break;
             }

@@ -2,8 +2,8 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
-use super::ASIDE;
 use super::frustum::Frustum;
+use crate::config::tuning::LINE_TOUCH_ASIDE;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::round_polytope::Core;
@@ -164,7 +164,7 @@ impl Frustum {
         let (low, high) = (low.max(0.0), high.min(1.0));
         // If two lines cross, their ends are beside each other.
         let aside = (high - low) * aside;
-        (high - low > 1e-3 && aside <= ASIDE * self.bottom.max(self.top)).then_some((
+        (high - low > 1e-3 && aside <= LINE_TOUCH_ASIDE * self.bottom.max(self.top)).then_some((
             low,
             high,
             move |s: f32| heights[0] + (heights[1] - heights[0]) * s,

@@ -17,6 +17,7 @@ use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
 use super::polytope::{Pose, Solid, Triangle};
 use super::support::Support;
+use crate::config::tuning::{CYLINDER_AXIS_TOLERANCE, LINE_TOUCH_ASIDE};
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::shape::Collider;
 use axis::{Axis, Body, Both, FlatFace};
@@ -25,14 +26,6 @@ use glam::Vec3;
 
 pub(crate) use core::round_cylinder;
 pub(crate) use frustum::Frustum;
-
-/// What is nearly as good an axis as the best one counts as equal, up to this share of the smaller shape's
-/// size: half a millimetre on a metre for a manifold that lasts. Also what counts as inside a face.
-const TOLERANCE: f32 = 5e-4;
-
-/// Two lines touch in two points as long as their ends are beside each other by no more than this share of
-/// the size: there a round side falls away by its square.
-const ASIDE: f32 = 0.03;
 
 /// What a cylinder meets.
 pub(crate) enum Other<'a> {
@@ -59,7 +52,7 @@ pub(crate) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
         };
         Support::of(a).zip(other)
     };
-    Contact { both, margin, size, tolerance: TOLERANCE * size }.manifold(supports)
+    Contact { both, margin, size, tolerance: CYLINDER_AXIS_TOLERANCE * size }.manifold(supports)
 }
 
 struct Contact<'a> {
@@ -206,7 +199,7 @@ impl<'a> Contact<'a> {
         let (one, other) = (furthest(false), furthest(true));
         let [d, e] = [&one, &other].map(|s| s.ends[1] - s.ends[0]);
         let longer = d.length().max(e.length());
-        if longer > 0.0 && d.cross(e).length() <= ASIDE * self.size * longer && d.dot(e) != 0.0 {
+        if longer > 0.0 && d.cross(e).length() <= LINE_TOUCH_ASIDE * self.size * longer && d.dot(e) != 0.0 {
             clip_edges(&one, &other, n, self.margin, cloud);
         }
     }
@@ -256,7 +249,7 @@ pub(crate) fn on_half_space(
     if f.shows_cap(normal) {
         let disc = f.cap(normal.y > 0.0, &Pose::IDENTITY);
         if let Some(face) = Face::new((&disc, false), (-normal, -offset), normal, margin) {
-            face.endless(TOLERANCE * size, cloud);
+            face.endless(CYLINDER_AXIS_TOLERANCE * size, cloud);
         }
         return;
     }

@@ -95,14 +95,14 @@ fn check(found: &[RawManifold], pairs: &[Pair]) -> [u32; 3] {
         let slow = Slow::new(pair);
         let greatest = slow.greatest();
         let (truth, tolerance) = match greatest < 0.0 {
-            true => (greatest, BIAS as f64 * slow.least - DEPTH_BIAS as f64 * greatest + 1e-5),
-            false => (slow.distance(), 3.0 * BIAS as f64 * slow.least + 1e-5),
+            true => (greatest, AXIS_BIAS as f64 * slow.least - AXIS_DEPTH_BIAS as f64 * greatest + 1e-5),
+            false => (slow.distance(), 3.0 * AXIS_BIAS as f64 * slow.least + 1e-5),
         };
         seen[(truth > 0.0) as usize + (truth > 0.0 && m.count <= 2) as usize] += 1;
         let along = slow.along(m.normal.as_dvec3());
         // A nearly flat face may stand for the edges in it.
         let by_face = m.points().iter().all(|p| p.key >= 4096);
-        let lean = if by_face { FLAT_BIAS as f64 * slow.least } else { 0.0 };
+        let lean = if by_face { FLAT_FACE_BIAS as f64 * slow.least } else { 0.0 };
         assert!((along - truth).abs() < tolerance + lean, "normal: {along} {truth} {pair:?}");
         if truth > pair.3 as f64 + tolerance {
             assert_eq!(m.count, 0);
