@@ -290,6 +290,7 @@ fn half_turn(t: f64x4) -> (f64x4, f64x4) {
     if t.simd_lt(f64x4::splat(16.0 * SMALL)).all() { (s, c) } else { large_half_turn(t, s, c) }
 }
 
+// Rounding: up to here the series are exact to f64.
 /// Square of an angle up to which the series are good for [rad²].
 const SMALL: f64 = 0.25;
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+// Guard: keeps products of two lengths far from overflow.
 /// Boxes with a coordinate beyond this are taken for unbounded; motions are cut to it [m]. Products of two
 /// lengths stay far from overflow.
 pub(super) const LARGEST: f32 = 1e15;

@@ -5,6 +5,7 @@ use crate::lanes::{self, Lanes, f32x8};
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Mat3, Quat, Vec3};
 
+// Rounding: of a rotated point.
 /// Share of a shape's size by which its bounds are widened: rotating a point loses a few units of 2^-24.
 const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 

@@ -38,8 +38,10 @@ impl Proxy {
     pub(super) const NONE: Proxy = Proxy { bounds: Aabb::EMPTY, place: NONE, path: NONE };
 }
 
+// Rounding: of a sum.
 /// Bound on the rounding error of a sum as a share of its terms: two units of 2^-24, doubled.
 const ROUNDING: f32 = 4.0 / (1 << 24) as f32;
+// Rounding: of a swept box.
 /// The same for the lengths of a swept box: more than what the test of two paths is widened by, so that the
 /// search along one path surely leads to all that the test says yes to.
 const ROUNDING_SWEPT: f32 = 8.0 * ROUNDING;

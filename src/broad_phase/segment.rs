@@ -10,9 +10,11 @@ use crate::config::tuning::LONG_PATH;
 use crate::lanes::{Lanes, Vec3};
 use crate::shape::path_hits_boxes;
 
+// Rounding: of the lengths in a test.
 /// Share of the lengths in a test by which it is widened: eight roundings. Where a path touches a box, no
 /// length in the test exceeds extent + half path, and each is off by a few units of 2^-24 of that.
 const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+// Rounding: of inner nodes.
 /// The same for boxes of inner nodes: wide enough that rounding never hides a box that would answer yes by
 /// itself.
 const ROUNDING_INNER: f32 = 4.0 * ROUNDING;

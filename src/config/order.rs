@@ -22,8 +22,8 @@ pub enum RowGroup {
 
 /// In which order groups of rows are solved: what is solved last is obeyed best.
 ///
-/// The default is that of Vincent Robert's talk (Ubisoft, GDC 2012): joints before contacts, so that what can't be met is
-/// left in a joint for a frame and not in a wall for ever.
+/// The default is that of Vincent Robert's talk (Ubisoft, GDC 2012): joints before contacts, so that what
+/// can't be met is left in a joint for a frame and not in a wall for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Order(pub [RowGroup; Order::LEN]);
@@ -58,8 +58,8 @@ impl Order {
         Order(groups)
     }
 
-    /// The place of rows of a group: its own, or right after another that they are raised above, if that is later. What is
-    /// raised above the same keeps the order among itself.
+    /// The place of rows of a group: its own, or right after another that they are raised above, if that is
+    /// later. What is raised above the same keeps the order among itself.
     pub(crate) fn place(self, group: RowGroup, raised: Option<RowGroup>) -> Place {
         let own = self.rank(group);
         let after = raised.map_or(0, |above| 2 * self.rank(above) + 1);

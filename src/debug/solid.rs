@@ -7,6 +7,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 /// Segments around, and rings from pole to equator.
 const AROUND: u32 = 24;
 const RINGS: u32 = 6;
+// Guard: an endless plane is drawn to here.
 /// What is drawn of a plane to each side of its origin [m].
 pub(super) const PLANE: f32 = 20.0;
 

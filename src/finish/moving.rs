@@ -265,6 +265,7 @@ impl Off<'_> {
     }
 }
 
+// Sentinel: in the first pad of a displacement.
 /// Marks a stray, where others have whether they were touched.
 pub(super) const STRAY: f32 = -1.0;
 
@@ -283,6 +284,7 @@ pub(super) fn is_in_range(pose: &Pose) -> bool {
     pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
 }
 
+// Guard: beyond the range of positions.
 /// Displacements beyond are out of the world, whatever the body was [m], [rad].
 pub(super) const FAR: f32 = 4.0 * MAX_POSITION as f32;
 

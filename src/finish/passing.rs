@@ -17,6 +17,7 @@ use crate::narrow_phase::segment_hits;
 use crate::solver::ImpactBody;
 use glam::Vec3;
 
+// Sentinel: in the first pad of a displacement.
 /// In `pad0` of a body's displacement: it was moved out of another's way.
 const MOVED: f32 = 2.0;
 /// Passes over fast pairs: a body that is moved may get in the way of another.

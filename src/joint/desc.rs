@@ -7,6 +7,7 @@ use crate::limits;
 use crate::shape::unit_quat;
 use glam::{Quat, Vec3};
 
+// Guard: a limit of what a caller may say.
 /// Largest displacement that a limit or drive may name [m] or [rad].
 const MAX_DISPLACEMENT: f32 = limits::MAX_POSITION as f32;
 
@@ -102,6 +103,7 @@ pub enum Spring {
 }
 
 impl Spring {
+    // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.
     pub(crate) const MOST: f32 = 1e20;
 

@@ -8,6 +8,7 @@ use crate::handle::{BodyHandle, ShapeHandle};
 use crate::world::{World, finite_position};
 use glam::{DVec3, Vec3};
 
+// Guard: keeps products of two lengths far from overflow.
 /// Beyond this no coordinate and no component of a path may be [m].
 const FURTHEST: f32 = 1e15;
 

@@ -51,10 +51,12 @@ pub(super) fn meet(candidate: &Candidate<'_>, ray: &Ray, most: f32, any: bool) -
     })
 }
 
+// Rounding: of a start that is far from a mesh.
 /// If the start is further away than this many sizes of a mesh, triangles are tested from where the ray comes
 /// near: `f32` would not represent the start well enough.
 const FAR: f64 = 4.0;
 
+// Rounding: of the plane of a triangle.
 /// The largest correction by the plane of a triangle, as a share of the size of the mesh.
 const REFINED: f64 = 1e-5;
 

@@ -208,6 +208,7 @@ impl Moments {
     }
 }
 
+// Rounding: of f32, sixteen times.
 /// 16 roundings of f32: a needle a thousand times as long as it is thick still has its own.
 const THINNEST: f64 = 16.0 * f32::EPSILON as f64 / 2.0;
 

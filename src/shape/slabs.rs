@@ -7,9 +7,11 @@
 use crate::lanes::{Lanes, Vec3};
 use glam::DVec3;
 
+// Guard: stands for zero in a division.
 /// Stands for a zero component of a path when it is inverted: no coordinate makes an
 /// infinity of it, and nobody sees so small a motion.
 const LEAST: f32 = 1e-18;
+// Rounding: three of f32, doubled.
 /// Bound on rounding errors as a share of the lengths involved: three roundings, doubled.
 const ROUNDING: f32 = 6.0 / (1 << 24) as f32;
 

@@ -16,6 +16,7 @@ use crate::lanes::{GatherLanes, Mask, Vec3};
 
 /// Maximum number of rounds in a substep.
 const ROUNDS: u32 = 8;
+// Guard: beyond, the numbers are no motion.
 /// A displacement [m] above this is no solution.
 const FURTHEST: f32 = 1e6;
 

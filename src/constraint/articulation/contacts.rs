@@ -200,6 +200,7 @@ struct Whole<'a, L, const P: usize> {
     friction: FrictionResponse<L>,
 }
 
+// Rounding: what a joint leaves of a mobility.
 /// Share of a body's own mobility that must be left in the tree. Less is rounding: its joints hold the body
 /// where it is.
 const LEAST: f32 = 1e-4;

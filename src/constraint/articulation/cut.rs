@@ -5,8 +5,8 @@
 //! with bounds. How the rows respond to each other through the whole tree follows from one exact solution per
 //! row; then the rows are solved together, as a dense system, and the tree once more with their impulses (the
 //! capacitance matrix method; Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996, treats loops
-//! in this direction). Solved as an ordinary row, a motor knows the two bodies of its hinge and nothing of what
-//! hangs on them: the crank of a linkage had one and a half times its speed in the first step.
+//! in this direction). Solved as an ordinary row, a motor knows the two bodies of its hinge and nothing of
+//! what hangs on them: the crank of a linkage had one and a half times its speed in the first step.
 //!
 //! A cut joint is a node after those of the bodies. It has its body a second time, and follows it.
 
@@ -133,11 +133,14 @@ impl<L> Extra<L> {
     }
 }
 
+// Rounding: what other joints leave of a row.
 /// Share of the mobility of its two bodies below which a row is held by others already. In a planar linkage
 /// this is so for most rows of the last joint, and the mobility that remains is rounding.
 const LEAST: f32 = 1e-4;
+// Rounding: the same of a motor.
 /// The same for a motor, which its bounds limit anyway.
 const ROUNDING: f32 = 1e-7;
+// Rounding: the same of displacements.
 /// The same for displacements, during which directions turn.
 const SHIFTED: f32 = 1e-2;
 /// Maximum number of rounds in which the bounds of motors are applied.

@@ -25,6 +25,7 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
 
 /// Maximum number of Newton rounds, and the largest rotation of a body in one [rad].
 const ROUNDS: u32 = 24;
+// Guard: Newton's method goes no further at once.
 const FURTHEST: f32 = 0.5;
 
 /// State of a body from which its substep is solved again.

@@ -94,6 +94,7 @@ pub(crate) fn moved_by<L: Lanes>(q: Quat<L>, p: Vec3<L>) -> Vec3<L> {
     once * q.w + q.v.cross(once)
 }
 
+// Rounding: of moments of inertia.
 /// Moments that differ by a smaller share are taken as equal.
 const LEVEL: f32 = 1e-5;
 

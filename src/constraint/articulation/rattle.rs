@@ -58,9 +58,12 @@ impl<L: Lanes> Drift<L> {
 
 /// Maximum number of Newton rounds in a substep, and the error at which they end [length units], [rad].
 const ROUNDS: u32 = 6;
+// Rounding: of the solution of a substep.
 const MISS: f32 = 5e-8;
+// Rounding: beyond it the method did not converge.
 /// With a larger error no solution was found, and the substep is solved in parts.
 const LOST: f32 = 1e-5;
+// Rounding: of closed joints.
 /// Share of [`Closing::tolerance`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 

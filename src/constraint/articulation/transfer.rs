@@ -9,6 +9,7 @@ use crate::constraint::joint::ends::{NONE, bend, swerve};
 use crate::constraint::joint::fill::put;
 use crate::lanes::{GatherLanes, Mask, Record, Vec3, gather, scatter};
 
+// Guard: beyond, the numbers are no motion.
 /// Bodies that are faster than this [m/s] or [rad/s] move on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 

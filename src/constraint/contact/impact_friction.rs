@@ -11,8 +11,8 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 /// where they pushed, the surfaces did touch, and friction is due. Without it a ball that lands at an angle
 /// would skid as on ice.
 ///
-/// The velocities before any row acted are changed in the same direction, as warm starting does not repeat this
-/// impulse. Returns whether the change shifts loads.
+/// The velocities before any row acted are changed in the same direction, as warm starting does not repeat
+/// this impulse. Returns whether the change shifts loads.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.

@@ -57,6 +57,7 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) scale: Scale<'a>,
 }
 
+// Rounding: of a mobility along locked axes.
 /// For bodies with locked axes: share of their mobility below which the rest is rounding.
 pub(crate) const GONE: f32 = 1e-6;
 

@@ -373,6 +373,7 @@ pub(crate) fn across<L: Lanes>(m: &Sym3<L>, axis: Vec3<L>) -> Sym3<L> {
     }
 }
 
+// Rounding: keeps a matrix with missing directions invertible.
 /// Share of the trace of a matrix that is added to its diagonal: makes one with missing directions
 /// invertible, and changes no other.
 pub(crate) const TINY: f32 = 1e-6;

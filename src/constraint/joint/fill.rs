@@ -286,6 +286,7 @@ fn borne<L: GatherLanes>(
     }
 }
 
+// Rounding: of a mobility.
 /// Share of a mobility below which the rest is rounding.
 const GONE: f32 = 1e-4;
 

@@ -4,8 +4,8 @@
 //! these bend within it as far as a series goes: for a tenth of a radian or so. Beyond that, their impulses
 //! have little to do with what would hold the joint; in some positions they add energy, and the next substep
 //! adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep that a game
-//! can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may take energy but
-//! give none: after a substep a net has no more than before, except for what motors gave. Any excess is
+//! can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may take energy
+//! but give none: after a substep a net has no more than before, except for what motors gave. Any excess is
 //! removed from all of its velocities in proportion, except for the motion of the centre of mass.
 //!
 //! Energy is kinetic energy, the potential of external forces, and that of springs. A stiff spring can give
@@ -23,8 +23,10 @@ use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 use glam::{DVec3, Vec3};
 
+// Guard: beyond, the numbers are no motion.
 /// Velocities above this [m/s] or [rad/s] are as good as not finite.
 const RUNAWAY: f32 = 1e6;
+// Rounding: of an energy.
 /// A loss of a smaller share of its energy is rounding, and not counted.
 const COUNTED: f64 = 1e-4;
 

@@ -55,7 +55,9 @@ pub(crate) struct Bodies<'a> {
 const MAX_POINTS: usize = 16;
 /// Maximum number of Gauss-Seidel sweeps over them, and the share of the approach speed at which they end.
 const SWEEPS: u32 = 64;
+// Guard: where the sweeps over impacts end.
 const EXACT: f32 = 1e-5;
+// Rounding: of the way to a touch.
 /// A point that ends a substep nearer than this counts as touching: a share of its displacement, and of
 /// `together`.
 const SLACK: f32 = 1e-4;

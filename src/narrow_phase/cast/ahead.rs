@@ -247,6 +247,7 @@ pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bo
     found.iter().any(|m| closings(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
 }
 
+// Rounding: of a predicted path.
 /// Rounding of a predicted path [length units].
 const NEARLY: f32 = 1e-5;
 

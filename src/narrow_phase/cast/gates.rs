@@ -38,8 +38,10 @@ use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{DMat3, DVec3, Vec3};
 
+// Rounding: of a speed along an axis.
 /// Speed along a unit axis, as a share of the path's length, that counts as zero.
 const STILL: f32 = 1e-6;
+// Rounding: of a cross product.
 /// Squared sine under which a cross product has no direction.
 const PARALLEL: f64 = 1e-7;
 

@@ -163,6 +163,7 @@ struct Exact<'a> {
     later: Option<(Placed, Placed)>,
 }
 
+// Rounding: of a fraction of the step.
 /// Rounding error of an earliest fraction.
 const EARLY: f64 = 1e-5;
 

@@ -9,6 +9,7 @@ use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
 use glam::{Quat, Vec3, Vec4};
 
+// Sentinel: no load was estimated.
 /// [`Contact::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 
@@ -211,9 +212,9 @@ impl Contact {
     /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a
     /// step of `dt` seconds. Says whether that load is one that statics should look at.
     ///
-    /// It follows only a load that is off by more than [`LOAD_BAND`], and otherwise what statics expects. If it
-    /// followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)` and
-    /// pump it, wherever several manifolds bear a body.
+    /// It follows only a load that is off by more than [`LOAD_BAND`], and otherwise what statics expects. If
+    /// it followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)`
+    /// and pump it, wherever several manifolds bear a body.
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.bears() / h;
         let near = |force: f32| (force - load).abs() <= LOAD_BAND * load;

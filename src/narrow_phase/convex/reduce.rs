@@ -104,8 +104,8 @@ fn seed_clusters(
     count
 }
 
-/// Drops the corner that takes least area with it until there are `allowance`, but never the deepest. Says how
-/// many are left.
+/// Drops the corner that takes least area with it until there are `allowance`, but never the deepest. Says
+/// how many are left.
 #[inline(always)]
 fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, allowance: usize, deepest: usize) -> usize {
     let mut corners = all;

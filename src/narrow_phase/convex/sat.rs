@@ -10,8 +10,10 @@ use super::polytope::{Polytope, Pose};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
+// Sentinel: below every separation.
 /// What is left of faces that must not be an axis.
 const NEVER: f32 = -1e30;
+// Rounding: of a cross product.
 /// Squared sine under which two edges count as parallel: their cross product is all rounding.
 pub(crate) const PARALLEL: f32 = 1e-7;
 

@@ -175,6 +175,7 @@ impl<'a> Support<'a> {
     }
 }
 
+// Rounding: of bounds that must not be too small.
 /// Rounding of `f32` in what must not be too small.
 const UP: f64 = 1.0 + 1e-6;
 

@@ -14,6 +14,7 @@ use crate::narrow_phase::convex::sat::{PARALLEL, nearest_on_segments};
 use crate::shape::{ConvexHull, HullEdge};
 use glam::Vec3;
 
+// Rounding: of a normal along a face.
 /// A normal this far along the triangle's front would push the hull through it.
 const THROUGH: f32 = 1e-3;
 

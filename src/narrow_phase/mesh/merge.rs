@@ -130,6 +130,7 @@ fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
 /// The points furthest in eight directions across the normal, and the deepest; some may be the same. The
 /// first of equally far ones counts.
 fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
+    // Guard: an identity of geometry.
     const DIAGONAL: f32 = std::f32::consts::FRAC_1_SQRT_2;
     let (u, v) = LaneVec3::<f32>::splat(normal).tangents();
     let (u, v) = (LaneVec3::<f32x8>::splat(u.lane(0)), LaneVec3::splat(v.lane(0)));

@@ -9,6 +9,7 @@ use super::Triangles;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Vec3};
 
+// Rounding: grazing segments hit.
 /// Shapes are enlarged by this share of their size for segments from outside, so that grazing ones hit.
 const GENEROSITY: f64 = 1e-6;
 

@@ -15,6 +15,7 @@ mod tests;
 
 use super::filter::QueryFilter;
 use super::ray::{Ray, RayHit};
+use crate::config::tuning::STREAM_SPREAD;
 use crate::error::Error;
 use crate::shape::RAYS;
 use crate::world::World;
@@ -23,12 +24,6 @@ use stream::RayStream;
 /// Smaller batches are cast one by one: setting up streams takes some microseconds, and in calls of 16 that
 /// costs more than it gains.
 const FEWEST: usize = 32;
-
-/// How far neighbours may be from each other, at the start and at the end together, as a share of their
-/// length. Long rays from anywhere to anywhere (2.1 to 3.2) are slower in streams, by a tenth to a fifth:
-/// they want another order of nodes each. Rays from one place all around (1.3) are not, a fan has 0.02, a
-/// camera 0.1 (benches/queries.rs).
-const APART: f32 = 1.5;
 
 impl World {
     /// [`World::cast_ray`] for many rays: the answer to `rays[i]` goes to `hits[i]`, the same bits as one by
@@ -91,5 +86,5 @@ fn are_alike(rays: &[Ray]) -> bool {
         apart += from.abs().element_sum() + to.abs().element_sum();
         long += pair[1].path.abs().element_sum();
     }
-    apart <= APART * long
+    apart <= STREAM_SPREAD * long
 }

@@ -9,6 +9,7 @@
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use glam::Vec3;
 
+// Rounding: of edges and of a path's end.
 /// Share by which edges are widened, and the path's end is drawn out.
 const WIDEN: f32 = 1e-6;
 
