@@ -2,7 +2,7 @@
 
 use super::BroadPhase;
 use super::bvh::{Node, Tree};
-use super::current::{QueryTree, Sorts};
+use super::query_tree::{QueryTree, Sorts};
 use crate::lanes::f32x4;
 use crate::shape::{FourTree, Stream, Walk};
 
