@@ -292,9 +292,8 @@ fn is_word(c: char) -> bool {
 /// Where a word stands in code.
 pub(crate) fn words(code: &[char], word: &str) -> Vec<usize> {
     let word: Vec<char> = word.chars().collect();
-    let alone = |&i: &usize| {
-        !(i > 0 && is_word(code[i - 1])) && !code.get(i + word.len()).copied().is_some_and(is_word)
-    };
+    let joined = |i: usize| code.get(i).copied().is_some_and(is_word);
+    let alone = |&i: &usize| !joined(i.wrapping_sub(1)) && !joined(i + word.len());
     let windows = code.windows(word.len()).enumerate();
     windows.filter(|(_, w)| *w == word).map(|(i, _)| i).filter(alone).collect()
 }
