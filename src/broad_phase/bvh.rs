@@ -8,7 +8,7 @@
 
 use super::Aabb;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
-use crate::memory::{Buffer, bytes_of, sum_bytes};
+use crate::memory::buffers;
 use crate::shape::{FourTree, boxes_meet};
 use bytemuck::{Pod, Zeroable};
 
@@ -106,6 +106,13 @@ pub(crate) struct Tree {
 /// From this growth of its area on a tree is built anew. A tree of resting bodies never gets there, one of
 /// bodies that fly apart only after each growth by half.
 const AREA_GROWTH: f32 = 1.5;
+
+buffers! {
+    Tree {
+        // A walk keeps three tasks a level, and one.
+        each(leaves: usize) { nodes(Self::nodes_for(leaves)), items(leaves), tasks(leaves.min(super::STACK)) }
+    }
+}
 
 impl Tree {
     pub(super) fn leaves(&self) -> usize {
@@ -348,15 +355,10 @@ impl Tree {
         self.visit_ordered(0, key, most, &mut |collider, _, most| leaf(collider, most))
     }
 
-    /// Calls `f` with each buffer and the place that it may need for so many leaves.
-    pub(super) fn each(&mut self, leaves: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        // A node has two children or more after a build, and each leaf that is added later may bring one;
-        // beyond that the tree is sparse and built anew.
-        let nodes = if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 };
-        f(&mut self.nodes, nodes);
-        f(&mut self.items, leaves);
-        // Three a level, and one.
-        f(&mut self.tasks, leaves.min(super::STACK));
+    /// Place for the nodes of a tree of so many leaves. A node has two children or more after a build, and each
+    /// leaf that is added later may bring one; beyond that the tree is sparse and built anew.
+    fn nodes_for(leaves: usize) -> usize {
+        if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 }
     }
 
     /// How many nodes there are.
@@ -420,12 +422,6 @@ impl Tree {
             }
         }
         fits
-    }
-
-    /// Live and reserved bytes.
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [bytes_of(&self.nodes), bytes_of(&self.items), bytes_of(&self.tasks)];
-        sum_bytes(columns)
     }
 }
 

@@ -61,9 +61,8 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Events, self.events.bytes());
-        let [islands, kept] = self.sleep.bytes();
-        report.add(Category::Bodies, islands);
-        report.add(Category::BroadPhase, kept);
+        report.add(Category::Bodies, self.sleep.bytes());
+        report.add(Category::BroadPhase, self.sleep.kept_bytes());
         report.add(Category::Scratch, self.faults.bytes());
         report.add(Category::Scratch, self.helpers.bytes());
         self.buffers.report(&mut report, self.is_continuous());
@@ -339,8 +338,8 @@ impl World {
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
-        buffers.forces.each((n.movers, n.dynamic), &mut scratch);
-        buffers.broad.each((n.movers, n.colliders.moving), &mut scratch);
+        buffers.forces.each(n.movers, n.dynamic, &mut scratch);
+        buffers.broad.each(n.movers, n.colliders.moving, &mut scratch);
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);

@@ -11,7 +11,7 @@
 //! overlap one other are limited too. Bodies with joints are left to their joints.
 
 use crate::lanes::Record;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 
 /// Factor on the push speed. Two bodies separate at once that speed; with this factor, a pile that was
 /// created within itself comes apart within a second.
@@ -28,6 +28,8 @@ pub(crate) struct Crowd {
     /// Overlaps may have been left out.
     incomplete: bool,
 }
+
+buffers! { Crowd { each(dynamic: usize) { overlaps(dynamic) } } }
 
 impl Crowd {
     pub(crate) fn clear(&mut self) {
@@ -85,13 +87,5 @@ impl Crowd {
                 velocity[i].linear *= most / now;
             }
         }
-    }
-
-    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
-        &mut self.overlaps
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        bytes_of(&self.overlaps)
     }
 }

@@ -18,7 +18,7 @@
 //!    tells which side of the surface that is on.
 
 use super::RawPoint;
-use crate::memory::{Allowance, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::shape::{Edges, FLAT_COSINE, Fold};
 use glam::Vec3;
@@ -207,11 +207,9 @@ pub(crate) struct Patches {
     spare: Option<(Touch, f32)>,
 }
 
+buffers! { Patches { bytes { touches, patches, points } } }
+
 impl Patches {
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let parts = [bytes_of(&self.touches), bytes_of(&self.patches), bytes_of(&self.points)];
-        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
-    }
     /// Reserves capacity for what so many further triangles may yield; returns whether there was memory.
     pub(crate) fn has_place(&mut self, triangles: usize, points: usize, allowance: &mut Allowance) -> bool {
         let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);
