@@ -20,7 +20,7 @@ use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::{Allowance, Buffer, bytes_of};
+use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
 };
@@ -51,8 +51,7 @@ impl Scratch {
     }
 
     pub(super) fn bytes(&self) -> (usize, usize) {
-        let (mesh, raw) = (self.mesh.bytes(), bytes_of(&self.raw));
-        (mesh.0 + raw.0, mesh.1 + raw.1)
+        add_bytes(self.mesh.bytes(), bytes_of(&self.raw))
     }
 }
 

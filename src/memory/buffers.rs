@@ -4,7 +4,7 @@ use super::{Buffer, bytes_of};
 
 /// Makes the functions of a store that go through its buffers from one list of them:
 ///
-/// ```ignore
+/// ```text
 /// buffers! {
 ///     Statics {
 ///         /// For each dynamic body.
@@ -36,7 +36,6 @@ macro_rules! buffers {
 
             /// Live and reserved bytes.
             pub(crate) fn bytes(&self) -> (usize, usize) {
-                #[allow(unused_imports, reason = "not every store has a vector of its own")]
                 use $crate::memory::List as _;
                 $crate::memory::sum_bytes([$($(self.$($field).+.bytes()),+),+])
             }
@@ -49,7 +48,6 @@ macro_rules! buffers {
             $($n: $needs,)*
             f: &mut dyn FnMut(&mut dyn $crate::memory::Buffer, usize),
         ) {
-            #[allow(unused_imports, reason = "not every store has a vector of its own")]
             use $crate::memory::List as _;
             $(self.$($field)+.each($($need,)* f);)+
         }
@@ -57,7 +55,6 @@ macro_rules! buffers {
     (@missing [$($doc:tt)*] ($($n:ident: $needs:ty),*) $(($($field:tt)+) ($($need:expr),*))+) => {
         $($doc)*
         pub(crate) fn missing(&self, $($n: $needs),*) -> usize {
-            #[allow(unused_imports, reason = "not every store has a vector of its own")]
             use $crate::memory::Buffer as _;
             [$(self.$($field)+.missing($($need),*)),+].iter().sum()
         }
@@ -87,8 +84,6 @@ impl<T> List for Vec<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[derive(Default)]
     struct Inner {
         all: Vec<u64>,

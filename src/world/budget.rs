@@ -46,10 +46,7 @@ impl World {
     fn buffers_by_category(&self) -> MemoryReport {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
-        report.add(Category::Shapes, bytes_of(&self.colliders.all));
-        report.add(Category::Shapes, bytes_of(&self.colliders.summaries));
-        report.add(Category::Shapes, bytes_of(&self.colliders.poses));
-        report.add(Category::Shapes, self.colliders.slots.bytes());
+        report.add(Category::Shapes, self.colliders.bytes());
         report.add(Category::Shapes, bytes_of(&self.assets.list));
         self.assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
         report.add(Category::BroadPhase, self.broad.bytes());
@@ -323,11 +320,7 @@ impl World {
     pub(super) fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
-        let colliders = &mut self.colliders;
-        f(Shapes, &mut colliders.all, n.colliders.slots);
-        f(Shapes, &mut colliders.summaries, n.colliders.slots);
-        f(Shapes, &mut colliders.poses, n.colliders.slots);
-        colliders.slots.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
+        self.colliders.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
