@@ -50,6 +50,7 @@ pub(crate) struct Buffers {
     cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
+// Not by `buffers!`: some are behind locks, and some exist only in some scenes.
 impl Buffers {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed; some
     /// of them may be joined, and some may go astray.

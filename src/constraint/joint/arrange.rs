@@ -79,6 +79,7 @@ pub(crate) struct JointInput<'a> {
     pub(crate) unit: f32,
 }
 
+// Not by `buffers!`: trees and tables have buffers of several types within.
 impl JointRows {
     /// Calls `f` with each buffer that has an entry for each body that can be pushed.
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {

@@ -45,6 +45,7 @@ pub(crate) struct PrepareScratch {
     most_ahead: (usize, usize),
 }
 
+// Not by `buffers!`: there are four colourings.
 impl PrepareScratch {
     /// Calls `f` with each buffer and the capacity that it needs for so many dynamic bodies, of which some
     /// may have rows that are solved after another group.
