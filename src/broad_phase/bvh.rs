@@ -355,8 +355,8 @@ impl Tree {
         self.visit_ordered(0, key, most, &mut |collider, _, most| leaf(collider, most))
     }
 
-    /// Place for the nodes of a tree of so many leaves. A node has two children or more after a build, and each
-    /// leaf that is added later may bring one; beyond that the tree is sparse and built anew.
+    /// Place for the nodes of a tree of so many leaves. A node has two children or more after a build, and
+    /// each leaf that is added later may bring one; beyond that the tree is sparse and built anew.
     fn nodes_for(leaves: usize) -> usize {
         if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 }
     }
