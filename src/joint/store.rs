@@ -176,7 +176,12 @@ buffers! {
     Joints {
         /// For so many in all.
         each(n: JointAdditions) {
-            all(n.joints), slots(n.joints), locks(n.locks), rows(n.rows), first(n.bodies), broken(n.breakable),
+            all(n.joints),
+            slots(n.joints),
+            locks(n.locks),
+            rows(n.rows),
+            first(n.bodies),
+            broken(n.breakable),
         }
     }
 }

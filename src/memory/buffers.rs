@@ -15,11 +15,15 @@ use super::{Buffer, bytes_of};
 /// }
 /// ```
 ///
-/// A buffer is a field that is a vector, or a store with a list of its own; behind it stands the capacity that
-/// it needs, or what its own list takes. A group is named after what it makes: `each(n, f)`, which calls `f`
-/// with each buffer and the capacity that it needs, to reserve it; `missing(n)`, the bytes that the buffers
-/// lack for that; `each_and_missing`, both. `bytes` has those that only grow as a step goes on. And all groups
-/// together make `bytes()`, live and reserved: a buffer is in one group only.
+/// A buffer is a field that is a vector, or a store with a list of its own. Behind it stands the capacity
+/// that it needs, or what its own list takes. A group has the name of what it makes:
+///
+/// - `each(n, f)` calls `f` with each buffer and the capacity that it needs;
+/// - `missing(n)` says how many bytes the buffers lack for that;
+/// - `each_and_missing` makes both;
+/// - `bytes` makes neither: these buffers are not reserved in advance.
+///
+/// Each buffer is in one group; all groups together make `bytes()`, live and reserved.
 macro_rules! buffers {
     ($store:ty {
         $(
