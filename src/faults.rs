@@ -12,7 +12,7 @@ use crate::handle::BodyHandle;
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::bytes_of;
+use crate::memory::buffers;
 
 /// How often a step begins again. Each time at least one body stands still; what is left then is stopped where bodies are
 /// moved.
@@ -27,12 +27,9 @@ pub(crate) struct Faults {
     frozen: Vec<u32>,
 }
 
-impl Faults {
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.stopped), bytes_of(&self.frozen));
-        (a.0 + b.0, a.1 + b.1)
-    }
+buffers! { Faults { bytes { stopped, frozen } } }
 
+impl Faults {
     /// Begins a step without faults.
     pub(crate) fn forget(&mut self) {
         self.stopped.clear();

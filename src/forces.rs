@@ -3,7 +3,7 @@
 use crate::body::{Bodies, Mass, Traits, is_uneven};
 use crate::lanes::{Lanes, Record, Sym3, is_within};
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 use crate::threads::{Shared, Workers, per_block};
 use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
@@ -22,24 +22,10 @@ pub(crate) struct Forces {
     pub(crate) motion: Vec<Record>,
 }
 
-impl Forces {
-    /// Calls `f` with each buffer but that of `motion` and the place that it needs for so many bodies that can move, and that
-    /// can be pushed.
-    pub(crate) fn each(
-        &mut self,
-        (movers, dynamic): (usize, usize),
-        f: &mut dyn FnMut(&mut dyn Buffer, usize),
-    ) {
-        f(&mut self.acceleration, movers);
-        f(&mut self.inverse_inertia, dynamic);
-        f(&mut self.start, movers);
-    }
-
-    /// Live and reserved bytes, without the predicted motion.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.acceleration), bytes_of(&self.inverse_inertia), bytes_of(&self.start)]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+buffers! {
+    Forces {
+        /// For so many bodies that can move, and that can be pushed; without the predicted motion.
+        each(movers: usize, dynamic: usize) { acceleration(movers), inverse_inertia(dynamic), start(movers) }
     }
 }
 

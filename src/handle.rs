@@ -1,6 +1,6 @@
 //! Handles of the caller: an index and a generation, so that a stale handle is noticed.
 
-use crate::memory::{Allowance, Buffer};
+use crate::memory::{Allowance, buffers};
 
 macro_rules! handle {
     ($(#[$doc:meta])* $name:ident) => {
@@ -37,6 +37,8 @@ pub(crate) struct Slots {
     slots: Vec<(u32, u32)>,
     free: Vec<u32>,
 }
+
+buffers! { Slots { each(n: usize) { slots(n), free(n) } } }
 
 impl Slots {
     pub(crate) fn insert(&mut self, dense: u32) -> (u32, u32) {
@@ -98,12 +100,6 @@ impl Slots {
         self.free.push(slot);
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many.
-    pub(crate) fn each(&mut self, n: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.slots, n);
-        f(&mut self.free, n);
-    }
-
     /// How many slots there are, free ones included.
     pub(crate) fn count(&self) -> usize {
         self.slots.len()
@@ -136,9 +132,5 @@ impl Slots {
     /// How many may be named without a further slot.
     pub(crate) fn spare(&self) -> usize {
         self.free.len()
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        (self.slots.len() * 8 + self.free.len() * 4, self.slots.capacity() * 8 + self.free.capacity() * 4)
     }
 }

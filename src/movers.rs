@@ -9,7 +9,7 @@ use crate::config::Continuous;
 use crate::config::tuning::FAT_MARGIN;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Allowances, Buffer, Category, bytes_of};
+use crate::memory::{Allowances, Category, buffers, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
@@ -24,24 +24,15 @@ pub(crate) struct Buffers {
     pub(crate) removed: Vec<Pair>,
 }
 
+buffers! {
+    Buffers {
+        /// For so many bodies that can move, and their colliders; without the list of pairs.
+        each(bodies: usize, colliders: usize) { movers(colliders), starts(bodies) }
+    }
+}
+
 impl Buffers {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and their colliders.
-    pub(crate) fn each(
-        &mut self,
-        (bodies, colliders): (usize, usize),
-        f: &mut dyn FnMut(&mut dyn Buffer, usize),
-    ) {
-        f(&mut self.movers, colliders);
-        f(&mut self.starts, bodies);
-    }
-
-    /// Live and reserved bytes, without the list of pairs.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.movers), bytes_of(&self.starts));
-        (a.0 + b.0, a.1 + b.1)
-    }
-
-    /// The same of the pairs that ended.
+    /// Live and reserved bytes of the pairs that ended.
     pub(crate) fn removed_bytes(&self) -> (usize, usize) {
         bytes_of(&self.removed)
     }

@@ -2,7 +2,7 @@
 
 use super::{ColliderList, Pose};
 use crate::handle::{ShapeHandle, Slots};
-use crate::memory::Allowance;
+use crate::memory::{Allowance, buffers};
 use crate::shape::{Collider, ColliderSummary};
 
 /// Colliders by stable index, with their world poses.
@@ -13,6 +13,8 @@ pub(crate) struct Colliders {
     pub(crate) poses: Vec<Pose>,
     pub(crate) slots: Slots,
 }
+
+buffers! { Colliders { each(n: usize) { all(n), summaries(n), poses(n), slots(n) } } }
 
 impl Colliders {
     /// Makes place for so many more.

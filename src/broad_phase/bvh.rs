@@ -9,7 +9,7 @@
 use super::Aabb;
 use crate::config::tuning::TREE_AREA_GROWTH;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
-use crate::memory::{Buffer, bytes_of, sum_bytes};
+use crate::memory::buffers;
 use crate::shape::{FourTree, boxes_meet};
 use bytemuck::{Pod, Zeroable};
 
@@ -102,6 +102,13 @@ pub(crate) struct Tree {
     items: Vec<Item>,
     /// Ranges of items to be made a node of: start, end, place in the parent.
     tasks: Vec<(u32, u32, u32)>,
+}
+
+buffers! {
+    Tree {
+        // A walk keeps three tasks a level, and one.
+        each(leaves: usize) { nodes(Self::nodes_for(leaves)), items(leaves), tasks(leaves.min(super::STACK)) }
+    }
 }
 
 impl Tree {
@@ -345,15 +352,10 @@ impl Tree {
         self.visit_ordered(0, key, most, &mut |collider, _, most| leaf(collider, most))
     }
 
-    /// Calls `f` with each buffer and the place that it may need for so many leaves.
-    pub(super) fn each(&mut self, leaves: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        // A node has two children or more after a build, and each leaf that is added later may bring one;
-        // beyond that the tree is sparse and built anew.
-        let nodes = if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 };
-        f(&mut self.nodes, nodes);
-        f(&mut self.items, leaves);
-        // Three a level, and one.
-        f(&mut self.tasks, leaves.min(super::STACK));
+    /// Place for the nodes of a tree of so many leaves. A node has two children or more after a build, and
+    /// each leaf that is added later may bring one; beyond that the tree is sparse and built anew.
+    fn nodes_for(leaves: usize) -> usize {
+        if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 }
     }
 
     /// How many nodes there are.
@@ -417,12 +419,6 @@ impl Tree {
             }
         }
         fits
-    }
-
-    /// Live and reserved bytes.
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [bytes_of(&self.nodes), bytes_of(&self.items), bytes_of(&self.tasks)];
-        sum_bytes(columns)
     }
 }
 

@@ -4,7 +4,8 @@ use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4, ones};
 use crate::memory::{
-    Allowance, Allowances, Amounts, Buffer, Buffers, Category, Made, bytes_of, even_out, sum_bytes,
+    Allowance, Allowances, Amounts, Buffer, Buffers, Category, Made, Marks, buffers, bytes_of, even_out,
+    sum_bytes,
 };
 use crate::threads::{Shared, Workers, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -45,6 +46,8 @@ pub(crate) const STACK: usize = 256;
 /// Colliders leave this bit free, as they do for the trees.
 const FAST: u32 = super::bvh::LEAF;
 
+buffers! { Block { bytes { found, stack, partners } } }
+
 impl Buffers for Mutex<Block> {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
         let block = self.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -54,10 +57,32 @@ impl Buffers for Mutex<Block> {
     }
 }
 
-/// Blocks with the stacks that they surely need.
-pub(super) fn with_stacks(blocks: &mut Vec<Mutex<Block>>) -> Made<'_, Mutex<Block>> {
-    let make = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
-    Made { all: blocks, make, holds: STACK * size_of::<u32>() }
+/// Blocks that work at the same time, all with buffers of the same capacities.
+#[derive(Debug, Default)]
+pub(super) struct Blocks {
+    all: Vec<Mutex<Block>>,
+    marks: Marks,
+}
+
+impl Blocks {
+    /// Blocks with the stacks that they surely need.
+    fn with_stacks(&mut self) -> Made<'_, Mutex<Block>> {
+        let make = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
+        Made { all: &mut self.all, make, holds: STACK * size_of::<u32>() }
+    }
+
+    fn even_out(&mut self, allowance: &mut Allowance) {
+        even_out(&mut self.all, &mut self.marks, allowance);
+    }
+
+    pub(super) fn each(&mut self, count: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.with_stacks(), count);
+    }
+
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let own = self.all.iter().map(|block| lock(block).bytes());
+        sum_bytes(own.chain([bytes_of(&self.all)]))
+    }
 }
 
 /// Words of changes of so many pairs.
@@ -84,13 +109,6 @@ fn make_room(bytes: usize, allowances: &mut Allowances, give: GiveUp<'_>) -> boo
     let freed = give(bytes);
     allowances.within(Category::Rows, |allowance| allowance.give(freed));
     freed > 0
-}
-
-impl Block {
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
-        sum_bytes(columns)
-    }
 }
 
 /// The colliders of what a block found.
@@ -206,7 +224,7 @@ impl BroadPhase {
     /// Searches for the pairs of some blocks of what changed.
     fn search(&self, workers: &Workers, first: usize, count: usize, rules: &Rules) {
         self.run(workers, count, &|b| {
-            let block = &mut *lock(&self.blocks[b]);
+            let block = &mut *lock(&self.blocks.all[b]);
             block.found.clear();
             let start = (first + b) * BLOCK;
             for &c in &self.changed[start..self.changed.len().min(start + BLOCK)] {
@@ -236,7 +254,7 @@ impl BroadPhase {
         rules: &Rules,
         (allowances, give): (&mut Allowances, GiveUp<'_>),
     ) -> u32 {
-        let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
+        let found: usize = self.blocks.all[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
@@ -249,7 +267,7 @@ impl BroadPhase {
                 }
             }
             let granted = most.saturating_sub(before);
-            let of_static = self.blocks[..count].iter().map(|block| {
+            let of_static = self.blocks.all[..count].iter().map(|block| {
                 let block = lock(block);
                 block.found.iter().filter(|pair| self.has_static(pair_of(pair))).count()
             });
@@ -261,7 +279,7 @@ impl BroadPhase {
         }
         let mut shed = 0;
         for b in 0..count {
-            let found = std::mem::take(&mut lock(&self.blocks[b]).found);
+            let found = std::mem::take(&mut lock(&self.blocks.all[b]).found);
             for pair in &found {
                 let (a, b) = pair_of(pair);
                 let left = &mut quota[usize::from(self.has_static((a, b)))];
@@ -273,7 +291,7 @@ impl BroadPhase {
                     shed += 1;
                 }
             }
-            lock(&self.blocks[b]).found = found;
+            lock(&self.blocks.all[b]).found = found;
         }
         shed
     }
@@ -301,15 +319,15 @@ impl BroadPhase {
 
     /// Makes sure that there are so many blocks, if there is room for them; says how many may be used.
     fn grow_blocks(&mut self, count: usize, allowance: &mut Allowance) -> usize {
-        if count > self.blocks.len() {
+        if count > self.blocks.all.len() {
             // A few more, or every other step would add one.
             let more = count + count / 4;
-            let mut blocks = with_stacks(&mut self.blocks);
+            let mut blocks = self.blocks.with_stacks();
             let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= allowance.left());
-            let Some(most) = most else { return self.blocks.len() };
+            let Some(most) = most else { return self.blocks.all.len() };
             allowance.take(blocks.missing(most));
             blocks.reserve_total(most);
-            allowance.within(2, |allowance| even_out(&mut self.blocks, &mut self.marks_of_blocks, allowance));
+            allowance.within(2, |allowance| self.blocks.even_out(allowance));
         }
         count
     }
@@ -317,7 +335,7 @@ impl BroadPhase {
     /// Gives each block an equal share of half of what is left.
     fn share(&mut self, count: usize, allowance: &Allowance) -> Allowance {
         let share = allowance.share(2 * count);
-        for block in &mut self.blocks[..count] {
+        for block in &mut self.blocks.all[..count] {
             let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
             (block.allowance, block.shed) = (share, 0);
         }
@@ -327,12 +345,12 @@ impl BroadPhase {
     /// Takes off what the blocks used of their shares, and lets all have what one needed. Says what was shed.
     fn settle(&mut self, count: usize, share: Allowance, allowance: &mut Allowance) -> u32 {
         let mut shed = 0;
-        for block in &mut self.blocks[..count] {
+        for block in &mut self.blocks.all[..count] {
             let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
             allowance.take(share.left() - block.allowance.left());
             shed += block.shed;
         }
-        allowance.within(8, |allowance| even_out(&mut self.blocks, &mut self.marks_of_blocks, allowance));
+        allowance.within(8, |allowance| self.blocks.even_out(allowance));
         shed
     }
 

@@ -30,11 +30,11 @@ use aabb::LARGEST;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, bytes_of};
+use crate::memory::{Allowance, Allowances, Buffer, Category, buffers, bytes_of};
 use crate::shape::ColliderSummary;
 use crate::threads::Workers;
 use bvh::{NONE, Tree};
-use find::{Block, Change};
+use find::{Block, Blocks, Change};
 pub(crate) use find::{GiveUp, Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::SearchSet;
@@ -43,7 +43,6 @@ use proxy::{Proxy, Role};
 pub(crate) use query_tree::{QueryIndex, QueryTree, Sorts, WorldView};
 pub(crate) use save::{Lists, SavedBroad, tree_words};
 use segment::Path;
-use std::sync::Mutex;
 
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]
@@ -153,9 +152,8 @@ pub(crate) struct BroadPhase {
     paths: Vec<Path>,
     /// For each 64 pairs: which end, and which become fast or slow.
     changes: Vec<Change>,
-    blocks: Vec<Mutex<Block>>,
+    blocks: Blocks,
     block: Block,
-    marks_of_blocks: Marks,
     /// Colliders that move and that don't, endless ones included.
     counts: Population,
     /// Set while boxes are newer than pairs.
@@ -165,6 +163,26 @@ pub(crate) struct BroadPhase {
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
     shuffle: Option<fn(usize) -> Vec<usize>>,
+}
+
+buffers! {
+    BroadPhase {
+        /// For so many colliders; without what is swept.
+        each(n: Population) {
+            roles(n.slots),
+            proxies(n.slots),
+            marks(n.slots),
+            changed(n.slots),
+            unbounded(n.endless),
+            new_statics(n.still),
+            new_movers(n.moving),
+            blocks(n.slots.div_ceil(find::BLOCK)),
+            statics(n.still),
+            movers(n.moving),
+        }
+        missing(pairs: usize) { pairs(pairs), table(pairs), changes(find::words_of(pairs)) }
+        bytes { block }
+    }
 }
 
 impl BroadPhase {
@@ -515,11 +533,6 @@ impl BroadPhase {
         Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }
     }
 
-    /// Bytes that are lacking for so many pairs.
-    pub(crate) fn missing(&self, pairs: usize) -> usize {
-        self.pairs.missing(pairs) + self.table.missing(pairs) + self.changes.missing(find::words_of(pairs))
-    }
-
     /// Makes place for them.
     pub(crate) fn reserve_total(&mut self, pairs: usize) {
         self.pairs.reserve_total(pairs);
@@ -538,50 +551,11 @@ impl BroadPhase {
         &mut self.paths
     }
 
-    /// Calls `f` with each other buffer that has an entry for each collider, and what place a step may need
-    /// in it with so many that move, that don't, and that have no end.
-    pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        let all = n.slots;
-        f(&mut self.roles, all);
-        f(&mut self.proxies, all);
-        f(&mut self.marks, all);
-        f(&mut self.changed, all);
-        f(&mut self.unbounded, n.endless);
-        f(&mut self.new_statics, n.still);
-        f(&mut self.new_movers, n.moving);
-        f(&mut find::with_stacks(&mut self.blocks), all.div_ceil(find::BLOCK));
-        self.statics.each(n.still, f);
-        self.movers.each(n.moving, f);
-    }
-
     /// Nothing is swept any more.
     pub(crate) fn release_paths(&mut self) {
         if self.paths.is_empty() {
             self.paths = Vec::new();
         }
-    }
-
-    /// Live and reserved bytes of all that is needed without continuous collision too.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let mut sum = (0, 0);
-        let mut add = |(live, reserved): (usize, usize)| sum = (sum.0 + live, sum.1 + reserved);
-        add(bytes_of(&self.pairs));
-        add(self.table.bytes());
-        add(bytes_of(&self.roles));
-        add(bytes_of(&self.proxies));
-        add(bytes_of(&self.marks));
-        add(self.statics.bytes());
-        add(self.movers.bytes());
-        for list in [&self.changed, &self.unbounded, &self.new_statics, &self.new_movers] {
-            add(bytes_of(list));
-        }
-        add(bytes_of(&self.changes));
-        add(bytes_of(&self.blocks));
-        add(self.block.bytes());
-        for block in &self.blocks {
-            add(find::lock(block).bytes());
-        }
-        sum
     }
 
     /// Live and reserved bytes of motion segments, which only continuous collision needs.

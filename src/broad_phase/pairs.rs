@@ -6,7 +6,7 @@
 //! of leaving a mark: a table that lives for hours doesn't silt up.
 
 use super::Pair;
-use crate::memory::{Allowance, bytes_of};
+use crate::memory::{Allowance, buffers};
 
 /// From two colliders, in any order, to their pair.
 ///
@@ -38,6 +38,8 @@ fn hash_of(i: u32, j: u32) -> u32 {
 fn tag_of(hash: u32) -> u8 {
     (hash as u8).max(1)
 }
+
+buffers! { PairTable { bytes { tags, places } } }
 
 impl PairTable {
     /// Where a pair is kept if nothing is in its way: by the high bits of the hash, so that any number of
@@ -141,11 +143,6 @@ impl PairTable {
 
     fn size_for(pairs: usize) -> usize {
         if pairs == 0 { 0 } else { (pairs * 4).div_ceil(3).max(64) }
-    }
-
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        let (tags, places) = (bytes_of(&self.tags), bytes_of(&self.places));
-        (tags.0 + places.0, tags.1 + places.1)
     }
 
     fn slot_of(&self, pair: &Pair, place: usize) -> usize {

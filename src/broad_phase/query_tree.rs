@@ -12,7 +12,7 @@ use super::{Aabb, BroadPhase, Population, look_up};
 use crate::body::IDLE;
 use crate::error::Error;
 use crate::lanes::{Vec3, f32x4};
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, buffers};
 use crate::shape::{Near, Slabs};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -46,6 +46,21 @@ pub(crate) struct QueryTree {
     /// Steps since somebody did.
     unasked: u32,
     new: Vec<u32>,
+}
+
+buffers! {
+    QueryTree {
+        /// For so many colliders, and `late` static ones that wait for their place in the static tree.
+        each(n: Population, late: usize) {
+            tree(n.moving + late),
+            place(n.slots),
+            bounds(n.slots),
+            endless(n.endless),
+            late(late),
+            touched(2 * n.slots),
+            new(n.moving + late),
+        }
+    }
 }
 
 impl QueryTree {
@@ -170,18 +185,6 @@ impl QueryTree {
         new.clear();
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many colliders, `late` of which are
-    /// static ones that wait for their place in the static tree.
-    fn each(&mut self, n: Population, late: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        self.tree.each(n.moving + late, f);
-        f(&mut self.place, n.slots);
-        f(&mut self.bounds, n.slots);
-        f(&mut self.endless, n.endless);
-        f(&mut self.late, late);
-        f(&mut self.touched, 2 * n.slots);
-        f(&mut self.new, n.moving + late);
-    }
-
     /// Calls `f` with each buffer and the place that it needs to be made anew.
     fn each_wanted(&mut self, broad: &BroadPhase, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.each(broad.population(), broad.waiting().count(), f);
@@ -192,16 +195,6 @@ impl QueryTree {
         let mut bytes = 0;
         self.each_wanted(broad, &mut |buffer, len| bytes += buffer.missing(len));
         bytes
-    }
-
-    fn bytes(&self) -> (usize, usize) {
-        let lists = [&self.place, &self.endless, &self.late, &self.touched, &self.new];
-        let sum = lists.iter().fold(self.tree.bytes(), |s, list| {
-            let (live, reserved) = bytes_of(list);
-            (s.0 + live, s.1 + reserved)
-        });
-        let (live, reserved) = bytes_of(&self.bounds);
-        (sum.0 + live, sum.1 + reserved)
     }
 }
 

@@ -22,7 +22,7 @@ use crate::body::Colliders;
 use crate::broad_phase::Pair;
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::memory::{Allowance, bytes_of};
+use crate::memory::{Allowance, buffers, bytes_of};
 use glam::{DVec3, Vec3};
 
 /// Two shapes that began to touch, or hit each other.
@@ -84,6 +84,8 @@ pub(crate) struct Events {
     pub(crate) allowance: Allowance,
 }
 
+buffers! { Events { bytes { begins, ends, hits, entered, left, gone, impulses, tweaks, vetoed } } }
+
 impl Events {
     /// Forgets the events of the step before.
     pub(crate) fn start(&mut self) {
@@ -128,22 +130,6 @@ impl Events {
             of_sensors + bytes_of(&self.entered).1 + bytes_of(&self.left).1,
             bytes_of(&self.tweaks).1 + bytes_of(&self.vetoed).1,
         ]
-    }
-
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let all = [
-            bytes_of(&self.begins),
-            bytes_of(&self.ends),
-            bytes_of(&self.hits),
-            bytes_of(&self.entered),
-            bytes_of(&self.left),
-            bytes_of(&self.gone),
-            bytes_of(&self.impulses),
-            bytes_of(&self.tweaks),
-            bytes_of(&self.vetoed),
-        ];
-        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
     /// Makes place for the impulses of so many contacts; of none if nobody listens.

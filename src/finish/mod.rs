@@ -29,7 +29,7 @@ use crate::constraint::{JointRows, Restitution, Rows, TreeSlot};
 use crate::forces::Forces;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Made, bytes_of};
+use crate::memory::{Buffer, Made, bytes_of, sum_bytes};
 use crate::narrow_phase::Scratch;
 use crate::shape::ColliderSummary;
 use crate::solver::closing;
@@ -50,6 +50,7 @@ pub(crate) struct Buffers {
     cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
+// Not by `buffers!`: some are behind locks, and some exist only in some scenes.
 impl Buffers {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed; some
     /// of them may be joined, and some may go astray.
@@ -76,9 +77,8 @@ impl Buffers {
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let cut = self.cut.lock().map_or((0, 0), |cut| bytes_of(&cut));
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        [bytes_of(&self.clear), bytes_of(&self.beside), self.settling.bytes(), cut]
-            .into_iter()
-            .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
+        let stacks = (own, own + stacks);
+        sum_bytes([bytes_of(&self.clear), bytes_of(&self.beside), self.settling.bytes(), cut, stacks])
     }
 
     /// What the guard of continuous bodies keeps goes.

@@ -21,7 +21,7 @@ use crate::config::Settings;
 use crate::config::tuning::STRAY_DISTANCE;
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::{Allowance, Buffer, bytes_of};
+use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
 };
@@ -52,8 +52,7 @@ impl Scratch {
     }
 
     pub(super) fn bytes(&self) -> (usize, usize) {
-        let (mesh, raw) = (self.mesh.bytes(), bytes_of(&self.raw));
-        (mesh.0 + raw.0, mesh.1 + raw.1)
+        add_bytes(self.mesh.bytes(), bytes_of(&self.raw))
     }
 }
 

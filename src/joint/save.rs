@@ -5,7 +5,6 @@ use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
 use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind};
 use crate::config::RowGroup;
 use crate::error::Error;
-use crate::memory::Buffer;
 use crate::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
@@ -96,11 +95,6 @@ impl Joints {
         free.for_each(|(slot, generation)| out.extend([slot, generation]));
     }
 
-    /// Calls `f` with each column and the place that it needs to take all joints of a snapshot.
-    pub(crate) fn each_of(&mut self, records: &JointRecords, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        self.each_of_all(records.more(), f);
-    }
-
     /// How many locks and rows a snapshot has beyond those that batches were arranged for.
     pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
         let arranged = (self.locks.len() + self.rows.len()).saturating_sub(self.fresh);
@@ -179,7 +173,8 @@ impl JointRecords {
         self.all.iter().any(Joint::is_there)
     }
 
-    fn more(&self) -> JointAdditions {
+    /// What it takes to hold all of them.
+    pub(crate) fn more(&self) -> JointAdditions {
         let breakable = self.all.iter().filter(|joint| joint.is_there() && joint.can_break()).count();
         JointAdditions {
             joints: self.all.len(),

@@ -4,7 +4,7 @@ use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::config::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
-use crate::memory::{Buffer, bytes_of, sum_bytes};
+use crate::memory::{buffers, bytes_of};
 use glam::Vec3;
 
 /// End of a list of joints.
@@ -170,6 +170,20 @@ pub(crate) struct Joints {
     pub(super) breakable: u32,
     /// Joints that broke in the last step.
     pub(crate) broken: Vec<JointHandle>,
+}
+
+buffers! {
+    Joints {
+        /// For so many in all.
+        each(n: JointAdditions) {
+            all(n.joints),
+            slots(n.joints),
+            locks(n.locks),
+            rows(n.rows),
+            first(n.bodies),
+            broken(n.breakable),
+        }
+    }
 }
 
 impl Joints {
@@ -367,35 +381,24 @@ impl Joints {
     /// The same in the columns alone.
     pub(crate) fn missing_columns(&mut self, more: JointAdditions) -> usize {
         let mut bytes = 0;
-        self.each(more, &mut |buffer, len| bytes += buffer.missing(len));
+        self.each(self.with(more), &mut |buffer, len| bytes += buffer.missing(len));
         bytes
     }
 
     /// Makes place for it in the columns.
     pub(crate) fn reserve_total(&mut self, more: JointAdditions) {
-        self.each(more, &mut |buffer, len| buffer.reserve_total(len));
+        self.each(self.with(more), &mut |buffer, len| buffer.reserve_total(len));
     }
 
-    /// Calls `f` with each column and the place that it needs.
-    fn each(&mut self, more: JointAdditions, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        let all = JointAdditions {
+    /// As many in all as there will be with more.
+    fn with(&self, more: JointAdditions) -> JointAdditions {
+        JointAdditions {
             joints: self.all.len() + more.joints.saturating_sub(self.slots.spare()),
             breakable: self.breakable as usize + more.breakable,
             locks: self.locks.len() + more.locks,
             rows: self.rows.len() + more.rows,
             bodies: self.first.len().max(more.bodies),
-        };
-        self.each_of_all(all, f);
-    }
-
-    /// The same for so many in all.
-    pub(super) fn each_of_all(&mut self, all: JointAdditions, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.all, all.joints);
-        self.slots.each(all.joints, f);
-        f(&mut self.locks, all.locks);
-        f(&mut self.rows, all.rows);
-        f(&mut self.first, all.bodies);
-        f(&mut self.broken, all.breakable);
+        }
     }
 
     /// As many again as a quarter of what there is.
@@ -436,18 +439,6 @@ impl Joints {
 
     pub(crate) fn any_breakable(&self) -> bool {
         self.breakable > 0
-    }
-
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        sum_bytes([
-            self.slots.bytes(),
-            bytes_of(&self.all),
-            bytes_of(&self.locks),
-            bytes_of(&self.rows),
-            bytes_of(&self.first),
-            bytes_of(&self.broken),
-        ])
     }
 }
 

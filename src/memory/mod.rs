@@ -4,6 +4,7 @@ mod allowance;
 mod allowances;
 mod amounts;
 mod budget;
+mod buffers;
 mod column;
 mod slab;
 
@@ -11,6 +12,7 @@ pub(crate) use allowance::{Allowance, Buffer, Buffers, Made, Marks, even_out};
 pub(crate) use allowances::Allowances;
 pub(crate) use amounts::Amounts;
 pub use budget::Budget;
+pub(crate) use buffers::{List, buffers};
 pub(crate) use column::{add_bytes, bytes_of, in_arc, sum_bytes};
 pub(crate) use slab::{Cut, Slab};
 

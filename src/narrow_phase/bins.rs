@@ -5,7 +5,7 @@ use super::convex::collide_convex;
 use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
-use crate::memory::{Allowance, Buffer, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::contacts::contact::Contact;
 use crate::narrow_phase::contacts::found::BlockOutput;
 use crate::narrow_phase::pairs::box_box::box_box;
@@ -88,6 +88,8 @@ pub(crate) struct Bins {
     pub(crate) blocks: Vec<Block>,
 }
 
+buffers! { Bins { each_and_missing(pairs: usize) { order(pairs), blocks(Self::most_blocks(pairs)) } } }
+
 impl Bins {
     /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
     pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, allowance: &mut Allowance) {
@@ -121,25 +123,9 @@ impl Bins {
         }
     }
 
-    /// Calls `f` with each buffer and the capacity that it needs for so many pairs.
-    pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.order, pairs);
-        f(&mut self.blocks, Self::most_blocks(pairs));
-    }
-
-    /// Bytes missing for so many pairs.
-    pub(crate) fn missing(&self, pairs: usize) -> usize {
-        self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
-    }
-
     /// Each bin may end with a block that is not full.
     fn most_blocks(pairs: usize) -> usize {
         pairs / BLOCK as usize + COUNT.min(pairs)
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.order), bytes_of(&self.blocks));
-        (a.0 + b.0, a.1 + b.1)
     }
 }
 

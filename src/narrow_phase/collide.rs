@@ -11,7 +11,7 @@ use crate::broad_phase::Pair;
 use crate::config::tuning::FACE_SINK;
 use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Allowances, Buffer, Category, Slab, bytes_of};
+use crate::memory::{Allowances, Category, Slab, buffers};
 use crate::narrow_phase::contacts::admit::RowSpace;
 use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
 use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, FoundContacts};
@@ -135,18 +135,15 @@ pub(crate) struct Scratch {
     found: FoundContacts,
 }
 
+buffers! {
+    Scratch {
+        /// For so many pairs, whatever their bins.
+        each_and_missing(pairs: usize) { bin_of(pairs), bins(pairs) }
+        bytes { found }
+    }
+}
+
 impl Scratch {
-    /// Bytes missing for so many pairs, whatever their bins.
-    pub(crate) fn missing(&self, pairs: usize) -> usize {
-        self.bin_of.missing(pairs) + self.bins.missing(pairs)
-    }
-
-    /// Calls `f` with each of these buffers and the capacity that it needs.
-    pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.bin_of, pairs);
-        self.bins.each(pairs, f);
-    }
-
     /// Bytes missing to work on so many pairs of meshes in one step.
     pub(crate) fn missing_to_find(&self, of_meshes: usize) -> usize {
         self.found.missing(of_meshes)
@@ -156,13 +153,6 @@ impl Scratch {
     /// path.
     pub(crate) fn is_clear(&self, pair: usize) -> bool {
         matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
-    }
-
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::events::Events;
 use crate::joint::Joints;
-use crate::memory::{Allowance, Buffer, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::{Contacts, NONE};
 use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers, per_block};
@@ -32,6 +32,8 @@ pub(crate) struct Groups {
     /// Of each root: the island that it becomes.
     island: Vec<u32>,
 }
+
+buffers! { Groups { each(dynamic: usize) { parent(dynamic), rest(dynamic), island(dynamic) } } }
 
 impl Groups {
     fn root(&mut self, mut i: u32) -> u32 {
@@ -103,17 +105,6 @@ impl Groups {
     /// The root of the island of a body, as it was found.
     fn of(&self, i: u32) -> u32 {
         self.parent[i as usize]
-    }
-
-    pub(super) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.parent, dynamic);
-        f(&mut self.rest, dynamic);
-        f(&mut self.island, dynamic);
-    }
-
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        let all = [bytes_of(&self.parent), bytes_of(&self.rest), bytes_of(&self.island)];
-        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
 

@@ -15,7 +15,7 @@ pub(crate) use save::{SavedSleep, SleepLists};
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::joint::Joints;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, buffers, bytes_of};
 use crate::narrow_phase::Contacts;
 
 /// End of a list.
@@ -75,6 +75,15 @@ struct Link {
 
 impl Link {
     const AWAKE: Link = Link { island: NONE, next: NONE };
+}
+
+buffers! {
+    Sleep {
+        /// For so many bodies, of which so many can be pushed; without the pairs that islands keep.
+        each(all: usize, dynamic: usize) {
+            islands(dynamic), free_islands(dynamic), waking(2 * dynamic), bodies(all), groups(dynamic),
+        }
+    }
 }
 
 impl Sleep {
@@ -181,29 +190,13 @@ impl Sleep {
         self.islands.len() - self.free_islands.len()
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many bodies, of which so many can be pushed.
-    pub(crate) fn each(&mut self, bodies: usize, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.islands, dynamic);
-        f(&mut self.free_islands, dynamic);
-        f(&mut self.waking, 2 * dynamic);
-        f(&mut self.bodies, bodies);
-        self.groups.each(dynamic, f);
+    /// Live and reserved bytes of the pairs that islands keep.
+    pub(crate) fn kept_bytes(&self) -> (usize, usize) {
+        bytes_of(&self.pairs)
     }
 
     /// The pairs that islands keep.
     pub(crate) fn kept_buffer(&mut self) -> &mut dyn Buffer {
         &mut self.pairs
-    }
-
-    /// Live and reserved bytes of islands, and of their pairs.
-    pub(crate) fn bytes(&self) -> [(usize, usize); 2] {
-        let lists = [
-            bytes_of(&self.islands),
-            bytes_of(&self.free_islands),
-            bytes_of(&self.bodies),
-            bytes_of(&self.waking),
-            self.groups.bytes(),
-        ];
-        [lists.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1)), bytes_of(&self.pairs)]
     }
 }

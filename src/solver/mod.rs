@@ -22,7 +22,7 @@ use crate::constraint::{
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
 use crate::limits::MAX_LEFT_SPEED;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 use crate::shape::Collider;
 use crate::threads::{Shared, Workers, per_block};
 pub(crate) use impact_body::ImpactBody;
@@ -41,18 +41,7 @@ pub(crate) struct State {
     pub(crate) usual_h: f32,
 }
 
-impl State {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move.
-    pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.delta, movers + 1);
-        f(&mut self.base, movers + 1);
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.delta), bytes_of(&self.base));
-        (a.0 + b.0, a.1 + b.1)
-    }
-}
+buffers! { State { each(movers: usize) { delta(movers + 1), base(movers + 1) } } }
 
 /// Looks on while rows are solved: the lab does, on request.
 pub(crate) trait Witness {

@@ -16,7 +16,7 @@ use crate::config::Settings;
 use crate::config::tuning::REST_STEPS_OF_FALL;
 use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
-use crate::memory::{Allowance, Allowances, Buffer, Category, bytes_of};
+use crate::memory::{Allowance, Allowances, Category, buffers, bytes_of};
 use crate::narrow_phase::{Contact, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
@@ -87,34 +87,17 @@ struct Rest {
     h: f32,
 }
 
+buffers! {
+    Statics {
+        each(dynamic: usize) { places(dynamic), burdens(dynamic), by_height(dynamic) }
+        missing(contacts: usize) { supports(contacts), points(POINTS) }
+    }
+}
+
 impl Statics {
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let all = [
-            bytes_of(&self.places),
-            bytes_of(&self.burdens),
-            bytes_of(&self.by_height),
-            bytes_of(&self.supports),
-            bytes_of(&self.points),
-        ];
-        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-
-    /// Calls `f` with each buffer that has an entry for each dynamic body, and the place that it needs.
-    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.places, dynamic);
-        f(&mut self.burdens, dynamic);
-        f(&mut self.by_height, dynamic);
-    }
-
     /// Bytes that a contact takes, and what is reserved for contacts.
     pub(crate) fn lists(&self) -> (usize, usize) {
         (size_of::<Support>(), bytes_of(&self.supports).1)
-    }
-
-    /// Bytes for so many contacts, beside those of [`Statics::each`].
-    pub(crate) fn missing(&self, contacts: usize) -> usize {
-        self.supports.missing(contacts) + self.points.missing(POINTS)
     }
 
     fn reserve(&mut self, dynamic: usize, contacts: usize, allowance: &mut Allowance) -> bool {

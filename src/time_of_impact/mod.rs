@@ -28,7 +28,7 @@ use crate::config::{Continuous, ContinuousMethod, Settings};
 use crate::forces::Forces;
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Allowance, Buffer, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::{MeshScratch, RawManifold};
 use crate::threads::{Shared, Workers, per_block};
 use first_touch::{Search, Touch, first_touch};
@@ -85,33 +85,17 @@ pub(crate) struct Buffers {
     mesh: MeshScratch,
 }
 
+buffers! {
+    Buffers {
+        /// Those that have an entry for each body that can move, and the stack.
+        each(movers: usize) { track_of(movers), tracks(movers), stack(STACK) }
+        bytes { queue, times, near, manifolds, mesh }
+    }
+}
+
 const NONE: u32 = u32::MAX;
 /// Pairs a block.
 const BLOCK: usize = per_block(32, 1);
-
-impl Buffers {
-    /// Calls `f` with each buffer that has an entry for each body that can move, and the place that it needs for so many.
-    pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.track_of, movers);
-        f(&mut self.tracks, movers);
-        f(&mut self.stack, STACK);
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        [
-            bytes_of(&self.track_of),
-            bytes_of(&self.tracks),
-            self.queue.bytes(),
-            bytes_of(&self.times),
-            bytes_of(&self.stack),
-            bytes_of(&self.near),
-            bytes_of(&self.manifolds),
-            self.mesh.bytes(),
-        ]
-        .into_iter()
-        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-}
 
 /// The step that was solved: bodies at its end, and what may be struck.
 pub(crate) struct Solved<'a> {

@@ -46,10 +46,7 @@ impl World {
     fn buffers_by_category(&self) -> MemoryReport {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
-        report.add(Category::Shapes, bytes_of(&self.colliders.all));
-        report.add(Category::Shapes, bytes_of(&self.colliders.summaries));
-        report.add(Category::Shapes, bytes_of(&self.colliders.poses));
-        report.add(Category::Shapes, self.colliders.slots.bytes());
+        report.add(Category::Shapes, self.colliders.bytes());
         report.add(Category::Shapes, bytes_of(&self.assets.list));
         self.assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
         report.add(Category::BroadPhase, self.broad.bytes());
@@ -61,9 +58,8 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Events, self.events.bytes());
-        let [islands, kept] = self.sleep.bytes();
-        report.add(Category::Bodies, islands);
-        report.add(Category::BroadPhase, kept);
+        report.add(Category::Bodies, self.sleep.bytes());
+        report.add(Category::BroadPhase, self.sleep.kept_bytes());
         report.add(Category::Scratch, self.faults.bytes());
         report.add(Category::Scratch, self.helpers.bytes());
         self.buffers.report(&mut report, self.is_continuous());
@@ -324,11 +320,7 @@ impl World {
     pub(super) fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
-        let colliders = &mut self.colliders;
-        f(Shapes, &mut colliders.all, n.colliders.slots);
-        f(Shapes, &mut colliders.summaries, n.colliders.slots);
-        f(Shapes, &mut colliders.poses, n.colliders.slots);
-        colliders.slots.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
+        self.colliders.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
@@ -339,8 +331,8 @@ impl World {
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
-        buffers.forces.each((n.movers, n.dynamic), &mut scratch);
-        buffers.broad.each((n.movers, n.colliders.moving), &mut scratch);
+        buffers.forces.each(n.movers, n.dynamic, &mut scratch);
+        buffers.broad.each(n.movers, n.colliders.moving, &mut scratch);
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);

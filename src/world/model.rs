@@ -294,7 +294,7 @@ impl World {
             Feature::JointSprings => (kinds[2], 0, None),
             Feature::BreakableJoints => (joints.breakable(), 0, None),
             Feature::Sleeping => {
-                let [islands, kept] = self.sleep.bytes();
+                let (islands, kept) = (self.sleep.bytes(), self.sleep.kept_bytes());
                 let count = if self.settings.sleeping { dynamic() } else { 0 };
                 (count, bytes_of(&bodies.rest).1 + islands.1 + kept.1, Some(spent.sleeping))
             }

@@ -94,7 +94,7 @@ impl World {
         if let Some(new) = &brings.new {
             let forced = brings.forced;
             self.each_buffer(Counts { rests, meets, forced, once: Amounts::default(), ..new.counts }, f);
-            self.joints.each_of(new.joints, &mut |buffer, len| f(Category::Joints, buffer, len));
+            self.joints.each(new.joints.more(), &mut |buffer, len| f(Category::Joints, buffer, len));
         } else {
             if brings.forced && !now.forced {
                 f(Category::Bodies, &mut self.bodies.force, now.bodies);

@@ -2,7 +2,7 @@
 
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::joint::ends::NONE;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 
 /// A batch of trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,6 +56,8 @@ pub(crate) struct TreeSlots {
     all: Vec<TreeSlot>,
 }
 
+buffers! { TreeSlots { each(dynamic: usize) { all(dynamic) } } }
+
 impl TreeSlots {
     pub(crate) fn clear(&mut self) {
         self.all.clear();
@@ -74,12 +76,6 @@ impl TreeSlots {
     #[inline]
     pub(crate) fn of(&self, body: usize) -> Option<TreeSlot> {
         self.all.get(body).copied().filter(|slot| *slot != TreeSlot::NOWHERE)
-    }
-    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
-        &mut self.all
-    }
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        bytes_of(&self.all)
     }
 }
 

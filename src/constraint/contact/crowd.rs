@@ -12,7 +12,7 @@
 
 use crate::config::tuning::CROWD_PUSH;
 use crate::lanes::Record;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 
 /// Number of overlaps of a body from which on its velocity is limited, if all are known.
 const SEVERAL: u32 = 2;
@@ -26,6 +26,8 @@ pub(crate) struct Crowd {
     /// Overlaps may have been left out.
     incomplete: bool,
 }
+
+buffers! { Crowd { each(dynamic: usize) { overlaps(dynamic) } } }
 
 impl Crowd {
     pub(crate) fn clear(&mut self) {
@@ -83,13 +85,5 @@ impl Crowd {
                 velocity[i].linear *= most / now;
             }
         }
-    }
-
-    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
-        &mut self.overlaps
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        bytes_of(&self.overlaps)
     }
 }

@@ -5,7 +5,7 @@ use super::friction::{FrictionRow, FrictionView, ImpactRow};
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
-use crate::memory::{Allowance, Buffer, Cut, Slab, bytes_of};
+use crate::memory::{Allowance, Buffer, Cut, Slab, bytes_of, sum_bytes};
 use crate::threads::Shared;
 
 /// Counts for batches whose bodies `b` may move, and for those where all are static: batches of one to four
@@ -188,16 +188,14 @@ impl Rows {
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let [batches, friction] = Self::bytes_of(&self.tally);
-        [
+        sum_bytes([
             self.batches.bytes(batches),
             self.friction.bytes(friction),
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
             bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
-        ]
-        .into_iter()
-        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        ])
     }
 }
 

@@ -18,7 +18,7 @@ use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::Place;
 use crate::joint::{Joints, Row, RowKind};
 use crate::lanes::{Lanes, Record, Sym3, f32x8};
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, bytes_of, sum_bytes};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers};
@@ -79,11 +79,12 @@ pub(crate) struct JointInput<'a> {
     pub(crate) unit: f32,
 }
 
+// Not by `buffers!`: trees and tables have buffers of several types within.
 impl JointRows {
     /// Calls `f` with each buffer that has an entry for each body that can be pushed.
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.touching, dynamic);
-        f(self.tree_slots.buffer(), dynamic);
+        self.tree_slots.each(dynamic, f);
         self.nets.each(dynamic, f);
     }
 
@@ -137,7 +138,7 @@ impl JointRows {
             self.nets.bytes(),
         ];
         let tables = self.tables.all().map(AnyTable::bytes);
-        all.into_iter().chain(tables).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        sum_bytes(all.into_iter().chain(tables))
     }
 
     /// Decides which rows share a batch, and in which order they are solved. `in_trees`: whether trees are
@@ -346,7 +347,7 @@ fn group_of(row: &Row) -> RowGroup {
 fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
     let extra = |tree: &TreeBatch<L>| (tree.extra.reserved(), tree.extra.reserved());
     let own = trees.iter().flat_map(|tree| [bytes_of(&tree.nodes), extra(tree)]);
-    own.fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
+    sum_bytes(own.chain([bytes_of(trees)]))
 }
 
 /// A batch of trees of the same shape, a lane each.

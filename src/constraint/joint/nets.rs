@@ -20,7 +20,7 @@ use crate::config::tuning::{CHORD_ENERGY, WILD_ENERGY};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::contact::rows::{Views, with_batch};
 use crate::lanes::Record;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 use glam::{DVec3, Vec3};
 
 // Guard: beyond, the numbers are no motion.
@@ -138,15 +138,9 @@ impl NetInput<'_, '_> {
     }
 }
 
-impl Nets {
-    /// Calls `f` with the buffer and the capacity that it needs for so many dynamic bodies.
-    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.all, dynamic);
-    }
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        bytes_of(&self.all)
-    }
+buffers! { Nets { each(dynamic: usize) { all(dynamic) } } }
 
+impl Nets {
     /// Number of nets that lost energy in the step.
     pub(crate) fn damped(&self) -> u32 {
         if !self.linked {

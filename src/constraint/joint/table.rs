@@ -6,7 +6,7 @@ use super::rates::Watched;
 use super::store::Report;
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::lanes::{GatherLanes, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{bytes_of, sum_bytes};
 use crate::threads::{Shared, Workers, per_block};
 
 /// A batch of one row type: the same lock or row of up to eight joints, a lane each.
@@ -165,13 +165,12 @@ impl<B8: JointBatch<f32x8> + Send, B1: JointBatch<f32>> AnyTable for Table<B8, B
     }
 
     fn bytes(&self) -> (usize, usize) {
-        let all = [
+        sum_bytes([
             bytes_of(&self.lanes),
             bytes_of(&self.single),
             bytes_of(&self.owners.lanes),
             bytes_of(&self.owners.single),
-        ];
-        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        ])
     }
 }
 

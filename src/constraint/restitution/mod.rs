@@ -14,7 +14,7 @@ mod meet;
 mod queue;
 
 use crate::lanes::Record;
-use crate::memory::bytes_of;
+use crate::memory::buffers;
 pub(crate) use find::{FindInput, find};
 use glam::{Quat, Vec3};
 pub(crate) use meet::Bodies;
@@ -110,6 +110,8 @@ pub(crate) struct Restitution {
     pub(crate) count: u32,
 }
 
+buffers! { Restitution { bytes { spots, sites, struck, queue, wakeful, moved, standing } } }
+
 impl Restitution {
     /// Orientation of a body at its last impact in the step, and the time of that [s], if its principal
     /// moments differ.
@@ -143,20 +145,6 @@ impl Restitution {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.wakeful.is_empty()
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        [
-            bytes_of(&self.spots),
-            bytes_of(&self.sites),
-            bytes_of(&self.struck),
-            bytes_of(&self.queue),
-            bytes_of(&self.wakeful),
-            bytes_of(&self.moved),
-            bytes_of(&self.standing),
-        ]
-        .into_iter()
-        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
     /// Clears the last step.

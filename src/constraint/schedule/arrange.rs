@@ -13,7 +13,7 @@ use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
-use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of};
+use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
 use crate::narrow_phase::{Contact, NONE, Weight};
 
 /// Counts of the preparation.
@@ -46,6 +46,7 @@ pub(crate) struct PrepareScratch {
     most_ahead: (usize, usize),
 }
 
+// Not by `buffers!`: there are four colourings.
 impl PrepareScratch {
     /// Calls `f` with each buffer and the capacity that it needs for so many dynamic bodies, of which some
     /// may have rows that are solved after another group.
@@ -56,8 +57,8 @@ impl PrepareScratch {
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
         self.keys.each(any_solved_after, f);
-        self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
-        f(self.crowd.buffer(), dynamic);
+        self.colouring.iter_mut().for_each(|c| c.each(dynamic, f));
+        self.crowd.each(dynamic, f);
     }
 
     /// There is no continuous collision any more.
@@ -101,7 +102,7 @@ impl PrepareScratch {
         let lists =
             [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges), self.keys.bytes()];
         let bodies = self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes()]);
-        lists.into_iter().chain(bodies).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        sum_bytes(lists.into_iter().chain(bodies))
     }
 }
 

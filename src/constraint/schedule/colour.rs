@@ -1,7 +1,7 @@
 //! Colouring: no dynamic body occurs twice in a colour, so that the rows of a colour can be solved at the
 //! same time.
 
-use crate::memory::Buffer;
+use crate::memory::buffers;
 
 /// Maximum number of colours of a group; further contacts of a body are solved one by one.
 pub(crate) const COLOURS: usize = 31;
@@ -13,6 +13,8 @@ pub(crate) const OVERFLOW: usize = COLOURS;
 pub(crate) struct Colouring {
     taken: Vec<u32>,
 }
+
+buffers! { Colouring { each(dynamic: usize) { taken(dynamic) } } }
 
 impl Colouring {
     pub(crate) fn reset(&mut self, bodies: usize) {
@@ -35,14 +37,6 @@ impl Colouring {
             }
         }
         colour
-    }
-
-    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
-        &mut self.taken
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        crate::memory::bytes_of(&self.taken)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::colour::{COLOURS, OVERFLOW};
 use super::order::{Group, Place};
 use crate::config::{Order, RowGroup};
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::buffers;
 
 /// Kinds of contacts of a colour: by points, most first, so that lanes of a batch are alike; and last those
 /// of bodies in trees of joints, whose lanes are those of the trees.
@@ -39,6 +39,15 @@ pub(crate) struct Keys {
     colours: [usize; Group::ALL.len()],
     /// In the order in which they are solved.
     layers: Vec<Layer>,
+}
+
+buffers! {
+    Keys {
+        each(any_solved_after: bool) {
+            ends(Self::len(any_solved_after)),
+            layers(Group::ALL.len() * if any_solved_after { AFTERS } else { 1 }),
+        }
+    }
 }
 
 impl Keys {
@@ -121,12 +130,6 @@ impl Keys {
         if any_solved_after { KEYS * AFTERS } else { KEYS }
     }
 
-    /// Calls `f` with each buffer and the capacity that it needs.
-    pub(crate) fn each(&mut self, any_solved_after: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.ends, Self::len(any_solved_after));
-        f(&mut self.layers, Group::ALL.len() * if any_solved_after { AFTERS } else { 1 });
-    }
-
     /// Reserved bytes beyond those that are needed if no rows are solved after another group.
     pub(crate) fn solved_after_bytes(&self) -> usize {
         if !self.any_solved_after() {
@@ -134,10 +137,5 @@ impl Keys {
         }
         let plain = KEYS * size_of::<u32>() + Group::ALL.len() * size_of::<Layer>();
         self.bytes().1 - plain
-    }
-
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.ends), bytes_of(&self.layers));
-        (a.0 + b.0, a.1 + b.1)
     }
 }

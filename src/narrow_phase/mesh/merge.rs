@@ -8,7 +8,7 @@ use super::boxes::CORNERS;
 use super::patch::Patches;
 use crate::config::tuning::{RELATED_NORMAL_COSINE, SAME_NORMAL_COSINE};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::memory::{Allowance, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::reduce::reduce;
 use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
@@ -25,12 +25,9 @@ pub(crate) struct Merge {
     pub(crate) place: Vec<u8>,
 }
 
-impl Merge {
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (one, other) = (bytes_of(&self.points), bytes_of(&self.place));
-        (one.0 + other.0, one.1 + other.1)
-    }
+buffers! { Merge { bytes { points, place } } }
 
+impl Merge {
     /// Reserves capacity for these patches; returns whether there was memory.
     pub(crate) fn has_place(&mut self, of: &Patches, allowance: &mut Allowance) -> bool {
         let (patches, points) = (of.patches.len(), of.points.len());

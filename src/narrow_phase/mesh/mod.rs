@@ -26,7 +26,7 @@ pub(crate) mod triangle_contact;
 
 use super::{RawManifold, RawPoint, Relative};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::memory::{Allowance, Buffer, Buffers};
+use crate::memory::{Allowance, Buffer, Buffers, sum_bytes};
 use crate::narrow_phase::convex::clip::CLOUD;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -145,12 +145,7 @@ pub(crate) struct MeshScratch {
 
 impl Buffers for MeshScratch {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
-        f(self.nearby.buffer());
-        f(&mut self.patches.touches);
-        f(&mut self.patches.patches);
-        f(&mut self.patches.points);
-        f(&mut self.merge.points);
-        f(&mut self.merge.place);
+        self.each_ready(0, &mut |buffer, _| f(buffer));
     }
 }
 
@@ -212,8 +207,7 @@ impl MeshScratch {
 
     /// Bytes live and reserved.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let parts = [self.nearby.bytes(), self.patches.bytes(), self.merge.bytes()];
-        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+        sum_bytes([self.nearby.bytes(), self.patches.bytes(), self.merge.bytes()])
     }
 }
 

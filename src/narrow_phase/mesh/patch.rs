@@ -19,7 +19,7 @@
 
 use super::RawPoint;
 use crate::config::tuning::{EDGE_GAP_COSINE, FLAT_EDGE_COSINE};
-use crate::memory::{Allowance, bytes_of};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::shape::{Edges, Fold};
 use glam::Vec3;
@@ -204,11 +204,9 @@ pub(crate) struct Patches {
     spare: Option<(Touch, f32)>,
 }
 
+buffers! { Patches { bytes { touches, patches, points } } }
+
 impl Patches {
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let parts = [bytes_of(&self.touches), bytes_of(&self.patches), bytes_of(&self.points)];
-        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
-    }
     /// Reserves capacity for what so many further triangles may yield; returns whether there was memory.
     pub(crate) fn has_place(&mut self, triangles: usize, points: usize, allowance: &mut Allowance) -> bool {
         let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);

@@ -7,6 +7,7 @@ use super::slabs::Near;
 use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::limits::MAX_COORDINATE as MOST;
+use crate::memory::{bytes_of, sum_bytes};
 use crate::shape::mesh::bvh::Path;
 use crate::shape::mesh::edges::{Edges, Fold};
 use crate::shape::mesh::rays::take;
@@ -105,17 +106,10 @@ impl HeightField {
 
     /// Bytes live and reserved.
     pub fn bytes(&self) -> (usize, usize) {
-        let mut sum = (size_of::<Self>(), size_of::<Self>());
-        let levels = self.levels.iter().map(|l| crate::memory::bytes_of(&l.bounds));
-        let parts = [
-            crate::memory::bytes_of(&self.heights),
-            crate::memory::bytes_of(&self.folds),
-            crate::memory::bytes_of(&self.levels),
-        ];
-        for part in levels.chain(parts) {
-            sum = (sum.0 + part.0, sum.1 + part.1);
-        }
-        sum
+        let own = size_of::<Self>();
+        let levels = self.levels.iter().map(|level| bytes_of(&level.bounds));
+        let lists = [bytes_of(&self.heights), bytes_of(&self.folds), bytes_of(&self.levels)];
+        sum_bytes(levels.chain(lists).chain([(own, own)]))
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ pub(crate) mod merge;
 use super::mass::Moments;
 use crate::error::Error;
 use crate::limits;
-use crate::memory::bytes_of;
+use crate::memory::{bytes_of, sum_bytes};
 use build::Polyhedron;
 use glam::Vec3;
 
@@ -105,7 +105,8 @@ impl ConvexHull {
     /// Bytes (in use, reserved), itself included.
     pub fn bytes(&self) -> (usize, usize) {
         let own = size_of::<Self>();
-        [
+        sum_bytes([
+            (own, own),
             bytes_of(&self.vertices),
             bytes_of(&self.planes),
             bytes_of(&self.face_start),
@@ -113,9 +114,7 @@ impl ConvexHull {
             bytes_of(&self.edges),
             bytes_of(&self.vertex_chunks),
             bytes_of(&self.normal_chunks),
-        ]
-        .iter()
-        .fold((own, own), |sum, b| (sum.0 + b.0, sum.1 + b.1))
+        ])
     }
 
     /// Everything that follows from the polyhedron's vertices, faces and edges.

@@ -10,6 +10,7 @@ use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
 use crate::error::{Error, finite3};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
+use crate::memory::{bytes_of, sum_bytes};
 use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
 #[cfg(feature = "lab")]
 use edges::Fold;
@@ -131,13 +132,8 @@ impl TriangleMesh {
 
     /// Bytes live and reserved.
     pub fn bytes(&self) -> (usize, usize) {
-        let parts = [
-            crate::memory::bytes_of(&self.vertices),
-            crate::memory::bytes_of(&self.triangles),
-            self.tree.bytes(),
-            (size_of::<Self>(), size_of::<Self>()),
-        ];
-        crate::memory::sum_bytes(parts)
+        let own = size_of::<Self>();
+        sum_bytes([bytes_of(&self.vertices), bytes_of(&self.triangles), self.tree.bytes(), (own, own)])
     }
 
     #[inline(always)]
