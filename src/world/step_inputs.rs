@@ -12,6 +12,7 @@ use crate::finish::Counts;
 use crate::forces::Forces;
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
+use crate::solver::SolverInput;
 use crate::statics::Structure;
 use crate::threads::{Shared, Workers};
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
@@ -234,12 +235,21 @@ impl World {
         #[cfg(not(feature = "lab"))]
         let witness = None;
         let buffers = &mut self.buffers;
-        let rows = (&mut buffers.rows, &mut buffers.joints);
-        let state = (&mut buffers.solver, &buffers.prepare.crowd, witness);
-        let impulses = self.events.impulses.as_mut_slice();
-        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
-        let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
-        let sound = solver::solve(workers, &self.settings, dt, bodies, forces, rows, impacts, state);
+        let input = SolverInput {
+            settings: &self.settings,
+            dt,
+            bodies: &mut self.bodies,
+            colliders: &self.colliders.all,
+            forces: &mut buffers.forces,
+            rows: &mut buffers.rows,
+            joints: &mut buffers.joints,
+            restitution: &mut buffers.restitution,
+            impulses: self.events.impulses.as_mut_slice(),
+            crowd: &buffers.prepare.crowd,
+            state: &mut buffers.solver,
+            witness,
+        };
+        let sound = solver::solve(workers, input);
         #[cfg(feature = "lab")]
         if let Some(mut meter) = meter {
             meter.after_rows(self);

@@ -10,7 +10,7 @@
 //! Contacts were found along the predicted motion. A body that is thrown off it so far that it could pass
 //! through something unknown stays where it is for the rest of the step, with its new velocity: the next step
 //! looks along that. It loses time, but no energy. Its rows are disabled until then
-//! (`solver::pass::disable`).
+//! (`solver::store::disable`).
 //!
 //! Rows act on what is crossed by the end of the substep, so they get the mean velocity, which leads there
 //! from where the body really starts; once bodies have moved, the velocity is that after the last impact
@@ -38,7 +38,8 @@ pub(crate) struct Bodies<'a> {
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
     pub(crate) pose: &'a [Pose],
-    pub(crate) colliders: (&'a [ColliderList], &'a [Collider]),
+    pub(crate) collider_lists: &'a [ColliderList],
+    pub(crate) colliders: &'a [Collider],
     /// Time of the step that has passed and that is left at the start of the substep, and length of the
     /// substep [s].
     pub(crate) done: f32,
@@ -484,9 +485,8 @@ impl Bodies<'_> {
     /// Whether a change of velocity takes a body so far off its path in some seconds that it could pass
     /// through something: by half of its inner radius.
     fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
-        let (of, all) = self.colliders;
-        of[body].as_slice().iter().any(|&c| {
-            let shape = &all[c as usize];
+        self.collider_lists[body].as_slice().iter().any(|&c| {
+            let shape = &self.colliders[c as usize];
             let reach = shape.position.length() + shape.radius;
             (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
         })
