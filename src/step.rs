@@ -1,7 +1,7 @@
 //! One step on one screen: the stages by name, in order.
 //!
-//! What a stage reads and writes of the world is in `world/step_inputs.rs`, what stands around all of them (clocks, hashes for
-//! recordings, the name of the stage that is under way) in `world/stage.rs`.
+//! What a stage reads and writes of the world is in `world/step/inputs.rs`, what stands around all of them (clocks, hashes for
+//! recordings, the name of the stage that is under way) in `world/step/stage.rs`.
 
 use crate::config::tuning::MIN_THREADED_BODIES;
 use crate::error::Error;

@@ -1,11 +1,11 @@
 //! Shapes of the world's bodies: add, remove, change, look up.
 
 use super::mass::movable;
-use super::{Change, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, ShapeDesc};
+use crate::world::{Change, World};
 
 impl World {
     /// Puts a further shape on a body; its mass follows if it comes from the shapes.

@@ -1,11 +1,11 @@
 //! Bodies that a step had to stop, and a step that begins again without them.
 
-use super::World;
 use crate::constraint::Prepared;
 use crate::faults::{ATTEMPTS, culprits, pulled};
 use crate::forces::predict;
 use crate::handle::BodyHandle;
 use crate::threads::Workers;
+use crate::world::World;
 
 impl World {
     /// Bodies that the last step stopped, because their new place or velocity was no number or out of range. Each is where it

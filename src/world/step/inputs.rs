@@ -1,7 +1,6 @@
 //! What each stage of a step reads and writes of the world, and what has to be seen to around it.
 
 use super::stage::Part;
-use super::{Buffers, StepCounts, World};
 use crate::body::{Bodies, Colliders};
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
@@ -16,6 +15,7 @@ use crate::solver::SolverInput;
 use crate::statics::Structure;
 use crate::threads::{Shared, Workers};
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
+use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
 
 impl World {

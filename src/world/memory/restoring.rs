@@ -1,7 +1,6 @@
 //! What restoring a snapshot takes, asked of the budget before anything changes.
 
 use super::budget::{Counts, check, list_bytes};
-use super::{Assets, World};
 use crate::body::{BodyKind, Traits};
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
@@ -9,6 +8,7 @@ use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
 use crate::shape::{Geometry, Kind};
+use crate::world::{Assets, World};
 
 /// The bodies and joints that replace those of a world.
 pub(crate) struct Replacement<'a> {

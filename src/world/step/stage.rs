@@ -1,7 +1,7 @@
 //! What stands around the stages of a step: clocks, the name of the stage that is under way, and hashes for recordings.
 
-use super::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
 use crate::constraint::evenness;
+use crate::world::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
 use std::time::Instant;
 
 /// A stage of a step.

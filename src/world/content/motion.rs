@@ -1,6 +1,5 @@
 //! Where bodies are and how they move: look up, set, push.
 
-use super::{Change, World};
 use crate::body::{BodyKind, Pose};
 use crate::error::Error;
 use crate::forces::world_inertia;
@@ -8,6 +7,7 @@ use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
 use crate::shape::unit_quat;
+use crate::world::{Change, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {

@@ -1,6 +1,5 @@
 //! What the world holds in memory, and what it may.
 
-use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
@@ -10,25 +9,26 @@ use crate::joint::JointAdditions;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
 use crate::shape::{Kind, ShapeDesc};
+use crate::world::World;
 
 /// How many there are, or will be, of what has an entry in buffers that a step can't do without.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counts {
-    pub(super) bodies: usize,
-    pub(super) movers: usize,
-    pub(super) dynamic: usize,
-    pub(super) colliders: Population,
-    pub(super) raised: bool,
+pub(in crate::world) struct Counts {
+    pub(in crate::world) bodies: usize,
+    pub(in crate::world) movers: usize,
+    pub(in crate::world) dynamic: usize,
+    pub(in crate::world) colliders: Population,
+    pub(in crate::world) raised: bool,
     /// Whether there are joints, and meshes or height fields.
-    pub(super) joined: bool,
-    pub(super) meshed: bool,
+    pub(in crate::world) joined: bool,
+    pub(in crate::world) meshed: bool,
     /// Whether there are forces, bodies may sleep, and impacts are met at their times.
-    pub(super) forced: bool,
-    pub(super) rests: bool,
-    pub(super) meets: bool,
+    pub(in crate::world) forced: bool,
+    pub(in crate::world) rests: bool,
+    pub(in crate::world) meets: bool,
     /// Geometries, and the bytes of those that the world doesn't have yet and of compounds' lists.
-    pub(super) assets: usize,
-    pub(super) once: Amounts,
+    pub(in crate::world) assets: usize,
+    pub(in crate::world) once: Amounts,
 }
 
 impl World {
@@ -85,7 +85,7 @@ impl World {
     }
 
     /// The same once so much is gone.
-    pub(super) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
+    pub(in crate::world) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
         if budget.is_none() {
             return Allowances::ENDLESS;
         }
@@ -129,7 +129,7 @@ impl World {
 
     /// Makes place for bodies in all that has an entry for each, including what their steps can't do without, so that
     /// only pairs and contacts are left for a step to do without.
-    pub(super) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
+    pub(in crate::world) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -155,7 +155,7 @@ impl World {
     }
 
     /// The same for a further shape of a body that has some.
-    pub(super) fn reserve_for_shape(
+    pub(in crate::world) fn reserve_for_shape(
         &mut self,
         kind: BodyKind,
         shape: &ShapeDesc,
@@ -172,7 +172,7 @@ impl World {
     }
 
     /// Makes place for the order of contacts of raised bodies.
-    pub(super) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -180,7 +180,7 @@ impl World {
     }
 
     /// Makes the column of forces, which exists only once one was applied.
-    pub(super) fn reserve_for_forces(&mut self) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_forces(&mut self) -> Result<(), Error> {
         let (column, bodies) = (&self.bodies.force, self.bodies.len());
         if column.is_empty() {
             let mut asked = Amounts::default();
@@ -196,7 +196,7 @@ impl World {
     ///
     /// # Errors
     /// If their budget does not allow it.
-    pub(super) fn reserve_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         let now = self.counts(Counts::default());
         let counts = Counts {
             rests: settings.sleeping && !now.rests,
@@ -214,7 +214,7 @@ impl World {
     }
 
     /// Makes place for a body that takes part again.
-    pub(super) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -253,7 +253,7 @@ impl World {
     }
 
     /// Bytes that are missing for bodies, some of them joined.
-    pub(super) fn lacking_for<'a>(
+    pub(in crate::world) fn lacking_for<'a>(
         &mut self,
         descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
         joined: bool,
@@ -264,7 +264,7 @@ impl World {
     }
 
     /// Bytes that are missing for so many.
-    pub(super) fn lacking(&mut self, counts: Counts) -> Amounts {
+    pub(in crate::world) fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;
         self.each_buffer(counts, &mut |category, buffer, len| bytes.add(category, buffer.missing(len)));
         bytes
@@ -272,7 +272,11 @@ impl World {
 
     /// Makes place for joints, and ahead for others: in their columns, in the batches of steps, and in what steps keep of each body that may be
     /// joined.
-    pub(super) fn reserve_for_joints(&mut self, more: JointAdditions, ahead: bool) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_joints(
+        &mut self,
+        more: JointAdditions,
+        ahead: bool,
+    ) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -295,7 +299,7 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn counts(&self, more: Counts) -> Counts {
+    pub(in crate::world) fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
         Counts {
@@ -321,7 +325,11 @@ impl World {
     }
 
     /// Calls `f` with each buffer that has an entry for each body or collider, its category, and the place that it needs.
-    pub(super) fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
+    pub(in crate::world) fn each_buffer(
+        &mut self,
+        n: Counts,
+        f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
+    ) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         let colliders = &mut self.colliders;
@@ -352,7 +360,7 @@ impl World {
     }
 
     /// The same of what settings switch on alone.
-    pub(super) fn each_of_switched(
+    pub(in crate::world) fn each_of_switched(
         &mut self,
         n: Counts,
         f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
@@ -372,7 +380,7 @@ impl World {
 const AHEAD: usize = 8;
 
 /// Whether so much fits; says what is short if it doesn't.
-pub(super) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
+pub(in crate::world) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
     if allowances.fits(asked) {
         return Ok(());
     }
@@ -390,7 +398,7 @@ impl Counts {
         self.add_collider(kind, Kind::of(&shape.geometry));
     }
 
-    pub(super) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
+    pub(in crate::world) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
         self.colliders.slots += 1;
         self.meshed |= matches!(kind, Kind::Mesh | Kind::HeightField);
         *match of {
@@ -412,7 +420,7 @@ impl Counts {
 }
 
 /// Bytes that a body's list of colliders grows by, from so many to so many.
-pub(super) fn list_bytes(from: usize, to: usize) -> usize {
+pub(in crate::world) fn list_bytes(from: usize, to: usize) -> usize {
     let bytes = |n: usize| if n < 2 { 0 } else { n.next_power_of_two() * size_of::<u32>() };
     bytes(to) - bytes(from)
 }

@@ -1,6 +1,5 @@
 //! What a world will hold, before there is one: the sizes are those of its own buffers.
 
-use super::World;
 use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
@@ -8,6 +7,7 @@ use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::FRESH_BYTES;
+use crate::world::World;
 
 /// How many there will be at most of what comes and goes.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,6 @@
 //! Who looks on: recordings of what changes a world, and meters of its steps. A world holds them and calls them; what they make of
 //! it is theirs.
 
-use super::{Stage, World};
 use crate::body::BodyDesc;
 use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
@@ -9,6 +8,7 @@ use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
+use crate::world::{Stage, World};
 use glam::{DVec3, Quat, Vec3};
 
 /// What a call is about to change, by the names of the methods of [`World`].

@@ -1,14 +1,14 @@
 //! Where shapes come into the world and leave it, and how queries and the broad phase hear of it.
 
-use super::{Needs, World};
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::shape::{Collider, Filter, Geometry, Kind, Material, ShapeDesc};
+use crate::world::{Needs, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
-    pub(super) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
+    pub(in crate::world) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
         let details = &self.bodies.details[body];
         let to_axes = details.axes.conjugate();
         let geometry = &shape.geometry;
@@ -49,7 +49,7 @@ impl World {
         slot
     }
 
-    pub(super) fn drop_collider(&mut self, collider: u32) {
+    pub(in crate::world) fn drop_collider(&mut self, collider: u32) {
         self.leave_broad(collider);
         let old = &mut self.colliders.all[collider as usize];
         self.needs.count(old, -1);
@@ -100,7 +100,7 @@ impl World {
         self.colliders.poses[slot as usize] = pose;
     }
 
-    pub(super) fn enter_broad(&mut self, collider: u32) {
+    pub(in crate::world) fn enter_broad(&mut self, collider: u32) {
         self.note_change(collider);
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
@@ -119,7 +119,7 @@ impl World {
         }
     }
 
-    pub(super) fn leave_broad(&mut self, collider: u32) {
+    pub(in crate::world) fn leave_broad(&mut self, collider: u32) {
         self.note_change(collider);
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
@@ -141,7 +141,7 @@ impl World {
     }
 
     /// The same for all colliders of a body.
-    pub(super) fn note_move(&mut self, index: usize) {
+    pub(in crate::world) fn note_move(&mut self, index: usize) {
         if let Some(now) = self.now.change() {
             self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
         }
@@ -154,7 +154,7 @@ impl World {
         aabb_of(collider, pose.position, pose.rotation)
     }
 
-    pub(super) fn place_colliders(&mut self, body: usize) {
+    pub(in crate::world) fn place_colliders(&mut self, body: usize) {
         for &collider in self.bodies.colliders[body].as_slice() {
             self.colliders.place(collider, &self.bodies.pose[body]);
         }

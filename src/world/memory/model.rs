@@ -1,10 +1,10 @@
 //! What of the engine a scene needs: each optional part with who asks for it, its bytes and its time, or "not needed".
 
-use super::World;
 use crate::body::BodyKind;
 use crate::lanes::Record;
 use crate::memory::bytes_of;
 use crate::shape::Kind;
+use crate::world::World;
 use glam::Vec3;
 use std::fmt;
 

@@ -1,9 +1,9 @@
 //! Ragdolls come into the world.
 
-use super::World;
 use crate::body::BodyDesc;
 use crate::error::Error;
 use crate::joint::{JointDesc, Ragdoll, Skeleton};
+use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
 impl Skeleton {

@@ -1,11 +1,11 @@
 //! Joints of the world: add, remove, change, look up.
 
-use super::{Change, World};
 use crate::body::{BodyDetails, BodyKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointAdditions, JointDesc, Limit};
+use crate::world::{Change, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
@@ -194,7 +194,7 @@ impl World {
         self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
     }
 
-    pub(super) fn remove_joints_of(&mut self, body: BodyHandle) {
+    pub(in crate::world) fn remove_joints_of(&mut self, body: BodyHandle) {
         while let Some(slot) = { self.joints.of_body(body.slot).next() } {
             self.drop_joint(slot);
         }
@@ -226,7 +226,7 @@ impl World {
     }
 
     /// Joints stay where they are when a body's centre of mass and axes change.
-    pub(super) fn recentre_joints(&mut self, index: usize, old: &BodyDetails) {
+    pub(in crate::world) fn recentre_joints(&mut self, index: usize, old: &BodyDetails) {
         let (slot, new) = (self.bodies.slot[index], self.bodies.details[index]);
         let own: Vec<u32> = self.joints.of_body(slot).collect();
         for joint in own {

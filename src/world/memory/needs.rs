@@ -1,8 +1,8 @@
 //! What the content of the world requires of a step: counted when content comes, goes or changes, never looked for.
 
-use super::World;
 use crate::config::Continuous;
 use crate::shape::{Collider, EVENTS, HOOKS, Kind, SENSOR};
+use crate::world::World;
 use glam::Vec3;
 
 /// How many shapes ask for what; what nothing requires costs nothing.
@@ -24,7 +24,7 @@ pub(crate) struct Needs {
 
 impl Needs {
     /// Counts a collider that comes (1) or goes (-1).
-    pub(super) fn count(&mut self, collider: &Collider, change: i32) {
+    pub(in crate::world) fn count(&mut self, collider: &Collider, change: i32) {
         let has = |flag: u8| collider.flags & flag != 0;
         let add = |count: &mut u32, set: bool| {
             if set {
