@@ -1,7 +1,7 @@
 //! Numbers that are chosen once for all worlds, each with its unit and with what it balances.
 //!
-//! Lengths are shares of [`Settings::length_unit`](super::Settings::length_unit). A number that one stage alone reads stands
-//! in that stage.
+//! Lengths are shares of [`Settings::length_unit`](super::Settings::length_unit). A number that one stage
+//! alone reads stands in that stage.
 
 /// Below this many bodies that can move, handing work to threads costs more than it saves (benches/steps.rs).
 pub(crate) const MIN_THREADED_BODIES: usize = if cfg!(miri) { 2 } else { 128 };

@@ -6,7 +6,7 @@ use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::narrow_phase::{Contact, Contacts, NONE, Point};
 
-/// What is read to find out who touches.
+/// Input of contact events.
 pub(crate) struct Touching<'a> {
     pub(crate) start: StartOfStep<'a>,
     pub(crate) contacts: &'a Contacts,
@@ -14,7 +14,7 @@ pub(crate) struct Touching<'a> {
 }
 
 impl Touching<'_> {
-    /// Compares who touches with who did, and measures impacts.
+    /// Compares the pairs that touch with those that did, and measures impacts.
     pub(crate) fn record(&self, pairs: &mut [Pair], events: &mut Events) {
         let summaries = &self.start.colliders.summaries;
         let dynamic = self.start.bodies.dynamic();
@@ -40,7 +40,7 @@ impl Touching<'_> {
             for point in contact.points() {
                 if pushed > 0.0 || point.separation <= real {
                     touches = true;
-                    // Where it bears most; of what bears nothing, where it is deepest.
+                    // The point with the greatest impulse; if none has any, the deepest one.
                     let weight = point.impulse.max(pushed * 1e-6) - 1e-6 * point.separation;
                     if worst.is_none_or(|(most, ..)| weight > most) {
                         worst = Some((weight, contact, point));

@@ -1,8 +1,9 @@
-//! Who hangs together, and what of it falls asleep.
+//! Islands: which bodies are connected, and which of these groups fall asleep.
 //!
-//! Islands are the trees of a disjoint-set forest over the awake bodies, joined by touching contacts and by joints (path
-//! halving and union by index: the lowest index of an island is its root, so that nothing depends on the order of
-//! unions). They are looked for only when some body has been at rest for long enough, and then not in every step.
+//! Islands are the trees of a disjoint-set forest over the awake bodies, joined by touching contacts and by
+//! joints (path halving and union by index: the lowest index of an island is its root, so that nothing
+//! depends on the order of unions). They are searched for only when some body has been at rest for long
+//! enough, and then not in every step.
 
 use super::{Islands, Sleep};
 use crate::body::{Bodies, BodyKind};
@@ -18,18 +19,18 @@ use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Steps between two looks for islands while some bodies rest that hang on others that don't.
+/// Steps between two searches for islands while bodies at rest are connected to others that are not.
 const PATIENCE: u32 = 8;
-/// Bodies a block.
+/// Bodies in a block of work.
 const BLOCK: usize = per_block(512, 1);
 
 /// A disjoint-set forest over awake dynamic bodies.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     parent: Vec<u32>,
-    /// Of each root: since when all of its island is at rest [s].
+    /// For each root: how long all of its island has been at rest [s].
     rest: Vec<f32>,
-    /// Of each root: the island that it becomes.
+    /// For each root: the sleeping island that it becomes.
     island: Vec<u32>,
 }
 
@@ -62,7 +63,7 @@ impl Groups {
         self.parent.clear();
         self.parent.extend(0..dynamic);
         self.rest.clear();
-        // Where bodies may not sleep, there are none.
+        // If sleeping is off, there are none.
         self.rest.extend((0..dynamic as usize).map(|i| bodies.rest.get(i).copied().unwrap_or(0.0)));
         for (i, rest) in self.rest.iter_mut().enumerate() {
             if bodies.traits[i].sleepless {
@@ -76,7 +77,7 @@ impl Groups {
             if k < dynamic {
                 this.join(i, k);
             } else if i < dynamic && k < movers {
-                // What a kinematic body carries rests as long as that.
+                // A body carried by a kinematic one is at rest as long as that is.
                 let rest = &mut this.rest[i as usize];
                 *rest = rest.min(bodies.rest.get(k as usize).copied().unwrap_or(0.0));
             }
@@ -100,7 +101,7 @@ impl Groups {
         }
     }
 
-    /// The root of the island of a body, as it was found.
+    /// The root of a body's island, as of the last search.
     fn of(&self, i: u32) -> u32 {
         self.parent[i as usize]
     }
@@ -130,7 +131,8 @@ pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     false
 }
 
-/// Counts how long bodies have been at rest. Says whether a dynamic one has been for long enough to fall asleep.
+/// Counts how long bodies have been at rest. Returns whether a dynamic one has been for long enough to fall
+/// asleep.
 pub(crate) fn count_rest(
     workers: &Workers<'_>,
     bodies: &mut Bodies,
@@ -166,7 +168,8 @@ pub(crate) fn count_rest(
 }
 
 impl Sleep {
-    /// Whether it is time to look for islands, of which some body is tired. Counts the steps in between.
+    /// Whether it is time to search for islands, given that some body is ready to sleep. Counts the steps in
+    /// between.
     pub(crate) fn is_due(&mut self, tired: bool) -> bool {
         self.waited += 1;
         let due = tired && self.waited >= PATIENCE;
@@ -176,7 +179,7 @@ impl Sleep {
         due
     }
 
-    /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
+    /// For each body, the number of a dynamic body's island, for display; `u32::MAX` for other bodies.
     pub(crate) fn numbers(
         &self,
         (bodies, summaries): (&Bodies, &[ColliderSummary]),
@@ -191,7 +194,7 @@ impl Sleep {
             if i < bodies.dynamic() {
                 return bodies.slot[groups.of(i as u32) as usize];
             }
-            // Of an island that sleeps the first of its bodies.
+            // A sleeping island is named by the first of its bodies.
             let sleeper = bodies.asleep().contains(&i);
             sleeper.then(|| self.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
         };
@@ -200,26 +203,28 @@ impl Sleep {
 }
 
 impl Islands<'_> {
-    /// Puts islands to sleep, as they were found, all of whose bodies have been at rest for so long [s].
+    /// Puts the islands of the last search to sleep, if all of their bodies have been at rest for so long
+    /// [s].
     pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, allowance: Allowance) {
         self.send_to_sleep(|_, rest| rest >= time, events, allowance);
     }
 
-    /// Sends the island of an awake dynamic body to sleep, if all of it may. Islands must have been found at once.
+    /// Puts the island of an awake dynamic body to sleep, if all of it may. Islands must have been found with
+    /// `at_once`.
     pub(crate) fn send(&mut self, index: u32, events: &mut Events, allowance: Allowance) {
         let root = self.sleep.groups.of(index);
         self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, allowance);
     }
 
-    /// Finds the islands of all awake bodies. `at_once`: whatever may sleep is taken to be at rest for ever.
+    /// Finds the islands of all awake bodies. `at_once`: bodies that may sleep count as at rest for ever.
     pub(crate) fn find(&mut self, at_once: bool) {
         let real = TOUCH_DISTANCE * self.unit;
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         sleep.groups.find(bodies, &colliders.summaries, &broad.pairs, contacts, joints, (real, at_once));
     }
 
-    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest. `allowance`: what the
-    /// pairs that they keep may take.
+    /// Puts islands to sleep for which `tired` returns true, by their root and how long all of them have been
+    /// at rest. `allowance`: bytes that the pairs that they keep may take.
     fn send_to_sleep(
         &mut self,
         tired: impl Fn(u32, f32) -> bool,
@@ -247,7 +252,7 @@ impl Islands<'_> {
                 (true, false) if k >= movers && bodies.kind[k as usize] == BodyKind::Static => {
                     Fate::Kept(sleep.groups.of(i))
                 }
-                // A sensor and who is in it know each other while both sleep.
+                // A sensor keeps its pair with a shape in it while both sleep.
                 (true, false) if k >= movers && !(pair.touching && senses(pair)) => Fate::Dropped,
                 _ => Fate::Stays,
             }
@@ -278,7 +283,7 @@ impl Islands<'_> {
                 Some(false)
             }
         });
-        // From the end: what moves to a freed place is one that stays.
+        // From the end, so that the body that moves to a freed place is one that stays awake.
         for i in (0..dynamic).rev() {
             let island = sleep.groups.island[sleep.groups.of(i) as usize];
             if island == NOWHERE {
@@ -287,7 +292,7 @@ impl Islands<'_> {
             sleep.add_body(island, bodies.slot[i as usize]);
             sleep.slept += 1;
             let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
-            // Where it is now: nothing places its shapes any more until it wakes.
+            // At its current pose: its shapes are not updated again until it wakes.
             bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
             let v = &mut bodies.velocity[index];
             (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
@@ -297,12 +302,12 @@ impl Islands<'_> {
     }
 }
 
-/// What becomes of a pair when islands fall asleep.
+/// Where a pair goes when islands fall asleep.
 enum Fate {
     Stays,
-    /// With the island of a root.
+    /// It sleeps with the island of a root.
     Kept(u32),
-    /// It was of two islands that don't touch; the next one that wakes finds it again.
+    /// It is dropped: its two islands don't touch, and the next one that wakes finds it again.
     Dropped,
 }
 

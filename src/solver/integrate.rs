@@ -32,9 +32,9 @@ impl FastLimit {
 pub(super) enum WarmStart {
     /// By a pass over the rows: they may be those of another step.
     ByRows,
-    /// By one addition per body: rows keep their directions within a step, so they would change the velocity by
-    /// what they changed it by in the substep before. Joint rows rotate with their bodies and re-apply their
-    /// warm start themselves; trees that conserve energy need none.
+    /// By one addition per body: rows keep their directions within a step, so they would change the velocity
+    /// by what they changed it by in the substep before. Joint rows rotate with their bodies and re-apply
+    /// their warm start themselves; trees that conserve energy need none.
     ByDifference,
 }
 
@@ -109,8 +109,8 @@ impl Integrator<'_> {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
             }
-            // The pad tells `finish` whether the body was free in the whole step. It is added with the rest, in
-            // one wide store: a partial write would stall the next load of the record.
+            // The pad tells `finish` whether the body was free in the whole step. It is added with the rest,
+            // in one wide store: a partial write would stall the next load of the record.
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });

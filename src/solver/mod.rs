@@ -1,8 +1,8 @@
 //! Batches in, velocities and displacements out: warm start, iterate, substep, relax, store.
 //!
 //! Collisions are found once a step; the substeps solve the same rows with separations that follow the bodies
-//! (Macklin et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One substep
-//! and several iterations make it plain sequential impulses: the kernels are the same.
+//! (Macklin et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One
+//! substep and several iterations make it plain sequential impulses: the kernels are the same.
 
 mod impact_body;
 mod integrate;
@@ -161,28 +161,26 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
     in_range
 }
 
+/// What goes further in a substep may turn a distance or the arm of a slider too far for its rows [length units].
+const SWIFT_WAY: f32 = 0.02;
+
 /// How far the joints of trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
     Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
 }
 
-/// A greater displacement in a substep may turn the direction of a distance joint or the arm of a slider too far
-/// for its rows [length units].
-const SWIFT_WAY: f32 = 0.02;
-
-/// Stiffness of contacts, as a share of the stiffest stable one: at that, a box on one a thousand times lighter
-/// rocks ever more.
+/// Share of the stiffest spring that contacts have: with all of it a box on one a thousand times lighter rocks ever more.
 const CALM: f32 = 0.83;
-/// Maximum speed at which an error of a joint is corrected [length units/s] or [rad/s].
+/// The fastest that an error of a joint is taken back [length units/s] or [rad/s].
 const JOINT_PUSH: f32 = 40.0;
-/// Stiffness [Hz] and damping ratio of locked directions of joints.
+/// Stiffness [Hz] and damping ratio of what joints lock.
 const JOINT_HERTZ: f32 = 240.0;
 const JOINT_DAMPING: f32 = 2.0;
 
-/// Joints of trees that are open by more are closed after bodies moved [length units] or [rad].
+/// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
 const JOINT_OPEN: f32 = 0.0005;
 
-/// Points with a separation up to this bounce together with another one [length units].
+/// Points that are apart by no more than this when another bounces do so with it [length units].
 const TOGETHER: f32 = 0.0005;
 
 /// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the first

@@ -13,7 +13,7 @@ use crate::threads::{Workers, per_block};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a pass does.
+/// The operation of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassKind {
     WarmStart,
@@ -88,8 +88,8 @@ pub(super) struct Passes<'a> {
 /// Batches in a block of work: the smallest piece of a colour that threads share out.
 const BLOCK: usize = per_block(8, 1);
 
-/// Number of sweeps over the rows of joints in a pass: a net of 10,000 points of which seven are held stretches
-/// by 1.75 m with one sweep, by 0.84 m with two, which cost a fifth more, and by 0.78 m with three.
+/// Number of sweeps over the rows of joints in a pass: a net of 10,000 points of which seven are held
+/// stretches by 1.75 m with one sweep, by 0.84 m with two, which cost a fifth more, and by 0.78 m with three.
 const JOINT_SWEEPS: u32 = 2;
 
 impl Passes<'_> {
@@ -109,8 +109,8 @@ impl Passes<'_> {
             let pass = self.contact_pass(stage.group, kind);
             let one = |index: usize| {
                 let of = batches.schedule[index];
-                // SAFETY: each batch is in the schedule once; no dynamic body is twice in a stage, unless the stage
-                // is serial, and then one thread has all of it.
+                // SAFETY: each batch is in the schedule once; no dynamic body is twice in a stage, unless the
+                // stage is serial, and then one thread has all of it.
                 let found_one = unsafe {
                     with_batch!(batches, stage.group, of, |batch, friction| {
                         step(kind, stage.group, of, batch, friction, motion, &pass)
@@ -145,8 +145,8 @@ impl Passes<'_> {
                 ..self.joint_pass()
             };
             let pass = (kind != PassKind::WarmStart).then_some(&pass);
-            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no colour,
-            // and then one thread has all of it.
+            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
+            // colour, and then one thread has all of it.
             let one = |i: usize| unsafe {
                 JointRows::step(&self.joints.views, stage, i, self.motion, pass, contacts)
             };
@@ -175,8 +175,8 @@ impl Passes<'_> {
         let most = Recovery { linear: linear / inverse_h, angular: angular / inverse_h };
         let JointBatches { stages, views } = &self.joints;
         for stage in (0..JOINT_SWEEPS).flat_map(|_| *stages).filter(|stage| stage.kind.is_lock()) {
-            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no colour,
-            // and then one thread has all of it.
+            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
+            // colour, and then one thread has all of it.
             let one = |i: usize| unsafe { JointRows::close_locks(views, stage, i, self.motion, most) };
             share_out(self.workers, stage.start as usize..stage.end as usize, stage.single, &one);
         }

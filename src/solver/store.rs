@@ -27,8 +27,8 @@ pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
     }
 }
 
-/// Disables the rows of bodies that are held after an impact, for the rest of the step. They would push such a
-/// body out of overlap, which adds energy, and into others, which removes energy from those.
+/// Disables the rows of bodies that are held after an impact, for the rest of the step. They would push such
+/// a body out of overlap, which adds energy, and into others, which removes energy from those.
 pub(crate) fn disable(views: &Views<'_>, motion: &Motion<'_, '_>, stands: &dyn Fn(u32) -> bool) {
     for stage in views.stages {
         for &batch in &views.schedule[stage.start as usize..stage.end as usize] {
@@ -43,7 +43,7 @@ pub(crate) fn disable(views: &Views<'_>, motion: &Motion<'_, '_>, stands: &dyn F
     }
 }
 
-/// What storing the impulses of a step found about contacts.
+/// Result of storing the impulses of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stored {
     /// Number of contacts that pushed before they touched.

@@ -12,7 +12,7 @@ use crate::forces::Forces;
 use crate::lanes::Record;
 use crate::shape::Collider;
 
-/// What a step leaves unchanged about bodies.
+/// Properties of bodies that the solver does not change.
 pub(super) struct BodyData<'a> {
     pub(super) pose: &'a [Pose],
     pub(super) mass: &'a [Mass],
@@ -166,8 +166,8 @@ impl Substeps<'_> {
         witness.after(struck.velocity);
     }
 
-    /// Adds gravity, forces and, from the second substep on, the warm start to velocities. If bodies are fast,
-    /// begins to check nets.
+    /// Adds gravity, forces and, from the second substep on, the warm start to velocities. If bodies are
+    /// fast, begins to check nets.
     #[inline(always)]
     fn integrate_velocities(&mut self, substep: u32) -> NetCheck {
         let acceleration = &self.forces.acceleration;
@@ -199,8 +199,8 @@ impl Substeps<'_> {
         self.outside_rows(|this| this.limit_crowd());
     }
 
-    /// Limits the energy with which nets of joints move. Returns whether they are checked: bodies may have become
-    /// fast by others, or by a spring.
+    /// Limits the energy with which nets of joints move. Returns whether they are checked: bodies may have
+    /// become fast by others, or by a spring.
     #[inline(always)]
     fn hold_back_nets(&mut self, mut check: NetCheck) -> NetCheck {
         if self.context.passes.joints.exist() && self.context.integrator.any_fast() && check == NetCheck::Off
@@ -218,7 +218,8 @@ impl Substeps<'_> {
         check
     }
 
-    /// Gives bodies the velocities after their last impacts; closes joints, and moves trees that conserve energy.
+    /// Gives bodies the velocities after their last impacts; closes joints, and moves trees that conserve
+    /// energy.
     #[inline(always)]
     fn advance_impacts_and_trees(&mut self) {
         self.outside_rows(|this| {
@@ -234,8 +235,8 @@ impl Substeps<'_> {
         });
     }
 
-    /// Removes from velocities what pushing overlap apart added to them. Contacts that pushed before they touched
-    /// get their friction now; if that shifts much load, the points share it in one more pass.
+    /// Removes from velocities what pushing overlap apart added to them. Contacts that pushed before they
+    /// touched get their friction now; if that shifts much load, the points share it in one more pass.
     #[inline(always)]
     fn relax(&mut self) {
         let potential_points_push = self.context.passes.run(PassKind::Relax);
@@ -248,7 +249,8 @@ impl Substeps<'_> {
         }
     }
 
-    /// Limits the energy of nets, and the speed of bodies that overlap several others, at the end of the substep.
+    /// Limits the energy of nets, and the speed of bodies that overlap several others, at the end of the
+    /// substep.
     #[inline(always)]
     fn end_nets(&mut self, check: NetCheck) {
         self.outside_rows(|this| {

@@ -2,8 +2,8 @@
 //!
 //! - `content/`: bodies, shapes, joints and ragdolls; their mass and motion.
 //! - `step/`: the inputs of each stage, and everything around the stages.
-//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: what a caller sees of a step, and may change in it.
-//! - `memory/`: what the world holds, may hold, and would need.
+//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
+//! - `memory/`: memory that the world needs, holds, and may reserve.
 
 mod content;
 mod events;
@@ -47,20 +47,20 @@ use memory::Assets;
 ///
 /// In the order of use:
 ///
-/// 1. [`World::new`] makes an empty world from [`Settings`]; [`World::set_settings`] and [`World::set_origin`]
-///    change it later.
-/// 2. [`World::add_body`], [`World::add_shape`], [`World::add_joint`] and [`World::add_ragdoll`] fill it. Each
-///    returns a handle, by which content is looked up, changed and removed.
-/// 3. [`World::step`] moves it on, [`World::step_with`] with hooks on contacts. The [`StepReport`] has the times
-///    and counts of the step.
-/// 4. [`World::position`], [`World::rotation`] and others tell where bodies are, [`World::contact_begins`] and
-///    others what they touch; [`World::cast_ray`] and others answer queries.
+/// 1. [`World::new`] makes an empty world from [`Settings`]; [`World::set_settings`] and
+///    [`World::set_origin`] change it later.
+/// 2. [`World::add_body`], [`World::add_shape`], [`World::add_joint`] and [`World::add_ragdoll`] fill it.
+///    Each returns a handle, by which content is looked up, changed and removed.
+/// 3. [`World::step`] moves it on, [`World::step_with`] with hooks on contacts. The [`StepReport`] has the
+///    times and counts of the step.
+/// 4. [`World::position`], [`World::rotation`] and others tell where bodies are, [`World::contact_begins`]
+///    and others what they touch; [`World::cast_ray`] and others answer queries.
 /// 5. [`World::memory`] lists what the world holds, [`World::model`] which parts of the engine its content
 ///    needs.
 /// 6. [`World::snapshot`] saves its state, and [`World::restore`] brings back the same bits.
 ///
-/// Content changes between steps only. A handle becomes stale when its body, shape or joint is removed: a stale
-/// handle is an [`Error`], never another body. A call that returns an error has changed nothing.
+/// Content changes between steps only. A handle becomes stale when its body, shape or joint is removed: a
+/// stale handle is an [`Error`], never another body. A call that returns an error has changed nothing.
 #[derive(Debug, Default)]
 pub struct World {
     pub(crate) settings: Settings,
@@ -116,8 +116,9 @@ impl World {
     /// Replaces the settings; the next step uses them.
     ///
     /// # Errors
-    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, or a continuous
-    /// method that meets impacts at their times) for the bodies of the world. A budget alone is never refused.
+    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, or a
+    /// continuous method that meets impacts at their times) for the bodies of the world. A budget alone is
+    /// never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         self.reserve_for_settings(&settings)?;
@@ -168,8 +169,8 @@ impl World {
         hash
     }
 
-    /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to the
-    /// world's zero [J].
+    /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to
+    /// the world's zero [J].
     pub fn energy(&self) -> f64 {
         self.bodies
             .all_dynamic()
@@ -208,7 +209,8 @@ impl World {
         self.colliders.handle(collider)
     }
 
-    /// Creates or removes the column with the time for which bodies have been at rest, as sleeping is on or off.
+    /// Creates or removes the column with the time for which bodies have been at rest, as sleeping is on or
+    /// off.
     pub(crate) fn keep_rest(&mut self) {
         let wanted = if self.settings.sleeping { self.bodies.len() } else { 0 };
         self.bodies.rests = self.settings.sleeping;

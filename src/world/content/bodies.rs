@@ -14,8 +14,8 @@ impl World {
     /// Adds a body.
     ///
     /// # Errors
-    /// If its description is out of range, a dynamic body has no mass or a shape that only a static one may have, or
-    /// the budget does not allow it.
+    /// If its description is out of range, a dynamic body has no mass or a shape that only a static one may
+    /// have, or the budget does not allow it.
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
         self.reserve(std::slice::from_ref(desc))?;
@@ -65,7 +65,7 @@ impl World {
     /// If a handle is stale.
     pub fn remove_bodies(&mut self, bodies: &[BodyHandle]) -> Result<(), Error> {
         bodies.iter().try_for_each(|&body| self.index(body).map(drop))?;
-        // One that is named twice is gone the second time.
+        // A body that is listed twice is already removed the second time.
         for &body in bodies {
             if self.contains(body) {
                 self.remove_body(body)?;
@@ -74,12 +74,12 @@ impl World {
         Ok(())
     }
 
-    /// Takes a body out of the world or puts it back, with its shapes and joints: one that is disabled does not move, touches
-    /// nothing, and is seen by no query; its joints hold nothing. It keeps its handles, its pose and its velocities, and may
-    /// be changed all the while.
+    /// Disables a body, or enables it again, with its shapes and joints. A disabled body does not move,
+    /// touches nothing, and is invisible to queries; its joints have no effect. It keeps its handles, its
+    /// pose and its velocities, and may be changed in the meantime.
     ///
     /// # Errors
-    /// If the handle is stale, or the budget does not allow it to take part again: others may have come meanwhile.
+    /// If the handle is stale, or the budget no longer allows it to be enabled.
     pub fn set_enabled(&mut self, body: BodyHandle, enabled: bool) -> Result<(), Error> {
         let index = self.index(body)?;
         if self.bodies.traits[index].disabled != enabled {
@@ -120,23 +120,23 @@ impl World {
         Ok(!self.bodies.traits[self.index(body)?].disabled)
     }
 
-    /// How many bodies there are.
+    /// Number of bodies.
     pub fn body_count(&self) -> usize {
         self.bodies.len()
     }
 
-    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep and
-    /// those that are disabled, then static.
+    /// All bodies: first dynamic ones, then kinematic ones, then dynamic ones that are asleep and those that
+    /// are disabled, then static ones.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
         (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
 
-    /// Whether the handle still names a body.
+    /// Whether the handle is not stale.
     pub fn contains(&self, body: BodyHandle) -> bool {
         self.index(body).is_ok()
     }
 
-    /// What moves a body.
+    /// The kind of a body: static, kinematic or dynamic.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -166,8 +166,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes, save
-    /// that what is static has none.
+    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes;
+    /// static bodies have none.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -183,7 +183,8 @@ impl World {
         Ok(())
     }
 
-    /// Has the rows of a body solved right after those of a group, or in their own places again; see [`BodyDesc::raised`].
+    /// Has the rows of a body solved right after those of a group, or in their own place again; see
+    /// [`BodyDesc::raised`].
     ///
     /// # Errors
     /// If the handle is stale or the budget does not allow it.

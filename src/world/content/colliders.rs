@@ -1,4 +1,4 @@
-//! Where shapes come into the world and leave it, and how queries and the broad phase hear of it.
+//! Adds colliders to the world and removes them, and keeps queries and the broad phase up to date.
 
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
@@ -59,7 +59,7 @@ impl World {
         self.colliders.slots.remove(collider);
     }
 
-    /// Takes all shapes out, of whose slots there are so many.
+    /// Removes all shapes, and prepares so many slots.
     pub(crate) fn clear_colliders(&mut self, slots: usize) {
         let nothing = Collider {
             kind: Kind::Plane,
@@ -90,7 +90,7 @@ impl World {
         self.broad.reset(slots);
     }
 
-    /// Puts a shape into the slot that it had.
+    /// Puts a shape into its former slot.
     pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, pose: Pose) {
         let mode = self.bodies.mode(collider.body as usize);
         self.assets.add(&collider.geometry);
@@ -133,7 +133,7 @@ impl World {
         }
     }
 
-    /// Queries are to look where a collider is.
+    /// Tells the query index that a collider changed.
     fn note_change(&mut self, collider: u32) {
         if let Some(now) = self.now.change() {
             now.touch(collider);
@@ -147,7 +147,7 @@ impl World {
         }
     }
 
-    /// Box of a collider where its body is.
+    /// Bounds of a collider at its body's pose.
     pub(crate) fn bounds(&self, collider: u32) -> Aabb {
         let collider = &self.colliders.all[collider as usize];
         let pose = &self.bodies.pose[collider.body as usize];

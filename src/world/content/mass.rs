@@ -1,4 +1,4 @@
-//! Mass of the world's bodies: given, or that of their shapes.
+//! Mass of the world's bodies: given by the caller, or computed from their shapes.
 
 use crate::body::{BodyDetails, BodyKind, Mass, Pose};
 use crate::error::Error;
@@ -8,7 +8,7 @@ use crate::world::{Change, World};
 use glam::{Quat, Vec3};
 
 impl World {
-    /// Mass of a body [kg]; zero for one that nothing can push.
+    /// Mass of a body [kg]; zero for static and kinematic bodies.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -48,7 +48,7 @@ impl World {
         })
     }
 
-    /// Moves the centre of mass and the principal axes under the colliders, which stay where they are.
+    /// Moves the centre of mass and the principal axes; the colliders stay in place.
     pub(in crate::world) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
         let old = self.bodies.details[index];
         let (details, columns) =
@@ -62,7 +62,7 @@ impl World {
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.details[index] = details;
         self.bodies.set_mass(index, columns);
-        // What can't turn is in no tree.
+        // A body that can't rotate is in no tree.
         let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
         self.joints.changed |= joined;
         self.recentre_joints(index, &old);
@@ -79,7 +79,7 @@ impl World {
     }
 }
 
-/// Whether mass and inertia, and one over them, can be worked with.
+/// Checks that mass, inertia and their inverses are finite.
 pub(in crate::world) fn movable(mass: &MassProperties) -> Result<(), Error> {
     let m = &mass.inertia;
     for (what, value) in [
@@ -101,7 +101,7 @@ pub(in crate::world) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
     MassProperties::combine(&parts)
 }
 
-/// What the columns keep of a body's mass.
+/// The column entries for a body's mass.
 pub(in crate::world) fn columns_of(
     mass: &MassProperties,
     kind: BodyKind,

@@ -1,4 +1,4 @@
-//! Ragdolls come into the world.
+//! Adds ragdolls to the world.
 
 use crate::body::BodyDesc;
 use crate::error::Error;
@@ -34,7 +34,7 @@ impl Skeleton {
             match added {
                 Ok(joint) => joints.push(joint),
                 Err(error) => {
-                    // With a body go its joints.
+                    // Removing a body removes its joints.
                     for body in bodies {
                         world.remove_body(body)?;
                     }

@@ -7,13 +7,13 @@ use std::sync::Arc;
 /// Shared geometry, counted once however many shapes use it.
 #[derive(Debug, Default)]
 pub(in crate::world) struct Assets {
-    /// Address, uses, what it is, bytes.
+    /// Address, number of uses, kind, and bytes.
     pub(in crate::world) list: Vec<(usize, u32, Kind, (usize, usize))>,
 }
 
 impl Assets {
     fn key(geometry: &Geometry) -> Option<(usize, Kind, (usize, usize))> {
-        // Its own bytes are told with itself; it lies in an `Arc`.
+        // The size of `T` is included in its own bytes; the rest is the counters of the `Arc`.
         fn entry<T>(
             shared: &Arc<T>,
             kind: Kind,
@@ -54,12 +54,12 @@ impl Assets {
         if kind == Kind::Hull { Category::Shapes } else { Category::Meshes }
     }
 
-    /// The category of each, and its bytes.
+    /// Category and bytes of each geometry.
     pub(in crate::world) fn bytes(&self) -> impl Iterator<Item = (Category, (usize, usize))> + '_ {
         self.list.iter().map(|&(_, _, kind, bytes)| (Self::category(kind), bytes))
     }
 
-    /// Reserved bytes of all of a kind.
+    /// Reserved bytes of all geometries of a kind.
     pub(in crate::world) fn bytes_of(&self, kind: Kind) -> usize {
         self.list.iter().filter(|one| one.2 == kind).map(|one| one.3.1).sum()
     }

@@ -1,4 +1,5 @@
-//! Around the stages of a step: their inputs and buffers, clocks, observers, and bodies that have to be stopped.
+//! Around the stages of a step: their inputs and buffers, clocks, observers, and bodies that have to be
+//! stopped.
 
 mod buffers;
 mod faults;
