@@ -104,7 +104,7 @@ pub fn preparing() -> Kernel {
     let mut world = wall();
     let (mut rows, mut scratch) = (Rows::default(), PrepareScratch::default());
     std::mem::swap(&mut rows, &mut world.buffers.rows);
-    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NONE).count();
+    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NO_CONTACT).count();
     Kernel::new("prepare", count, move || {
         let forces = &world.buffers.forces;
         let input = PrepareInput {
@@ -121,7 +121,7 @@ pub fn preparing() -> Kernel {
             near: 0.02,
             ahead: usize::MAX,
             lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
-            stick: 0.01,
+            static_slip_speed: 0.01,
             order: crate::config::Order::default(),
             tree_slots: &crate::constraint::TreeSlots::default(),
             tweaks: &[],

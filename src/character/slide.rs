@@ -15,7 +15,7 @@ use glam::DVec3;
 const SLIDES: f64 = 1.0 / 64.0;
 
 /// Steps that a walk tries to climb.
-const MOST_STEPS: u32 = 4;
+const MAX_STEPS: u32 = 4;
 
 /// A walk or a flight, under way.
 pub(super) struct Slide {
@@ -88,7 +88,7 @@ impl Slide {
         step: f64,
         heard: &mut dyn FnMut(&ShapeHit),
     ) -> Result<(), Error> {
-        let mut tries = MOST_STEPS;
+        let mut tries = MAX_STEPS;
         for _ in 0..most {
             let path = self.path(shape.up);
             let length = path.length();

@@ -4,7 +4,7 @@ use super::{ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
-use crate::narrow_phase::{Contact, Contacts, NONE, Point};
+use crate::narrow_phase::{Contact, Contacts, NO_CONTACT, Point};
 
 /// Input of contact events.
 pub(crate) struct Touching<'a> {
@@ -33,7 +33,7 @@ impl Touching<'_> {
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &self.contacts.all[slot as usize];
             let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;

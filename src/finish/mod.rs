@@ -16,9 +16,9 @@ mod turned;
 pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
-use moving::{FAR, Moving, Off, STRAYS};
+use moving::{FAR, Moving, Prediction, STRAYS};
 use passing::Movers;
-use settle::{Tools, settle_strays};
+use settle::{Tools, settle_off_path};
 use trees::Trees;
 
 use crate::body::{Bodies, Colliders};
@@ -56,14 +56,14 @@ impl Buffers {
     pub(crate) fn each(
         &mut self,
         (movers, dynamic): (usize, usize),
-        (joined, strays): (bool, bool),
+        (joined, may_leave_path): (bool, bool),
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
         if joined && let Ok(cut) = self.cut.get_mut() {
             // Cut by static geometry, and by another body.
             f(cut, 2 * dynamic);
         }
-        if strays {
+        if may_leave_path {
             self.settling.each(f);
         }
         f(&mut self.clear, dynamic);
@@ -188,8 +188,8 @@ pub(crate) fn finish(
         joints: input.joints,
         slots: &slots,
     };
-    let (mut held, mut stopped, strays) = move_all(workers, &guard, &mut input, buffers);
-    mend_all(&guard, &mut input, buffers, strays, (&mut held, &mut stopped));
+    let (mut held, mut stopped, any_off_path) = move_all(workers, &guard, &mut input, buffers);
+    mend_all(&guard, &mut input, buffers, any_off_path, (&mut held, &mut stopped));
     input.bodies.slot = slots;
     (held, stopped)
 }
@@ -215,8 +215,13 @@ fn move_all(
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
-    let off =
-        Off { motion: &forces.motion, start: &forces.start, summaries, least: STRAYS * unit, dt: input.dt };
+    let prediction = Prediction {
+        motion: &forces.motion,
+        start: &forces.start,
+        summaries,
+        least: STRAYS * unit,
+        dt: input.dt,
+    };
     let moving = Moving {
         guard,
         velocity: Shared::new(velocity),
@@ -232,20 +237,20 @@ fn move_all(
         beside,
         stacks,
         cut,
-        off,
+        prediction,
         uneven: *uneven > 0,
         movers,
         dynamic,
         dt: input.dt,
         cuts: Default::default(),
         lifts: Default::default(),
-        strays: Default::default(),
+        any_off_path: Default::default(),
         stopped: Default::default(),
     };
     workers.run(blocks, &|block| moving.move_block(block));
     let held = Counts { cut: moving.cuts.into_inner(), lifted: moving.lifts.into_inner(), settled: 0 };
     let stopped = moving.stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
-    (held, stopped, moving.strays.into_inner())
+    (held, stopped, moving.any_off_path.into_inner())
 }
 
 /// The part for one thread, if the guard is on: bodies off their predicted path, bodies that would pass
@@ -254,17 +259,17 @@ fn mend_all(
     guard: &Guard<'_>,
     input: &mut Input<'_>,
     buffers: &mut Buffers,
-    strays: bool,
+    any_off_path: bool,
     (held, stopped): (&mut Counts, &mut Vec<u32>),
 ) {
     let Buffers { stacks, settling, cut, .. } = buffers;
     let Some(Ok(mut stack)) = stacks.first().map(|stack| stack.lock()) else { return };
     let Input { bodies, broad, forces, impacts, delta, rows, joint_rows, settings, dt, .. } = input;
     let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
-    if strays {
+    if any_off_path {
         let may_grow = settings.budget.is_none();
         let mut tools = Tools { stack: &mut stack, scratch: settling, may_grow };
-        settle_strays(guard, &mut tools, bodies, (delta, &forces.acceleration), settings, (held, stopped));
+        settle_off_path(guard, &mut tools, bodies, (delta, &forces.acceleration), settings, (held, stopped));
     }
     let Ok(cut) = cut.get_mut() else { return };
     if guard.cuts {

@@ -36,7 +36,7 @@ pub(super) struct Moving<'a> {
     pub(super) stacks: &'a [Mutex<Vec<u32>>],
     /// Bodies of trees whose paths were cut.
     pub(super) cut: &'a Mutex<Vec<(TreeSlot, f32)>>,
-    pub(super) off: Off<'a>,
+    pub(super) prediction: Prediction<'a>,
     /// Whether the axis of rotation of any body may change by itself.
     pub(super) uneven: bool,
     pub(super) movers: usize,
@@ -46,7 +46,7 @@ pub(super) struct Moving<'a> {
     /// path, and which bodies were stopped.
     pub(super) cuts: AtomicU32,
     pub(super) lifts: AtomicU32,
-    pub(super) strays: AtomicBool,
+    pub(super) any_off_path: AtomicBool,
     pub(super) stopped: Mutex<Vec<u32>>,
 }
 
@@ -73,7 +73,8 @@ impl Moving<'_> {
         let turned = Turned::of((first..end).filter(|&i| self.turns_freely(i)).filter_map(|i| {
             // SAFETY: each body is in one block.
             let (pose, d) = unsafe { (self.pose.get(i), self.delta.get(i)) };
-            let (rotation, spin, inertia) = (pose.rotation, self.off.start[i].angular, self.mass[i].inertia);
+            let (rotation, spin, inertia) =
+                (pose.rotation, self.prediction.start[i].angular, self.mass[i].inertia);
             (d.pad0 == 0.0).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
         }));
         for i in first..end {
@@ -88,31 +89,31 @@ impl Moving<'_> {
     fn turns_freely(&self, i: usize) -> bool {
         self.uneven
             && i < self.dynamic
-            && spins_freely(&self.mass[i], &self.traits[i], self.off.start[i].angular, self.dt)
+            && spins_freely(&self.mass[i], &self.traits[i], self.prediction.start[i].angular, self.dt)
     }
 
     /// `turned`: rotations of the bodies in the block that turn freely.
     #[inline]
     fn move_body(&self, mut body: Body<'_>, turned: &Turned, stack: &mut Vec<u32>) {
-        let (i, whence) = (body.index, *body.pose);
+        let (i, start) = (body.index, *body.pose);
         if !body.delta.is_within(FAR) || !body.velocity.is_within(MAX_LEFT_SPEED) {
             *body.delta = Record::default();
-            self.stop(&mut body, whence);
+            self.stop(&mut body, start);
             return;
         }
         let seat = self.seats.of(i);
         let precesses = self.turn(&mut body, turned, stack);
         let Some(moved) = self.moved(&mut body, precesses, seat, stack) else {
             // It stays where it was until it is settled.
-            body.delta.pad0 = STRAY;
-            self.strays.store(true, Ordering::Relaxed);
+            body.delta.pad0 = OFF_PATH;
+            self.any_off_path.store(true, Ordering::Relaxed);
             return;
         };
         body.pose.position += moved.as_dvec3();
         if seat.is_some()
             && self.guard.cuts
             && self.guard.wants(&self.traits[i], body.own)
-            && let Some(crossing) = self.guard.crossing(stack, body.own, &whence, body.pose)
+            && let Some(crossing) = self.guard.crossing(stack, body.own, &start, body.pose)
         {
             self.cuts.fetch_add(1, Ordering::Relaxed);
             stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.inverse_inertia[i]);
@@ -121,7 +122,7 @@ impl Moving<'_> {
         if !is_in_range(body.pose) || !body.velocity.is_within(MAX_LEFT_SPEED) {
             // Its rotation or lift is not finite, although the motion was at first, or it left the range of
             // the world.
-            self.stop(&mut body, whence);
+            self.stop(&mut body, start);
         }
     }
 
@@ -135,8 +136,8 @@ impl Moving<'_> {
             let before = pose.rotation;
             (pose.rotation, velocity.angular) = turned.of_place(i % BLOCK);
             return self.beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                && self.off.turned(i, before, pose.rotation, own)
-                && !self.guard.is_free(stack, own, pose.position, d.linear, self.off.reach(own));
+                && self.prediction.turned(i, before, pose.rotation, own)
+                && !self.guard.is_free(stack, own, pose.position, d.linear, self.prediction.reach(own));
         }
         // Looked up only if needed: most bodies don't need it.
         let inertia = || self.mass[i].inertia;
@@ -195,26 +196,26 @@ impl Moving<'_> {
         // A body that bounced keeps its velocity and meets its next obstacle in the next step. Jointed bodies
         // can't be moved alone.
         let bounced = self.impacts.bounced(i);
-        let led = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
+        let never_settled = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
         // SAFETY: each body is in one block.
         let clear = unsafe { self.clear.get(i) };
-        let mut is_stray = !led && (precesses || touched && self.off.strays(i, d, own));
-        if !is_stray && (guard.cuts || !led) && !guard.is_clear(stack, own, clear, from, moved) {
-            let mut kept = **velocity;
-            match guard.hold(stack, own, from, &mut moved, &mut kept) {
-                Some((Held::Cut, _)) if !led => is_stray = true,
+        let mut off_path = !never_settled && (precesses || touched && self.prediction.is_left(i, d, own));
+        if !off_path && (guard.cuts || !never_settled) && !guard.is_clear(stack, own, clear, from, moved) {
+            let mut cut_velocity = **velocity;
+            match guard.hold(stack, own, from, &mut moved, &mut cut_velocity) {
+                Some((Held::Cut, _)) if !never_settled => off_path = true,
                 Some((held, _)) if guard.cuts => {
                     let count = if held == Held::Cut { &self.cuts } else { &self.lifts };
                     count.fetch_add(1, Ordering::Relaxed);
                     self.note_cut(seat, moved.length() / d.linear.length());
                     if !bounced {
-                        **velocity = kept;
+                        **velocity = cut_velocity;
                     }
                 }
                 _ => moved = d.linear,
             }
         }
-        (!is_stray).then_some(moved)
+        (!off_path).then_some(moved)
     }
 
     /// Records that a body of a tree went only a share of its path.
@@ -226,14 +227,14 @@ impl Moving<'_> {
     }
 
     #[cold]
-    fn stop(&self, body: &mut Body<'_>, whence: Pose) {
-        stop_body(body.pose, body.velocity, whence, body.index < self.dynamic);
+    fn stop(&self, body: &mut Body<'_>, start: Pose) {
+        stop_body(body.pose, body.velocity, start, body.index < self.dynamic);
         self.stopped.lock().unwrap_or_else(PoisonError::into_inner).push(body.index as u32);
     }
 }
 
 /// Decides which bodies are off their predicted path.
-pub(super) struct Off<'a> {
+pub(super) struct Prediction<'a> {
     pub(super) motion: &'a [Record],
     pub(super) start: &'a [Record],
     pub(super) summaries: &'a [ColliderSummary],
@@ -242,10 +243,10 @@ pub(super) struct Off<'a> {
     pub(super) dt: f32,
 }
 
-impl Off<'_> {
+impl Prediction<'_> {
     /// Whether any point of a body ended far from where it was predicted, both with the acceleration of the
     /// step and without.
-    fn strays(&self, i: usize, went: &Record, own: &[u32]) -> bool {
+    fn is_left(&self, i: usize, went: &Record, own: &[u32]) -> bool {
         let reach = self.reach(own);
         let is_far = |linear: Vec3, angular: Vec3| {
             let swing = reach * (went.angular - angular).length().min(2.0);
@@ -274,14 +275,14 @@ impl Off<'_> {
 }
 
 /// Marks a stray, where others have whether they were touched.
-pub(super) const STRAY: f32 = -1.0;
+pub(super) const OFF_PATH: f32 = -1.0;
 /// Who ends further from where it was predicted to be strays [length units].
 pub(super) const STRAYS: f32 = 0.0025;
 
 /// Puts a body back to where it was, at rest. A kinematic one keeps its velocity, which the caller sets.
 #[cold]
-pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, whence: Pose, is_dynamic: bool) {
-    *pose = whence;
+pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, start: Pose, is_dynamic: bool) {
+    *pose = start;
     if is_dynamic {
         *velocity = Record::default();
     }

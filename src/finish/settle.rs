@@ -17,7 +17,7 @@
 
 use super::ends::ends_of;
 use super::guard::{Counts, Guard, Held};
-use super::moving::{STRAY, STRAYS, is_in_range, stop_body};
+use super::moving::{OFF_PATH, STRAYS, is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
@@ -78,7 +78,7 @@ pub(super) struct Settled {
 
 /// Settles the dynamic bodies that are off their path. `delta`: displacements, with the mark of these bodies;
 /// counts what the guard held, and lists the bodies that were stopped.
-pub(super) fn settle_strays(
+pub(super) fn settle_off_path(
     guard: &Guard<'_>,
     tools: &mut Tools<'_>,
     bodies: &mut Bodies,
@@ -87,9 +87,9 @@ pub(super) fn settle_strays(
     (held, stopped): (&mut Counts, &mut Vec<u32>),
 ) {
     let slop = settings.slop * settings.length_unit;
-    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == STRAY) {
+    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == OFF_PATH) {
         let own = bodies.colliders[i].as_slice();
-        let stray = Settling {
+        let body = Settling {
             own,
             traits: &bodies.traits[i],
             pull: acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
@@ -97,12 +97,12 @@ pub(super) fn settle_strays(
             least: (STRAYS * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
         };
         let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
-        let whence = *pose;
-        let settled = stray.settle(guard, tools, pose, delta[i].linear, velocity);
+        let start = *pose;
+        let settled = body.settle(guard, tools, pose, delta[i].linear, velocity);
         held.cut += u32::from(settled.cut);
         held.settled += u32::from(settled.moved);
         if !is_in_range(pose) || !velocity.is_within(MAX_LEFT_SPEED) {
-            stop_body(pose, velocity, whence, true);
+            stop_body(pose, velocity, start, true);
             stopped.push(i as u32);
         }
     }
@@ -124,7 +124,7 @@ pub(super) struct Settling<'a> {
 struct Went {
     to: DVec3,
     /// It was led along a surface.
-    led: bool,
+    along_surface: bool,
     /// The rest of the path, if it led into too many surfaces.
     left: Option<Vec3>,
 }
@@ -147,7 +147,7 @@ impl Guard<'_> {
     fn go_on(
         &self,
         stack: &mut Vec<u32>,
-        stray: &Settling<'_>,
+        body: &Settling<'_>,
         from: DVec3,
         way: Vec3,
         velocity: &mut Record,
@@ -156,19 +156,23 @@ impl Guard<'_> {
         let mut met = [Vec3::ZERO; SURFACES];
         for count in 0..SURFACES {
             let mut moved = left;
-            let Some((Held::Cut, normal)) = self.hold(stack, stray.own, at, &mut moved, velocity) else {
-                return Went { to: at + stray.traits.free(moved).as_dvec3(), led: count > 0, left: None };
+            let Some((Held::Cut, normal)) = self.hold(stack, body.own, at, &mut moved, velocity) else {
+                return Went {
+                    to: at + body.traits.free(moved).as_dvec3(),
+                    along_surface: count > 0,
+                    left: None,
+                };
             };
-            moved = stray.traits.free(moved);
+            moved = body.traits.free(moved);
             at += moved.as_dvec3();
             met[count] = normal;
-            left = stray.traits.free(along(&met[..=count], left - moved));
-            velocity.linear = stray.traits.free(along(&met[..=count], velocity.linear));
+            left = body.traits.free(along(&met[..=count], left - moved));
+            velocity.linear = body.traits.free(along(&met[..=count], velocity.linear));
             if left == Vec3::ZERO {
-                return Went { to: at, led: true, left: None };
+                return Went { to: at, along_surface: true, left: None };
             }
         }
-        Went { to: at, led: true, left: Some(left) }
+        Went { to: at, along_surface: true, left: Some(left) }
     }
 }
 
@@ -211,7 +215,7 @@ impl Settling<'_> {
     ) -> Settled {
         let went = guard.go_on(tools.stack, self, pose.position, way, velocity);
         pose.position = went.to;
-        let mut settled = Settled { moved: went.led, cut: false };
+        let mut settled = Settled { moved: went.along_surface, cut: false };
         if let Some(left) = went.left {
             if guard.cuts {
                 settled.cut = true;

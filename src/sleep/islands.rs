@@ -13,7 +13,7 @@ use crate::config::tuning::TOUCH_DISTANCE;
 use crate::events::Events;
 use crate::joint::Joints;
 use crate::memory::{Allowance, Buffer, bytes_of};
-use crate::narrow_phase::{Contacts, NONE};
+use crate::narrow_phase::{Contacts, NO_CONTACT};
 use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
@@ -82,7 +82,7 @@ impl Groups {
                 *rest = rest.min(bodies.rest.get(k as usize).copied().unwrap_or(0.0));
             }
         };
-        for pair in pairs.iter().filter(|pair| pair.contact != NONE || pair.touching) {
+        for pair in pairs.iter().filter(|pair| pair.contact != NO_CONTACT || pair.touching) {
             if pair.touching || touches(contacts, pair, real) {
                 link(self, summaries[pair.a as usize].body, summaries[pair.b as usize].body);
             }
@@ -121,7 +121,7 @@ impl Groups {
 /// Whether a pair touches, or pushed within the step.
 pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         let contact = &contacts.all[slot as usize];
         if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
             return true;
@@ -247,10 +247,10 @@ impl Islands<'_> {
             let (i, k) = (a.min(b), a.max(b));
             let (of_i, of_k) = (i < dynamic && is_tired(sleep, i), k < dynamic && is_tired(sleep, k));
             match (of_i, of_k) {
-                (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Kept(sleep.groups.of(i)),
+                (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Sleeps(sleep.groups.of(i)),
                 (true, true) => Fate::Dropped,
                 (true, false) if k >= movers && bodies.kind[k as usize] == BodyKind::Static => {
-                    Fate::Kept(sleep.groups.of(i))
+                    Fate::Sleeps(sleep.groups.of(i))
                 }
                 // A sensor keeps its pair with a shape in it while both sleep.
                 (true, false) if k >= movers && !(pair.touching && senses(pair)) => Fate::Dropped,
@@ -258,8 +258,8 @@ impl Islands<'_> {
             }
         };
         if !allowance.is_endless() {
-            let kept = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Kept(_)));
-            let wanted = sleep.kept as usize + kept.count();
+            let sleeping = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Sleeps(_)));
+            let wanted = sleep.pair_count as usize + sleeping.count();
             if allowance.fit(&mut sleep.pairs, wanted) < wanted {
                 return;
             }
@@ -273,7 +273,7 @@ impl Islands<'_> {
         }
         broad.take_pairs(|pair| match fate(sleep, pair) {
             Fate::Stays => None,
-            Fate::Kept(root) => {
+            Fate::Sleeps(root) => {
                 sleep.add_pair(sleep.groups.island[root as usize], *pair);
                 Some(true)
             }
@@ -306,7 +306,7 @@ impl Islands<'_> {
 enum Fate {
     Stays,
     /// It sleeps with the island of a root.
-    Kept(u32),
+    Sleeps(u32),
     /// It is dropped: its two islands don't touch, and the next one that wakes finds it again.
     Dropped,
 }

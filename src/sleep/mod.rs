@@ -32,7 +32,7 @@ pub(crate) struct Sleep {
     pairs: Vec<(Pair, u32)>,
     free_pair: Option<u32>,
     /// Number of pairs that are kept.
-    kept: u32,
+    pair_count: u32,
     /// Connected bodies, as of the last search.
     pub(crate) groups: Groups,
     /// Islands to be woken.
@@ -99,17 +99,17 @@ impl Sleep {
 
     fn add_pair(&mut self, island: u32, pair: Pair) {
         let first = &mut self.islands[island as usize].pair;
-        let kept = (pair, *first);
-        self.kept += 1;
+        let entry = (pair, *first);
+        self.pair_count += 1;
         match self.free_pair {
             Some(place) => {
                 self.free_pair = Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
-                self.pairs[place as usize] = kept;
+                self.pairs[place as usize] = entry;
                 *first = place;
             }
             None => {
                 *first = self.pairs.len() as u32;
-                self.pairs.push(kept);
+                self.pairs.push(entry);
             }
         }
     }
@@ -137,16 +137,16 @@ impl Sleep {
     fn close(&mut self, island: u32, mut pair: impl FnMut(Pair)) {
         let mut place = self.islands[island as usize].pair;
         while place != NONE {
-            let (kept, next) = self.pairs[place as usize];
-            pair(kept);
+            let (own, next) = self.pairs[place as usize];
+            pair(own);
             self.pairs[place as usize].1 = self.free_pair.unwrap_or(NONE);
             self.free_pair = Some(place);
-            self.kept -= 1;
+            self.pair_count -= 1;
             place = next;
         }
         self.islands[island as usize] = Island { body: NONE, pair: NONE };
         self.free_islands.push(island);
-        if self.kept == 0 {
+        if self.pair_count == 0 {
             // The pool starts over in order.
             self.pairs.clear();
             self.free_pair = None;
@@ -154,7 +154,7 @@ impl Sleep {
     }
 
     /// Pairs of all that sleeps.
-    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = &Pair> {
+    pub(crate) fn sleeping_pairs(&self) -> impl Iterator<Item = &Pair> {
         let lists = self.islands.iter().map(|island| island.pair);
         lists.flat_map(|first| {
             let of = |&place: &u32| Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
@@ -192,7 +192,7 @@ impl Sleep {
     }
 
     /// The pairs that islands keep.
-    pub(crate) fn kept_buffer(&mut self) -> &mut dyn Buffer {
+    pub(crate) fn pair_buffer(&mut self) -> &mut dyn Buffer {
         &mut self.pairs
     }
 

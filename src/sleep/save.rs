@@ -31,12 +31,12 @@ pub(crate) struct SavedSleep<'a> {
 impl Sleep {
     /// Pairs of all islands, in the order in which [`Sleep::restore`] wants them.
     pub(crate) fn saved_pairs(&self) -> impl Iterator<Item = &Pair> {
-        self.kept_pairs()
+        self.sleeping_pairs()
     }
 
     /// Number of pairs that islands keep.
-    pub(crate) fn kept(&self) -> usize {
-        self.kept as usize
+    pub(crate) fn pair_count(&self) -> usize {
+        self.pair_count as usize
     }
 
     fn slots(&self, island: &Island) -> impl Iterator<Item = u32> + '_ {
@@ -76,7 +76,7 @@ impl Sleep {
         self.bodies.fill(Link::AWAKE);
         self.islands.clear();
         self.pairs.clear();
-        (self.free_pair, self.kept) = (None, 0);
+        (self.free_pair, self.pair_count) = (None, 0);
         let mut bodies = saved.bodies;
         for (i, &[of_bodies, _]) in saved.islands.as_chunks::<2>().0.iter().enumerate() {
             self.islands.push(Island { body: NONE, pair: NONE });
@@ -95,7 +95,7 @@ impl Sleep {
             None => self.islands[island as usize].pair = place,
         }
         self.pairs.push((pair, NONE));
-        self.kept += 1;
+        self.pair_count += 1;
     }
 }
 
@@ -126,8 +126,8 @@ impl<'a> SavedSleep<'a> {
         (0u32..).zip(sizes).flat_map(|(island, pairs)| std::iter::repeat_n(island, pairs))
     }
 
-    /// Whether all lists are consistent. `asleep`: slots of the sleeping bodies; `kept`: number of pairs.
-    pub(crate) fn check(&self, asleep: &[u32], kept: usize) -> Result<(), Error> {
+    /// Whether all lists are consistent. `asleep`: slots of the sleeping bodies; `pair_count`: number of pairs.
+    pub(crate) fn check(&self, asleep: &[u32], pair_count: usize) -> Result<(), Error> {
         let islands = self.islands.as_chunks::<2>().0;
         let (bodies, pairs) = islands
             .iter()
@@ -140,7 +140,7 @@ impl<'a> SavedSleep<'a> {
         // An island is free if and only if it is empty.
         let empty = (0..islands.len() as u32).filter(|&i| islands[i as usize][0] == 0);
         let fits = bodies == self.bodies.len() as u64
-            && pairs == kept as u64
+            && pairs == pair_count as u64
             && sorted[0] == sorted[1]
             && free.len() == self.free.len()
             && empty.eq(free.iter().copied())

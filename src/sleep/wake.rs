@@ -9,7 +9,7 @@ use super::{Islands, Sleep};
 use crate::broad_phase::{Aabb, Pair, aabb_of};
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::lanes::Record;
-use crate::narrow_phase::NONE;
+use crate::narrow_phase::NO_CONTACT;
 use glam::Vec3;
 
 impl Islands<'_> {
@@ -59,7 +59,9 @@ impl Islands<'_> {
         let body = self.colliders.summaries[comer as usize].body as usize;
         let (bodies, colliders) = (&*self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {
-            return body < bodies.dynamic() && pair.contact != NONE && touches(self.contacts, pair, real);
+            return body < bodies.dynamic()
+                && pair.contact != NO_CONTACT
+                && touches(self.contacts, pair, real);
         }
         let bounds = |c: u32| {
             let collider = &colliders[c as usize];
@@ -102,8 +104,8 @@ impl Islands<'_> {
         let summaries = &self.colliders.summaries;
         let own = |c: u32| summaries[c as usize].body as usize == index;
         let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[summaries[c as usize].body as usize]);
-        let kept = self.sleep.kept_pairs();
-        for pair in self.broad.pairs.iter().chain(kept) {
+        let sleeping = self.sleep.sleeping_pairs();
+        for pair in self.broad.pairs.iter().chain(sleeping) {
             if own(pair.a) || own(pair.b) {
                 let islands = island_of(pair.a).into_iter().chain(island_of(pair.b));
                 islands.for_each(|island| Sleep::note(&mut waking, island));

@@ -1,7 +1,7 @@
 //! New contacts that support bodies, and the known loads on those bodies.
 
 use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Structure, Support, is_supported, point_velocity};
-use crate::narrow_phase::{Contact, NONE};
+use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::Vec3;
 
 impl Structure<'_> {
@@ -13,7 +13,7 @@ impl Structure<'_> {
         supports.clear();
         for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.summaries, dynamic)) {
             let mut slot = pair.contact;
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let index = slot;
                 let contact = &mut self.contacts.all[slot as usize];
                 slot = contact.next;
@@ -96,7 +96,7 @@ impl Structure<'_> {
                 continue;
             }
             let mut slot = pair.contact;
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let contact: &Contact = &self.contacts.all[slot as usize];
                 slot = contact.next;
                 let normal = contact.frame * contact.normal;

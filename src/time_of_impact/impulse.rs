@@ -4,7 +4,7 @@ use crate::solver::ImpactBody;
 use glam::Vec3;
 
 /// Maximum number of points of an impact: four manifolds.
-pub(super) const MOST: usize = 16;
+pub(super) const MAX_POINTS: usize = 16;
 /// Gauss-Seidel sweeps over them.
 const SWEEPS: usize = 16;
 
@@ -35,7 +35,7 @@ pub(super) fn resolve(
     points: &[Point],
     law: Law,
 ) -> Option<(f32, Vec3)> {
-    let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MOST];
+    let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MAX_POINTS];
     let speed = |a: &ImpactBody, b: &ImpactBody, p: &Point| p.normal.dot(b.at(p.arms[1]) - a.at(p.arms[0]));
     let mut fastest = (0.0_f32, 0);
     for (i, (row, p)) in rows.iter_mut().zip(points).enumerate() {

@@ -175,9 +175,9 @@ impl Run<'_, '_> {
         queue.clear();
         times.clear();
         self.find_strays();
-        let strays = self.buffers.tracks.len();
+        let redirected = self.buffers.tracks.len();
         let count = self.on.broad.pairs.len();
-        if strays == 0 && !self.on.broad.pairs.iter().any(|pair| pair.fast) {
+        if redirected == 0 && !self.on.broad.pairs.iter().any(|pair| pair.fast) {
             return;
         }
         let mut times = std::mem::take(&mut self.buffers.times);
@@ -201,7 +201,7 @@ impl Run<'_, '_> {
             self.push(Hit { touch: *touch, a, b, turns: [0; 2] });
         }
         self.buffers.times = times;
-        for track in 0..strays {
+        for track in 0..redirected {
             self.search(track, 0.0);
         }
     }

@@ -136,7 +136,7 @@ impl Run<'_, '_> {
     }
 
     /// Contact points of two colliders, with their bodies at their current poses.
-    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MOST], usize) {
+    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MAX_POINTS], usize) {
         let on = &*self.on;
         let [a, b] = [hit.a, hit.b].map(|c| &on.colliders.all[c as usize]);
         let [pose_a, pose_b] = bodies.map(|i| on.bodies.pose[i]);
@@ -159,7 +159,7 @@ impl Run<'_, '_> {
             let raw: RawManifold = collide_convex(a, b, &rel, margin);
             self.allowance.push(manifolds, raw);
         }
-        let mut points = [Point::default(); impulse::MOST];
+        let mut points = [Point::default(); impulse::MAX_POINTS];
         let mut count = 0;
         let from_centre = (at_a.position - pose_a.position).as_vec3();
         let apart = (pose_a.position - pose_b.position).as_vec3();

@@ -43,7 +43,7 @@ impl World {
     pub fn visitors(&self, sensor: ShapeHandle, into: &mut Vec<ShapeHandle>) -> Result<(), Error> {
         let collider = self.collider(sensor)?;
         into.clear();
-        for pair in self.broad.pairs.iter().chain(self.sleep.kept_pairs()).filter(|pair| pair.touching) {
+        for pair in self.broad.pairs.iter().chain(self.sleep.sleeping_pairs()).filter(|pair| pair.touching) {
             let other = match collider {
                 c if c == pair.a => pair.b,
                 c if c == pair.b => pair.a,

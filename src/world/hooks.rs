@@ -5,7 +5,7 @@ use crate::constraint::Tweak;
 use crate::error::{Error, within};
 use crate::events::StartOfStep;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::narrow_phase::{Contact, NONE};
+use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
 /// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
@@ -174,14 +174,14 @@ impl World {
             let pair = self.broad.pairs[place];
             let asks = |c: u32| self.colliders.summaries[c as usize].has_hooks();
             let asked = asks(pair.a) || asks(pair.b);
-            if pair.contact == NONE
+            if pair.contact == NO_CONTACT
                 || !asked
                 || pair.is_idle(&self.colliders.summaries, self.bodies.dynamic())
             {
                 continue;
             }
             let (mut slot, mut passes) = (pair.contact, false);
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let contact = &self.contacts.all[slot as usize];
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
@@ -206,7 +206,7 @@ impl World {
             self.events.lost += u32::from(passes && !listed);
             if listed {
                 let mut slot = pair.contact;
-                while slot != NONE {
+                while slot != NO_CONTACT {
                     let contact = &mut self.contacts.all[slot as usize];
                     (contact.count, contact.pushed) = (0, false);
                     slot = contact.next;

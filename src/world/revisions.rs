@@ -15,5 +15,5 @@ pub(crate) struct Revisions {
     /// Of everything else.
     pub(crate) moving: u64,
     /// For both, the revision of the part that was written, and the part. Only snapshots know its type.
-    pub(crate) kept: Mutex<[(u64, Option<SharedPart>); 2]>,
+    pub(crate) written: Mutex<[(u64, Option<SharedPart>); 2]>,
 }

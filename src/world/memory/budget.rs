@@ -61,9 +61,9 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Events, self.events.bytes());
-        let [islands, kept] = self.sleep.bytes();
+        let [islands, pairs] = self.sleep.bytes();
         report.add(Category::Bodies, islands);
-        report.add(Category::BroadPhase, kept);
+        report.add(Category::BroadPhase, pairs);
         report.add(Category::Scratch, self.faults.bytes());
         report.add(Category::Scratch, self.helpers.bytes());
         self.buffers.report(&mut report, self.is_continuous());
@@ -345,7 +345,7 @@ impl World {
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         // Without a budget their buffers are allocated when there are any.
         let settles = self.settings.method == ContinuousMethod::OnePass;
-        let strays = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
+        let may_leave_path = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
@@ -354,7 +354,7 @@ impl World {
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
-        buffers.finish.each((n.movers, n.dynamic), (n.joined, strays), &mut scratch);
+        buffers.finish.each((n.movers, n.dynamic), (n.joined, may_leave_path), &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }

@@ -297,9 +297,9 @@ impl World {
             Feature::JointSprings => (kinds[2], 0, None),
             Feature::BreakableJoints => (joints.breakable(), 0, None),
             Feature::Sleeping => {
-                let [islands, kept] = self.sleep.bytes();
+                let [islands, pairs] = self.sleep.bytes();
                 let count = if self.settings.sleeping { dynamic() } else { 0 };
-                (count, bytes_of(&bodies.rest).1 + islands.1 + kept.1, Some(spent.sleeping))
+                (count, bytes_of(&bodies.rest).1 + islands.1 + pairs.1, Some(spent.sleeping))
             }
             Feature::ContactEvents => (needs.events, events()[0], Some(spent.events)),
             Feature::Sensors => (needs.sensors, events()[1], Some(spent.sensors)),

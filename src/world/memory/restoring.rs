@@ -21,7 +21,7 @@ pub(crate) struct Brings<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) pairs: usize,
     /// Number of those pairs that sleeping islands keep.
-    pub(crate) kept: usize,
+    pub(crate) sleeping_pairs: usize,
     pub(crate) contacts: usize,
     pub(crate) forced: bool,
     pub(crate) rests: bool,
@@ -103,7 +103,7 @@ impl World {
             self.each_of_switched(switched, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
-        f(Category::BroadPhase, self.sleep.kept_buffer(), brings.kept);
+        f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }

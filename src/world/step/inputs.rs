@@ -188,7 +188,7 @@ impl World {
             near: 2.0 * CONTACT_MARGIN * unit,
             ahead,
             lengths,
-            stick: STATIC_SLIP_SPEED * unit,
+            static_slip_speed: STATIC_SLIP_SPEED * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
             tree_slots: &joints.tree_slots,
