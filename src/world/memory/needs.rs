@@ -35,8 +35,8 @@ impl Needs {
         let material = &collider.material;
         // A sensor pushes nothing.
         let solid = !has(SENSOR);
-        let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
-        add(&mut self.friction, solid && (rubs || has(HOOKS)));
+        let has_friction = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
+        add(&mut self.friction, solid && (has_friction || has(HOOKS)));
         add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));
