@@ -1,10 +1,11 @@
-//! Faults: bodies whose motion is no number, or beyond what can be followed.
+//! Faults: bodies whose motion is not finite, or out of range.
 //!
-//! What a caller says is in range ([`crate::limits`]), but forces on light bodies, joints that contradict each other and what a
-//! hook asks for can still make numbers that are none, and within a substep these are in everything that touches or is joined
-//! to the body where they arose. So a step that finds any begins again without it: the body stands where it was, as if it
-//! were static, and the rows of all others are made and solved anew. When the step ends it is at rest where it was at its
-//! start, takes part in the next one, and [`World::stopped_bodies`](crate::World::stopped_bodies) names it.
+//! The caller's input is in range ([`crate::limits`]), but forces on light bodies, joints that contradict
+//! each other and changes by hooks can still lead to non-finite numbers, and within a substep these spread to
+//! everything that touches or is joined to the body where they arose. So a step that finds any starts again
+//! without it: the body stands still, as if it were static, and the rows of all others are made and solved
+//! anew. When the step ends it is at rest where it was at its start, takes part in the next one, and
+//! [`World::stopped_bodies`](crate::World::stopped_bodies) lists it.
 
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
@@ -14,16 +15,16 @@ use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::buffers;
 
-/// How often a step begins again. Each time at least one body stands still; what is left then is stopped where bodies are
-/// moved.
+/// Maximum number of restarts of a step. Each time at least one more body stands still; bodies that are still
+/// at fault after the last are stopped where bodies are moved.
 pub(crate) const ATTEMPTS: usize = 4;
 
-/// Bodies of the last step.
+/// Bodies at fault in the last step.
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
-    /// Those that were stopped, in the order of their handles.
+    /// Stopped bodies, in the order of their handles.
     pub(crate) stopped: Vec<BodyHandle>,
-    /// Slots of those that count as static until the step ends.
+    /// Slots of the bodies that count as static until the step ends.
     frozen: Vec<u32>,
 }
 
@@ -36,7 +37,8 @@ impl Faults {
         self.frozen.clear();
     }
 
-    /// Has bodies stand where they are until the step ends: they go where sleepers are, which are static to all stages.
+    /// Freezes bodies until the step ends: they join the range of sleeping ones, which are static to all
+    /// stages.
     pub(crate) fn freeze(
         &mut self,
         slots: &[u32],
@@ -58,8 +60,8 @@ impl Faults {
         joints.changed |= joints.count > 0;
     }
 
-    /// Ends the step for those that stood still: calls `look_again` with each of their colliders, because pairs with others that
-    /// stood still were not looked for. Says whether any body was stopped.
+    /// Ends the step for frozen bodies: calls `look_again` with each of their colliders, because pairs with
+    /// other frozen ones were not searched for. Returns whether any body was stopped.
     pub(crate) fn thaw(
         &mut self,
         bodies: &mut Bodies,
@@ -81,20 +83,20 @@ impl Faults {
         true
     }
 
-    /// Bodies by index that were put back where they are moved.
+    /// Indices of bodies that were stopped while bodies were moved.
     #[cold]
     pub(crate) fn note_stopped(&mut self, bodies: &Bodies, indices: &mut [u32]) {
         indices.sort_unstable();
         self.stopped.extend(indices.iter().map(|&i| bodies.handle(i as usize)));
     }
 
-    /// Those that stand still, by index.
+    /// Indices of the frozen bodies.
     pub(crate) fn frozen(&self, bodies: &Bodies) -> Vec<u32> {
         self.frozen.iter().map(|&slot| bodies.slots.dense(slot)).collect()
     }
 }
 
-/// Slots of dynamic bodies whose forces alone make their motions no numbers in a step of `dt` seconds.
+/// Slots of dynamic bodies whose forces alone make their motions non-finite in a step of `dt` seconds.
 #[cold]
 pub(crate) fn pulled(bodies: &Bodies, forces: &Forces, dt: f32) -> Vec<u32> {
     let pulled = |i: &usize| {
@@ -104,8 +106,9 @@ pub(crate) fn pulled(bodies: &Bodies, forces: &Forces, dt: f32) -> Vec<u32> {
     (0..bodies.dynamic()).filter(pulled).map(|i| bodies.slot[i]).collect()
 }
 
-/// Slots of bodies to be frozen: of those whose velocity or displacement (`delta`) is no number the ones that joints or forces
-/// act on, if there are any, because contacts alone only spread what those begin. `all`: whatever acts on them.
+/// Slots of bodies to be frozen. Of the bodies whose velocity or displacement (`delta`) is not finite, these
+/// are the ones on which joints or forces act, if there are any, because contacts alone only spread the
+/// fault. `all`: whatever acts on them.
 pub(crate) fn culprits(bodies: &Bodies, delta: &[Record], joints: &Joints, all: bool) -> Vec<u32> {
     let unsound =
         |i: &usize| !bodies.velocity[*i].is_within(MAX_LEFT_SPEED) || !delta[*i].is_within(f32::MAX);

@@ -1,4 +1,4 @@
-//! Acceleration of the step, inertia in world axes, and the motion that both predict.
+//! Accelerations of the step, inertia in world axes, and the predicted motion.
 
 use crate::body::{Bodies, Mass, Traits, is_uneven};
 use crate::lanes::{Lanes, Record, Sym3, is_within};
@@ -9,7 +9,7 @@ use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is computed of each body before anything collides.
+/// Data of each body that is computed before collision detection.
 #[derive(Debug, Default)]
 pub(crate) struct Forces {
     /// Linear [m/s²] and angular [rad/s²] acceleration.
@@ -29,17 +29,18 @@ buffers! {
     }
 }
 
-/// Bodies a block.
+/// Bodies in a block of work.
 const BLOCK: usize = per_block(256, 1);
 
-/// Whether a motion is one that a step can begin with: the velocity that it predicts is within [`MAX_LEFT_SPEED`].
+/// Whether a step can begin with a motion: the velocity that it predicts is within [`MAX_LEFT_SPEED`].
 pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
     let (motion, pull) = (bytemuck::must_cast(*motion), bytemuck::must_cast(*pull));
-    // The pad of a motion is the angle of its turn, about whichever axis.
+    // The pad of a motion is its angle of rotation, whatever the axis.
     is_within(motion, 2.0 * MAX_LEFT_SPEED * dt) && is_within(pull, MAX_LEFT_SPEED / dt)
 }
 
-/// Computes [`Forces`] for a step of `dt` seconds. Says whether the motion of a dynamic body is not [sound](is_sound).
+/// Computes [`Forces`] for a step of `dt` seconds. Returns whether the motion of a dynamic body is not
+/// [sound](is_sound).
 pub(crate) fn predict(
     workers: &Workers<'_>,
     bodies: &mut Bodies,
@@ -49,7 +50,7 @@ pub(crate) fn predict(
 ) -> bool {
     let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
     if bodies.locked > 0 {
-        // What the caller set about a locked axis must not look like an impact to the rows.
+        // A velocity that the caller set about a locked axis must not look like an impact to the rows.
         bodies.velocity[..dynamic].iter_mut().zip(&bodies.traits).for_each(|(v, traits)| traits.lock(v));
     }
     let Forces { acceleration, inverse_inertia, start, motion } = forces;
@@ -68,7 +69,7 @@ pub(crate) fn predict(
     let unsound = AtomicBool::new(false);
     workers.run(movers.div_ceil(BLOCK), &|block| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(movers);
-        // What no body needs is not asked of each.
+        // Features that no body needs are not checked for each body.
         let sound = match (bodies.locked > 0, pulled) {
             (false, true) => predict_block::<false, true>(block, bodies, gravity, dt, &out),
             (false, false) => predict_block::<false, false>(block, bodies, gravity, dt, &out),
@@ -82,14 +83,14 @@ pub(crate) fn predict(
     unsound.into_inner()
 }
 
-/// Where predictions go.
+/// Where predictions are written.
 struct Out<'a> {
     acceleration: Shared<'a, Record>,
     inverse_inertia: Shared<'a, Sym3<f32>>,
     motion: Shared<'a, Record>,
 }
 
-/// Says whether all is sound.
+/// Returns whether all motions are sound.
 fn predict_block<const LOCKED: bool, const PULLED: bool>(
     block: Range<usize>,
     bodies: &Bodies,
@@ -115,11 +116,11 @@ fn predict_block<const LOCKED: bool, const PULLED: bool>(
         let predicted = Record {
             linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
             angular: v.angular * dt,
-            // The angle, for all who ask how far a point gets.
+            // The angle, for bounds on the displacement of points.
             pad1: v.angular.length() * dt,
             ..Record::default()
         };
-        // Without a pull a velocity is what a caller said, or the step before left.
+        // Without acceleration a velocity is as the caller set it or the previous step left it.
         if PULLED {
             sound &= is_sound(&predicted, &pull, dt);
         }
@@ -136,7 +137,7 @@ fn predict_block<const LOCKED: bool, const PULLED: bool>(
 
 fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> Record {
     let (mass, traits) = (&bodies.mass[i], &bodies.traits[i]);
-    // Zeros have no sign, so that a column of them is as good as none.
+    // Zeros have no sign, so that a column of them is equivalent to none.
     let mut pull = Record { linear: gravity * traits.gravity_scale + Vec3::ZERO, ..Record::default() };
     if let Some(force) = bodies.force.get(i).filter(|force| **force != Record::default()) {
         pull.linear += force.linear * mass.inverse;
@@ -149,12 +150,13 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> 
     pull
 }
 
-/// Whether the gyroscopic term matters, which `finish` adds when it turns a body: unequal moments, and enough spin.
+/// Whether the gyroscopic term matters, which `finish` adds when it rotates a body: unequal moments, and a
+/// large enough angular velocity.
 pub(crate) fn spins_freely(mass: &Mass, traits: &Traits, spin: Vec3, dt: f32) -> bool {
     spin.length_squared() * dt * dt > 1e-6 && is_uneven(mass, traits)
 }
 
-/// Inverse inertia in world axes. About a locked axis nothing turns, and the others turn as if it were not there.
+/// Inverse inertia in world axes. A locked axis has none, and the others rotate as if it did not exist.
 pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     let locks = bodies.traits[i].locks >> 3;
     if locks == 0 {
@@ -171,7 +173,8 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
         }
         m.col_mut(axis)[axis] = 1.0;
     }
-    // By a power of two: the determinant of what is huge or tiny is a number, and nothing is rounded otherwise.
+    // Scaled by a power of two, which is exact: otherwise the determinant of huge or tiny values would
+    // overflow or underflow.
     let unit = 1.0 / m.x_axis.x.max(m.y_axis.y).max(m.z_axis.z).power_of_two().max(f32::MIN_POSITIVE);
     m *= unit;
     let mut inverse = if m.determinant() > 0.0 { m.inverse() * unit } else { Mat3::ZERO };
@@ -182,13 +185,13 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
 }
 
-/// The same of a body whose axes are all free.
+/// The same for a body without locked axes.
 #[inline(always)]
 fn free_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     turned_inertia(bodies.pose[i].rotation, &bodies.mass[i])
 }
 
-/// The same of a body in some orientation.
+/// The same for a body in a given orientation.
 #[inline(always)]
 pub(crate) fn turned_inertia(rotation: Quat, mass: &Mass) -> Sym3<f32> {
     let r = Mat3::from_quat(rotation);
@@ -196,7 +199,7 @@ pub(crate) fn turned_inertia(rotation: Quat, mass: &Mass) -> Sym3<f32> {
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
 }
 
-/// A diagonal matrix in axes that are turned.
+/// A diagonal matrix in rotated axes.
 #[inline(always)]
 fn diagonal(r: &Mat3, d: Vec3) -> [Vec3; 3] {
     let column = |row: usize| {

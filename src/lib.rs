@@ -1,8 +1,8 @@
-//! backstop: rigid-body physics for game runtimes. Nothing gets through, and you know what that costs.
+//! backstop: rigid-body physics for game runtimes. Nothing gets through, and you know what it costs.
 //!
-//! Fast bodies are stopped in the same pass that solves all other contacts: the narrow phase finds where they will
-//! touch within the step, and the solver takes away just the velocity that would cross. There is no second, slower
-//! loop for them, and each step reports its times, counts and bytes.
+//! Fast bodies are stopped in the same pass that solves all other contacts: the narrow phase finds where they
+//! will touch within the step, and the solver removes only the velocity that would cross. There is no second,
+//! slower loop for them, and each step reports its times, counts and bytes.
 //!
 //! ```
 //! use backstop::glam::{DVec3, Vec3};
@@ -34,32 +34,38 @@
 //!
 //! # Where to start
 //!
-//! - [`World`]: add, remove, change and look up bodies, by [`BodyHandle`] and [`ShapeHandle`]; [`World::step`].
+//! - [`World`]: add, remove, change and look up bodies, by [`BodyHandle`] and [`ShapeHandle`];
+//!   [`World::step`].
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
-//! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
-//! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and how fast bodies are kept from
-//!   passing through.
-//! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
-//! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: what is heard of contacts, and a word on them.
+//! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
+//! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
+//!   collision.
+//! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
+//! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
+//!   or edit contacts.
 //! - [`Mover`]: a capsule that walks, for characters.
-//! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
-//! - [`World::model`]: which parts of the engine the world's content needs, and what each costs, by [`Feature`].
-//! - [`debug`]: what the world knows as shapes, lines and points, for eyes; [`World::draw`].
-//! - [`Snapshot`]: the state of a world, to go back to the same bits.
+//! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
+//!   [`Category`].
+//! - [`World::model`]: the parts of the engine that the world's content needs, and their cost, by
+//!   [`Feature`].
+//! - [`debug`]: debug drawing as shapes, lines and points; [`World::draw`].
+//! - [`Snapshot`]: the state of a world, from which it continues to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
-//! SI units, y up, positions in `f64` and all else in `f32`; [`limits`] has the ranges. Calls that can be refused return an [`Error`] and have
-//! then changed nothing. The same input gives the same bits, whatever the number of threads.
+//! SI units, y up, positions in `f64` and everything else in `f32`; [`limits`] has the ranges. Calls that can
+//! be refused return an [`Error`] and have then changed nothing. The same input gives the same bits, whatever
+//! the number of threads.
 //!
 //! # Features
 //!
-//! - `parallel` (default): a step may use several threads of the caller's rayon pool, see [`Settings::threads`].
+//! - `parallel` (default): a step may use several threads of the caller's rayon pool, see
+//!   [`Settings::threads`].
 //! - `serde`: settings, materials, filters and reports can be serialised.
 //! - `gltf`: scenes from files, animations to files.
-//! - `replay`: a run can be recorded and played again, see `replay`.
-//! - `lab`: measure whether what rests is stable, see `lab`.
+//! - `replay`: a run can be recorded and replayed, see `replay`.
+//! - `lab`: measures stability and accuracy, see `lab`.
 //! - `cli`: the command `backstop`.
 
 #[cfg(feature = "internals")]

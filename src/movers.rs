@@ -1,7 +1,7 @@
-//! The broad stage: places the colliders of what moves and finds the pairs of the step.
+//! The broad stage: updates the colliders of moving bodies and finds the pairs of the step.
 //!
-//! In come bodies with the motions that are predicted for them; out go the poses of their colliders at the start of the step,
-//! the list of pairs, and [`Buffers::removed`], the pairs that ended.
+//! Bodies with their predicted motions in; poses of their colliders at the start of the step, the list of
+//! pairs, and [`Buffers::removed`], the pairs that ended, out.
 
 use crate::body::{Bodies, BodyKind, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, BroadStats, GiveUp, Mover, Pair, Rules, aabb_of};
@@ -18,7 +18,7 @@ use glam::Vec3;
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     movers: Vec<Mover>,
-    /// How many colliders the bodies before each have.
+    /// For each body, the number of colliders of the bodies before it.
     starts: Vec<u32>,
     /// Pairs that ended.
     pub(crate) removed: Vec<Pair>,
@@ -38,25 +38,25 @@ impl Buffers {
     }
 }
 
-/// Bodies whose movers are made before the broad phase takes them in: they stay in the nearest cache, and few buffers hold
-/// them.
+/// Number of bodies whose movers are made before the broad phase takes them in: they stay in the L1 cache,
+/// and a few buffers suffice.
 const WAVE: usize = 8 * BLOCK;
-/// Bodies a block.
+/// Bodies in a block of work.
 const BLOCK: usize = per_block(128, 1);
 
-/// What the broad stage reads of the world.
+/// Input of the broad stage.
 pub(crate) struct Input<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) joints: &'a Joints,
-    /// Predicted displacement [m] and rotation vector [rad] of each body that can move.
+    /// Predicted displacement [m] and rotation vector [rad] of each movable body.
     pub(crate) motion: &'a [Record],
-    /// The world's; a body's own may be less.
+    /// The world's mode; a body's own may be less.
     pub(crate) mode: Continuous,
     /// The length unit [m].
     pub(crate) unit: f32,
 }
 
-/// Places the colliders of all bodies that can move, and their boxes in the broad phase.
+/// Updates the colliders of all movable bodies, and their boxes in the broad phase.
 pub(crate) fn place(
     workers: &Workers<'_>,
     input: &Input<'_>,
@@ -80,7 +80,7 @@ pub(crate) fn place(
         spin: 0.0,
         mode: Continuous::Discrete,
     };
-    // A budget foresees place for all.
+    // With a budget, capacity for all is reserved in advance.
     let wave = if allowances.is_endless() { WAVE } else { count.max(1) };
     broad.start_movers();
     for first in (0..count).step_by(wave) {
@@ -120,8 +120,8 @@ pub(crate) fn place(
     }
 }
 
-/// Finds the pairs of the step. `missing`: bytes that stages after this one need for so many pairs; `give`: frees memory that is
-/// of no use any more.
+/// Finds the pairs of the step. `missing`: bytes that later stages need for so many pairs; `give`: releases
+/// memory that is not needed any more.
 pub(crate) fn find(
     workers: &Workers<'_>,
     input: &Input<'_>,
@@ -158,7 +158,7 @@ pub(crate) fn find(
 
 fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {
     let turn = motion.angular.length();
-    // A point can't get further than across the circle that it runs on.
+    // A point can't move further than the diameter of its circle.
     let swing = |arm: f32| (turn * arm).min(2.0 * arm);
     let spin = if turn == 0.0 { 0.0 } else { swing(collider.position.length() + collider.radius) };
     Mover { collider: c, aabb, motion: motion.linear, spin, mode }

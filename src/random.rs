@@ -2,8 +2,9 @@
 
 use glam::{Vec3, vec3};
 
-/// A SplitMix64 generator by its state (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
-/// The same state gives the numbers of [`Rng`](crate::scene::rng::Rng), with which scenes are made.
+/// A SplitMix64 generator by its state (Steele, Lea and Flood, *Fast splittable pseudorandom number
+/// generators*, 2014). The same state gives the numbers of [`Rng`](crate::scene::rng::Rng), with which scenes
+/// are made.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

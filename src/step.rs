@@ -1,7 +1,7 @@
 //! One step on one screen: the stages by name, in order.
 //!
-//! What a stage reads and writes of the world is in `world/step_inputs.rs`, what stands around all of them (clocks, hashes for
-//! recordings, the name of the stage that is under way) in `world/stage.rs`.
+//! The inputs and outputs of each stage are in `world/step/inputs.rs`; clocks, hashes for recordings and the
+//! name of the current stage in `world/step/stage.rs`.
 
 use crate::config::tuning::MIN_THREADED_BODIES;
 use crate::error::Error;
@@ -9,21 +9,23 @@ use crate::threads::{Workers, with_workers};
 use crate::world::{ContactHooks, NoHooks, Part, Stage, StepCounts, StepReport, World};
 
 impl World {
-    /// Moves the world on by `dt` seconds and says what that took.
+    /// Moves the world on by `dt` seconds. Returns the report of the step.
     ///
     /// # Errors
-    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a step panicked before.
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a
+    /// step panicked before.
     pub fn step(&mut self, dt: f32) -> Result<&StepReport, Error> {
         self.step_with(dt, &NoHooks)
     }
 
     /// Steps the world; `hooks` may veto or edit contacts before they are solved.
     ///
-    /// A hook that panics does so through this call, and leaves the step half done: from then on the world can't be stepped
-    /// ([`Error::Poisoned`]) until [`World::restore`] brings it back to a whole state.
+    /// A panic in a hook passes through this call, and leaves the step half done: from then on the world
+    /// can't be stepped ([`Error::Poisoned`]) until [`World::restore`] brings it back to a valid state.
     ///
     /// # Errors
-    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a step panicked before.
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a
+    /// step panicked before.
     pub fn step_with(&mut self, dt: f32, hooks: &dyn ContactHooks) -> Result<&StepReport, Error> {
         crate::limits::step(dt)?;
         if let Some(stage) = self.stage {
@@ -38,7 +40,7 @@ impl World {
         Ok(&self.report)
     }
 
-    /// The stages.
+    /// Runs the stages.
     fn run(&mut self, workers: &Workers<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let mut clock = self.begin_step(dt);
         let mut did = StepCounts::default();
@@ -76,7 +78,7 @@ impl World {
             did.met = world.meet_impacts(workers, dt);
             world.measure_step();
             world.thaw();
-            // Not before: hooks may have asked where things are.
+            // Not earlier: hooks may have made queries.
             world.update_queries();
             world.part(Part::Sensors, World::record_sensor_events);
             world.sort_events();

@@ -1,10 +1,10 @@
-//! Words of 32 bits, one after another: every number of a snapshot takes one or a few, so that they can be
-//! copied as they are.
+//! A sequence of 32-bit words: every number of a snapshot takes one or more, so that they can be copied
+//! directly.
 
 use crate::error::Error;
 use bytemuck::{NoUninit, Pod, Zeroable};
 
-/// The error for broken words.
+/// The error for invalid words.
 pub(crate) fn broken(what: &'static str) -> Error {
     Error::BrokenSnapshot { what }
 }
@@ -14,7 +14,7 @@ pub(crate) fn words<const N: usize>(value: impl NoUninit) -> [u32; N] {
     bytemuck::cast(value)
 }
 
-/// A record out of its words.
+/// A record from its words.
 pub(crate) fn record<T: Pod, const N: usize>(words: &[u32]) -> T {
     let mut all = [0; N];
     all.copy_from_slice(words);
@@ -43,7 +43,7 @@ impl Packer {
     }
 }
 
-/// The byte at a place of packed ones.
+/// The byte at an index of packed ones.
 #[inline]
 pub(crate) fn byte(words: &[u32], i: usize) -> u8 {
     (words[i / 4] >> (8 * (i % 4))) as u8
@@ -99,7 +99,7 @@ pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
     }
 }
 
-/// Refuses forces and impulses that no step leaves.
+/// Refuses forces and impulses that no step can produce.
 pub(crate) fn all_loads(words: &[u32]) -> Result<(), Error> {
     let sound = words.iter().all(|&w| f32::from_bits(w).abs() <= crate::limits::MAX_LOAD);
     if sound { Ok(()) } else { Err(broken("a load")) }

@@ -1,4 +1,4 @@
-//! Tests of boxes, to be timed.
+//! Benchmarks of box tests.
 
 use super::Kernel;
 use crate::broad_phase::kernels::{Node, Path, Tree};
@@ -20,7 +20,8 @@ fn boxes(count: u32) -> Vec<Aabb> {
         .collect()
 }
 
-/// Of a small body over half of a grid of `side` boxes, a little oblique, so that no axis decides alone.
+/// The path of a small body over half of a grid of `side` boxes, a little oblique, so that no axis decides
+/// alone.
 fn path(side: f32) -> Path {
     let (at, half) = (vec3(0.2 * side, 0.5, 0.3 * side), glam::Vec3::splat(0.05));
     Path::new(
@@ -35,8 +36,7 @@ fn path(side: f32) -> Path {
     )
 }
 
-/// The segment test over an array in L1 at each width, and walks of a tree; an element is a box that is
-/// tested.
+/// The segment test over an array in L1 at each width, and tree traversals; an element is a tested box.
 pub fn kernels() -> Vec<Kernel> {
     vec![
         array::<f32>("segment test, 1 lane"),
@@ -70,7 +70,7 @@ fn tree(boxes: &[Aabb]) -> Tree {
     tree
 }
 
-/// Each node that is visited is a test of four boxes, those of its empty lanes included.
+/// Each visited node is a test of four boxes, including empty lanes.
 fn segment_walk(name: &str, leaves: u32) -> Kernel {
     let tree = tree(&boxes(leaves));
     let path = path(f64::from(leaves).sqrt() as f32 * 1.5);
@@ -90,7 +90,7 @@ fn segment_walk(name: &str, leaves: u32) -> Kernel {
     })
 }
 
-/// The look-up of 64 bodies' fat boxes one after another, as each step does for those that left theirs.
+/// Look-ups of 64 bodies' fat boxes one after another, as each step does for those that left theirs.
 fn box_walk(name: &str, leaves: u32) -> Kernel {
     let boxes = boxes(leaves);
     let tree = tree(&boxes);

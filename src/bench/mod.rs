@@ -1,7 +1,7 @@
-//! Pieces of the engine, ready to be timed one at a time by `benches/kernels.rs`. Not part of the interface: behind
-//! the feature `internals`, and free to change in any version.
+//! Pieces of the engine, ready to be timed one at a time by `benches/kernels.rs`. Not part of the interface:
+//! behind the feature `internals`, and free to change in any version.
 //!
-//! The stages know nothing of it: what they keep to themselves otherwise they give out in a module `kernels`.
+//! The stages don't depend on it: they expose their private parts in modules named `kernels`.
 
 mod boxes;
 mod pairs;
@@ -13,11 +13,11 @@ pub use pairs::{cast, convex, distance, lanes, mesh};
 pub use rows::{preparing, records, rows};
 pub use updates::kernels as updates;
 
-/// One thing to time.
+/// A benchmark.
 pub struct Kernel {
-    /// What is timed, within its group.
+    /// Its name, within its group.
     pub name: String,
-    /// How many boxes, pairs or contacts one run goes through.
+    /// Number of boxes, pairs or contacts of a run.
     pub elements: u64,
     /// One run.
     pub run: Box<dyn FnMut()>,

@@ -1,4 +1,4 @@
-//! Pairs of shapes near each other, to be timed. An element is a pair.
+//! Benchmarks of nearby pairs of shapes. An element is a pair.
 
 use super::Kernel;
 use crate::lanes::f32x8;
@@ -16,7 +16,7 @@ use glam::{Quat, Vec3};
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// Enough that no branch is learnt by heart, and all of them in L2.
+/// Too many for the branch predictor to memorise, and few enough for L2.
 const PAIRS: usize = 512;
 /// What the step adds to a body's motion [m].
 const MARGIN: f32 = 0.02;
@@ -27,7 +27,7 @@ fn sphere() -> Collider {
 fn capsule() -> Collider {
     collider(Geometry::capsule(0.3, 0.25))
 }
-/// With a wide end and a narrow one.
+/// A frustum with a wide and a narrow end.
 fn tapered() -> Collider {
     collider(Geometry::Capsule { half_height: 0.3, radius_bottom: 0.3, radius_top: 0.2 })
 }
@@ -57,7 +57,7 @@ fn poses(a: &Collider, b: &Collider) -> Vec<Relative> {
         .collect()
 }
 
-/// Boxes that stand on each other's faces, as in any stack.
+/// Boxes face on face, as in a stack.
 fn stacked() -> Vec<Relative> {
     let mut random = Random(14);
     (0..PAIRS)
@@ -70,8 +70,7 @@ fn stacked() -> Vec<Relative> {
 
 type LaneKernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
 
-/// The pairs that go through their kernel in eight lanes; loading them and taking the manifolds out is
-/// included.
+/// Pairs whose kernel has eight lanes; loading them and reading the manifolds is included.
 pub fn lanes() -> Vec<Kernel> {
     let of = |name: &str, a: Collider, b: Collider, kernel: LaneKernel| {
         let poses = poses(&a, &b);
@@ -92,7 +91,7 @@ pub fn lanes() -> Vec<Kernel> {
 
 fn in_lanes(name: &str, a: Collider, b: Collider, poses: Vec<Relative>, kernel: LaneKernel) -> Kernel {
     let mut out = vec![RawManifold::default(); poses.len()];
-    // By a pointer that the optimiser can't see through, as in a bin.
+    // Through a pointer that is opaque to the optimiser, as in a bin.
     let kernel = black_box(kernel);
     Kernel::new(name, poses.len(), move || {
         for (poses, out) in poses.chunks(8).zip(out.chunks_mut(8)) {
@@ -105,7 +104,7 @@ fn in_lanes(name: &str, a: Collider, b: Collider, poses: Vec<Relative>, kernel: 
     })
 }
 
-/// The pairs that are worked through one by one.
+/// Pairs that are processed one by one.
 pub fn convex() -> Vec<Kernel> {
     vec![
         one_by_one("capsule hull", capsule(), hull()),
@@ -119,7 +118,7 @@ pub fn convex() -> Vec<Kernel> {
     ]
 }
 
-/// Cylinders that stand on what has this shape, a little in it.
+/// Cylinders that stand on this shape, with a little overlap.
 fn standing(ground: &Collider) -> Vec<Relative> {
     let height = 0.3 + if ground.kind == Kind::Box { ground.size[1] } else { ground.size[0] };
     let mut random = Random(15);
@@ -162,7 +161,7 @@ fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -
     let poses: Vec<Relative> = (0..PAIRS)
         .map(|_| {
             let (x, z) = (random.range(-half, half), random.range(-half, half));
-            // About as high as it would rest.
+            // About at its height at rest.
             let above = random.range(shape.inner_radius, 0.5 * (shape.inner_radius + shape.radius));
             let at = Vec3::new(x, terrain.height(x, z) + above, z);
             let back = random.rotation().conjugate();
@@ -204,7 +203,7 @@ pub fn distance() -> Vec<Kernel> {
         .collect()
 }
 
-/// A spinning shape flies 3 m at another one that spins, and may miss it.
+/// A rotating shape moves 3 m towards another rotating one, and may miss it.
 pub fn cast() -> Vec<Kernel> {
     alike().into_iter().map(|(name, a, b)| flight(name, a, b)).collect()
 }

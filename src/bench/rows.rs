@@ -1,4 +1,4 @@
-//! Contact rows and the records of bodies that they read and write, to be timed.
+//! Benchmarks of contact rows, and of loading and storing the records of bodies.
 
 use super::Kernel;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
@@ -10,11 +10,12 @@ use crate::threads::{Shared, Workers};
 use crate::{Settings, World};
 use std::hint::black_box;
 
-/// Eight records to lanes and back. There are 512 of them, so they stay in L1, and no two of a batch are neighbours.
+/// Eight records to lanes and back. There are 512 of them, so that they stay in L1 and no two of a batch are
+/// neighbours.
 pub fn records() -> Kernel {
     const COUNT: u32 = 512;
     let mut records = vec![Record { linear: glam::Vec3::ONE, ..Record::default() }; COUNT as usize];
-    // 67 is odd, so each record comes up once in 512.
+    // 67 is odd, so each record occurs once in 512.
     let batches: Vec<[u32; 8]> = (0..COUNT / 8)
         .map(|batch| std::array::from_fn(|lane| (batch * 8 + lane as u32) * 67 % COUNT))
         .collect();
@@ -30,7 +31,7 @@ pub fn records() -> Kernel {
     })
 }
 
-/// A wall of boxes after a few steps: its contacts are faces on faces, four points each.
+/// A wall of boxes after a few steps, with contacts of faces, four points each.
 fn wall() -> World {
     let scene = builtin::large_pyramid(24);
     let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
@@ -42,8 +43,8 @@ fn wall() -> World {
     world
 }
 
-/// One pass over the contacts of four points between two bodies that can move: with friction, without, and relaxing.
-/// An element is a contact, so a batch is eight of them.
+/// One pass over contacts of four points between two dynamic bodies: with friction, without, and relaxing. An
+/// element is a contact, so a batch is eight of them.
 pub fn rows() -> Vec<Kernel> {
     vec![
         pass::<true>("solve, friction and four normals", false),
@@ -75,8 +76,8 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         inverse_h: 1.0 / h,
         softness: Softness::new(60.0, 10.0, h),
         push_speed: 3.0,
-        shift: 0.25,
-        real: crate::config::tuning::TOUCH_DISTANCE,
+        load_shift_speed: 0.25,
+        touch_distance: crate::config::tuning::TOUCH_DISTANCE,
         friction_box: false,
         relax,
         surfaces: &[],
@@ -84,25 +85,26 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
         let base = Shared::new(&mut base);
-        // As at the start of a substep; without it all would come to rest, and zeros are not what is to be timed.
+        // As at the start of a substep; otherwise all would come to rest, and the benchmark would time zeros.
         for v in &mut velocity {
             v.linear.y -= 9.81 * h;
         }
         let (velocity, delta) = (Shared::new(&mut velocity), Shared::new(&mut delta));
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         for (batch, friction) in &mut batches {
-            // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
+            // SAFETY: one thread, one batch at a time; the indices are those of the world that the records
+            // are from.
             unsafe { solve::<f32x8, 4, 1, FRICTION>(batch, Some(friction), &motion, &pass) };
         }
     })
 }
 
-/// All contacts of a wall sorted, coloured and packed into batches.
+/// Sorting, colouring and packing of all contacts of a wall.
 pub fn preparing() -> Kernel {
     let mut world = wall();
     let (mut rows, mut scratch) = (Rows::default(), PrepareScratch::default());
     std::mem::swap(&mut rows, &mut world.buffers.rows);
-    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NONE).count();
+    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NO_CONTACT).count();
     Kernel::new("prepare", count, move || {
         let forces = &world.buffers.forces;
         let input = PrepareInput {
@@ -119,7 +121,7 @@ pub fn preparing() -> Kernel {
             near: 0.02,
             ahead: usize::MAX,
             lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
-            stick: 0.01,
+            static_slip_speed: 0.01,
             order: crate::config::Order::default(),
             tree_slots: &crate::constraint::TreeSlots::default(),
             tweaks: &[],

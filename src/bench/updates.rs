@@ -1,4 +1,4 @@
-//! Whole updates of the broad phase, to be timed. An element is a mover, unless said otherwise.
+//! Benchmarks of whole broad-phase updates. An element is a mover, unless said otherwise.
 
 use super::Kernel;
 use crate::broad_phase::kernels::Tree;
@@ -20,7 +20,7 @@ const CUBES: u32 = 16 * 16 * 16;
 /// How far boxes are kept beyond what is in them [m].
 const MARGIN: f32 = 0.1;
 
-/// At rest, falling, with bullets; and a tree that is built of all.
+/// At rest, falling, with bullets; and building a tree of all.
 pub fn kernels() -> Vec<Kernel> {
     let mut some_fast = Crowd::new(0.0, Vec3::ZERO);
     some_fast.movers.iter_mut().step_by(41).for_each(|m| m.motion = vec3(0.2, 0.0, 0.0));
@@ -39,7 +39,7 @@ pub fn kernels() -> Vec<Kernel> {
 }
 
 impl Crowd {
-    /// Cubes that are `gap` apart and all go as far within a step [m].
+    /// Cubes at a distance of `gap` that all move as far within a step [m].
     fn new(gap: f32, motion: Vec3) -> Crowd {
         let mut crowd = Crowd { broad: BroadPhase::default(), movers: Vec::new(), removed: Vec::new() };
         for i in 0..CUBES {
@@ -59,7 +59,7 @@ impl Crowd {
         self.broad.insert_mover(collider);
     }
 
-    /// Of a centimetre, up to 10 m a step along each axis.
+    /// Bullets of a centimetre, at up to 10 m a step along each axis.
     fn add_bullets(&mut self, count: u32) {
         let mut random = crate::scene::rng::Rng::new(1);
         let mut cube = || vec3(random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0));
@@ -86,7 +86,7 @@ fn at_rest(name: &str, mut crowd: Crowd) -> Kernel {
     })
 }
 
-/// All go down by so much in each run [m], and up again before they are far.
+/// All move down by this much in each run [m], and up again before they are far.
 fn falling(name: &str, gap: f32, by: f32) -> Kernel {
     let mut crowd = Crowd::new(gap, vec3(0.0, -by, 0.0));
     crowd.update();

@@ -6,7 +6,7 @@ use crate::handle::ShapeHandle;
 use glam::DVec3;
 
 /// Overlaps that are resolved at once; if there are more, the deepest.
-const MOST: usize = 16;
+const MAX_OVERLAPS: usize = 16;
 /// Rounds of detection and motion. Each sees only the deepest triangle of a mesh.
 const ROUNDS: usize = 8;
 /// Sweeps over all overlaps of a round.
@@ -22,7 +22,7 @@ struct Overlap {
 /// Overlaps of the capsule with its skin, deepest first.
 #[derive(Default)]
 struct Overlaps {
-    all: [Option<Overlap>; MOST],
+    all: [Option<Overlap>; MAX_OVERLAPS],
 }
 
 impl Overlaps {

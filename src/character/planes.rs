@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 /// The most planes: a mover does not touch more at once in any relevant way.
-const MOST: usize = 12;
+const MAX_PLANES: usize = 12;
 
 /// Directions `d` with `n · d >= 0` for all of some normals: a cone.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Planes {
-    normals: [DVec3; MOST],
+    normals: [DVec3; MAX_PLANES],
     count: usize,
 }
 
@@ -25,7 +25,7 @@ impl Planes {
             self.normals[same] = normal;
         } else {
             // Replaces the last one: what is touched now counts.
-            self.count = (self.count + 1).min(MOST);
+            self.count = (self.count + 1).min(MAX_PLANES);
             self.normals[self.count - 1] = normal;
         }
         same.is_none()

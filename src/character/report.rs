@@ -7,7 +7,7 @@ use crate::world::World;
 use glam::{DVec3, Vec3};
 
 /// Hits that a report keeps.
-pub(super) const MOST_HITS: usize = 8;
+pub(super) const MAX_HITS: usize = 8;
 
 /// What a mover stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ pub struct MoverReport {
     pub overlap: f32,
     /// Impulse of the mover's weight on ground that can move [N s].
     pub(super) weight: Vec3,
-    pub(super) hits: [Option<MoverHit>; MOST_HITS],
+    pub(super) hits: [Option<MoverHit>; MAX_HITS],
 }
 
 impl MoverReport {

@@ -12,7 +12,7 @@ use crate::query::ShapeHit;
 use glam::DVec3;
 
 /// Steps that a walk tries to climb.
-const MOST_STEPS: u32 = 4;
+const MAX_STEPS: u32 = 4;
 
 /// A walk or a flight, under way.
 pub(super) struct Slide {
@@ -85,7 +85,7 @@ impl Slide {
         step: f64,
         heard: &mut dyn FnMut(&ShapeHit),
     ) -> Result<(), Error> {
-        let mut tries = MOST_STEPS;
+        let mut tries = MAX_STEPS;
         for _ in 0..most {
             let path = self.path(shape.up);
             let length = path.length();

@@ -6,7 +6,7 @@ use crate::error::Error;
 use glam::DVec3;
 
 /// The most obstacles to slide along above a step.
-const MOST_SLIDES: u32 = 4;
+const MAX_SLIDES: u32 = 4;
 
 /// Takes the rest of a walk over the obstacle with the upright normal `wall`, up by no more than `height`
 /// [m]; or leaves it unchanged.
@@ -16,7 +16,7 @@ pub(super) fn step_up(shape: &Shape<'_>, walk: &mut Slide, wall: DVec3, height: 
     let allowance = shape.cast(from, up)?.map_or(1.0, |hit| f64::from(hit.fraction));
     let risen = height * allowance;
     let mut above = Slide::new(from + up * allowance, walk.across, 0.0).on(shape.up, from);
-    above.run(shape, MOST_SLIDES, 0.0, &mut |_| {})?;
+    above.run(shape, MAX_SLIDES, 0.0, &mut |_| {})?;
     // It must get beyond the obstacle.
     if (above.at - from).dot(wall) > -shape.tiny {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a caller may set, the order of rows, and the numbers that are chosen once for all worlds.
+//! Settings, the order of rows, and the numbers that are chosen once for all worlds.
 
 mod order;
 mod settings;

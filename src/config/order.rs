@@ -1,29 +1,29 @@
-//! What counts as important: Gauss-Seidel leaves the least error in the row it solves last.
+//! The order of rows: Gauss-Seidel leaves the least error in the row that it solves last.
 
-/// Rows of one kind, of joints and of contacts.
+/// A group of rows of one kind, of joints or of contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum RowGroup {
     /// Springs, drives, motors and friction of joints.
     SoftJoints,
-    /// Ends of ranges that joints may move within.
+    /// Limits of joints.
     JointLimits,
-    /// What joints keep together.
+    /// Locked directions of joints.
     Joints,
-    /// Contacts of bodies that both can move.
+    /// Contacts between two dynamic bodies.
     Contacts,
-    /// Those that such bodies may have within the step.
+    /// Potential contacts between two dynamic bodies.
     PotentialContacts,
-    /// Contacts with what is static.
+    /// Contacts with static geometry.
     StaticContacts,
-    /// Those that a body may have with what is static within the step.
+    /// Potential contacts with static geometry.
     PotentialStaticContacts,
 }
 
-/// In which order groups of rows are solved: what is solved last is obeyed best.
+/// The order in which groups of rows are solved: the last is obeyed best.
 ///
-/// The default is that of Vincent Robert's talk (Ubisoft, GDC 2012): joints before contacts, so that what
-/// can't be met is left in a joint for a frame and not in a wall for ever.
+/// The default is that of Vincent Robert's talk (Ubisoft, GDC 2012): joints before contacts, so that an error
+/// that can't be avoided is left in a joint for a frame and not in a wall for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Order(pub [RowGroup; Order::LEN]);
@@ -43,35 +43,35 @@ impl Default for Order {
     }
 }
 
-/// Where rows are solved among all others: what comes later wins.
+/// Position of rows among all others: later ones win.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place(u8);
 
 impl Order {
-    /// How many groups there are.
+    /// Number of groups.
     pub(crate) const LEN: usize = 7;
 
-    /// The other way round: contacts first, joints last. To see what the default is good for.
+    /// The opposite: contacts first, joints last. It shows what the default is good for.
     pub fn reversed(self) -> Order {
         let mut groups = self.0;
         groups.reverse();
         Order(groups)
     }
 
-    /// The place of rows of a group: its own, or right after another that they are raised above, if that is
-    /// later. What is raised above the same keeps the order among itself.
+    /// The position of rows of a group: its own, or right after another group that they are raised above, if
+    /// that is later. Rows raised above the same group keep their order.
     pub(crate) fn place(self, group: RowGroup, raised: Option<RowGroup>) -> Place {
         let own = self.rank(group);
         let after = raised.map_or(0, |above| 2 * self.rank(above) + 1);
         Place(((2 * own).max(after) * self.0.len() + own) as u8)
     }
 
-    /// What rows are raised above that belong to two.
+    /// The group above which rows of two bodies are raised.
     pub(crate) fn higher(self, a: Option<RowGroup>, b: Option<RowGroup>) -> Option<RowGroup> {
         [a, b].into_iter().flatten().max_by_key(|group| self.rank(*group))
     }
 
-    /// Whether each group stands in it once.
+    /// Whether each group occurs once.
     pub(crate) fn is_complete(self) -> bool {
         Order::default().0.iter().all(|group| self.0.contains(group))
     }

@@ -1,4 +1,4 @@
-//! What a caller may set, with unit, range, default and source.
+//! Settings, with unit, range, default and source.
 
 use super::order::Order;
 use crate::error::{Error, positive, within};
@@ -6,22 +6,22 @@ use crate::limits;
 use crate::memory::Budget;
 use glam::Vec3;
 
-/// How a body is kept from passing through others; of two, the greater is the dearer.
+/// How a body is kept from passing through others. The modes are in the order of their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Continuous {
-    /// Only where it stands: a fast body may pass through a thin one.
+    /// Collides at its current pose only: a fast body may pass through a thin one.
     Discrete,
-    /// The segment it moves along within the step, whenever it outruns its margin.
+    /// Collides along the segment of its motion within the step, whenever it leaves its margin.
     #[default]
     Segment,
-    /// The whole volume it could reach within the step: dearer; finds second impacts behind a first obstacle
-    /// and crowds of fast bodies.
+    /// Collides in the whole volume that it could reach within the step: more expensive; finds second impacts
+    /// behind a first obstacle and crowds of fast bodies.
     Volume,
 }
 
 impl Continuous {
-    /// The mode a body, or a pair by the greater of its two, really has in a world with this setting.
+    /// The mode that a body, or a pair by the greater of its two, has in a world with this setting.
     pub(crate) fn of(self, own: Continuous) -> Continuous {
         match (self, own) {
             (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
@@ -31,18 +31,17 @@ impl Continuous {
     }
 }
 
-/// By which method bodies that are not [`Continuous::Discrete`] are kept from passing through others. All but
-/// the first are there to compare with; `docs/continuous.md` says how each works, what it costs and what it
-/// misses.
+/// Method that keeps bodies that are not [`Continuous::Discrete`] from passing through others. All but the
+/// first exist for comparison; `docs/continuous.md` says how each works, its cost and what it misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum ContinuousMethod {
-    /// What the predicted path strikes becomes a manifold of potential points, found at the pose of first
-    /// touch and solved with all others (Vincent Robert, GDC 2012), and the guard watches the centres.
+    /// Obstacles on the predicted path become manifolds of potential points, found at the pose of first touch
+    /// and solved with all others (Vincent Robert, GDC 2012), and the guard checks the centres.
     #[default]
     OnePass,
-    /// Speculative contacts: whoever is nearer than the relative motion gets the planes of the start of the
-    /// step, and is stopped by them whether or not it would have met the other (Paul Firth, *Speculative
+    /// Speculative contacts: pairs that are nearer than their relative motion get the planes of the start of
+    /// the step, and are stopped by them whether or not they would have met (Paul Firth, *Speculative
     /// contacts*, 2011).
     Speculative,
     /// Discrete contacts, then each fast body is swept straight ahead, turned as at the end of the step. At
@@ -54,20 +53,20 @@ pub enum ContinuousMethod {
     /// (Mirtich 1996; Zhang et al. 2006), tighter, and up to 64 times: slow, and the reference for the
     /// others.
     ConservativeAdvancement,
-    /// The talk's method itself (Vincent Robert, GDC 2012): speculative contacts behind two gates. Planes of
-    /// the start of the step stop only whoever crosses them over the face that they are of, and the plane is
-    /// that of the axis which is entered last. No cast, no guard.
+    /// The method of the talk (Vincent Robert, GDC 2012): speculative contacts behind two gates. Planes of
+    /// the start of the step stop only bodies that cross them within the face to which they belong, and the
+    /// plane is that of the axis which is entered last. No cast, no guard.
     Talk,
 }
 
 impl ContinuousMethod {
-    /// Whether impacts are met one by one, each at its time.
+    /// Whether impacts are solved one by one, each at its time.
     pub(crate) fn meets_impacts(self) -> bool {
         matches!(self, ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement)
     }
 }
 
-/// The modes that the stages of a step work with.
+/// The modes that the stages of a step use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StageModes {
     pub(crate) broad: Continuous,
@@ -75,20 +74,19 @@ pub(crate) struct StageModes {
     pub(crate) finish: Continuous,
 }
 
-/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the
-/// start of it.
+/// Treatment of the manifold at the start of the step of a separate pair that may close its gap within the
+/// step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
     /// It is replaced by that of the first touch, which is searched for along the predicted motion.
     Cast,
-    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
+    /// It stays: its planes stop all bodies that could reach them, and no miss is dropped.
     Speculative,
-    /// It stays as far as the predicted motion crosses it over the faces that it is of
-    /// (`narrow_phase/gates.rs`).
+    /// It stays if the predicted motion crosses it within its faces (`narrow_phase/cast/gates.rs`).
     Gated,
 }
 
-/// How friction of two directions is bounded.
+/// Bound on friction in two directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum FrictionCone {
@@ -125,9 +123,8 @@ pub struct Settings {
     /// Threads that a step may use, at least 1: the caller's own, and others of its rayon pool if they have
     /// nothing else to do; a busy pool is not waited for. Default 1.
     pub threads: usize,
-    /// The mode that [`Continuous::Segment`] bodies really use; `Discrete` switches continuous collision off
-    /// for the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own
-    /// mode.
+    /// The actual mode of [`Continuous::Segment`] bodies; `Discrete` switches continuous collision off for
+    /// the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own mode.
     pub continuous: Continuous,
     /// How bodies that are not `Discrete` are kept from passing through others. Default
     /// [`ContinuousMethod::OnePass`].
@@ -138,36 +135,36 @@ pub struct Settings {
     pub friction_model: FrictionModel,
     /// Length of a typical body [m], 1e-6..=1e6; scales the lengths below. Default 1.
     pub length_unit: f32,
-    /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, above what gravity gives a
+    /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, more than gravity gives a
     /// resting body within a step of 1/30 s.
     pub restitution_threshold: f32,
-    /// Overlap that is left alone of what slides, rolls or has just met, and a tenth of the gap over which
-    /// springs of what rests act at most [length units]. Default 0.0005.
+    /// Overlap that sliding, rolling and new contacts keep, and a tenth of the maximum gap at which the
+    /// springs of resting contacts act [length units]. Default 0.0005.
     pub slop: f32,
-    /// Contact stiffness [Hz], capped at what the substeps can keep calm: 0.15 of their rate with one
-    /// iteration, growing with the root of the iterations. Default 120.
+    /// Contact stiffness [Hz], limited to the stable maximum: 0.15 of the rate of substeps with one
+    /// iteration, growing with the root of the number of iterations. Default 120.
     pub contact_hertz: f32,
     /// Contact damping ratio. Default 10 (Catto, Box2D v3).
     pub contact_damping: f32,
-    /// The fastest that the overlap of two bodies is pushed apart [m/s per length unit]. Where many overlap
-    /// each other, what that gives any of them ends at five times as much. Default 3.
+    /// Maximum speed at which overlap is pushed apart [m/s per length unit]. Where many bodies overlap each
+    /// other, they add up to at most five times as much. Default 3.
     pub push_speed: f32,
-    /// Whether old impulses are applied first. Default true.
+    /// Whether the solver starts with the impulses of the previous step. Default true.
     pub warm_starting: bool,
     /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
     pub recycling: bool,
-    /// Whether joints that make trees are solved exactly, as a block. Otherwise all joints are solved row by
-    /// row, which is cheaper and lets chains stretch under load; it is there to compare with
-    /// (`docs/joints.md`). Default true.
+    /// Whether joints that form trees are solved exactly, as a block. Otherwise all joints are solved row by
+    /// row, which is cheaper and lets chains stretch under load; it exists for comparison (`docs/joints.md`).
+    /// Default true.
     pub joint_trees: bool,
-    /// Whether the paths of continuous bodies are looked at once more after the solver, and cut where a
-    /// centre would get through something all the same (`docs/decisions/guard.md`). Without it bodies are
-    /// stopped by contacts alone; it is there to measure what these achieve. Default true.
+    /// Whether the paths of continuous bodies are checked after the solver, and cut where a centre would
+    /// still pass through something (`docs/decisions/guard.md`). Without it bodies are stopped by contacts
+    /// alone; this exists to measure how well. Default true.
     pub guard: bool,
-    /// In which order groups of rows are solved: what comes last is obeyed best. Default: joints before
+    /// The order in which groups of rows are solved: the last is obeyed best. Default: joints before
     /// contacts, static geometry last.
     pub order: Order,
-    /// Whether bodies at rest fall asleep, in islands that hang together; until something wakes them they
+    /// Whether bodies at rest fall asleep, in islands of connected bodies; until something wakes them they
     /// take no time. Default false.
     pub sleeping: bool,
     /// A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is
@@ -175,14 +172,14 @@ pub struct Settings {
     pub sleep_speed: f32,
     /// How long all bodies of an island must be at rest before it falls asleep [s]. Default 0.5.
     pub sleep_time: f32,
-    /// Contacts that come together at least so fast are heard of as hits [m/s per length unit]. Default 1.
+    /// Contacts with at least this approach speed are reported as hits [m/s per length unit]. Default 1.
     pub hit_speed: f32,
-    /// Most events of each sort that a step keeps; what is beyond is counted in
+    /// Maximum number of events of each kind in a step; those beyond are counted in
     /// [`StepReport::events_lost`](crate::StepReport::events_lost). Default 4096.
     pub event_capacity: u32,
-    /// Bytes that the world may reserve, in all and of each category. What is added beyond is refused, and a
-    /// step leaves out the contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default:
-    /// no limit.
+    /// Bytes that the world may reserve, in total and in each category. Additions beyond it are refused, and
+    /// a step leaves out the contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)).
+    /// Default: no limit.
     pub budget: Budget,
 }
 
@@ -219,25 +216,25 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What the stages do of continuous collision.
+    /// The parts of continuous collision that the stages do.
     pub(crate) fn stage_modes(&self) -> StageModes {
         let (own, off) = (self.continuous, Continuous::Discrete);
         match self.method {
             ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, finish: own },
-            // What an impact throws off its way is nobody's business.
+            // Bodies that an impact pushes off their path are not checked.
             ContinuousMethod::Talk => StageModes { broad: own, narrow: own, finish: off },
             ContinuousMethod::Speculative => {
                 let all = if own == off { off } else { Continuous::Volume };
                 StageModes { broad: all, narrow: all, finish: off }
             }
-            // The contacts are discrete ones; what is fast is swept all the same, to know who may be struck.
+            // Contacts are discrete; fast bodies are swept all the same, to find what they may strike.
             ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement => {
                 StageModes { broad: own, narrow: off, finish: off }
             }
         }
     }
 
-    /// What the narrow phase does with manifolds of the start of a step.
+    /// Treatment of manifolds of the start of a step in the narrow phase.
     pub(crate) fn start(&self) -> Start {
         match self.method {
             ContinuousMethod::Speculative => Start::Speculative,

@@ -17,13 +17,13 @@ pub(crate) use contact::impact_friction::solve_impact_friction;
 pub(crate) use contact::prepare::{PrepareInput, prepare};
 #[cfg(feature = "lab")]
 pub(crate) use contact::readout::{ContactLane, FrictionLane};
-pub(crate) use contact::rows::{Rows, Surface, Views, with_batch};
+pub(crate) use contact::rows::{Rows, Views, with_batch};
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
 pub(crate) use joint::arrange::{JointInput, JointRows, JointStage};
 pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointType, WIDEST_JOINT_BATCH};
-pub(crate) use joint::nets::NetInput;
-pub(crate) use joint::run::JointViews;
+pub(crate) use joint::nets::{NetInput, Nets};
+pub(crate) use joint::run::{JointViews, TouchInput};
 #[cfg(feature = "lab")]
 pub(crate) use joint::store::RowImpulse;
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};

@@ -3,7 +3,7 @@
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::body::{Pose, exp_map};
 use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP, TOUCH_DISTANCE};
-use crate::narrow_phase::{Contact, NONE, Point, Relative, Support, distance};
+use crate::narrow_phase::{Contact, NO_CONTACT, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry, Kind};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
@@ -11,7 +11,7 @@ use glam::{DVec3, Quat, Vec3};
 pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &world.contacts.all[slot as usize];
             draw_contact(world, contact, options, out);
             slot = contact.next;

@@ -1,4 +1,4 @@
-//! How bodies come together at the start of a step, before anything is solved.
+//! Approach of bodies at the start of a step, before anything is solved.
 
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
@@ -6,7 +6,7 @@ use crate::handle::BodyHandle;
 use crate::narrow_phase::{Contact, Point};
 use glam::{DVec3, Vec3};
 
-/// Bodies and colliders where they are at the start of the step, and what moves them.
+/// Bodies and colliders at the start of the step, and the accelerations of the bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StartOfStep<'a> {
     pub(crate) bodies: &'a Bodies,
@@ -22,8 +22,8 @@ impl StartOfStep<'_> {
         self.bodies.handle(self.colliders.summaries[collider as usize].body as usize)
     }
 
-    /// Normal in the world, from a to b, place, and speed of approach at a point before anything was solved. Bodies are
-    /// where they were at the start of the step.
+    /// Normal in the world, from a to b, position, and approach speed of a contact point before anything was
+    /// solved, with bodies as at the start of the step.
     pub(crate) fn impact(&self, contact: &Contact, point: &Point) -> (Vec3, DVec3, f32) {
         let shape = &self.colliders.poses[contact.a as usize];
         let normal = shape.rotation * contact.normal;
@@ -32,8 +32,8 @@ impl StartOfStep<'_> {
         (normal, at, -normal.dot(b - a))
     }
 
-    /// Velocity of a point of a collider's body at the start of the step, with what acceleration adds until a fraction of
-    /// it.
+    /// Velocity of a point of a collider's body at the start of the step, plus what acceleration adds until a
+    /// fraction of it.
     fn speed_before(&self, collider: u32, at: DVec3, fraction: f32) -> Vec3 {
         let i = self.colliders.summaries[collider as usize].body as usize;
         let forces = self.forces;
@@ -42,7 +42,7 @@ impl StartOfStep<'_> {
         let arm = (at - self.bodies.pose[i].position).as_vec3();
         v.linear + pull + v.angular.cross(arm)
     }
-    /// By how much an impulse along a direction at a point changes the speed of a body there [1/kg].
+    /// Change of a body's velocity at a point by a unit impulse along a direction there [1/kg].
     pub(crate) fn mobility(&self, i: usize, at: DVec3, direction: Vec3) -> f32 {
         let Some(inertia) = self.forces.inverse_inertia.get(i) else { return 0.0 };
         let arm = (at - self.bodies.pose[i].position).as_vec3().cross(direction);

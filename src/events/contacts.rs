@@ -4,9 +4,9 @@ use super::{ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
-use crate::narrow_phase::{Contact, Contacts, NONE, Point};
+use crate::narrow_phase::{Contact, Contacts, NO_CONTACT, Point};
 
-/// What is read to find out who touches.
+/// Input of contact events.
 pub(crate) struct Touching<'a> {
     pub(crate) start: StartOfStep<'a>,
     pub(crate) contacts: &'a Contacts,
@@ -14,7 +14,7 @@ pub(crate) struct Touching<'a> {
 }
 
 impl Touching<'_> {
-    /// Compares who touches with who did, and measures impacts.
+    /// Compares the pairs that touch with those that did, and measures impacts.
     pub(crate) fn record(&self, pairs: &mut [Pair], events: &mut Events) {
         let summaries = &self.start.colliders.summaries;
         let dynamic = self.start.bodies.dynamic();
@@ -33,14 +33,14 @@ impl Touching<'_> {
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &self.contacts.all[slot as usize];
             let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;
             for point in contact.points() {
                 if pushed > 0.0 || point.separation <= real {
                     touches = true;
-                    // Where it bears most; of what bears nothing, where it is deepest.
+                    // The point with the greatest impulse; if none has any, the deepest one.
                     let weight = point.impulse.max(pushed * 1e-6) - 1e-6 * point.separation;
                     if worst.is_none_or(|(most, ..)| weight > most) {
                         worst = Some((weight, contact, point));

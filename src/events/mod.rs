@@ -1,15 +1,14 @@
-//! What a caller hears of contacts: begins, ends and hits, what crosses sensors, and hooks that may change contacts before
-//! they are solved.
+//! Events: begin, end and impact of contacts, and shapes that enter or leave sensors.
 //!
-//! Nothing of it costs anything for shapes that don't ask for it ([`ShapeDesc::events`](crate::ShapeDesc::events),
-//! [`sensor`](crate::ShapeDesc::sensor), [`hooks`](crate::ShapeDesc::hooks)). Events are those of the last step, in slices
-//! that are the same at any number of threads.
+//! They cost nothing for shapes that don't ask for them ([`ShapeDesc::events`](crate::ShapeDesc::events),
+//! [`sensor`](crate::ShapeDesc::sensor), [`hooks`](crate::ShapeDesc::hooks)). Events are those of the last
+//! step, in slices that are the same at any number of threads.
 
 mod approach;
 mod contacts;
 mod sensors;
 
-/// Its example is run with the tests of the documentation.
+/// Its example runs with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/events.md")]
 struct Docs;
@@ -32,35 +31,35 @@ pub struct ContactEvent {
     pub shapes: [ShapeHandle; 2],
     /// Their bodies.
     pub bodies: [BodyHandle; 2],
-    /// Midway between the surfaces, where they bore most, at the start of the step [m].
+    /// Midway between the surfaces, at the point with the greatest impulse, at the start of the step [m].
     pub point: DVec3,
     /// Unit, from the first shape to the second.
     pub normal: Vec3,
-    /// How fast they came together there before anything was solved [m/s]; negative if they part.
+    /// Approach speed there before anything was solved [m/s]; negative if they separate.
     pub approach_speed: f32,
     /// Normal impulse of the whole step, over all points, as it was solved [N s].
     pub impulse: f32,
 }
 
-/// Two shapes that no longer touch. Of a shape that was removed the handles are stale.
+/// Two shapes that no longer touch. The handles of a removed shape are stale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ContactEnd {
     /// The shapes, the one with the lower handle first.
     pub shapes: [ShapeHandle; 2],
 }
 
-/// A shape that came into a sensor, or left it. Of what was removed the handles are stale.
+/// A shape that entered a sensor, or left it. The handles of a removed shape are stale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorEvent {
     /// The sensor.
     pub sensor: ShapeHandle,
-    /// What crossed its surface.
+    /// The shape that crossed its surface.
     pub visitor: ShapeHandle,
-    /// When, as a fraction of the step. Who leaves within the step in which it came leaves at 1.
+    /// Time, as a fraction of the step. A shape that leaves in the step in which it entered leaves at 1.
     pub fraction: f32,
 }
 
-/// Events of the last step, and what it takes to find them.
+/// Events of the last step, and the state that finding them needs.
 #[derive(Debug, Default)]
 pub(crate) struct Events {
     pub(crate) begins: Vec<ContactEvent>,
@@ -70,17 +69,17 @@ pub(crate) struct Events {
     pub(crate) left: Vec<SensorEvent>,
     /// Pairs that ended while they touched, since the last step.
     gone: Vec<(ShapeHandle, ShapeHandle, bool)>,
-    /// Normal impulse of each contact over the step; empty if nobody listens [N s].
+    /// Normal impulse of each contact over the step; empty if no shape asks for events [N s].
     pub(crate) impulses: Vec<f32>,
-    /// What hooks said of each contact; empty if there are none.
+    /// Changes of each contact by hooks; empty if there are none.
     pub(crate) tweaks: Vec<Tweak>,
     /// Pairs of colliders that hooks let pass through each other in this step, sorted.
     pub(crate) vetoed: Vec<(u32, u32)>,
-    /// Events that there was no room for.
+    /// Number of events beyond the capacity.
     pub(crate) lost: u32,
-    /// Ends between steps that there was no room for.
+    /// Number of ends between steps beyond the capacity.
     missed: u32,
-    /// What its buffers may still grow by.
+    /// Bytes by which its buffers may still grow.
     pub(crate) allowance: Allowance,
 }
 
@@ -97,7 +96,7 @@ impl Events {
         self.lost = 0;
     }
 
-    /// Forgets all events, and what ended since the last step.
+    /// Forgets all events, and the pairs that ended since the last step.
     pub(crate) fn forget(&mut self) {
         self.start();
         self.gone.clear();
@@ -114,13 +113,13 @@ impl Events {
             && self.left.is_empty())
     }
 
-    /// Nobody listens any more, and there is nothing that was not heard.
+    /// Releases the buffers: no shape asks for events any more, and all of them were read.
     pub(crate) fn release(&mut self) {
         let Events { tweaks, vetoed, lost, .. } = std::mem::take(self);
         *self = Events { tweaks, vetoed, lost, ..Events::default() };
     }
 
-    /// Reserved bytes of what contacts, sensors and hooks take.
+    /// Reserved bytes of contact events, sensors and hooks.
     pub(crate) fn parts(&self, contacts: bool) -> [usize; 3] {
         let gone = bytes_of(&self.gone).1;
         let (of_contacts, of_sensors) = if contacts { (gone, 0) } else { (0, gone) };
@@ -132,7 +131,7 @@ impl Events {
         ]
     }
 
-    /// Makes place for the impulses of so many contacts; of none if nobody listens.
+    /// Reserves the impulses of so many contacts; none if no shape asks for events.
     pub(crate) fn reserve_impulses(&mut self, contacts: usize) {
         self.impulses.clear();
         let granted = self.allowance.fit(&mut self.impulses, contacts);
@@ -140,7 +139,7 @@ impl Events {
         self.lost += (contacts - granted) as u32;
     }
 
-    /// Notes the end of a pair, if anyone listens to it.
+    /// Records the end of a pair, if one of its shapes asks for events.
     pub(crate) fn part(&mut self, colliders: &Colliders, pair: &Pair) {
         if pair.touching {
             let [a, b] = [pair.a, pair.b].map(|c| colliders.handle(c));
@@ -150,7 +149,7 @@ impl Events {
         }
     }
 
-    /// Adds the ends of pairs that are gone, and sorts: the same for all who read whatever the order of pairs.
+    /// Adds the ends of removed pairs, and sorts all lists, so that they do not depend on the order of pairs.
     pub(crate) fn finish(&mut self, most: usize) {
         let Events { gone, ends, left, lost, missed, allowance, .. } = self;
         *lost += std::mem::take(missed);

@@ -1,8 +1,8 @@
-//! Sensors: shapes that push nothing and notice what comes into them.
+//! Sensors: shapes that push nothing and detect what enters them.
 //!
-//! A pair of a sensor is a pair like any other, swept where something is fast, but has no contact. Once bodies have moved,
-//! it is looked at along the way that they really went: a ball that crosses a sensor within a step is seen to come and to
-//! leave.
+//! A pair with a sensor is a pair like any other, swept where a body is fast, but has no contact. Once bodies
+//! have moved, it is checked along their actual paths: a ball that crosses a sensor within a step is seen to
+//! enter and to leave.
 
 use super::{Events, SensorEvent, push};
 use crate::body::{Bodies, Colliders};
@@ -12,8 +12,7 @@ use crate::narrow_phase::{BodyPath, Motion, cast_convex, cast_plane, tolerance};
 use crate::shape::Kind;
 use glam::Vec3;
 
-/// What is read to find out who is in a sensor: shapes where they were at the start of the step, bodies where they are at its
-/// end.
+/// Input of sensor events: shapes at the start of the step, and bodies at its end.
 pub(crate) struct Sensing<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a Colliders,
@@ -21,7 +20,7 @@ pub(crate) struct Sensing<'a> {
 }
 
 impl Sensing<'_> {
-    /// Who came into sensors and who left them in this step.
+    /// Records the shapes that entered or left sensors in this step.
     pub(crate) fn record(&self, pairs: &mut [Pair], events: &mut Events) {
         let most = self.settings.event_capacity as usize;
         for pair in pairs {
@@ -51,7 +50,7 @@ impl Sensing<'_> {
         }
     }
 
-    /// When the two first touch on their ways, if they do; or whether they do where they are at the end of them.
+    /// Time at which the two first touch on their paths, if they do; and whether they touch at the end.
     fn meet(&self, pair: &Pair, at_end: bool) -> Option<f32> {
         let [a, b] = [pair.a, pair.b].map(|c| &self.colliders.all[c as usize]);
         let path = |c: u32| if at_end { self.place_now(c) } else { self.way_of(c) };
@@ -76,7 +75,7 @@ impl Sensing<'_> {
         }
     }
 
-    /// The way that a collider's body went.
+    /// The path of a collider's body.
     fn way_of(&self, collider: u32) -> BodyPath {
         let shape = &self.colliders.all[collider as usize];
         let (end, placed) =

@@ -1,7 +1,8 @@
-//! Ends of limbs: what the path of a body's centre says nothing about.
+//! Ends of limbs: the path of a body's centre does not tell where they go.
 //!
-//! A forearm whirls through a thin wall while its centre stays in front of it, and hooks in there. So of bodies in trees the
-//! two ends of each long shape's core are looked at as well, and the tree stops before one of them crosses what is static.
+//! A forearm may swing through a thin wall while its centre stays in front of it, and get caught there. So
+//! for bodies in trees of joints both ends of each long shape's core are checked as well, and the tree stops
+//! before one of them crosses static geometry.
 
 use super::guard::{Guard, stop};
 use crate::body::Pose;
@@ -12,16 +13,16 @@ use glam::Vec3;
 /// An end that would cross static geometry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    /// Share of the way that it may go.
+    /// Share of its path that it may go.
     pub(super) share: f32,
-    /// From the body's centre, at the end of the way [m].
+    /// From the body's centre, at the end of the path [m].
     pub(super) arm: Vec3,
-    /// Of what it would cross, against its motion.
+    /// Normal of the geometry that it would cross, against its motion.
     pub(super) normal: Vec3,
 }
 
 impl Guard<'_> {
-    /// The first end of a body's shapes that crosses static geometry on its way from pose to pose.
+    /// The first end of a body's shapes that crosses static geometry on its path between two poses.
     pub(super) fn crossing(
         &self,
         stack: &mut Vec<u32>,
@@ -40,7 +41,7 @@ impl Guard<'_> {
                 let arm = after.rotation * end;
                 let way = (after.position + arm.as_dvec3() - from).as_vec3();
                 let length = way.length();
-                // What is slow keeps less of a distance, or limbs that lie somewhere would be held for nothing.
+                // Slow ends keep less distance, or limbs at rest would be stopped for nothing.
                 let slow = length <= SLOW_END * collider.inner_radius;
                 let keep =
                     if slow { GUARD_GRAZE * GUARD_DISTANCE } else { GUARD_DISTANCE } * collider.inner_radius;
@@ -49,7 +50,7 @@ impl Guard<'_> {
                 }
                 let reach = way * (1.0 + keep / length);
                 let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else { continue };
-                // What comes back to the side of its centre may do so.
+                // An end may cross back to the side of its centre.
                 let hit = from + (reach * fraction).as_dvec3();
                 if (before.position - hit).as_vec3().dot(normal) <= 0.0 {
                     continue;
@@ -65,13 +66,13 @@ impl Guard<'_> {
     }
 }
 
-/// The ends of a long shape's core, from its body's centre [m]; none of what is not long.
+/// The ends of a long shape's core, from its body's centre [m]; none for other shapes.
 pub(super) fn ends_of(shape: &Collider) -> impl Iterator<Item = Vec3> + use<'_> {
     let core = core(&shape.geometry);
     core.into_iter().flat_map(|core| [-core, core]).map(|end| shape.position + shape.rotation * end)
 }
 
-/// From the middle of a long shape to the end of its core; none of what is not long.
+/// From the middle of a long shape to the end of its core; `None` for other shapes.
 fn core(geometry: &Geometry) -> Option<Vec3> {
     let core = match *geometry {
         Geometry::Capsule { half_height, .. } => Vec3::Y * half_height,

@@ -1,15 +1,15 @@
-//! What proves at a glance that a centre may go its way.
+//! Cheap proofs that a centre's path crosses no static geometry.
 //!
-//! Bodies fly, roll and lie: hardly any centre gets near to a surface. So the paths of most need no exact look: nothing
-//! touched them and the narrow phase saw them pass all static geometry by; or they don't leave a ball that is known to
-//! be empty; or they stay on one side of all that is around.
+//! Most bodies fly, roll or lie still, and their centres don't come near a surface. So most paths need no
+//! exact check: nothing touched the body and the narrow phase saw it pass all static geometry; or it stays
+//! within a ball that is known to be empty; or it stays on one side of all nearby geometry.
 
 use super::guard::Guard;
 use crate::broad_phase::{Aabb, SearchSet};
 use crate::shape::Geometry;
 use glam::{DVec3, Vec3};
 
-/// A ball without static geometry, from some time before.
+/// A ball without static geometry, found in an earlier step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Clear {
     pub(crate) centre: DVec3,
@@ -22,15 +22,15 @@ fn slack(low: Vec3, high: Vec3) -> f32 {
 }
 
 impl Guard<'_> {
-    /// Whether a body is one shape, well around its centre: then of what the shape passes by, or enters by no more than
-    /// `near` [m], the guard of the centre would not notice anything.
+    /// Whether a body is a single shape that contains its centre well inside. If such a shape passes
+    /// something, or penetrates it by no more than `near` [m], the guard of the centre has nothing to do.
     pub(super) fn is_around(&self, own: &[u32], near: f32) -> bool {
         let &[c] = own else { return false };
         let c = &self.colliders[c as usize];
         c.position.length() + near <= 0.5 * c.inner_radius
     }
 
-    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
+    /// Whether a body may move this far unchecked, because no static geometry is that close to its centre.
     pub(super) fn is_clear(
         &self,
         stack: &mut Vec<u32>,
@@ -43,7 +43,8 @@ impl Guard<'_> {
         if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
             return true;
         }
-        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
+        // Half of the inner ball: a body that lies on something is free to move by that much, and few
+        // triangles overlap it.
         let most = 0.5 * self.inner(own);
         if moved.length() >= most {
             return false;
@@ -52,17 +53,17 @@ impl Guard<'_> {
         moved.length() < clear.radius
     }
 
-    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
+    /// Distance of a point from static surfaces, at most `most`; zero inside of a solid shape [m].
     fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
         let free = self.is_free(stack, &[], centre, Vec3::ZERO, most);
         let least = if free { most } else { self.nearest(stack, &[], centre, most).0 };
-        // Of what `f32` resolves nothing is left over.
+        // Nothing remains of a distance below the resolution of `f32`.
         (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
     }
 
-    /// Whether a way surely keeps further than `least` [m] from all that is static: it stays on one side of the planes of
-    /// all triangles whose boxes are near. So it is for most that fly or roll, and then there is nothing to enter and
-    /// nothing to graze. "No" says nothing.
+    /// Whether a path certainly keeps further than `least` [m] from all static geometry, because it stays on
+    /// one side of the planes of all triangles whose boxes are near. That holds for most bodies that fly or
+    /// roll; they then neither enter nor graze anything. `false` proves nothing.
     pub(super) fn is_free(
         &self,
         stack: &mut Vec<u32>,

@@ -1,20 +1,21 @@
 //! The last line: the path of a body's centre never crosses static geometry.
 //!
-//! Potential points stop fast bodies, and do so well; but they are planes that the solver obeys as far as its iterations
-//! and the other rows allow. What must never happen, a body on the wrong side of the world, is therefore checked on the
-//! path that a body really takes: if the segment from its old centre to its new one enters static geometry, the motion
-//! is cut there. A body that was on the right side thus stays there, step after step, whatever pushes it; and since its
-//! centre is on the right side, contacts push the rest of it out. One look into the box around its path, and a segment
-//! query where that is not empty, for each body that moved further than a share of the ball that fits into it, or
-//! further than it is known to be clear of everything static: a body that lies still or creeps is looked at seldom, but
-//! however slowly it is pressed, it does not get through. The report counts those whose path was cut, and those whose end was
-//! lifted off a surface.
+//! Potential points stop fast bodies, and do so well, but they are planes that the solver obeys only as far
+//! as its iterations and the other rows allow. A body on the wrong side of a wall must never happen, so it is
+//! checked on the path that a body really takes: if the segment from its old centre to its new one enters
+//! static geometry, the motion is cut there. A body that was on the right side thus stays there, step after
+//! step, whatever pushes it; and since its centre is on the right side, contacts push the rest of it out. The
+//! check is one query of the box around the path, and a segment query if that is not empty, for each body
+//! that moved further than a share of its inner ball, or further than it is known to be clear of static
+//! geometry. A body at rest or creeping is checked seldom, but however slowly it is pressed, it does not get
+//! through. The report counts bodies whose path was cut, and those whose end was lifted off a surface.
 //!
-//! Two dynamic bodies that fly at each other get the same care, and stop together on their ways. Potential points do
-//! that exactly for one pair; where many fast bodies meet at once, few iterations don't.
+//! Two dynamic bodies on a collision course are checked in the same way, and both stop on their paths.
+//! Potential points do that exactly for one pair; where many fast bodies meet at once, a few iterations
+//! don't.
 //!
-//! A kinematic body moves, so there the path is looked at in that body's own frame, from its old pose to its new one,
-//! and who is overrun is carried along.
+//! A kinematic body moves, so the path is checked in that body's frame, from its old pose to its new one, and
+//! a body that is overrun is carried along.
 
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
@@ -26,39 +27,39 @@ use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hi
 use crate::shape::{Collider, ColliderSummary, Geometry};
 use glam::{DVec3, Quat, Vec3};
 
-/// What the guard reads.
+/// Input of the guard.
 pub(crate) struct Guard<'a> {
     pub(crate) broad: &'a BroadPhase,
     pub(crate) colliders: &'a [Collider],
     pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
-    /// Whether paths are cut and ends lifted, where nothing else helps.
+    /// Whether paths are cut and ends lifted where contacts failed.
     pub(crate) cuts: bool,
     /// Whether any shape is a sensor.
     pub(crate) senses: bool,
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
     pub(crate) joints: &'a Joints,
-    /// Of each body, by which joints know it.
+    /// Slot of each body: joints refer to bodies by it.
     pub(crate) slots: &'a [u32],
 }
 
-/// What the guard did to a body's path.
+/// How the guard changed a body's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Held {
-    /// It ends where it would have entered something.
+    /// The path was cut where it entered something.
     Cut,
-    /// It entered nothing, and ends further from a surface than it would have.
+    /// It entered nothing; its end was lifted off a surface.
     Lifted,
 }
 
-/// How many bodies the guard held, by what it did.
+/// Number of bodies that the guard held, by what it did.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) cut: u32,
     pub(crate) lifted: u32,
-    /// Strays that were led along something or moved out of it.
+    /// Bodies off their predicted path that were led along a surface or moved out of it.
     pub(crate) settled: u32,
 }
 
@@ -81,15 +82,15 @@ impl Guard<'_> {
         own.iter().any(|&c| self.colliders[c as usize].material.restitution > 0.0)
     }
 
-    /// Whether a body is one to be looked at.
+    /// Whether a body has to be checked.
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
         let solid = |&c: &u32| !self.colliders[c as usize].is_sensor();
         (if self.senses { own.iter().any(solid) } else { !own.is_empty() })
             && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 
-    /// Distance of a point from the nearest static surface that `own` may meet, and the direction away from it; `most` and
-    /// no direction if there is none within that.
+    /// Distance of a point from the nearest static surface that `own` may collide with, and the direction
+    /// away from it; `most` and no direction if there is none within that.
     pub(super) fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
         let at = centre.as_vec3();
         let (mut least, mut away) = (most, Vec3::ZERO);
@@ -130,8 +131,8 @@ impl Guard<'_> {
         (least, away)
     }
 
-    /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
-    /// what it had to do, and the normal of what it cut the motion at.
+    /// Cuts the motion where the centre would enter static geometry, and removes the velocity into it.
+    /// Returns what it did, and the normal of the surface at which it cut the motion.
     pub(crate) fn hold(
         &self,
         stack: &mut Vec<u32>,
@@ -141,7 +142,7 @@ impl Guard<'_> {
         velocity: &mut Record,
     ) -> Option<(Held, Vec3)> {
         let keep = GUARD_DISTANCE * self.inner(own);
-        // A little further than the motion, so that the centre keeps its distance at the end too.
+        // Checked a little beyond the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
         if self.is_free(stack, own, from, reach, GUARD_GRAZE * keep) {
@@ -154,7 +155,8 @@ impl Guard<'_> {
         };
         let stop = stop(reach, length, keep, fraction, normal)?;
         *moved = reach * stop;
-        // A path that grazes a surface ends closer to it, and could slip through by a rounding later on: away with it.
+        // A path that grazes a surface ends closer to it, and a rounding error could later carry it through:
+        // lift it.
         let above = (fraction - stop) * -reach.dot(normal);
         if above < 0.5 * keep {
             let lifted = *moved + normal * (keep - above);
@@ -169,8 +171,8 @@ impl Guard<'_> {
         Some((Held::Cut, normal))
     }
 
-    /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,
-    /// by a rounding: such an end is lifted to `least` [m] from the surface. Says whether it had to be.
+    /// A path along a surface that does not enter it may end so close that the next one begins on the other
+    /// side, by rounding: such an end is lifted to `least` [m] from the surface. Returns whether it was.
     fn keep_off(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, moved: &mut Vec3, least: f32) -> bool {
         let (gap, away) = self.nearest(stack, own, from + moved.as_dvec3(), least);
         if gap >= least {
@@ -182,7 +184,8 @@ impl Guard<'_> {
         true
     }
 
-    /// Whether a body and another's shape collide, now: all of its solid shapes do, and no joint keeps the two from it.
+    /// Whether a body and another one's shape collide at present: all of the body's solid shapes are
+    /// considered, and joints that exclude the pair.
     pub(super) fn may_meet(&self, own: &[u32], other: u32) -> bool {
         let collider = |c: u32| &self.colliders[c as usize];
         let other_filter = &collider(other).filter;
@@ -202,13 +205,13 @@ impl Guard<'_> {
         !self.vetoed.is_empty() && self.vetoed.binary_search(&(one.min(other), one.max(other))).is_ok()
     }
 
-    /// Whether the two of a pair are to be kept apart.
+    /// Whether the bodies of a pair are to be kept apart.
     pub(super) fn parts(&self, pair: &Pair) -> bool {
         let sensor = |c: u32| self.colliders[c as usize].is_sensor();
         !(sensor(pair.a) || sensor(pair.b) || self.is_vetoed(pair.a, pair.b))
     }
 
-    /// Where a way first enters static geometry: how far along it, and the normal there.
+    /// Where a path first enters static geometry: the share of the path, and the normal there.
     pub(super) fn first_static(
         &self,
         stack: &mut Vec<u32>,
@@ -236,8 +239,8 @@ impl Guard<'_> {
         first
     }
 
-    /// Keeps the centres of dynamic bodies on their side of the kinematic ones, all of which are at their new poses by
-    /// now. Says how many it had to hold.
+    /// Keeps the centres of dynamic bodies on their side of the kinematic ones, all of which are at their new
+    /// poses by now. Returns the number of bodies that it held.
     pub(crate) fn hold_kinematic(
         &self,
         pairs: &[Pair],
@@ -277,7 +280,7 @@ impl Guard<'_> {
             held += 1;
             let at = bodies.pose[i].position;
             let to = new.position + (new.rotation * (start + reach * stop)).as_dvec3();
-            // At least as fast as what carries it.
+            // At least as fast as the body that carries it.
             let normal = new.rotation * hit.normal;
             let carried = ((to - from) / f64::from(dt)).as_vec3();
             let velocity = &mut bodies.velocity[i];
@@ -285,7 +288,7 @@ impl Guard<'_> {
             if missing > 0.0 {
                 velocity.linear += normal * missing;
             }
-            // What doesn't move at all comes before what does.
+            // Bodies that don't move at all come first.
             let mut way = (to - at).as_vec3();
             if way.length() > 0.0 {
                 self.hold(stack, own, at, &mut way, velocity);
@@ -303,20 +306,20 @@ impl Guard<'_> {
         pose.position - (pose.rotation * c.rotation.conjugate() * c.position).as_dvec3()
     }
 
-    /// How its body was turned then.
+    /// Rotation of its body at that time.
     pub(super) fn turn_before(&self, collider: u32) -> Quat {
         let (c, pose) = (&self.colliders[collider as usize], &self.poses[collider as usize]);
         pose.rotation * c.rotation.conjugate()
     }
 }
 
-/// How much of `reach`, which is `length` and `keep` more, a centre may go that would enter a surface at `fraction`:
-/// it ends `keep` above it, and never goes backwards. None: as far as it wants.
+/// Share of `reach`, which is `length + keep`, that a centre may go if it would enter a surface at
+/// `fraction`: it ends `keep` above it, and never goes backwards. `None`: all of it.
 pub(super) fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
     let into = -reach.dot(normal);
     let stop = if into > 0.0 { fraction - keep / into } else { fraction };
     let whole = length / (length + keep);
-    // Of a length beyond all numbers nothing is left out.
+    // An infinite length is not shortened.
     let stop = stop.clamp(0.0, if whole >= 0.0 { whole } else { 1.0 });
     (stop * (length + keep) < length).then_some(stop)
 }

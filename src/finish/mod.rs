@@ -1,8 +1,8 @@
-//! Displacements in, poses out; nothing may have crossed static geometry on the way.
+//! Displacements in, poses out; nothing may have crossed static geometry in between.
 //!
-//! Threads move bodies block by block, each as far as the guard lets it ([`moving`]). What that can't decide one thread goes
-//! through afterwards: strays ([`settle`]), bodies that meet each other ([`passing`]), and trees of joints of which a body was
-//! held ([`trees`]).
+//! Threads move bodies block by block, each as far as the guard allows ([`moving`]). The rest is done
+//! afterwards by one thread: bodies off their predicted path ([`settle`]), bodies that meet each other
+//! ([`passing`]), and trees of joints of which a body was held ([`trees`]).
 
 mod ends;
 mod free;
@@ -16,9 +16,9 @@ mod turned;
 pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
-use moving::{FAR, Moving, Off};
+use moving::{FAR, Moving, Prediction};
 use passing::Movers;
-use settle::{Tools, settle_strays};
+use settle::{Tools, settle_off_path};
 use trees::Trees;
 
 use crate::body::{Bodies, Colliders};
@@ -40,31 +40,31 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
-    /// Of each dynamic body: it need not be looked at in there.
+    /// For each dynamic body, a ball in which its path need not be checked.
     pub(crate) clear: Vec<Clear>,
-    /// Of each dynamic body, if there are fast ones: what is near its predicted path.
+    /// For each dynamic body, if any is fast: the static geometry near its predicted path.
     beside: Vec<Beside>,
-    /// Of strays.
+    /// For bodies off their predicted path.
     settling: settle::Scratch,
-    /// Bodies of trees that were cut short, and the share of their ways that they went.
+    /// Bodies of trees whose paths were cut, and the share of them that they went.
     cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
 // Not by `buffers!`: some are behind locks, and some exist only in some scenes.
 impl Buffers {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed; some
-    /// of them may be joined, and some may go astray.
+    /// Calls `f` with each buffer and the capacity that it needs for so many movable bodies and dynamic ones;
+    /// whether some of them may be joined, and whether some may leave their predicted paths.
     pub(crate) fn each(
         &mut self,
         (movers, dynamic): (usize, usize),
-        (joined, strays): (bool, bool),
+        (joined, may_leave_path): (bool, bool),
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
         if joined && let Ok(cut) = self.cut.get_mut() {
-            // By the static world, and by another body.
+            // Cut by static geometry, and by another body.
             f(cut, 2 * dynamic);
         }
-        if strays {
+        if may_leave_path {
             self.settling.each(f);
         }
         f(&mut self.clear, dynamic);
@@ -81,40 +81,40 @@ impl Buffers {
         sum_bytes([bytes_of(&self.clear), bytes_of(&self.beside), self.settling.bytes(), cut, stacks])
     }
 
-    /// What the guard of continuous bodies keeps goes.
+    /// Releases the buffers of the guard of continuous bodies.
     pub(crate) fn release(&mut self) {
         *self = Buffers::default();
     }
 
-    /// There are no trees any more.
+    /// Releases the buffers of trees.
     pub(crate) fn part_trees(&mut self) {
         self.cut = Mutex::default();
     }
 
-    /// Something static is where it was not before.
+    /// Forgets empty balls: static geometry moved or was added.
     pub(crate) fn statics_changed(&mut self) {
         self.clear.clear();
     }
 }
 
-/// Stacks for walks, each with all the place that it may need.
+/// Stacks for tree traversals, each with its full capacity.
 fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
     Made { all, make: || Mutex::new(Vec::with_capacity(STACK)), holds: STACK * size_of::<u32>() }
 }
 
-/// What is near a body's predicted path.
+/// Static geometry near a body's predicted path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Beside {
     #[default]
     Nothing,
-    /// Static geometry, which the narrow phase saw the body miss.
+    /// There is some, which the narrow phase saw the body miss.
     Missed,
-    /// Static geometry that it may touch.
+    /// There is some that it may touch.
     Static,
 }
 
-/// Marks the dynamic bodies that are near something static on their predicted paths. None if nothing is fast: what is slow is
-/// known to be clear of most already.
+/// Marks the dynamic bodies that have static geometry near their predicted paths. None if no body is fast:
+/// most slow bodies are known to be clear of it.
 fn mark_beside(
     beside: &mut Vec<Beside>,
     fast: u32,
@@ -138,10 +138,10 @@ fn mark_beside(
     }
 }
 
-/// Bodies a block.
+/// Bodies in a block of work.
 const BLOCK: usize = per_block(64, 1);
 
-/// What is read and moved at the end of a step.
+/// Input of the end of a step, and the bodies that it moves.
 pub(crate) struct Input<'a> {
     pub(crate) bodies: &'a mut Bodies,
     pub(crate) colliders: &'a Colliders,
@@ -150,30 +150,30 @@ pub(crate) struct Input<'a> {
     pub(crate) forces: &'a Forces,
     pub(crate) narrow: &'a Scratch,
     pub(crate) impacts: &'a Restitution,
-    /// Displacement [m] and rotation vector [rad] of each body that can move.
+    /// Displacement [m] and rotation vector [rad] of each movable body.
     pub(crate) delta: &'a mut [Record],
     pub(crate) rows: &'a mut Rows,
     pub(crate) joint_rows: &'a mut JointRows,
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
     pub(crate) settings: &'a Settings,
-    /// Whether any body is kept from passing through others, and whether any shape is a sensor.
+    /// Whether any body is continuous, and whether any shape is a sensor.
     pub(crate) continuous: bool,
     pub(crate) senses: bool,
-    /// How many bodies outran their boxes; 0 if the list of pairs is not complete.
+    /// Number of bodies that are faster than their boxes allow for; 0 if the list of pairs is incomplete.
     pub(crate) fast: u32,
     /// Length of the step [s].
     pub(crate) dt: f32,
 }
 
-/// Moves the bodies to the end of the step. Says how many the guard held, and which were stopped because their motion was no
-/// number or led out of the world.
+/// Moves the bodies to the end of the step. Returns how many the guard held, and which were stopped because
+/// their motion was not finite or left the range of the world.
 pub(crate) fn finish(
     workers: &Workers<'_>,
     mut input: Input<'_>,
     buffers: &mut Buffers,
 ) -> (Counts, Vec<u32>) {
-    // Read by the guard beside bodies that it moves.
+    // The guard reads these while it moves other bodies.
     let slots = std::mem::take(&mut input.bodies.slot);
     let mode = if input.continuous { input.settings.stage_modes().finish } else { Continuous::Discrete };
     let guard = Guard {
@@ -188,13 +188,14 @@ pub(crate) fn finish(
         joints: input.joints,
         slots: &slots,
     };
-    let (mut held, mut stopped, strays) = move_all(workers, &guard, &mut input, buffers);
-    mend_all(&guard, &mut input, buffers, strays, (&mut held, &mut stopped));
+    let (mut held, mut stopped, any_off_path) = move_all(workers, &guard, &mut input, buffers);
+    mend_all(&guard, &mut input, buffers, any_off_path, (&mut held, &mut stopped));
     input.bodies.slot = slots;
     (held, stopped)
 }
 
-/// Moves each body by itself, in blocks. Also says whether there are strays, which stay where they were.
+/// Moves each body independently, in blocks. Also returns whether some are off their predicted path; these
+/// stay where they were.
 fn move_all(
     workers: &Workers<'_>,
     guard: &Guard<'_>,
@@ -214,7 +215,7 @@ fn move_all(
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
-    let off = Off {
+    let prediction = Prediction {
         motion: &forces.motion,
         start: &forces.start,
         summaries,
@@ -236,39 +237,39 @@ fn move_all(
         beside,
         stacks,
         cut,
-        off,
+        prediction,
         uneven: *uneven > 0,
         movers,
         dynamic,
         dt: input.dt,
         cuts: Default::default(),
         lifts: Default::default(),
-        strays: Default::default(),
+        any_off_path: Default::default(),
         stopped: Default::default(),
     };
     workers.run(blocks, &|block| moving.move_block(block));
     let held = Counts { cut: moving.cuts.into_inner(), lifted: moving.lifts.into_inner(), settled: 0 };
     let stopped = moving.stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
-    (held, stopped, moving.strays.into_inner())
+    (held, stopped, moving.any_off_path.into_inner())
 }
 
-/// What is left for one thread, if there is a guard at all: strays, bodies that would pass through each other, trees of joints
-/// that were cut short, and bodies that a kinematic one overran.
+/// The part for one thread, if the guard is on: bodies off their predicted path, bodies that would pass
+/// through each other, trees of joints whose paths were cut, and bodies that a kinematic one overran.
 fn mend_all(
     guard: &Guard<'_>,
     input: &mut Input<'_>,
     buffers: &mut Buffers,
-    strays: bool,
+    any_off_path: bool,
     (held, stopped): (&mut Counts, &mut Vec<u32>),
 ) {
     let Buffers { stacks, settling, cut, .. } = buffers;
     let Some(Ok(mut stack)) = stacks.first().map(|stack| stack.lock()) else { return };
     let Input { bodies, broad, forces, impacts, delta, rows, joint_rows, settings, dt, .. } = input;
     let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
-    if strays {
+    if any_off_path {
         let may_grow = settings.budget.is_none();
         let mut tools = Tools { stack: &mut stack, scratch: settling, may_grow };
-        settle_strays(guard, &mut tools, bodies, (delta, &forces.acceleration), settings, (held, stopped));
+        settle_off_path(guard, &mut tools, bodies, (delta, &forces.acceleration), settings, (held, stopped));
     }
     let Ok(cut) = cut.get_mut() else { return };
     if guard.cuts {

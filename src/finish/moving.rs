@@ -1,4 +1,4 @@
-//! Each body by itself: turned and moved to the end of the step, as far as the guard lets it.
+//! Moves each body independently: turned and moved to the end of the step, as far as the guard allows.
 
 use super::ends::Crossing;
 use super::free::Clear;
@@ -17,7 +17,7 @@ use glam::{Quat, Vec3};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// What the threads that move bodies share.
+/// Shared by the threads that move bodies.
 pub(super) struct Moving<'a> {
     pub(super) guard: &'a Guard<'a>,
     pub(super) velocity: Shared<'a, Record>,
@@ -32,18 +32,19 @@ pub(super) struct Moving<'a> {
     pub(super) seats: &'a TreeSlots,
     pub(super) beside: &'a [Beside],
     pub(super) stacks: &'a [Mutex<Vec<u32>>],
-    /// Bodies of trees that were cut short.
+    /// Bodies of trees whose paths were cut.
     pub(super) cut: &'a Mutex<Vec<(TreeSlot, f32)>>,
-    pub(super) off: Off<'a>,
-    /// Whether the axis of any body may wander.
+    pub(super) prediction: Prediction<'a>,
+    /// Whether the axis of rotation of any body may change by itself.
     pub(super) uneven: bool,
     pub(super) movers: usize,
     pub(super) dynamic: usize,
     pub(super) dt: f32,
-    /// How many paths were cut and ends lifted, whether any body strayed, and which were stopped.
+    /// Number of paths that were cut and of ends that were lifted, whether any body is off its predicted
+    /// path, and which bodies were stopped.
     pub(super) cuts: AtomicU32,
     pub(super) lifts: AtomicU32,
-    pub(super) strays: AtomicBool,
+    pub(super) any_off_path: AtomicBool,
     pub(super) stopped: Mutex<Vec<u32>>,
 }
 
@@ -52,7 +53,8 @@ struct Body<'a> {
     index: usize,
     pose: &'a mut Pose,
     velocity: &'a mut Record,
-    /// Its displacement; the pads say whether it was touched, and whether its spin was carried along.
+    /// Its displacement; the pads tell whether it was touched, and whether its angular velocity was
+    /// integrated too.
     delta: &'a mut Record,
     /// Its colliders.
     own: &'a [u32],
@@ -61,7 +63,7 @@ struct Body<'a> {
 impl Moving<'_> {
     /// Moves the bodies of a block.
     pub(super) fn move_block(&self, block: usize) {
-        // Without the guard there are none, and nothing is pushed.
+        // Without the guard there are none, and nothing is allocated.
         let mut none = Vec::new();
         let mut own = self.stacks.get(block).and_then(|stack| stack.lock().ok());
         let stack = own.as_deref_mut().unwrap_or(&mut none);
@@ -69,7 +71,8 @@ impl Moving<'_> {
         let turned = Turned::of((first..end).filter(|&i| self.turns_freely(i)).filter_map(|i| {
             // SAFETY: each body is in one block.
             let (pose, d) = unsafe { (self.pose.get(i), self.delta.get(i)) };
-            let (rotation, spin, inertia) = (pose.rotation, self.off.start[i].angular, self.mass[i].inertia);
+            let (rotation, spin, inertia) =
+                (pose.rotation, self.prediction.start[i].angular, self.mass[i].inertia);
             (d.pad0 == 0.0).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
         }));
         for i in first..end {
@@ -84,43 +87,45 @@ impl Moving<'_> {
     fn turns_freely(&self, i: usize) -> bool {
         self.uneven
             && i < self.dynamic
-            && spins_freely(&self.mass[i], &self.traits[i], self.off.start[i].angular, self.dt)
+            && spins_freely(&self.mass[i], &self.traits[i], self.prediction.start[i].angular, self.dt)
     }
 
-    /// `turned`: those of the block that turn freely.
+    /// `turned`: rotations of the bodies in the block that turn freely.
     #[inline]
     fn move_body(&self, mut body: Body<'_>, turned: &Turned, stack: &mut Vec<u32>) {
-        let (i, whence) = (body.index, *body.pose);
+        let (i, start) = (body.index, *body.pose);
         if !body.delta.is_within(FAR) || !body.velocity.is_within(MAX_LEFT_SPEED) {
             *body.delta = Record::default();
-            self.stop(&mut body, whence);
+            self.stop(&mut body, start);
             return;
         }
         let seat = self.seats.of(i);
         let precesses = self.turn(&mut body, turned, stack);
         let Some(moved) = self.moved(&mut body, precesses, seat, stack) else {
-            // Stays where it was until it is settled.
-            body.delta.pad0 = STRAY;
-            self.strays.store(true, Ordering::Relaxed);
+            // It stays where it was until it is settled.
+            body.delta.pad0 = OFF_PATH;
+            self.any_off_path.store(true, Ordering::Relaxed);
             return;
         };
         body.pose.position += moved.as_dvec3();
         if seat.is_some()
             && self.guard.cuts
             && self.guard.wants(&self.traits[i], body.own)
-            && let Some(crossing) = self.guard.crossing(stack, body.own, &whence, body.pose)
+            && let Some(crossing) = self.guard.crossing(stack, body.own, &start, body.pose)
         {
             self.cuts.fetch_add(1, Ordering::Relaxed);
             stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.inverse_inertia[i]);
             self.note_cut(seat, crossing.share);
         }
         if !is_in_range(body.pose) || !body.velocity.is_within(MAX_LEFT_SPEED) {
-            // What it turned or was lifted by was no number, however sound it began, or it is out of the world.
-            self.stop(&mut body, whence);
+            // Its rotation or lift is not finite, although the motion was at first, or it left the range of
+            // the world.
+            self.stop(&mut body, start);
         }
     }
 
-    /// Turns a body. Says whether its axis wandered, near something static: no look ahead knew of that.
+    /// Turns a body. Returns whether its axis changed near static geometry, which the predicted path does not
+    /// account for.
     #[inline]
     fn turn(&self, body: &mut Body<'_>, turned: &Turned, stack: &mut Vec<u32>) -> bool {
         let Body { index: i, pose, velocity, delta: d, own } = body;
@@ -129,20 +134,20 @@ impl Moving<'_> {
             let before = pose.rotation;
             (pose.rotation, velocity.angular) = turned.of_place(i % BLOCK);
             return self.beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                && self.off.turned(i, before, pose.rotation, own)
-                && !self.guard.is_free(stack, own, pose.position, d.linear, self.off.reach(own));
+                && self.prediction.turned(i, before, pose.rotation, own)
+                && !self.guard.is_free(stack, own, pose.position, d.linear, self.prediction.reach(own));
         }
-        // Looked up only where it is needed: most bodies need none.
+        // Looked up only if needed: most bodies don't need it.
         let inertia = || self.mass[i].inertia;
         if let Some((rotation, time)) = self.impacts.turned(i) {
-            // It bounced, and its spin is that of the moment.
+            // It bounced, and has the angular velocity after the bounce.
             let turn =
                 FreeTurn { rotation, spin: velocity.angular, inertia: inertia(), time: self.dt - time };
             (pose.rotation, velocity.angular) = turn.one();
             return false;
         }
         let mut turned = (exp_map(d.angular) * pose.rotation).normalize();
-        // Bodies of trees that keep their energy turned with their angular momentum, substep by substep.
+        // Bodies of trees that conserve energy turned with their angular momentum, substep by substep.
         let carried = d.pad1 != 0.0;
         if self.uneven
             && i < self.dynamic
@@ -152,8 +157,8 @@ impl Moving<'_> {
             if d.angular.length_squared() > FREE_SPIN_IN_TOUCH * FREE_SPIN_IN_TOUCH
                 && self.guard.is_elastic(own)
             {
-                // About an axis that stands still a rod that spins about its own would hardly tilt, and sink into
-                // what lifts its end. Its spin keeps its energy, as seen from the body.
+                // About a fixed axis a rod that spins about its own would hardly tilt, and sink into what
+                // lifts its end. The angular velocity keeps its energy, in the body's frame.
                 let (rotation, spin) = (pose.rotation, d.angular / self.dt);
                 let turn = FreeTurn { rotation, spin, inertia: inertia(), time: self.dt };
                 turned = turn.one().0;
@@ -167,7 +172,8 @@ impl Moving<'_> {
         false
     }
 
-    /// How far a body moves, as far as the guard lets it [m]; none if it strays. `precesses`: its axis wandered.
+    /// Displacement of a body, as far as the guard allows [m]; `None` if it is off its predicted path.
+    /// `precesses`: its axis changed.
     #[inline]
     fn moved(
         &self,
@@ -180,65 +186,67 @@ impl Moving<'_> {
         let (i, own, guard) = (*i, *own, self.guard);
         let touched = d.pad0 != 0.0;
         let mut moved = d.linear;
-        // What met nothing went along the path that the broad phase and the narrow phase looked along.
+        // An untouched body followed the path that the broad phase and the narrow phase checked.
         let alone =
             !touched && !precesses && self.beside.get(i).is_some_and(|beside| *beside != Beside::Static);
         if i >= self.dynamic || alone || !guard.wants(&self.traits[i], own) {
             return Some(moved);
         }
         let from = pose.position;
-        // What bounced meets what it was thrown at with its speed, in the next step. What is joined goes nowhere alone.
+        // A body that bounced keeps its velocity and meets its next obstacle in the next step. Jointed bodies
+        // can't be moved alone.
         let bounced = self.impacts.bounced(i);
-        let led = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
+        let never_settled = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
         // SAFETY: each body is in one block.
         let clear = unsafe { self.clear.get(i) };
-        let mut is_stray = !led && (precesses || touched && self.off.strays(i, d, own));
-        if !is_stray && (guard.cuts || !led) && !guard.is_clear(stack, own, clear, from, moved) {
-            let mut kept = **velocity;
-            match guard.hold(stack, own, from, &mut moved, &mut kept) {
-                Some((Held::Cut, _)) if !led => is_stray = true,
+        let mut off_path = !never_settled && (precesses || touched && self.prediction.is_left(i, d, own));
+        if !off_path && (guard.cuts || !never_settled) && !guard.is_clear(stack, own, clear, from, moved) {
+            let mut cut_velocity = **velocity;
+            match guard.hold(stack, own, from, &mut moved, &mut cut_velocity) {
+                Some((Held::Cut, _)) if !never_settled => off_path = true,
                 Some((held, _)) if guard.cuts => {
                     let count = if held == Held::Cut { &self.cuts } else { &self.lifts };
                     count.fetch_add(1, Ordering::Relaxed);
                     self.note_cut(seat, moved.length() / d.linear.length());
                     if !bounced {
-                        **velocity = kept;
+                        **velocity = cut_velocity;
                     }
                 }
                 _ => moved = d.linear,
             }
         }
-        (!is_stray).then_some(moved)
+        (!off_path).then_some(moved)
     }
 
-    /// A body of a tree went only a share of its way.
+    /// Records that a body of a tree went only a share of its path.
     fn note_cut(&self, seat: Option<TreeSlot>, share: f32) {
         if let (Some(seat), Ok(mut cut)) = (seat, self.cut.lock()) {
-            // Lifted off something, it may have gone further than it wanted, or where it wanted nowhere.
+            // A lifted body may have gone further than its path, or to where it did not want to go.
             cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));
         }
     }
 
     #[cold]
-    fn stop(&self, body: &mut Body<'_>, whence: Pose) {
-        stop_body(body.pose, body.velocity, whence, body.index < self.dynamic);
+    fn stop(&self, body: &mut Body<'_>, start: Pose) {
+        stop_body(body.pose, body.velocity, start, body.index < self.dynamic);
         self.stopped.lock().unwrap_or_else(PoisonError::into_inner).push(body.index as u32);
     }
 }
 
-/// What tells strays from others.
-pub(super) struct Off<'a> {
+/// Decides which bodies are off their predicted path.
+pub(super) struct Prediction<'a> {
     pub(super) motion: &'a [Record],
     pub(super) start: &'a [Record],
     pub(super) summaries: &'a [ColliderSummary],
-    /// Who ends less far off strays not [m].
+    /// A body that ends nearer to its predicted place than this is not off its path [m].
     pub(super) least: f32,
     pub(super) dt: f32,
 }
 
-impl Off<'_> {
-    /// Whether any point of a body ended far from where it was predicted to be, with the pull of the step and without.
-    fn strays(&self, i: usize, went: &Record, own: &[u32]) -> bool {
+impl Prediction<'_> {
+    /// Whether any point of a body ended far from where it was predicted, both with the acceleration of the
+    /// step and without.
+    fn is_left(&self, i: usize, went: &Record, own: &[u32]) -> bool {
         let reach = self.reach(own);
         let is_far = |linear: Vec3, angular: Vec3| {
             let swing = reach * (went.angular - angular).length().min(2.0);
@@ -248,7 +256,8 @@ impl Off<'_> {
         is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
     }
 
-    /// Whether a body that turned as a free one is turned otherwise than predicted, by so much that a point of it is far off.
+    /// Whether the rotation of a freely turning body differs from the predicted one by so much that a point
+    /// of it is far off.
     fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
         let meant = exp_map(self.motion[i].angular) * before;
         // The chord of the angle between them.
@@ -256,7 +265,7 @@ impl Off<'_> {
         self.reach(own) * chord > self.least
     }
 
-    /// How far any point of a body is from its centre, at most [m].
+    /// Maximum distance of a point of a body from its centre [m].
     fn reach(&self, own: &[u32]) -> f32 {
         own.iter().fold(0.0, |reach, &c| {
             let summaries = &self.summaries[c as usize];
@@ -267,18 +276,18 @@ impl Off<'_> {
 
 // Sentinel: in the first pad of a displacement.
 /// Marks a stray, where others have whether they were touched.
-pub(super) const STRAY: f32 = -1.0;
+pub(super) const OFF_PATH: f32 = -1.0;
 
-/// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.
+/// Puts a body back to where it was, at rest. A kinematic one keeps its velocity, which the caller sets.
 #[cold]
-pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, whence: Pose, is_dynamic: bool) {
-    *pose = whence;
+pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, start: Pose, is_dynamic: bool) {
+    *pose = start;
     if is_dynamic {
         *velocity = Record::default();
     }
 }
 
-/// Whether a body is where a caller could put it; beyond, boxes and distances would be no numbers soon.
+/// Whether a body is where a caller could put it: beyond, boxes and distances would soon overflow.
 #[inline(always)]
 pub(super) fn is_in_range(pose: &Pose) -> bool {
     pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
@@ -288,7 +297,7 @@ pub(super) fn is_in_range(pose: &Pose) -> bool {
 /// Displacements beyond are out of the world, whatever the body was [m], [rad].
 pub(super) const FAR: f32 = 4.0 * MAX_POSITION as f32;
 
-/// Takes away the speed with which an end of a body goes into something.
+/// Removes the velocity with which an end of a body enters a surface.
 fn stop_end(velocity: &mut Record, crossing: &Crossing, inverse_mass: f32, inverse_inertia: &Sym3<f32>) {
     let Crossing { arm, normal, .. } = *crossing;
     let speed = normal.dot(velocity.linear + velocity.angular.cross(arm));

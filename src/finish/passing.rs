@@ -1,11 +1,12 @@
-//! Two bodies that both move, and that would pass through each other.
+//! Pairs of moving bodies that would pass through each other.
 //!
-//! Potential points keep one pair apart exactly; where many fast bodies meet at once, few iterations don't, and where a plate
-//! turns under what slides along it, planes of one moment don't. So the way of each fast body's centre is looked at in the
-//! frame of the other. If it enters that one's shape, more along its surface than into it, the two are moved apart at their ends
-//! until the centre is back in front of the surface that it went through, by as much as the ball that fits into its body; the
-//! lighter one gives way. If it goes right into it, or both have joints and can't be moved alone, both stop on their ways. The
-//! speed with which they close is taken away as by an impulse there.
+//! Potential points keep one pair apart exactly; where many fast bodies meet at once, few iterations don't,
+//! and where a plate turns under a sliding body, fixed planes don't. So the path of each fast body's centre
+//! is checked in the frame of the other body. If it enters the other's shape, more along its surface than
+//! into it, the two are moved apart at their ends until the centre is back in front of the surface that it
+//! crossed, by the radius of its body's inner ball; the lighter body moves more. If it goes straight into it,
+//! or both have joints and can't be moved alone, both stop on their paths. The closing speed is removed as by
+//! an impulse there.
 
 use super::guard::{Guard, stop};
 use crate::body::{Bodies, Pose, carry_spin};
@@ -20,38 +21,38 @@ use glam::Vec3;
 // Sentinel: in the first pad of a displacement.
 /// In `pad0` of a body's displacement: it was moved out of another's way.
 const MOVED: f32 = 2.0;
-/// Passes over fast pairs: a body that is moved may get in the way of another.
+/// Number of passes over fast pairs: a body that is moved aside may get in the way of another.
 const PASSES: usize = 8;
-/// From this pass on bodies go back to where they were: nothing between helped.
+/// From this pass on, bodies go back to where they were: nothing in between helped.
 const RETURNING: usize = 5;
 
-/// What is known of the bodies, and what is done to them.
+/// The bodies, and what is done to them.
 pub(super) struct Movers<'a> {
     pub(super) bodies: &'a mut Bodies,
     /// Displacements of the step.
     pub(super) delta: &'a mut [Record],
     pub(super) impacts: &'a Restitution,
     pub(super) seats: &'a TreeSlots,
-    /// Of trees that were stopped, which share of their ways was left.
+    /// For each tree that was stopped, the share of their paths that its bodies go.
     pub(super) cut: &'a mut Vec<(TreeSlot, f32)>,
     pub(super) stack: &'a mut Vec<u32>,
 }
 
-/// A centre that gets into a shape.
+/// A centre that enters a shape.
 #[derive(Clone, Copy, Debug)]
 struct Passing {
-    /// Share of the two ways after which it is still in front of the surface.
+    /// Share of the two paths up to which it is still in front of the surface.
     stop: f32,
-    /// Of the surface that it enters, at the end of the step, towards the centre.
+    /// Normal of the surface that it enters, at the end of the step, towards the centre.
     normal: Vec3,
-    /// How far it has to be moved along the normal to be in front again, at the end of the step [m]; none if it goes more
-    /// into the surface than along it.
+    /// How far it has to be moved along the normal to be in front again, at the end of the step [m]; `None`
+    /// if it goes more into the surface than along it.
     lift: Option<f32>,
 }
 
 impl Guard<'_> {
-    /// Keeps the centres of fast dynamic bodies out of each other's shapes. Says how often it had to. Bodies of one tree pass:
-    /// better one through the other than a joint torn.
+    /// Keeps the centres of fast dynamic bodies out of each other's shapes. Returns how often it had to.
+    /// Bodies of one tree may pass: better one through the other than a torn joint.
     pub(super) fn hold_movers(&self, pairs: &[Pair], movers: &mut Movers<'_>) -> u32 {
         let dynamic = movers.bodies.dynamic();
         let mut held = 0;
@@ -69,7 +70,7 @@ impl Guard<'_> {
                 {
                     continue;
                 }
-                // Either centre through the other shape.
+                // The centre of each against the shape of the other.
                 let found = match (self.passes(pair.a, pair.b, bodies), self.passes(pair.b, pair.a, bodies)) {
                     (Some(a), Some(b)) if b.stop < a.stop => (pair.b, pair.a, b),
                     (Some(a), _) => (pair.a, pair.b, a),
@@ -79,7 +80,7 @@ impl Guard<'_> {
                 held += 1;
                 let (one, other, mut passing) = found;
                 if [i, k].iter().any(|&i| movers.delta[i].pad0 == MOVED) {
-                    // Led along one it may be led into another, and back.
+                    // A body that is led along one may be led into another, and back.
                     passing.lift = None;
                 }
                 if pass >= RETURNING {
@@ -94,18 +95,20 @@ impl Guard<'_> {
         held
     }
 
-    /// Whether the centres of two bodies pass each other further off than either shape reaches: most by far.
+    /// Whether the centres of two bodies pass each other at more than the size of either shape: by far the
+    /// most pairs.
     fn pass_by(&self, pair: &Pair, (i, k): (usize, usize), bodies: &Bodies) -> bool {
         let [a, b] = [pair.a, pair.b].map(|c| &self.summaries[c as usize]);
         let start = (self.poses[pair.a as usize].position - self.poses[pair.b as usize].position).as_vec3();
         let way = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() - start;
         let along = (-start.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-        // From shape to shape at the start, from centre to centre at the end; a little further than the motion, as below.
+        // From shape to shape at the start, from centre to centre at the end, and a little beyond the motion,
+        // as below.
         let reach = a.radius.max(b.radius) + 2.0 * (a.lever + b.lever);
         (start + way * along).length() > 1.01 * reach + GUARD_DISTANCE * a.radius.max(b.radius)
     }
 
-    /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.
+    /// Moves two bodies apart, if the centre of the first enters a shape of the second.
     fn part(&self, (one, other, passing): (u32, u32, Passing), movers: &mut Movers<'_>) {
         let Passing { stop, normal, lift } = passing;
         let Movers { bodies, delta, impacts, seats, cut, stack } = movers;
@@ -128,12 +131,12 @@ impl Guard<'_> {
                 let pose = &mut bodies.pose[i];
                 pose.position = from + (pose.position - from) * f64::from(stop);
                 match seats.of(i) {
-                    // No more than one entry a body: there is no place for more.
+                    // At most one entry per body: there is no capacity for more.
                     Some(seat) => match cut.iter_mut().find(|(other, _)| *other == seat) {
                         Some((_, share)) => *share = share.min(stop),
                         None => cut.push((seat, stop)),
                     },
-                    // Or a rod that spins stops with its end in the other.
+                    // Otherwise a spinning rod would stop with its end in the other body.
                     None => {
                         let (end, inertia) = (pose.rotation, bodies.mass[i].inertia);
                         pose.rotation = turned.lerp(end, stop);
@@ -144,11 +147,11 @@ impl Guard<'_> {
             }
             delta[i].pad0 = MOVED;
         }
-        // What was thrown there by an impact bounces again in the next step.
+        // A body that an impact threw there bounces again in the next step.
         if impacts.bounced(i) || impacts.bounced(k) {
             return;
         }
-        // From the centres to where the ball in the first touches the second.
+        // From the centres to where the inner ball of the first touches the second.
         let arm_i = normal * -self.inner(bodies.colliders[i].as_slice());
         let arm_k = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() + arm_i;
         let (mut a, mut b) = (ImpactBody::now(bodies, i), ImpactBody::now(bodies, k));
@@ -162,7 +165,7 @@ impl Guard<'_> {
         }
     }
 
-    /// Whether the centre of the body of `one` gets into the shape `other`, as that moves.
+    /// Whether the centre of the body of `one` enters the shape `other`, as that moves.
     fn passes(&self, one: u32, other: u32, bodies: &Bodies) -> Option<Passing> {
         let shape = &self.colliders[other as usize];
         let body = |c: u32| self.colliders[c as usize].body as usize;
@@ -185,7 +188,7 @@ impl Guard<'_> {
         let inner = self.inner(own);
         let keep = GUARD_DISTANCE * inner;
         let reach = moved * (1.0 + keep / length);
-        // Past the ball around the shape: most pairs by far.
+        // It misses the ball around the shape: by far the most pairs.
         let along = (-start.dot(reach) / reach.length_squared()).clamp(0.0, 1.0);
         if (start + reach * along).length() > 1.001 * shape.radius {
             return None;

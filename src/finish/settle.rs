@@ -1,20 +1,23 @@
-//! Where bodies end that rows threw off their predicted way.
+//! Final poses of bodies that rows pushed off their predicted path.
 //!
-//! Rows hold the planes of contact in a linear model: a point goes along its velocity, and arms stay as they were at the touch.
-//! A body that strikes with a tip at 500 m/s turns by many radians in what is left of the step. Its centre then goes a way
-//! along which nobody looked, and its rotation ends where no row knew of it. So of bodies that end far from where they
-//! were predicted to be (*strays*), the end of the step is settled against the static geometry that is really there:
+//! Rows keep contacts in a linear model: a point moves along its velocity, and arms stay as they were at the
+//! touch. A body that strikes with a tip at 500 m/s turns by many radians in the rest of the step. Its centre
+//! then takes a path that nobody checked, and ends with a rotation that no row accounted for. So for bodies
+//! that end far from where they were predicted (*off their path*), the end of the step is settled against the
+//! actual static geometry:
 //!
-//! - The way of the centre is followed; where it enters a surface, the rest of it goes on along that surface, and so do the
-//!   velocities ([`Guard::go_on`]). A shot into a corner meets its three walls in one step.
-//! - At the end, with the rotation that rows led to, the body is moved out of what it overlaps: the manifolds that the next
-//!   step would begin with say how far ([`Settling::settle`]). Nothing is pushed, so no energy comes of it.
+//! - The path of the centre is followed; where it enters a surface, the rest of it continues along that
+//!   surface, and so do the velocities ([`Guard::go_on`]). A shot into a corner meets its three walls in one
+//!   step.
+//! - At the end, with the rotation that the rows gave it, the body is moved out of all overlap: the manifolds
+//!   with which the next step would begin tell how far ([`Settling::settle`]). No velocity is changed, so no
+//!   energy is added.
 //!
-//! Bodies that went as predicted need none of it: their ways were looked along before the rows were made.
+//! Bodies that went as predicted need none of it: their paths were checked before the rows were made.
 
 use super::ends::ends_of;
 use super::guard::{Counts, Guard, Held};
-use super::moving::{STRAY, is_in_range, stop_body};
+use super::moving::{OFF_PATH, is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
@@ -28,24 +31,24 @@ use crate::narrow_phase::{
 use crate::shape::{Collider, Kind};
 use glam::{DVec3, Vec3};
 
-/// Surfaces that a stray may be led along within a step.
+/// Maximum number of surfaces along which a body is led within a step.
 const SURFACES: usize = 4;
-/// How often a stray is moved out of what it overlaps: out of one surface, and of what that moves it into.
+/// How often a body is moved out of overlap: out of one surface, and of those that this moves it into.
 const LIFTS: usize = 12;
 
-/// What looks at meshes work with. It does not grow once it has its place.
+/// Buffers of mesh queries. They do not grow once they have their capacity.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     mesh: MeshScratch,
     raw: Vec<RawManifold>,
 }
 
-/// Triangles that a look may touch, and the manifolds that they may yield.
+/// Maximum number of triangles that a query may touch, and of the manifolds that they may yield.
 const TRIANGLES: usize = 32;
 const MANIFOLDS: usize = 8;
 
 impl Scratch {
-    /// Calls `f` with each buffer and the place that it needs.
+    /// Calls `f` with each buffer and the capacity that it needs.
     pub(super) fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.mesh.each_ready(TRIANGLES, f);
         f(&mut self.raw, MANIFOLDS);
@@ -56,25 +59,26 @@ impl Scratch {
     }
 }
 
-/// What looks work with: a stack for walks, and buffers for meshes, which may be made now unless memory has a budget.
+/// Buffers of queries: a stack for tree traversals, and those for meshes, which may be allocated now unless
+/// memory has a budget.
 pub(super) struct Tools<'a> {
     pub(super) stack: &'a mut Vec<u32>,
     pub(super) scratch: &'a mut Scratch,
     pub(super) may_grow: bool,
 }
 
-/// What became of a stray.
+/// How a body off its path was settled.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settled {
-    /// Led along what its centre would have entered, or moved out of what it would have overlapped.
+    /// Led along surfaces that its centre would have entered, or moved out of overlap.
     pub(super) moved: bool,
-    /// Stopped where it met one surface too many.
+    /// Stopped where it met too many surfaces.
     pub(super) cut: bool,
 }
 
-/// Settles the strays among the dynamic bodies. `delta`: displacements, with the mark of strays; counts what the guard held, and
-/// lists who was stopped.
-pub(super) fn settle_strays(
+/// Settles the dynamic bodies that are off their path. `delta`: displacements, with the mark of these bodies;
+/// counts what the guard held, and lists the bodies that were stopped.
+pub(super) fn settle_off_path(
     guard: &Guard<'_>,
     tools: &mut Tools<'_>,
     bodies: &mut Bodies,
@@ -83,9 +87,9 @@ pub(super) fn settle_strays(
     (held, stopped): (&mut Counts, &mut Vec<u32>),
 ) {
     let slop = settings.slop * settings.length_unit;
-    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == STRAY) {
+    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == OFF_PATH) {
         let own = bodies.colliders[i].as_slice();
-        let stray = Settling {
+        let body = Settling {
             own,
             traits: &bodies.traits[i],
             pull: acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
@@ -93,56 +97,57 @@ pub(super) fn settle_strays(
             least: (STRAY_DISTANCE * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
         };
         let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
-        let whence = *pose;
-        let settled = stray.settle(guard, tools, pose, delta[i].linear, velocity);
+        let start = *pose;
+        let settled = body.settle(guard, tools, pose, delta[i].linear, velocity);
         held.cut += u32::from(settled.cut);
         held.settled += u32::from(settled.moved);
         if !is_in_range(pose) || !velocity.is_within(MAX_LEFT_SPEED) {
-            stop_body(pose, velocity, whence, true);
+            stop_body(pose, velocity, start, true);
             stopped.push(i as u32);
         }
     }
 }
 
-/// One stray.
+/// A body off its path.
 pub(super) struct Settling<'a> {
     pub(super) own: &'a [u32],
     pub(super) traits: &'a Traits,
     /// Acceleration of the step [m/s²].
     pub(super) pull: Vec3,
-    /// Overlap that is left to it [m].
+    /// Overlap that it may keep [m].
     pub(super) slop: f32,
     /// Overlap by no more than this is left as it is [m].
     pub(super) least: f32,
 }
 
-/// Where the way of a centre led.
+/// Result of following the path of a centre.
 struct Went {
     to: DVec3,
-    /// Along something.
-    led: bool,
-    /// What is left of the way, if it led into one surface too many.
+    /// It was led along a surface.
+    along_surface: bool,
+    /// The rest of the path, if it led into too many surfaces.
     left: Option<Vec3>,
 }
 
 impl Guard<'_> {
-    /// How far an end of a body, at `arm` from its centre, is behind the surface that lies between the two, and the normal of
-    /// that; none if the way from the one to the other comes out again.
+    /// How far an end of a body, at `arm` from its centre, is behind the surface between the two, and the
+    /// normal of that; `None` if the segment from the centre to the end comes out again.
     fn beyond(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, arm: Vec3) -> Option<(f32, Vec3)> {
         let (fraction, normal) = self.first_static(stack, own, centre, arm)?;
         let behind = (1.0 - fraction) * -arm.dot(normal);
-        // From just behind the surface on.
+        // Begin just behind the surface.
         let from = fraction + 1e-3 * (1.0 - fraction);
         let rest = arm * (1.0 - from);
         let goes_on = self.first_static(stack, own, centre + (arm * from).as_dvec3(), rest).is_none();
         (behind > 0.0 && goes_on).then_some((behind, normal))
     }
 
-    /// Follows the way of a centre along the static surfaces that it enters: the velocities into them are taken away.
+    /// Follows the path of a centre along the static surfaces that it enters, and removes the velocities into
+    /// them.
     fn go_on(
         &self,
         stack: &mut Vec<u32>,
-        stray: &Settling<'_>,
+        body: &Settling<'_>,
         from: DVec3,
         way: Vec3,
         velocity: &mut Record,
@@ -151,29 +156,34 @@ impl Guard<'_> {
         let mut met = [Vec3::ZERO; SURFACES];
         for count in 0..SURFACES {
             let mut moved = left;
-            let Some((Held::Cut, normal)) = self.hold(stack, stray.own, at, &mut moved, velocity) else {
-                return Went { to: at + stray.traits.free(moved).as_dvec3(), led: count > 0, left: None };
+            let Some((Held::Cut, normal)) = self.hold(stack, body.own, at, &mut moved, velocity) else {
+                return Went {
+                    to: at + body.traits.free(moved).as_dvec3(),
+                    along_surface: count > 0,
+                    left: None,
+                };
             };
-            moved = stray.traits.free(moved);
+            moved = body.traits.free(moved);
             at += moved.as_dvec3();
             met[count] = normal;
-            left = stray.traits.free(along(&met[..=count], left - moved));
-            velocity.linear = stray.traits.free(along(&met[..=count], velocity.linear));
+            left = body.traits.free(along(&met[..=count], left - moved));
+            velocity.linear = body.traits.free(along(&met[..=count], velocity.linear));
             if left == Vec3::ZERO {
-                return Went { to: at, led: true, left: None };
+                return Went { to: at, along_surface: true, left: None };
             }
         }
-        Went { to: at, led: true, left: Some(left) }
+        Went { to: at, along_surface: true, left: Some(left) }
     }
 }
 
-/// What of a vector leads into none of the surfaces with these normals, the last of which it enters.
+/// The part of a vector that leads into none of the surfaces with these normals, of which the last was
+/// entered last.
 fn along(normals: &[Vec3], vector: Vec3) -> Vec3 {
     let Some((&last, before)) = normals.split_last() else { return vector };
     let slid = vector - last * vector.dot(last).min(0.0);
     for (i, &other) in before.iter().enumerate() {
         if slid.dot(other) < 0.0 {
-            // Only the crease is left, and if that leads into a third one, nothing.
+            // Only the direction of the crease is left, and if that leads into a third surface, nothing.
             let Some(crease) = last.cross(other).try_normalize() else { return Vec3::ZERO };
             let slid = crease * vector.dot(crease);
             let into_third =
@@ -184,8 +194,8 @@ fn along(normals: &[Vec3], vector: Vec3) -> Vec3 {
     slid
 }
 
-/// Takes what a body was lifted against its pull by, twice the energy by its mass [m²/s²], out of its speed into what it was
-/// lifted off.
+/// Removes from a body's speed into the surface, by which it was lifted, the energy of the lift against its
+/// acceleration: twice that energy by its mass [m²/s²].
 fn pay(velocity: &mut Vec3, out: Vec3, price: f32) {
     let into = -velocity.dot(out);
     if into > 0.0 && price > 0.0 {
@@ -194,7 +204,7 @@ fn pay(velocity: &mut Vec3, out: Vec3, price: f32) {
 }
 
 impl Settling<'_> {
-    /// Settles a stray that is turned as at its end and stands where it was at the start of the step.
+    /// Settles a body that has its final rotation but still its position of the start of the step.
     pub(super) fn settle(
         &self,
         guard: &Guard<'_>,
@@ -205,7 +215,7 @@ impl Settling<'_> {
     ) -> Settled {
         let went = guard.go_on(tools.stack, self, pose.position, way, velocity);
         pose.position = went.to;
-        let mut settled = Settled { moved: went.led, cut: false };
+        let mut settled = Settled { moved: went.along_surface, cut: false };
         if let Some(left) = went.left {
             if guard.cuts {
                 settled.cut = true;
@@ -232,7 +242,7 @@ impl Settling<'_> {
         settled
     }
 
-    /// How deep the body is in static geometry where it is deepest [m], and the way out.
+    /// Greatest depth of the body in static geometry [m], and the direction out of it.
     fn deepest(
         &self,
         guard: &Guard<'_>,
@@ -255,7 +265,7 @@ impl Settling<'_> {
                 rotation: pose.rotation * shape.rotation,
             };
             let bounds = aabb_of(shape, pose.position, pose.rotation);
-            // A shape about its body's centre holds the ways to its ends.
+            // A shape around its body's centre contains the segments to its ends.
             let mut may_cross = shape.position != Vec3::ZERO;
             guard.broad.in_box(stack, SearchSet::Statics, &bounds, |other| {
                 if !guard.may_meet(self.own, other) {
@@ -278,8 +288,8 @@ impl Settling<'_> {
         deepest
     }
 
-    /// How deep a shape is in one that stands still [m], and the normal into that, in its own frame; none if it is surely in
-    /// nothing, or in a mesh no deeper than is left to it.
+    /// Depth of a shape in a static one [m], and the normal into that, in its own frame; `None` if it is
+    /// certainly in nothing, or no deeper in a mesh than it may stay.
     fn overlap(
         &self,
         (shape, here): (&Collider, &Pose),

@@ -1,7 +1,8 @@
-//! Trees of joints of which the guard held a body: all of a tree stops with it.
+//! Trees of joints of which the guard held a body: the whole tree stops with it.
 //!
-//! A body that is cut short alone leaves its joints by what it is cut, which may be half a metre. So the bodies of its tree go
-//! no further on their ways than it, whatever is open then is closed, and each way is looked at once more.
+//! If the path of one body alone is cut, its joints open by the missing part, which may be half a metre. So
+//! all bodies of its tree go no further on their paths than it does, joints that are open then are closed,
+//! and each path is checked once more.
 
 use super::FAR;
 use super::guard::Guard;
@@ -13,7 +14,7 @@ use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
 
-/// What mending trees changes.
+/// State that closing trees changes.
 pub(super) struct Trees<'a> {
     pub(super) bodies: &'a mut Bodies,
     pub(super) delta: &'a mut [Record],
@@ -23,7 +24,8 @@ pub(super) struct Trees<'a> {
 }
 
 impl Trees<'_> {
-    /// Takes all bodies of the trees in `cut` back to the least share of their ways that one of the tree could go.
+    /// Takes all bodies of the trees in `cut` back to the least share of their paths that a body of the tree
+    /// could go.
     pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(TreeSlot, f32)], stack: &mut Vec<u32>) {
         cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
         for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
@@ -34,7 +36,7 @@ impl Trees<'_> {
                 (d.linear, d.angular) = (d.linear * share, d.angular * share);
             }
             self.close(seat);
-            // From where all were at the start of the step nothing has crossed anything.
+            // At the poses of the start of the step nothing had crossed anything.
             let Trees { bodies, delta, joints, .. } = &mut *self;
             let mut any = false;
             for i in joints.bodies_of(seat) {
@@ -46,7 +48,8 @@ impl Trees<'_> {
                 }
             }
             if any || share < STUCK_TREE {
-                // Or it would hang there, ever faster. What is slow enough is not looked at, and slips off.
+                // Damp a stuck tree, or it gains speed in every step. Slow enough bodies are not checked, and
+                // slip off.
                 for i in joints.bodies_of(seat) {
                     let v = &mut bodies.velocity[i];
                     (v.linear, v.angular) = (v.linear * STUCK_TREE_SPEED, v.angular * STUCK_TREE_SPEED);
@@ -66,7 +69,7 @@ impl Trees<'_> {
 
     fn close(&mut self, seat: TreeSlot) {
         let along = self.rows.views();
-        // Of the solver's state only displacements are looked at.
+        // Only the displacements of the solver's state are used.
         let (velocity, base) = (&mut [][..], &mut [][..]);
         let (velocity, base, delta) = (Shared::new(velocity), Shared::new(base), Shared::new(self.delta));
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
@@ -76,8 +79,8 @@ impl Trees<'_> {
     }
 }
 
-/// Keeps a body's centre from crossing something static; says whether an end of it still would, or the centre had to be moved
-/// far.
+/// Keeps a body's centre from crossing static geometry. Returns whether an end of it still would, or the
+/// centre had to be moved far.
 fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut Record, i: usize) -> bool {
     let own = bodies.colliders[i].as_slice();
     if d.linear == Vec3::ZERO || !guard.wants(&bodies.traits[i], own) {
@@ -95,7 +98,7 @@ fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut
 }
 
 impl Guard<'_> {
-    /// Where a body was at the start of the step.
+    /// Pose of a body at the start of the step.
     fn before(&self, i: usize, bodies: &Bodies, d: &Record) -> Pose {
         let pose = &bodies.pose[i];
         match bodies.colliders[i].as_slice() {

@@ -1,14 +1,16 @@
-//! What the bodies of a block that nothing touches turn to.
+//! Rotations of the untouched bodies of a block.
 
 use super::BLOCK;
 use crate::body::{FREE, FreeTurn};
 use glam::{Quat, Vec3};
 
-/// Rotations and angular velocities at the end of the step, by a body's place in its block; of the others nothing.
+/// Rotations and angular velocities at the end of the step, by a body's place in its block; `None` for other
+/// bodies.
 pub(super) struct Turned([(Quat, Vec3); BLOCK]);
 
 impl Turned {
-    /// Turns those given, each with its place: those that take as long as each other together.
+    /// Turns the given bodies, each with its place. Those that take the same number of steps are turned
+    /// together.
     pub(super) fn of(turns: impl Iterator<Item = (usize, FreeTurn)>) -> Turned {
         let mut turned = Turned([(Quat::IDENTITY, Vec3::ZERO); BLOCK]);
         let mut all = [(0, 0, FreeTurn::default()); BLOCK];
@@ -34,7 +36,7 @@ impl Turned {
         turned
     }
 
-    /// Of the body at a place.
+    /// Rotation and angular velocity of the body at a place.
     pub(super) fn of_place(&self, place: usize) -> (Quat, Vec3) {
         self.0[place]
     }

@@ -105,7 +105,7 @@ pub enum Spring {
 impl Spring {
     // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.
-    pub(crate) const MOST: f32 = 1e20;
+    pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
 
     /// Stiffness and damping, and whether they are per effective mass.
     pub(crate) fn coefficients(self) -> (f32, f32, bool) {
@@ -131,9 +131,9 @@ impl Spring {
                 return Ok(());
             }
         };
-        within("spring stiffness", stiffness, 0.0, Self::MOST, "in 0..=1e20")?;
+        within("spring stiffness", stiffness, 0.0, Self::MAX_COEFFICIENT, "in 0..=1e20")?;
         if damping != f32::INFINITY {
-            within("spring damping", damping, 0.0, Self::MOST, "in 0..=1e20 or infinite")?;
+            within("spring damping", damping, 0.0, Self::MAX_COEFFICIENT, "in 0..=1e20 or infinite")?;
         }
         Ok(())
     }

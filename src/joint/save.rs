@@ -33,11 +33,11 @@ impl Joints {
         self.all.iter().for_each(|joint| out.extend_from_slice(&words::<6>([joint.force, joint.torque])));
         for lock in &self.locks {
             let [x, y, z] = lock.impulse.to_array();
-            out.extend_from_slice(&words::<6>([x, y, z, lock.held, lock.steady, lock.lag]));
+            out.extend_from_slice(&words::<6>([x, y, z, lock.lasting_impulse, lock.steady, lock.lag]));
         }
         for row in &self.rows {
             let [low, high] = row.impulse;
-            out.extend_from_slice(&words::<3>([low, high, row.held]));
+            out.extend_from_slice(&words::<3>([low, high, row.lasting_impulse]));
         }
         JointLists {
             joints: self.all.len() as u32,
@@ -53,13 +53,13 @@ impl Joints {
             [joint.force, joint.torque] = record::<[Vec3; 2], 6>(words);
         }
         for (lock, words) in self.locks.iter_mut().zip(saved.locks.as_chunks::<6>().0) {
-            let [x, y, z, held, steady, lag]: [f32; 6] = record::<_, 6>(words);
-            (lock.impulse, lock.held) = (Vec3::new(x, y, z), held);
+            let [x, y, z, lasting_impulse, steady, lag]: [f32; 6] = record::<_, 6>(words);
+            (lock.impulse, lock.lasting_impulse) = (Vec3::new(x, y, z), lasting_impulse);
             (lock.steady, lock.lag) = (steady, lag);
         }
         for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<3>().0) {
-            let [low, high, held]: [f32; 3] = record::<_, 3>(words);
-            (row.impulse, row.held) = ([low, high], held);
+            let [low, high, lasting_impulse]: [f32; 3] = record::<_, 3>(words);
+            (row.impulse, row.lasting_impulse) = ([low, high], lasting_impulse);
         }
         self.changed = saved.lists.changed != 0;
         self.broken.clear();
@@ -248,7 +248,14 @@ impl JointRecords {
             let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
             let kind = lock_of(code)?.filter(|_| known(joint, &records.all));
             let kind = kind.ok_or_else(|| broken("a lock"))?;
-            records.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0, lag: -1.0 });
+            records.locks.push(Lock {
+                joint,
+                kind,
+                impulse: Vec3::ZERO,
+                lasting_impulse: 0.0,
+                steady: 0.0,
+                lag: -1.0,
+            });
         }
         for _ in 0..rows {
             let row = read_row(from)?;
@@ -400,5 +407,5 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         _ => return Err(no()),
     };
     let beside = [lock_of(part(4))?, lock_of(part(5))?];
-    Ok(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], held: 0.0 })
+    Ok(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], lasting_impulse: 0.0 })
 }

@@ -51,7 +51,7 @@ pub(crate) struct Lock {
     /// Impulse of the last substep, in world axes [N s] or [N m s].
     pub(crate) impulse: Vec3,
     /// How much of it does not yield.
-    pub(crate) held: f32,
+    pub(crate) lasting_impulse: f32,
     /// How much of it was there in the last step too.
     pub(crate) steady: f32,
     /// By how much the velocities of its tree are those of before [s]; below zero if it was in none yet.
@@ -92,7 +92,7 @@ pub(crate) struct Row {
     /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
     pub(crate) impulse: [f32; 2],
     /// The part of a lock's that does not yield.
-    pub(crate) held: f32,
+    pub(crate) lasting_impulse: f32,
 }
 
 /// How many joints, locks and rows are about to be added.
@@ -191,8 +191,8 @@ impl Joints {
     pub(crate) fn forget_unsound(&mut self) {
         let sound = |loads: &[f32]| loads.iter().all(|load| load.abs() <= MAX_LOAD);
         for lock in &mut self.locks {
-            if !sound(&lock.impulse.to_array()) || !sound(&[lock.held, lock.steady, lock.lag]) {
-                (lock.impulse, lock.held, lock.steady, lock.lag) = (Vec3::ZERO, 0.0, 0.0, -1.0);
+            if !sound(&lock.impulse.to_array()) || !sound(&[lock.lasting_impulse, lock.steady, lock.lag]) {
+                (lock.impulse, lock.lasting_impulse, lock.steady, lock.lag) = (Vec3::ZERO, 0.0, 0.0, -1.0);
             }
         }
         for joint in &mut self.all {
@@ -201,8 +201,8 @@ impl Joints {
             }
         }
         for row in &mut self.rows {
-            if !sound(&[row.impulse[0], row.impulse[1], row.held]) {
-                (row.impulse, row.held) = ([0.0; 2], 0.0);
+            if !sound(&[row.impulse[0], row.impulse[1], row.lasting_impulse]) {
+                (row.impulse, row.lasting_impulse) = ([0.0; 2], 0.0);
             }
         }
     }
@@ -252,14 +252,29 @@ impl Joints {
         for &limit in &limits {
             let Limit { motion, axes, min, max, spring } = limit;
             if let Some(kind) = lock_of(&limit) {
-                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0, lag: -1.0 });
+                self.locks.push(Lock {
+                    joint,
+                    kind,
+                    impulse: Vec3::ZERO,
+                    lasting_impulse: 0.0,
+                    steady: 0.0,
+                    lag: -1.0,
+                });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
                     min,
                     max,
                     spring,
                 });
-                self.rows.push(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], held: 0.0 });
+                self.rows.push(Row {
+                    joint,
+                    motion,
+                    axes,
+                    kind,
+                    beside,
+                    impulse: [0.0; 2],
+                    lasting_impulse: 0.0,
+                });
             }
         }
         for &Drive { motion, axis, position, velocity, spring, max_force } in drives {
@@ -271,7 +286,7 @@ impl Joints {
                 kind,
                 beside,
                 impulse: [0.0; 2],
-                held: 0.0,
+                lasting_impulse: 0.0,
             });
         }
     }

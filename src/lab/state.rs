@@ -2,7 +2,7 @@
 
 use super::ModeBody;
 use crate::lanes::Record;
-use crate::narrow_phase::{Contact, MAX_POINTS, NONE};
+use crate::narrow_phase::{Contact, MAX_POINTS, NO_CONTACT};
 use crate::world::World;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::collections::BTreeMap;
@@ -46,7 +46,7 @@ fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
     let World { broad, contacts, .. } = world;
     for pair in &broad.pairs {
         let (mut slot, mut nth) = (pair.contact, 0);
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &mut contacts.all[slot as usize];
             visit((contact.a, contact.b, nth), contact);
             (slot, nth) = (contact.next, nth + 1);
@@ -58,12 +58,12 @@ fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
 fn each_of_joints(world: &mut World, mut visit: impl FnMut(&mut f32)) {
     for lock in &mut world.joints.locks {
         lock.impulse.as_mut().iter_mut().for_each(&mut visit);
-        visit(&mut lock.held);
+        visit(&mut lock.lasting_impulse);
         visit(&mut lock.steady);
     }
     for row in &mut world.joints.rows {
         row.impulse.iter_mut().for_each(&mut visit);
-        visit(&mut row.held);
+        visit(&mut row.lasting_impulse);
     }
 }
 

@@ -175,10 +175,10 @@ pub(crate) trait Buffers {
 
 /// The most that any block's buffers were widened to.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Marks([usize; MOST]);
+pub(crate) struct Marks([usize; MAX_MARKS]);
 
 /// Buffers that [`even_out`] can keep apart.
-const MOST: usize = 12;
+const MAX_MARKS: usize = 12;
 
 /// Gives the buffers of all blocks the capacities of the largest. Which block needs most changes from step to
 /// step; when the next one needs as much, there is place already, so a scene that moves doesn't make buffers

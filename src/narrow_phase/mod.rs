@@ -19,7 +19,7 @@ pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
-pub(crate) use contacts::contact::{Contact, Contacts, NO_CONTACT as NONE, Point, UNKNOWN_LOAD};
+pub(crate) use contacts::contact::{Contact, Contacts, NO_CONTACT, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};

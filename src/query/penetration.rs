@@ -10,9 +10,9 @@ use glam::DVec3;
 
 /// Points until the search is content: polytopes need about ten, round shapes reach a thousandth of the depth
 /// with 40.
-const MOST_POINTS: usize = 64;
-const MOST_FACES: usize = 2 * MOST_POINTS;
-const MOST_EDGES: usize = 96;
+const MAX_POINTS: usize = 64;
+const MAX_FACES: usize = 2 * MAX_POINTS;
+const MAX_EDGES: usize = 96;
 
 /// An overlap.
 #[derive(Clone, Copy, Debug)]
@@ -55,9 +55,9 @@ struct Polytope<'a> {
     a: &'a Support<'a>,
     b: &'a Support<'a>,
     pose: &'a SupportPose,
-    corners: [Corner; MOST_POINTS],
+    corners: [Corner; MAX_POINTS],
     count: usize,
-    faces: [Face; MOST_FACES],
+    faces: [Face; MAX_FACES],
     face_count: usize,
     size: f64,
 }
@@ -68,9 +68,9 @@ impl<'a> Polytope<'a> {
             a,
             b,
             pose,
-            corners: [Corner::default(); MOST_POINTS],
+            corners: [Corner::default(); MAX_POINTS],
             count: 0,
-            faces: [Face::default(); MOST_FACES],
+            faces: [Face::default(); MAX_FACES],
             face_count: 0,
             size: 0.0,
         }
@@ -89,7 +89,7 @@ impl<'a> Polytope<'a> {
             return flat;
         }
         let mut best = Depth { depth: f64::INFINITY, normal: DVec3::Y, point: DVec3::ZERO };
-        for _ in 0..MOST_POINTS {
+        for _ in 0..MAX_POINTS {
             let faces = &self.faces[..self.face_count];
             let Some(&face) = faces.iter().min_by(|p, q| p.height.total_cmp(&q.height)) else { break };
             let next = self.furthest(face.normal);
@@ -152,7 +152,7 @@ impl<'a> Polytope<'a> {
     }
 
     fn push(&mut self, corners: [u8; 3]) -> bool {
-        if self.face_count == MOST_FACES {
+        if self.face_count == MAX_FACES {
             return false;
         }
         let [a, b, c] = corners.map(|i| self.corners[usize::from(i)].at);
@@ -171,10 +171,10 @@ impl<'a> Polytope<'a> {
 
     /// Adds a point. False if there is no space left, or no face sees the point.
     fn grow(&mut self, corner: Corner) -> bool {
-        if self.count == MOST_POINTS {
+        if self.count == MAX_POINTS {
             return false;
         }
-        let mut edges = [[0u8; 2]; MOST_EDGES];
+        let mut edges = [[0u8; 2]; MAX_EDGES];
         let (mut used, mut i) = (0, 0);
         while i < self.face_count {
             let face = self.faces[i];
@@ -191,7 +191,7 @@ impl<'a> Polytope<'a> {
                 if let Some(twin) = edges[..used].iter().position(|e| *e == [edge[1], edge[0]]) {
                     used -= 1;
                     edges[twin] = edges[used];
-                } else if used == MOST_EDGES {
+                } else if used == MAX_EDGES {
                     return false;
                 } else {
                     edges[used] = edge;

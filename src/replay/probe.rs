@@ -3,7 +3,7 @@
 use super::hash::Hash;
 use super::hooks::Decision;
 use crate::lanes::Record;
-use crate::narrow_phase::NONE;
+use crate::narrow_phase::NO_CONTACT;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -212,7 +212,7 @@ fn broad(world: &World, hash: &mut Hash) {
 fn narrow(world: &World, hash: &mut Hash) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &world.contacts.all[slot as usize];
             slot = contact.next;
             hash.pair(contact.a, contact.b);

@@ -6,7 +6,7 @@
 
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
-use super::mesh::{MOST, TriangleMesh, VERTEX_BITS, VERTEX_MASK};
+use super::mesh::{MAX_COORDINATE, TriangleMesh, VERTEX_BITS, VERTEX_MASK};
 use crate::error::{Error, finite, finite3, within};
 use crate::shape::mesh::bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
 use glam::{Vec2, Vec3};
@@ -139,7 +139,7 @@ impl TriangleMesh {
         let StoredMesh { vertices, corners, folds, nodes, slack } = stored;
         for v in &vertices {
             finite3("stored mesh", *v)?;
-            within("stored mesh", v.abs().max_element(), 0.0, MOST, "within 1e7")?;
+            within("stored mesh", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7")?;
         }
         finite("stored mesh", slack)?;
         if folds.is_empty() || folds.len() > MAX_TRIANGLES || corners.len() != 3 * folds.len() {

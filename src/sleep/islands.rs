@@ -1,8 +1,9 @@
-//! Who hangs together, and what of it falls asleep.
+//! Islands: which bodies are connected, and which of these groups fall asleep.
 //!
-//! Islands are the trees of a disjoint-set forest over the awake bodies, joined by touching contacts and by joints (path
-//! halving and union by index: the lowest index of an island is its root, so that nothing depends on the order of
-//! unions). They are looked for only when some body has been at rest for long enough, and then not in every step.
+//! Islands are the trees of a disjoint-set forest over the awake bodies, joined by touching contacts and by
+//! joints (path halving and union by index: the lowest index of an island is its root, so that nothing
+//! depends on the order of unions). They are searched for only when some body has been at rest for long
+//! enough, and then not in every step.
 
 use super::{Islands, Sleep};
 use crate::body::{Bodies, BodyKind};
@@ -12,24 +13,24 @@ use crate::config::tuning::TOUCH_DISTANCE;
 use crate::events::Events;
 use crate::joint::Joints;
 use crate::memory::{Allowance, buffers};
-use crate::narrow_phase::{Contacts, NONE};
+use crate::narrow_phase::{Contacts, NO_CONTACT};
 use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Steps between two looks for islands while some bodies rest that hang on others that don't.
+/// Steps between two searches for islands while bodies at rest are connected to others that are not.
 const PATIENCE: u32 = 8;
-/// Bodies a block.
+/// Bodies in a block of work.
 const BLOCK: usize = per_block(512, 1);
 
 /// A disjoint-set forest over awake dynamic bodies.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     parent: Vec<u32>,
-    /// Of each root: since when all of its island is at rest [s].
+    /// For each root: how long all of its island has been at rest [s].
     rest: Vec<f32>,
-    /// Of each root: the island that it becomes.
+    /// For each root: the sleeping island that it becomes.
     island: Vec<u32>,
 }
 
@@ -64,7 +65,7 @@ impl Groups {
         self.parent.clear();
         self.parent.extend(0..dynamic);
         self.rest.clear();
-        // Where bodies may not sleep, there are none.
+        // If sleeping is off, there are none.
         self.rest.extend((0..dynamic as usize).map(|i| bodies.rest.get(i).copied().unwrap_or(0.0)));
         for (i, rest) in self.rest.iter_mut().enumerate() {
             if bodies.traits[i].sleepless {
@@ -78,12 +79,12 @@ impl Groups {
             if k < dynamic {
                 this.join(i, k);
             } else if i < dynamic && k < movers {
-                // What a kinematic body carries rests as long as that.
+                // A body carried by a kinematic one is at rest as long as that is.
                 let rest = &mut this.rest[i as usize];
                 *rest = rest.min(bodies.rest.get(k as usize).copied().unwrap_or(0.0));
             }
         };
-        for pair in pairs.iter().filter(|pair| pair.contact != NONE || pair.touching) {
+        for pair in pairs.iter().filter(|pair| pair.contact != NO_CONTACT || pair.touching) {
             if pair.touching || touches(contacts, pair, real) {
                 link(self, summaries[pair.a as usize].body, summaries[pair.b as usize].body);
             }
@@ -102,7 +103,7 @@ impl Groups {
         }
     }
 
-    /// The root of the island of a body, as it was found.
+    /// The root of a body's island, as of the last search.
     fn of(&self, i: u32) -> u32 {
         self.parent[i as usize]
     }
@@ -111,7 +112,7 @@ impl Groups {
 /// Whether a pair touches, or pushed within the step.
 pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         let contact = &contacts.all[slot as usize];
         if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
             return true;
@@ -121,7 +122,8 @@ pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     false
 }
 
-/// Counts how long bodies have been at rest. Says whether a dynamic one has been for long enough to fall asleep.
+/// Counts how long bodies have been at rest. Returns whether a dynamic one has been for long enough to fall
+/// asleep.
 pub(crate) fn count_rest(
     workers: &Workers<'_>,
     bodies: &mut Bodies,
@@ -157,7 +159,8 @@ pub(crate) fn count_rest(
 }
 
 impl Sleep {
-    /// Whether it is time to look for islands, of which some body is tired. Counts the steps in between.
+    /// Whether it is time to search for islands, given that some body is ready to sleep. Counts the steps in
+    /// between.
     pub(crate) fn is_due(&mut self, tired: bool) -> bool {
         self.waited += 1;
         let due = tired && self.waited >= PATIENCE;
@@ -167,7 +170,7 @@ impl Sleep {
         due
     }
 
-    /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
+    /// For each body, the number of a dynamic body's island, for display; `u32::MAX` for other bodies.
     pub(crate) fn numbers(
         &self,
         (bodies, summaries): (&Bodies, &[ColliderSummary]),
@@ -182,7 +185,7 @@ impl Sleep {
             if i < bodies.dynamic() {
                 return bodies.slot[groups.of(i as u32) as usize];
             }
-            // Of an island that sleeps the first of its bodies.
+            // A sleeping island is named by the first of its bodies.
             let sleeper = bodies.asleep().contains(&i);
             sleeper.then(|| self.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
         };
@@ -191,26 +194,28 @@ impl Sleep {
 }
 
 impl Islands<'_> {
-    /// Puts islands to sleep, as they were found, all of whose bodies have been at rest for so long [s].
+    /// Puts the islands of the last search to sleep, if all of their bodies have been at rest for so long
+    /// [s].
     pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, allowance: Allowance) {
         self.send_to_sleep(|_, rest| rest >= time, events, allowance);
     }
 
-    /// Sends the island of an awake dynamic body to sleep, if all of it may. Islands must have been found at once.
+    /// Puts the island of an awake dynamic body to sleep, if all of it may. Islands must have been found with
+    /// `at_once`.
     pub(crate) fn send(&mut self, index: u32, events: &mut Events, allowance: Allowance) {
         let root = self.sleep.groups.of(index);
         self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, allowance);
     }
 
-    /// Finds the islands of all awake bodies. `at_once`: whatever may sleep is taken to be at rest for ever.
+    /// Finds the islands of all awake bodies. `at_once`: bodies that may sleep count as at rest for ever.
     pub(crate) fn find(&mut self, at_once: bool) {
         let real = TOUCH_DISTANCE * self.unit;
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         sleep.groups.find(bodies, &colliders.summaries, &broad.pairs, contacts, joints, (real, at_once));
     }
 
-    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest. `allowance`: what the
-    /// pairs that they keep may take.
+    /// Puts islands to sleep for which `tired` returns true, by their root and how long all of them have been
+    /// at rest. `allowance`: bytes that the pairs that they keep may take.
     fn send_to_sleep(
         &mut self,
         tired: impl Fn(u32, f32) -> bool,
@@ -233,19 +238,19 @@ impl Islands<'_> {
             let (i, k) = (a.min(b), a.max(b));
             let (of_i, of_k) = (i < dynamic && is_tired(sleep, i), k < dynamic && is_tired(sleep, k));
             match (of_i, of_k) {
-                (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Kept(sleep.groups.of(i)),
+                (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Sleeps(sleep.groups.of(i)),
                 (true, true) => Fate::Dropped,
                 (true, false) if k >= movers && bodies.kind[k as usize] == BodyKind::Static => {
-                    Fate::Kept(sleep.groups.of(i))
+                    Fate::Sleeps(sleep.groups.of(i))
                 }
-                // A sensor and who is in it know each other while both sleep.
+                // A sensor keeps its pair with a shape in it while both sleep.
                 (true, false) if k >= movers && !(pair.touching && senses(pair)) => Fate::Dropped,
                 _ => Fate::Stays,
             }
         };
         if !allowance.is_endless() {
-            let kept = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Kept(_)));
-            let wanted = sleep.kept as usize + kept.count();
+            let sleeping = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Sleeps(_)));
+            let wanted = sleep.pair_count as usize + sleeping.count();
             if allowance.fit(&mut sleep.pairs, wanted) < wanted {
                 return;
             }
@@ -259,7 +264,7 @@ impl Islands<'_> {
         }
         broad.take_pairs(|pair| match fate(sleep, pair) {
             Fate::Stays => None,
-            Fate::Kept(root) => {
+            Fate::Sleeps(root) => {
                 sleep.add_pair(sleep.groups.island[root as usize], *pair);
                 Some(true)
             }
@@ -269,7 +274,7 @@ impl Islands<'_> {
                 Some(false)
             }
         });
-        // From the end: what moves to a freed place is one that stays.
+        // From the end, so that the body that moves to a freed place is one that stays awake.
         for i in (0..dynamic).rev() {
             let island = sleep.groups.island[sleep.groups.of(i) as usize];
             if island == NOWHERE {
@@ -278,7 +283,7 @@ impl Islands<'_> {
             sleep.add_body(island, bodies.slot[i as usize]);
             sleep.slept += 1;
             let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
-            // Where it is now: nothing places its shapes any more until it wakes.
+            // At its current pose: its shapes are not updated again until it wakes.
             bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
             let v = &mut bodies.velocity[index];
             (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
@@ -288,12 +293,12 @@ impl Islands<'_> {
     }
 }
 
-/// What becomes of a pair when islands fall asleep.
+/// Where a pair goes when islands fall asleep.
 enum Fate {
     Stays,
-    /// With the island of a root.
-    Kept(u32),
-    /// It was of two islands that don't touch; the next one that wakes finds it again.
+    /// It sleeps with the island of a root.
+    Sleeps(u32),
+    /// It is dropped: its two islands don't touch, and the next one that wakes finds it again.
     Dropped,
 }
 

@@ -1,9 +1,9 @@
-//! What is at rest leaves the step: its bodies go behind all that moves, its pairs and contacts out of the lists that
-//! steps work through, so that a pile that sleeps costs next to nothing.
+//! Bodies at rest leave the step: they go behind all moving bodies, and their pairs and contacts out of the
+//! lists that steps work through, so that a sleeping pile costs next to nothing.
 //!
-//! Bodies sleep and wake by islands: all that hang together by contacts or joints (`islands.rs`). An island wakes when
-//! something comes near that moves, or when the caller changes anything about it (`wake.rs`). To the rest of the engine
-//! what sleeps is static.
+//! Bodies sleep and wake by islands: groups connected by contacts or joints (`islands.rs`). An island wakes
+//! when something that moves comes near, or when the caller changes anything about it (`wake.rs`). The rest
+//! of the engine treats sleeping bodies as static.
 
 mod islands;
 mod save;
@@ -21,30 +21,30 @@ use crate::narrow_phase::Contacts;
 /// End of a list.
 const NONE: u32 = u32::MAX;
 
-/// Islands that sleep, and what they keep.
+/// Sleeping islands, and the pairs that they keep.
 #[derive(Debug, Default)]
 pub(crate) struct Sleep {
     islands: Vec<Island>,
     free_islands: Vec<u32>,
-    /// By body slot.
+    /// Indexed by body slot.
     bodies: Vec<Link>,
     /// Pairs of the islands, a list for each.
     pairs: Vec<(Pair, u32)>,
     free_pair: Option<u32>,
-    /// How many pairs are kept.
-    kept: u32,
-    /// Who hangs together, as found when it was last looked for.
+    /// Number of pairs that are kept.
+    pair_count: u32,
+    /// Connected bodies, as of the last search.
     pub(crate) groups: Groups,
-    /// Islands that are to wake.
+    /// Islands to be woken.
     waking: Vec<u32>,
-    /// Steps since it was last looked for islands.
+    /// Steps since the last search for islands.
     pub(crate) waited: u32,
-    /// Of the last step: bodies that woke and that fell asleep.
+    /// Numbers of bodies that woke and that fell asleep in the last step.
     pub(crate) woke: u32,
     pub(crate) slept: u32,
 }
 
-/// What hangs together, and what changes when it falls asleep or wakes.
+/// The parts of a world that connect bodies, or that change when these fall asleep or wake.
 pub(crate) struct Islands<'a> {
     pub(crate) sleep: &'a mut Sleep,
     pub(crate) bodies: &'a mut Bodies,
@@ -61,11 +61,11 @@ pub(crate) struct Islands<'a> {
 struct Island {
     /// Slot of the first body.
     body: u32,
-    /// Place of the first pair.
+    /// Index of the first pair.
     pair: u32,
 }
 
-/// Where a body sleeps.
+/// A body's place in its island.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     island: u32,
@@ -108,17 +108,17 @@ impl Sleep {
 
     fn add_pair(&mut self, island: u32, pair: Pair) {
         let first = &mut self.islands[island as usize].pair;
-        let kept = (pair, *first);
-        self.kept += 1;
+        let entry = (pair, *first);
+        self.pair_count += 1;
         match self.free_pair {
             Some(place) => {
                 self.free_pair = Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
-                self.pairs[place as usize] = kept;
+                self.pairs[place as usize] = entry;
                 *first = place;
             }
             None => {
                 *first = self.pairs.len() as u32;
-                self.pairs.push(kept);
+                self.pairs.push(entry);
             }
         }
     }
@@ -146,16 +146,16 @@ impl Sleep {
     fn close(&mut self, island: u32, mut pair: impl FnMut(Pair)) {
         let mut place = self.islands[island as usize].pair;
         while place != NONE {
-            let (kept, next) = self.pairs[place as usize];
-            pair(kept);
+            let (own, next) = self.pairs[place as usize];
+            pair(own);
             self.pairs[place as usize].1 = self.free_pair.unwrap_or(NONE);
             self.free_pair = Some(place);
-            self.kept -= 1;
+            self.pair_count -= 1;
             place = next;
         }
         self.islands[island as usize] = Island { body: NONE, pair: NONE };
         self.free_islands.push(island);
-        if self.kept == 0 {
+        if self.pair_count == 0 {
             // The pool starts over in order.
             self.pairs.clear();
             self.free_pair = None;
@@ -163,7 +163,7 @@ impl Sleep {
     }
 
     /// Pairs of all that sleeps.
-    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = &Pair> {
+    pub(crate) fn sleeping_pairs(&self) -> impl Iterator<Item = &Pair> {
         let lists = self.islands.iter().map(|island| island.pair);
         lists.flat_map(|first| {
             let of = |&place: &u32| Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
@@ -172,8 +172,8 @@ impl Sleep {
         })
     }
 
-    /// Adds an island to those that are to wake. Many pairs and joints name the same, so the list is thinned out before it grows:
-    /// place for twice as many as there are islands is always enough.
+    /// Adds an island to those to be woken. Many pairs and joints name the same one, so duplicates are
+    /// removed before the list grows: a capacity of twice the number of islands is always enough.
     fn note(waking: &mut Vec<u32>, island: u32) {
         if waking.len() == waking.capacity() {
             waking.sort_unstable();
@@ -185,7 +185,7 @@ impl Sleep {
         waking.push(island);
     }
 
-    /// How many islands sleep.
+    /// Number of sleeping islands.
     pub(crate) fn count(&self) -> usize {
         self.islands.len() - self.free_islands.len()
     }
@@ -196,7 +196,7 @@ impl Sleep {
     }
 
     /// The pairs that islands keep.
-    pub(crate) fn kept_buffer(&mut self) -> &mut dyn Buffer {
+    pub(crate) fn pair_buffer(&mut self) -> &mut dyn Buffer {
         &mut self.pairs
     }
 }

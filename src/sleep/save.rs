@@ -1,11 +1,11 @@
-//! What a snapshot keeps of islands that sleep: who is in them, in which order, and their pairs.
+//! Sleeping islands in a snapshot: their bodies, in order, and their pairs.
 
 use super::{Island, Link, NONE, Sleep};
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::words::{Reader, broken};
 
-/// How long the lists of saved islands are.
+/// Lengths of the lists of saved islands.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct SleepLists {
@@ -17,26 +17,26 @@ pub(crate) struct SleepLists {
     slept: u32,
 }
 
-/// Saved islands, in their words.
+/// Saved islands, as words.
 #[derive(Clone, Copy)]
 pub(crate) struct SavedSleep<'a> {
     lists: SleepLists,
     free: &'a [u32],
-    /// Of each island, how many bodies and pairs it has.
+    /// For each island, its numbers of bodies and pairs.
     islands: &'a [u32],
-    /// Slots of their bodies, one island after another.
+    /// Slots of their bodies, island by island.
     bodies: &'a [u32],
 }
 
 impl Sleep {
     /// Pairs of all islands, in the order in which [`Sleep::restore`] wants them.
     pub(crate) fn saved_pairs(&self) -> impl Iterator<Item = &Pair> {
-        self.kept_pairs()
+        self.sleeping_pairs()
     }
 
-    /// How many pairs islands keep.
-    pub(crate) fn kept(&self) -> usize {
-        self.kept as usize
+    /// Number of pairs that islands keep.
+    pub(crate) fn pair_count(&self) -> usize {
+        self.pair_count as usize
     }
 
     fn slots(&self, island: &Island) -> impl Iterator<Item = u32> + '_ {
@@ -49,7 +49,7 @@ impl Sleep {
         std::iter::successors(place(island.pair), move |&at| place(self.pairs[at as usize].1)).count()
     }
 
-    /// Writes all but the pairs.
+    /// Writes everything but the pairs.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> SleepLists {
         out.extend(&self.free_islands);
         for island in &self.islands {
@@ -67,7 +67,7 @@ impl Sleep {
         }
     }
 
-    /// Takes what was saved; [`Sleep::keep_pair`] adds the pairs.
+    /// Restores the islands; [`Sleep::keep_pair`] then adds the pairs.
     pub(crate) fn restore(&mut self, saved: &SavedSleep<'_>) {
         let SleepLists { waited, woke, slept, .. } = saved.lists;
         (self.waited, self.woke, self.slept) = (waited, woke, slept);
@@ -76,7 +76,7 @@ impl Sleep {
         self.bodies.fill(Link::AWAKE);
         self.islands.clear();
         self.pairs.clear();
-        (self.free_pair, self.kept) = (None, 0);
+        (self.free_pair, self.pair_count) = (None, 0);
         let mut bodies = saved.bodies;
         for (i, &[of_bodies, _]) in saved.islands.as_chunks::<2>().0.iter().enumerate() {
             self.islands.push(Island { body: NONE, pair: NONE });
@@ -95,7 +95,7 @@ impl Sleep {
             None => self.islands[island as usize].pair = place,
         }
         self.pairs.push((pair, NONE));
-        self.kept += 1;
+        self.pair_count += 1;
     }
 }
 
@@ -110,7 +110,8 @@ impl<'a> SavedSleep<'a> {
         })
     }
 
-    /// By body slot, of so many: the island that the body sleeps in, or none (`u32::MAX`). All has to fit together.
+    /// For each of so many body slots, the island in which the body sleeps, or `u32::MAX`. Everything has to
+    /// be consistent.
     pub(crate) fn island_of(&self, slots: usize) -> Vec<u32> {
         let mut island_of = vec![NONE; slots];
         let sizes = self.islands.as_chunks::<2>().0.iter().map(|island| island[0] as usize);
@@ -125,8 +126,8 @@ impl<'a> SavedSleep<'a> {
         (0u32..).zip(sizes).flat_map(|(island, pairs)| std::iter::repeat_n(island, pairs))
     }
 
-    /// Whether all fits together. `asleep`: slots of the bodies that sleep; `kept`: how many pairs there are.
-    pub(crate) fn check(&self, asleep: &[u32], kept: usize) -> Result<(), Error> {
+    /// Whether all lists are consistent. `asleep`: slots of the sleeping bodies; `pair_count`: number of pairs.
+    pub(crate) fn check(&self, asleep: &[u32], pair_count: usize) -> Result<(), Error> {
         let islands = self.islands.as_chunks::<2>().0;
         let (bodies, pairs) = islands
             .iter()
@@ -136,10 +137,10 @@ impl<'a> SavedSleep<'a> {
         let mut free = self.free.to_vec();
         free.sort_unstable();
         free.dedup();
-        // What is free is empty, and all that is empty is free.
+        // An island is free if and only if it is empty.
         let empty = (0..islands.len() as u32).filter(|&i| islands[i as usize][0] == 0);
         let fits = bodies == self.bodies.len() as u64
-            && pairs == kept as u64
+            && pairs == pair_count as u64
             && sorted[0] == sorted[1]
             && free.len() == self.free.len()
             && empty.eq(free.iter().copied())

@@ -1,7 +1,7 @@
-//! Who wakes whom.
+//! Waking of islands.
 //!
-//! An island wakes before the solver sees what reaches it: when a body that moves comes so near within the step that
-//! their boxes meet, whether that is pushed or kinematic, or when one that rests touches it. It wakes too when the
+//! An island wakes before the solver sees the body that reaches it: when a dynamic or kinematic body moves so
+//! near within the step that their boxes meet, or when a body at rest touches it. It also wakes when the
 //! caller changes anything about one of its bodies, their joints, or what they touch.
 
 use super::islands::touches;
@@ -9,12 +9,12 @@ use super::{Islands, Sleep};
 use crate::broad_phase::{Aabb, Pair, aabb_of};
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::lanes::Record;
-use crate::narrow_phase::NONE;
+use crate::narrow_phase::NO_CONTACT;
 use glam::Vec3;
 
 impl Islands<'_> {
-    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and `motion`, predicted
-    /// for each body that moves, must be those of the step.
+    /// Wakes the islands that something reaches within the step; returns whether there were any. Pairs and
+    /// `motion`, predicted for each movable body, must be those of the step.
     pub(crate) fn wake_what_is_reached(&mut self, motion: &[Record]) -> bool {
         if self.sleep.count() == 0 {
             return false;
@@ -31,13 +31,13 @@ impl Islands<'_> {
             };
             let sensor = |c: u32| self.colliders.summaries[c as usize].is_sensor();
             let body = self.colliders.summaries[sleeper as usize].body as usize;
-            // What stands still for this step alone is in no island.
+            // Bodies that are frozen for this step only are in no island.
             let Some(island) = self.sleep.island_of(self.bodies.slot[body]) else { continue };
             if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair, motion) {
                 Sleep::note(&mut waking, island);
             }
         }
-        // What a kinematic body drags along.
+        // Bodies that a kinematic body drags along.
         for i in self.bodies.dynamic()..self.bodies.movers() {
             if self.bodies.rest[i] == 0.0 && self.joints.count > 0 {
                 for joint in self.joints.of_body(self.bodies.slot[i]) {
@@ -52,14 +52,16 @@ impl Islands<'_> {
         any
     }
 
-    /// Whether a collider of an awake body that moves gets so near to a sleeping one within the step that their boxes
-    /// meet; or touches it, at rest.
+    /// Whether a collider of an awake moving body gets so near to a sleeping one within the step that their
+    /// boxes meet; or, of a body at rest, touches it.
     fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair, motion: &[Record]) -> bool {
         let real = TOUCH_DISTANCE * self.unit;
         let body = self.colliders.summaries[comer as usize].body as usize;
         let (bodies, colliders) = (&*self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {
-            return body < bodies.dynamic() && pair.contact != NONE && touches(self.contacts, pair, real);
+            return body < bodies.dynamic()
+                && pair.contact != NO_CONTACT
+                && touches(self.contacts, pair, real);
         }
         let bounds = |c: u32| {
             let collider = &colliders[c as usize];
@@ -77,7 +79,7 @@ impl Islands<'_> {
         swept.overlaps(&bounds(sleeper))
     }
 
-    /// Wakes a body with its island, if it sleeps, and has it count as moving. Returns its new index.
+    /// Wakes a body with its island, if it sleeps, and marks it as moving. Returns its new index.
     pub(crate) fn wake_body(&mut self, index: usize) -> usize {
         let slot = self.bodies.slot[index];
         if let Some(rest) = self.bodies.rest.get_mut(index) {
@@ -89,7 +91,8 @@ impl Islands<'_> {
         self.bodies.slots.dense(slot) as usize
     }
 
-    /// Wakes all that a body touches or might, and the body itself: something about it changed. Returns its new index.
+    /// Wakes a body and all others that it touches or may touch, because something about it changed. Returns
+    /// its new index.
     pub(crate) fn disturb(&mut self, index: usize) -> usize {
         let slot = self.bodies.slot[index];
         let index = self.wake_body(index);
@@ -101,8 +104,8 @@ impl Islands<'_> {
         let summaries = &self.colliders.summaries;
         let own = |c: u32| summaries[c as usize].body as usize == index;
         let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[summaries[c as usize].body as usize]);
-        let kept = self.sleep.kept_pairs();
-        for pair in self.broad.pairs.iter().chain(kept) {
+        let sleeping = self.sleep.sleeping_pairs();
+        for pair in self.broad.pairs.iter().chain(sleeping) {
             if own(pair.a) || own(pair.b) {
                 let islands = island_of(pair.a).into_iter().chain(island_of(pair.b));
                 islands.for_each(|island| Sleep::note(&mut waking, island));
@@ -117,7 +120,7 @@ impl Islands<'_> {
         self.bodies.slots.dense(slot) as usize
     }
 
-    /// Wakes all whose boxes a new one meets.
+    /// Wakes all bodies whose boxes overlap a new one.
     pub(crate) fn disturb_box(&mut self, bounds: &Aabb) {
         if self.bodies.sleepers() == 0 {
             return;
@@ -138,7 +141,7 @@ impl Islands<'_> {
         self.wake_all_of(waking);
     }
 
-    /// Wakes everything.
+    /// Wakes all bodies.
     pub(crate) fn wake_all(&mut self) {
         let mut waking = std::mem::take(&mut self.sleep.waking);
         waking.clear();
@@ -161,7 +164,7 @@ impl Islands<'_> {
             let index = bodies.wake(bodies.slots.dense(slot), |own, index| colliders.follow_all(own, index));
             bodies.rest[index as usize] = 0.0;
             woke += 1;
-            // Pairs with others that sleep were not kept.
+            // Pairs with other sleeping bodies were not kept.
             bodies.colliders[index as usize].as_slice().iter().for_each(|&c| broad.look_again(c));
         };
         sleep.take_bodies(island, body);

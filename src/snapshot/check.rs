@@ -56,7 +56,7 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     // Movable bodies that are neither awake nor asleep are disabled.
     let asleep: Vec<u32> =
         view.slots[movers..].iter().copied().filter(|&slot| pushed[slot as usize]).collect();
-    view.sleep.check(&asleep, view.counts.kept as usize)?;
+    view.sleep.check(&asleep, view.counts.sleeping_pairs as usize)?;
     let mut awake = vec![false; records.bodies.count];
     view.slots[..movers].iter().for_each(|&slot| awake[slot as usize] = true);
     let island_of = view.sleep.island_of(records.bodies.count);

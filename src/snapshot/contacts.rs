@@ -7,7 +7,7 @@
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
-use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
+use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NO_CONTACT, Point, UNKNOWN_LOAD};
 use crate::shape::{ColliderSummary, Kind};
 use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
@@ -51,7 +51,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MOST: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 9 + 4;
+const MAX_CONTACT_WORDS: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 9 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -75,7 +75,7 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
     pairs().for_each(|pair| {
         let fast = if pair.fast { FAST } else { 0 };
         let heard = if pair.touching { HEARD } else { 0 };
-        flags.push(out, fast | heard | if pair.contact == NONE { 0 } else { TOUCHED });
+        flags.push(out, fast | heard | if pair.contact == NO_CONTACT { 0 } else { TOUCHED });
     });
     flags.end(out);
     count as u32
@@ -96,10 +96,10 @@ pub(super) fn save_contacts<'a>(
     out: &mut Vec<u32>,
 ) -> u32 {
     let mut count = 0;
-    for pair in pairs.filter(|pair| pair.contact != NONE) {
+    for pair in pairs.filter(|pair| pair.contact != NO_CONTACT) {
         let kept = may_be_kept(&contacts.all[pair.contact as usize], summaries);
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &contacts.all[slot as usize];
             save_contact(contact, kept, out);
             slot = contact.next;
@@ -136,7 +136,7 @@ fn axis(code: u32) -> Vec3 {
 
 /// The words of one contact, in an array of fixed size: a constant number of words is copied without a call.
 struct Line {
-    all: [u32; MOST],
+    all: [u32; MAX_CONTACT_WORDS],
     len: usize,
     /// The first word: what follows.
     flags: u32,
@@ -179,10 +179,10 @@ impl Line {
 }
 
 fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
-    let mut line = Line { all: [0; MOST], len: 1, flags: u32::from(contact.count) };
+    let mut line = Line { all: [0; MAX_CONTACT_WORDS], len: 1, flags: u32::from(contact.count) };
     let points = contact.points();
     line.flag(PUSHED, contact.pushed);
-    line.flag(MORE, contact.next != NONE);
+    line.flag(MORE, contact.next != NO_CONTACT);
     let fraction = contact.fraction.to_bits();
     line.flag(FRACTION, fraction != 0);
     if fraction != 0 {
@@ -290,7 +290,7 @@ impl<'a> SavedPairs<'a> {
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
             let (fast, touching) = (flags & FAST != 0, flags & HEARD != 0);
-            let mut pair = Pair { a, b, contact: NONE, fast, touching };
+            let mut pair = Pair { a, b, contact: NO_CONTACT, fast, touching };
             if flags & TOUCHED != 0 {
                 pair.contact = contacts.all.len() as u32;
                 while read_contact(&mut from, (a, b), &mut contacts.all)? {

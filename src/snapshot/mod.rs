@@ -95,9 +95,9 @@ impl World {
     /// The parts that snapshots share, as they are now.
     fn parts(&self) -> [Arc<Part>; 2] {
         let revisions = self.revision_numbers();
-        let mut kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut written = self.revisions.written.lock().unwrap_or_else(PoisonError::into_inner);
         [Which::Fixed, Which::Moving].map(|which| {
-            let (revision, part) = &mut kept[which as usize];
+            let (revision, part) = &mut written[which as usize];
             let known = part.as_ref().and_then(Weak::upgrade).and_then(|part| part.downcast::<Part>().ok());
             let known = known.filter(|_| *revision == revisions[which as usize]);
             known.unwrap_or_else(|| {
@@ -111,20 +111,20 @@ impl World {
     /// The parts, if they are known to be these.
     fn has_parts(&self, parts: &[Arc<Part>; 2]) -> bool {
         let revisions = self.revision_numbers();
-        let kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = self.revisions.written.lock().unwrap_or_else(PoisonError::into_inner);
         let same = |i: usize| {
-            let part = kept[i].1.as_ref();
+            let part = written[i].1.as_ref();
             part.is_some_and(|part| std::ptr::addr_eq(part.as_ptr(), Arc::as_ptr(&parts[i])))
         };
-        (0..2).all(|i| kept[i].0 == revisions[i] && same(i))
+        (0..2).all(|i| written[i].0 == revisions[i] && same(i))
     }
 
     /// Notes that the world's parts are these now.
     fn keep_parts(&mut self, parts: &[Arc<Part>; 2]) {
         let revisions = self.revision_numbers();
-        let kept = self.revisions.kept.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let written = self.revisions.written.get_mut().unwrap_or_else(PoisonError::into_inner);
         for i in 0..2 {
-            kept[i] = (revisions[i], Some(weak(&parts[i])));
+            written[i] = (revisions[i], Some(weak(&parts[i])));
         }
     }
 

@@ -98,8 +98,8 @@ fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
     });
     Brings {
         settings: &view.settings,
-        pairs: (counts.pairs + counts.kept) as usize,
-        kept: counts.kept as usize,
+        pairs: (counts.pairs + counts.sleeping_pairs) as usize,
+        sleeping_pairs: counts.sleeping_pairs as usize,
         contacts: counts.contacts as usize,
         forced: counts.has(FORCE),
         rests: counts.has(RESTS) || counts.parts[2] > 0,
@@ -123,7 +123,7 @@ fn read_pairs(world: &mut World, view: &View<'_>) {
         }
     });
     debug_assert!(read.is_ok(), "what was written or checked can be read");
-    broad.restore_pairs(view.counts.kept as usize);
+    broad.restore_pairs(view.counts.sleeping_pairs as usize);
 }
 
 /// Installs the parts that snapshots share.
@@ -218,7 +218,7 @@ fn apply(world: &mut World, view: &View<'_>) {
     }
     let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
     broad.restore(&view.broad, own);
-    if !counts.has(RESTS) && counts.kept == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
+    if !counts.has(RESTS) && counts.sleeping_pairs == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
         // If sleeping is off, there is no state of it.
         *sleep = Sleep::default();
     }

@@ -69,9 +69,9 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
 
     let kept = sleep.saved_pairs();
     let pairs = broad.pairs.iter().chain(kept);
-    (counts.pairs, counts.kept) = (broad.pairs.len() as u32, sleep.kept() as u32);
+    (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
     let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
-    debug_assert_eq!(written, counts.pairs + counts.kept);
+    debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
     let start = out.len();
     counts.contacts = save_contacts(pairs, contacts, &colliders.summaries, out);
     counts.contact_words = (out.len() - start) as u32;

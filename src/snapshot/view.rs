@@ -51,7 +51,7 @@ pub(super) struct Counts {
     pub(super) broad: Lists,
     /// Pairs, those that islands keep, and their contacts, in words and by number.
     pub(super) pairs: u32,
-    pub(super) kept: u32,
+    pub(super) sleeping_pairs: u32,
     pub(super) contact_words: u32,
     pub(super) contacts: u32,
     pub(super) sleep: SleepLists,
@@ -137,7 +137,8 @@ impl<'a> View<'a> {
             return Err(broken("a number is none"));
         }
         let (movers, all) = (counts.movers(), counts.bodies());
-        let pairs = counts.pairs.checked_add(counts.kept).ok_or_else(|| broken("a count is too large"))?;
+        let pairs =
+            counts.pairs.checked_add(counts.sleeping_pairs).ok_or_else(|| broken("a count is too large"))?;
         let view = View {
             settings,
             origin,

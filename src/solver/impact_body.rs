@@ -1,21 +1,21 @@
-//! A body in an impact that is solved by itself, outside of the rows.
+//! A body in an impact that is solved on its own, outside of the rows.
 
 use crate::body::Bodies;
 use crate::forces::world_inertia;
 use crate::lanes::{self, Record, Sym3};
 use glam::Vec3;
 
-/// One of two bodies that meet, where it stands at the moment.
+/// One of the two bodies of an impact, at the time of the impact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImpactBody {
     pub(crate) velocity: Record,
-    /// Along each axis: zero if nothing moves it, or not along that.
+    /// Along each axis of the world; zero for a body that can't be pushed, and along locked axes.
     pub(crate) inverse_mass: Vec3,
     pub(crate) inverse_inertia: Sym3<f32>,
 }
 
 impl ImpactBody {
-    /// A dynamic body as it stands and moves now.
+    /// A dynamic body in its current state.
     pub(crate) fn now(bodies: &Bodies, i: usize) -> ImpactBody {
         ImpactBody {
             velocity: bodies.velocity[i],
@@ -33,7 +33,7 @@ impl ImpactBody {
         self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
     }
 
-    /// By how much a unit impulse along a direction changes the velocity there [1/kg].
+    /// Change of velocity there by a unit impulse along a direction [1/kg].
     pub(crate) fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
         let torque = arm.cross(along);
         (self.inverse_mass * along).dot(along) + torque.dot(self.turned(torque))

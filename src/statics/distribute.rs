@@ -1,4 +1,4 @@
-//! A load over the points that bear a rigid body.
+//! Distributes a load over the points that support a rigid body.
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -7,29 +7,30 @@ use glam::{DMat3, DVec3, Vec3};
 /// equilibrium, and its estimate is bounded.
 const LOOSE: f64 = 1e-9;
 
-/// A point below a body.
+/// A supporting point below a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PointLoad {
     pub(super) contact: u32,
     pub(super) point: u32,
-    /// The body that bears.
+    /// The supporting body.
     pub(super) lower: u32,
     /// Direction of the force.
     pub(super) normal: Vec3,
-    /// From the centre of mass of the body that is borne [m].
+    /// From the centre of mass of the supported body [m].
     pub(super) arm: Vec3,
     /// [N]
     pub(super) force: f32,
-    /// What a unit of force does upwards, and about two level axes over the longest arm.
+    /// Effect of a unit of force: upwards, and about two level axes divided by the longest arm.
     pub(super) row: Vec3,
     pub(super) pulls: bool,
 }
 
-/// Sets the forces of points that balance a force and a moment about the centre of mass of the body above them: those of equal
-/// springs under a rigid body, of which none pulls.
+/// Sets the forces of points that balance a force and a moment about the centre of mass of the body above
+/// them: those of equal springs under a rigid body, none of which pulls.
 ///
-/// These are also the smallest that do (in squares), and those that the springs of the contacts have at rest, so that what stands
-/// begins where it stays. Up and about level axes only: what acts along the level is left to friction.
+/// These are also the smallest such forces (in the sum of squares), and those that the springs of the
+/// contacts have at rest, so that a resting body starts where it stays. Only forces upwards and moments about
+/// level axes are balanced: horizontal forces are left to friction.
 pub(super) fn distribute(
     points: &mut [PointLoad],
     (force, moment): (Vec3, Vec3),
@@ -57,7 +58,7 @@ pub(super) fn distribute(
         let Some((i, _)) = least else { break };
         (points[i].pulls, points[i].force) = (true, 0.0);
     }
-    // What would topple has no equilibrium: no more than the weight is borne.
+    // A body that would topple has no equilibrium: its supports bear no more than its weight.
     let borne: f32 = points.iter().map(|p| p.force * p.row.x).sum();
     let share = if borne > load.x { load.x.max(0.0) / borne } else { 1.0 };
     for point in points {
@@ -95,9 +96,10 @@ mod tests {
         // Supports 1 m and 3 m beside the centre, two points each.
         let uneven = [[1.0, 1.0], [1.0, -1.0], [-3.0, 1.0], [-3.0, -1.0]];
         near(forces(&uneven, 12.0, Vec3::ZERO), &[4.5, 4.5, 1.5, 1.5]);
-        // A moment of 6 N m about z is 1.5 N more on one side and 1.5 N less on the other at 2 m apart, two points a side.
+        // A moment of 6 N m about z is 1.5 N more on one side and 1.5 N less on the other at 2 m apart, two
+        // points a side.
         near(forces(&square, 12.0, Vec3::Z * 6.0), &[4.5, 4.5, 1.5, 1.5]);
-        // Twice the moment that lifts a side: nothing pulls, and no more than the weight is borne.
+        // Twice the moment that lifts a side: no point pulls, and no more than the weight is supported.
         let tilted = forces(&square, 12.0, Vec3::Z * 24.0);
         assert!(tilted.iter().all(|&f| f >= 0.0) && tilted.iter().sum::<f32>() <= 12.001, "{tilted:?}");
         // On an edge there is no equilibrium, only bounds.

@@ -1,11 +1,11 @@
 //! Statics: the loads of contacts that are new in a structure at rest, from the top down.
 //!
-//! Gauss-Seidel passes a load on by one contact in each pass over the rows, so a tower that is put up without loads sinks into
-//! its contacts, by half a metre if it is high, before its lowest rows know of its weight; and what sinks unevenly leans.
-//! So the loads of new contacts are estimated: bodies are gone through from the highest to the lowest, and each hands its weight
-//! and what rests on it to the contacts below it. Shock propagation goes the same way (Guendelman et al., *Nonconvex Rigid
-//! Bodies with Stacking*, 2003), but decides velocities; here the solver stays the judge, and only begins with the estimate
-//! (docs/decisions/statics.md).
+//! Gauss-Seidel passes a load on by one contact in each pass over the rows, so a tower that is placed without
+//! known loads sinks into its contacts, by half a metre if it is high, before its lowest rows know of its
+//! weight; and if it sinks unevenly it leans. So the loads of new contacts are estimated: bodies are visited
+//! from the highest to the lowest, and each passes its weight and the load on it to the contacts below it.
+//! Shock propagation uses the same order (Guendelman et al., *Nonconvex Rigid Bodies with Stacking*, 2003),
+//! but decides velocities; here the estimate is only where the solver starts (docs/decisions/statics.md).
 
 mod distribute;
 mod supports;
@@ -21,69 +21,70 @@ use crate::narrow_phase::{Contact, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
 
-/// To find new contacts takes a look at all: a step is waited for so many pairs, so many of them at most.
+/// Finding new contacts means checking all of them, so after a search as many steps pass as there are so many
+/// pairs, up to a maximum.
 const PAIRS_PER_STEP: usize = 64;
 pub(crate) const LONGEST_WAIT: u32 = 16;
-/// Points that there is place for below a body from the beginning.
+/// Initial capacity for the points below a body.
 const POINTS: usize = 64;
 /// In [`Statics::places`]: the body has no new contacts.
 const NOWHERE: u32 = u32::MAX;
 
-/// What is kept from step to step.
+/// State and buffers that are kept from step to step.
 #[derive(Debug, Default)]
 pub(crate) struct Statics {
     /// Steps until the next estimate may be made.
     pub(crate) wait: u32,
-    /// Some contact bears a load that is not known, or may come to.
+    /// Some contact bears an unknown load, or may come to.
     pub(crate) pending: bool,
-    /// Of each dynamic body its place in `burdens`, or [`NOWHERE`].
+    /// For each dynamic body its index in `burdens`, or [`NOWHERE`].
     places: Vec<u32>,
     /// Bodies above and below new contacts.
     burdens: Vec<Burden>,
-    /// Their places, from the lowest to the highest.
+    /// Their indices, from the lowest to the highest.
     by_height: Vec<u32>,
-    /// By the body that is borne.
+    /// Sorted by the supported body.
     supports: Vec<Support>,
     points: Vec<PointLoad>,
 }
 
-/// What the new contacts below a body have to bear.
+/// The load on the new contacts below a body.
 #[derive(Clone, Copy, Debug, Default)]
 struct Burden {
     body: u32,
-    /// Of its supports, the first and how many.
+    /// The first of its supports, and their number.
     first: u32,
     count: u32,
-    /// Whether something static or kinematic is below it, next to it or further down.
+    /// Whether a static or kinematic body supports it, directly or through others.
     supported: bool,
     force: Vec3,
     /// About its centre of mass.
     moment: Vec3,
 }
 
-/// A new contact that bears a body.
+/// A new contact that supports a body.
 #[derive(Clone, Copy, Debug, Default)]
 struct Support {
-    /// The body that is borne, and the one that bears.
+    /// The supported body, and the supporting one.
     upper: u32,
     lower: u32,
     contact: u32,
-    /// In the order of pairs: contacts may be in other places after a snapshot is restored.
+    /// Its number in the order of pairs: contacts may have other indices after a snapshot is restored.
     number: u32,
-    /// Whether the body that is borne is the contact's `a`.
+    /// Whether the supported body is the contact's `a`.
     is_a: bool,
 }
 
-/// What counts as resting.
+/// Limits below which a body counts as resting.
 #[derive(Clone, Copy, Debug)]
 struct Rest {
     up: Vec3,
     /// Separation up to which points touch [m].
     touching: f32,
-    /// Speeds towards each other and past each other [m/s].
+    /// Approach speed and slip speed [m/s].
     closing: f32,
     slip: f32,
-    /// Substep that impulses are of [s].
+    /// Length of the substep in which impulses act [s].
     h: f32,
 }
 
@@ -109,18 +110,18 @@ impl Statics {
     }
 }
 
-/// The bodies of a step and what holds them up.
+/// The bodies of a step, and the contacts that support them.
 pub(crate) struct Structure<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a Colliders,
     pub(crate) pairs: &'a [Pair],
     pub(crate) contacts: &'a mut Contacts,
-    /// Of each body that can move; empty if nothing pulls [m/s²].
+    /// For each movable body; empty if nothing accelerates them [m/s²].
     pub(crate) acceleration: &'a [Record],
 }
 
 impl Statics {
-    /// Estimates loads that are not known, before rows are made for a step of `dt` seconds whose last substep takes `h`.
+    /// Estimates unknown loads, before rows are made for a step of `dt` seconds with a last substep of `h`.
     pub(crate) fn estimate(
         &mut self,
         structure: &mut Structure<'_>,
@@ -134,7 +135,8 @@ impl Statics {
         }
         let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.all.capacity());
         self.wait = self.wait.saturating_sub(1);
-        // In every step: an estimate in a scene that has long settled must not be the first to allocate.
+        // Reserved in every step: an estimate in a scene that settled long ago must not be the first to
+        // allocate.
         let fits =
             allowances.within(Category::Scratch, |allowance| self.reserve(dynamic, contacts, allowance));
         if !self.pending || self.wait > 0 {
@@ -159,7 +161,7 @@ impl Statics {
 }
 
 impl Structure<'_> {
-    /// Hands the burden of each supported body to the new contacts below it.
+    /// Passes the load of each supported body to the new contacts below it.
     fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, allowance: &mut Allowance) {
         let Statics { places, burdens, by_height, supports, points, .. } = statics;
         let axes = rest.up.any_orthonormal_pair();
@@ -213,25 +215,27 @@ impl Burden {
 }
 
 impl Support {
-    /// The direction in which it pushes the body that is borne.
+    /// The direction in which it pushes the supported body.
     fn upwards(&self, contact: &Contact) -> Vec3 {
         contact.frame * contact.normal * if self.is_a { -1.0 } else { 1.0 }
     }
 }
 
-/// Whether a body below a new contact bears anything: what is static or kinematic, or rests on such.
+/// Whether a body below a new contact can support anything: a static or kinematic one, or one supported by
+/// such.
 fn is_supported(body: u32, places: &[u32], burdens: &[Burden]) -> bool {
     places.get(body as usize).is_none_or(|&place| burdens[place as usize].supported)
 }
 
-/// Velocity of a body where it is at `at` [m/s]; zero of a static one.
+/// Velocity of a body's point at `at` [m/s]; zero for a static body.
 fn point_velocity(bodies: &Bodies, body: usize, at: DVec3) -> Vec3 {
     let still = body >= bodies.movers();
     let Record { linear, angular, .. } = if still { Record::default() } else { bodies.velocity[body] };
     linear + angular.cross((at - bodies.pose[body].position).as_vec3())
 }
 
-/// Lets a contact begin with the estimated forces of its points. `h`: substep that its impulses are of [s].
+/// Starts a contact with the estimated forces of its points. `h`: length of the substep in which its impulses
+/// act [s].
 fn assume(contact: &mut Contact, forces: &[PointLoad], h: f32) {
     let load: f32 = forces.iter().map(|p| p.force).sum();
     if load > 0.0 {

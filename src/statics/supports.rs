@@ -1,20 +1,20 @@
-//! New contacts that bear bodies, and what those bodies bear already.
+//! New contacts that support bodies, and the known loads on those bodies.
 
 use super::{Burden, NOWHERE, Rest, Statics, Structure, Support, is_supported, point_velocity};
 use crate::config::tuning::STEEPEST_SUPPORT;
-use crate::narrow_phase::{Contact, NONE};
+use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::Vec3;
 
 impl Structure<'_> {
-    /// Finds contacts whose load is not known, between bodies at rest, and the bodies above and below them. Says whether there are
-    /// any that bear a body.
+    /// Finds contacts with unknown loads between bodies at rest, and the bodies above and below them. Returns
+    /// whether any supports a body.
     pub(super) fn find_supports(&mut self, statics: &mut Statics, rest: &Rest) -> bool {
         let Statics { places, burdens, supports, .. } = statics;
         let dynamic = self.bodies.dynamic();
         supports.clear();
         for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.summaries, dynamic)) {
             let mut slot = pair.contact;
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let index = slot;
                 let contact = &mut self.contacts.all[slot as usize];
                 slot = contact.next;
@@ -22,7 +22,7 @@ impl Structure<'_> {
                     continue;
                 }
                 let [a, b] = [contact.a, contact.b].map(|c| self.colliders.all[c as usize].body);
-                // What rolls is at rest where it touches: its centre says whether it moves.
+                // A rolling body is at rest at its contact: the velocity of its centre shows that it moves.
                 let at = self.bodies.pose[if (b as usize) < dynamic { b } else { a } as usize].position;
                 let velocity = |body: u32| point_velocity(self.bodies, body as usize, at);
                 let moves = velocity(b) - velocity(a);
@@ -34,7 +34,7 @@ impl Structure<'_> {
                 }
                 let [x, y] = [contact.a, contact.b].map(|c| &self.colliders.all[c as usize].material);
                 let origin = self.colliders.poses[contact.a as usize].position;
-                // What bounces off with one end may have its centre at rest.
+                // A body that bounces off with one end may have its centre at rest.
                 let bounces = x.restitution_with(y) > 0.0
                     && contact.points().iter().any(|point| {
                         let at = origin + (contact.frame * point.position).as_dvec3();
@@ -50,7 +50,7 @@ impl Structure<'_> {
                     let number = supports.len() as u32;
                     supports.push(Support { upper, lower, contact: index, number, is_a: upper == a });
                 } else {
-                    // Nothing rests on it; what it bears, maybe of an impact, is no load that lasts.
+                    // Nothing rests on it; its load, possibly of an impact, does not last.
                     contact.expect(0.0, 0.0);
                 }
             }
@@ -86,7 +86,7 @@ impl Structure<'_> {
         true
     }
 
-    /// Adds what known contacts above and below the bodies bear.
+    /// Adds the loads of known contacts above and below the bodies.
     pub(super) fn add_known_loads(&self, statics: &mut Statics, rest: &Rest) {
         let Statics { places, burdens, .. } = statics;
         for pair in self.pairs {
@@ -97,7 +97,7 @@ impl Structure<'_> {
                 continue;
             }
             let mut slot = pair.contact;
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let contact: &Contact = &self.contacts.all[slot as usize];
                 slot = contact.next;
                 let normal = contact.frame * contact.normal;
@@ -120,7 +120,8 @@ impl Structure<'_> {
         }
     }
 
-    /// Which bodies something static or kinematic bears, directly or by others: what falls as a whole has no loads.
+    /// Finds the bodies that a static or kinematic one supports, directly or through others: bodies that fall
+    /// together have no loads.
     pub(super) fn find_supported(&self, statics: &mut Statics, rest: &Rest) {
         let Statics { places, burdens, by_height, supports, .. } = statics;
         let up = rest.up.as_dvec3();

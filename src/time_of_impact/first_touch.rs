@@ -1,4 +1,4 @@
-//! When two colliders first touch on what is left of their ways.
+//! First touch of two colliders on the rest of their paths.
 
 use crate::narrow_phase::{
     BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance,
@@ -6,21 +6,21 @@ use crate::narrow_phase::{
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
-/// Of the search.
+/// Tolerance of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
-    /// Of the engine's own tolerance for a touch.
+    /// Share of the engine's own tolerance for a touch.
     pub(super) share: f32,
     /// The length unit [m].
     pub(super) unit: f32,
-    /// A triangle nearer than this at the start, or in whose plane a shape slides, is the solver's business [m].
+    /// A triangle nearer than this at the start, or in whose plane a shape slides, is left to the solver [m].
     pub(super) resting: f32,
 }
 
 /// A touch of two colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch {
-    /// Of the step, 0..=1; more if there is none.
+    /// Fraction of the step, 0..=1; greater if there is none.
     pub(super) time: f32,
     /// Unit, from a to b.
     pub(super) normal: Vec3,
@@ -30,8 +30,8 @@ impl Touch {
     pub(super) const NEVER: Touch = Touch { time: 2.0, normal: Vec3::Y };
 }
 
-/// When the shapes first touch, as a fraction of the paths. What touches at their beginning does not count: the
-/// contacts of the step's start have seen to it.
+/// When the shapes first touch, as a fraction of the paths. Shapes that touch at their beginning don't count:
+/// the contacts of the start of the step have handled them.
 pub(super) fn first_touch(
     (a, path_a): (&Collider, &BodyPath),
     (b, path_b): (&Collider, &BodyPath),

@@ -1,14 +1,14 @@
-//! An impact of two bodies, solved by itself at the moment it happens.
+//! An impact of two bodies, solved on its own at the moment it happens.
 
 use crate::solver::ImpactBody;
 use glam::Vec3;
 
-/// Most points of an impact: four manifolds.
-pub(super) const MOST: usize = 16;
+/// Maximum number of points of an impact: four manifolds.
+pub(super) const MAX_POINTS: usize = 16;
 /// Gauss-Seidel sweeps over them.
 const SWEEPS: usize = 16;
 
-/// A point where they touch.
+/// A point at which they touch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Point {
     /// Unit, from a to b.
@@ -17,7 +17,7 @@ pub(super) struct Point {
     pub(super) arms: [Vec3; 2],
 }
 
-/// What the two are made of.
+/// The material of the pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
     pub(super) friction: f32,
@@ -26,15 +26,16 @@ pub(super) struct Law {
     pub(super) threshold: f32,
 }
 
-/// Newton's restitution and Coulomb's friction at all points together, by sequential impulses. Returns how fast the two part
-/// at the point where they came together fastest [m/s], or nothing if they didn't come together.
+/// Newton's restitution and Coulomb's friction at all points together, by sequential impulses. Returns how
+/// fast the two separate at the point where they approached fastest [m/s], or `None` if they did not
+/// approach.
 pub(super) fn resolve(
     a: &mut ImpactBody,
     b: &mut ImpactBody,
     points: &[Point],
     law: Law,
 ) -> Option<(f32, Vec3)> {
-    let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MOST];
+    let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MAX_POINTS];
     let speed = |a: &ImpactBody, b: &ImpactBody, p: &Point| p.normal.dot(b.at(p.arms[1]) - a.at(p.arms[0]));
     let mut fastest = (0.0_f32, 0);
     for (i, (row, p)) in rows.iter_mut().zip(points).enumerate() {

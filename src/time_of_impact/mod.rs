@@ -1,18 +1,20 @@
-//! Impacts one after the other, each at its time: the methods that the engine is compared with.
+//! Impacts one after the other, each at its time: the methods with which the engine is compared.
 //!
-//! What comes in is a step that was solved with discrete contacts: displacements and velocities. What goes out are poses and
-//! velocities as if each impact had been met at its moment. A queue holds every touch that the ways of this step lead to.
-//! The earliest comes out, both bodies are put where they stand then, the impact is solved ([`impulse`]), and what is left
-//! of the step they go on with their new velocities: sub-steps of the two that were struck, not of the world. Their new
-//! ways are searched for touches, and touches of the old ones no longer hold. A body that was sent another way too often
-//! stands for the rest of the step, and so loses the time.
+//! The input is a step that was solved with discrete contacts: displacements and velocities. The output are
+//! poses and velocities as if each impact had been met at its time. A queue holds every touch on the paths of
+//! this step. The earliest is taken out, both bodies are moved to that time, the impact is solved
+//! ([`impulse`]), and for the rest of the step they move on with their new velocities: sub-steps of the two
+//! colliding bodies, not of the world. Their new paths are searched for touches, and touches on the old ones
+//! become invalid. A body that was redirected too often stands still for the rest of the step, and so loses
+//! that time.
 //!
-//! Who may touch in the step is the broad phase's list of pairs; for a new way its trees are asked again. All but the first
-//! search is the work of one thread, in the order of times and then of indices, so the bits never depend on threads.
+//! Pairs that may touch are those of the broad phase; for a new path its trees are queried again. All but the
+//! first search is done by one thread, in the order of times and then of indices, so the result never depends
+//! on threads.
 //!
-//! Known weaknesses, kept because they belong to such methods: a limb that is sub-stepped leaves the limbs that it is
-//! joined to behind, and its joint opens; hooks and events hear of contacts of the step's start only; what sleeps is struck
-//! as if it were static, and woken by the next step.
+//! Known weaknesses, kept because such methods have them: a sub-stepped limb leaves the limbs that it is
+//! joined to behind, and its joint opens; hooks and events cover only the contacts of the start of the step;
+//! sleeping bodies are struck as if they were static, and woken by the next step.
 
 mod first_touch;
 mod impulse;
@@ -37,23 +39,23 @@ use queue::{Hit, Queue};
 use track::Track;
 pub(crate) use track::Way;
 
-/// What it did in a step.
+/// Counts of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impacts {
-    /// Impacts that were solved at their times.
+    /// Number of impacts that were solved at their times.
     pub(crate) struck: u32,
-    /// Bodies that lost what was left of the step.
+    /// Number of bodies that lost the rest of the step.
     pub(crate) stood: u32,
-    /// Touches that there was no room for.
+    /// Number of touches beyond the capacity.
     pub(crate) shed: u32,
 }
 
-/// How a method goes about it.
+/// Parameters of a method.
 #[derive(Clone, Copy, Debug)]
 struct Rules {
-    /// Sweeps go straight, with shapes turned as at the end.
+    /// Sweeps are straight, with the rotations of the end of the step.
     linear: bool,
-    /// How often a body may be sent another way.
+    /// How often a body may be redirected.
     most: u32,
 }
 
@@ -61,7 +63,7 @@ impl Rules {
     fn of(settings: &Settings) -> Option<Rules> {
         match settings.method {
             _ if settings.continuous == Continuous::Discrete => None,
-            // As many as Box2D allowed.
+            // As many as in Box2D.
             ContinuousMethod::LinearCast => Some(Rules { linear: true, most: 8 }),
             ContinuousMethod::ConservativeAdvancement => Some(Rules { linear: false, most: 64 }),
             _ => None,
@@ -72,14 +74,14 @@ impl Rules {
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    /// By body that can move: its track, or `NONE`.
+    /// For each movable body: its track, or `NONE`.
     track_of: Vec<u32>,
     tracks: Vec<Track>,
     queue: Queue,
-    /// By pair: when it first touches; beyond the step if it doesn't.
+    /// For each pair: when it first touches; beyond the step if it doesn't.
     times: Vec<Touch>,
     stack: Vec<u32>,
-    /// Colliders near a way.
+    /// Colliders near a path.
     near: Vec<u32>,
     manifolds: Vec<RawManifold>,
     mesh: MeshScratch,
@@ -94,10 +96,10 @@ buffers! {
 }
 
 const NONE: u32 = u32::MAX;
-/// Pairs a block.
+/// Pairs in a block of work.
 const BLOCK: usize = per_block(32, 1);
 
-/// The step that was solved: bodies at its end, and what may be struck.
+/// The solved step: bodies at its end, and the colliders that may be struck.
 pub(crate) struct Solved<'a> {
     pub(crate) bodies: &'a mut Bodies,
     /// With the poses of the start of the step.
@@ -105,7 +107,7 @@ pub(crate) struct Solved<'a> {
     pub(crate) broad: &'a BroadPhase,
     pub(crate) joints: &'a Joints,
     pub(crate) forces: &'a Forces,
-    /// Displacement [m] and rotation vector [rad] of each body that can move.
+    /// Displacement [m] and rotation vector [rad] of each movable body.
     pub(crate) delta: &'a [Record],
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
@@ -114,12 +116,13 @@ pub(crate) struct Solved<'a> {
     pub(crate) dt: f32,
 }
 
-/// Whether a method meets impacts one by one.
+/// Whether a method solves impacts one by one.
 pub(crate) fn meets_impacts(settings: &Settings) -> bool {
     Rules::of(settings).is_some()
 }
 
-/// Meets the impacts of a step whose bodies stand at its end, if the method asks for that. `allowance`: what buffers may grow by.
+/// Solves the impacts of a step whose bodies are at its end, if the method asks for that. `allowance`: bytes
+/// by which buffers may grow.
 pub(crate) fn meet_impacts(
     workers: &Workers<'_>,
     on: &mut Solved<'_>,
@@ -135,7 +138,7 @@ pub(crate) fn meet_impacts(
     run.impacts
 }
 
-/// A step's impacts while they are met.
+/// State while the impacts of a step are solved.
 struct Run<'a, 'b> {
     on: &'a mut Solved<'b>,
     buffers: &'a mut Buffers,
@@ -146,7 +149,7 @@ struct Run<'a, 'b> {
 }
 
 impl Run<'_, '_> {
-    /// Fills the queue with the touches that the ways of the step lead to.
+    /// Fills the queue with the touches on the paths of the step.
     fn find_first(&mut self, workers: &Workers<'_>) {
         let movers = self.on.bodies.movers();
         let Buffers { track_of, tracks, queue, times, .. } = &mut *self.buffers;
@@ -156,9 +159,9 @@ impl Run<'_, '_> {
         queue.clear();
         times.clear();
         self.find_strays();
-        let strays = self.buffers.tracks.len();
+        let redirected = self.buffers.tracks.len();
         let count = self.on.broad.pairs.len();
-        if strays == 0 && !self.on.broad.pairs.iter().any(|pair| pair.fast) {
+        if redirected == 0 && !self.on.broad.pairs.iter().any(|pair| pair.fast) {
             return;
         }
         let mut times = std::mem::take(&mut self.buffers.times);
@@ -182,12 +185,13 @@ impl Run<'_, '_> {
             self.push(Hit { touch: *touch, a, b, turns: [0; 2] });
         }
         self.buffers.times = times;
-        for track in 0..strays {
+        for track in 0..redirected {
             self.search(track, 0.0);
         }
     }
 
-    /// Makes tracks for bodies that go another way than the broad phase looked along, because something pushed them.
+    /// Makes tracks for bodies that leave the path that the broad phase checked, because something pushed
+    /// them.
     fn find_strays(&mut self) {
         let (margin, linear) = (CONTACT_MARGIN * self.on.settings.length_unit, self.rules.linear);
         for i in 0..self.on.bodies.dynamic() {
@@ -205,7 +209,7 @@ impl Run<'_, '_> {
                 let summaries = &on.colliders.summaries[c as usize];
                 let least = on.colliders.all[c as usize].inner_radius;
                 let swing = (summaries.lever + summaries.radius) * turned.min(2.0);
-                // Who hardly moves gets through nothing.
+                // A body that hardly moves passes through nothing.
                 let moves =
                     went.linear.length() + (summaries.lever + summaries.radius) * went.angular.length();
                 aside + swing > margin && moves > 0.5 * least
@@ -216,7 +220,7 @@ impl Run<'_, '_> {
         }
     }
 
-    /// The track of a body that can move; made if there is none.
+    /// The track of a movable body; created if there is none.
     fn track(&mut self, body: usize) -> usize {
         let known = self.buffers.track_of[body];
         if known != NONE {
@@ -224,7 +228,7 @@ impl Run<'_, '_> {
         }
         let way = self.view().way(body);
         let free = body < self.on.bodies.dynamic() && !self.on.delta[body].is_touched();
-        // Where nothing pulls there is no such column.
+        // If nothing accelerates bodies, there is no such column.
         let pull = self.on.forces.acceleration.get(body).filter(|_| free);
         let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);
         self.buffers.tracks.push(Track { body: body as u32, way, pull, turns: 0, stands: false });
@@ -232,7 +236,7 @@ impl Run<'_, '_> {
         self.buffers.tracks.len() - 1
     }
 
-    /// Adds the touches that a body's way leads to from a moment on.
+    /// Adds the touches on a body's path from a moment on.
     fn search(&mut self, track: usize, since: f32) {
         if since >= 1.0 {
             return;
@@ -252,10 +256,10 @@ impl Run<'_, '_> {
             self.on.broad.in_box(&mut stack, SearchSet::All, &bounds, |other| {
                 *shed += u32::from(!allowance.push(&mut near, other));
             });
-            // In an order that does not hang on the shape of a tree.
+            // In an order that does not depend on the shape of a tree.
             near.sort_unstable();
             for &other in &near {
-                // Those that were sent another way are not where the tree has them.
+                // Redirected bodies are not where the tree has them.
                 let of = self.on.colliders.summaries[other as usize].body as usize;
                 if self.buffers.track_of.get(of).is_none_or(|&track| track == NONE) {
                     self.try_pair(c, other, since);
@@ -304,7 +308,7 @@ impl Run<'_, '_> {
     }
 }
 
-/// What searches read.
+/// Input of searches.
 struct View<'a> {
     on: &'a Solved<'a>,
     track_of: &'a [u32],
@@ -322,13 +326,13 @@ impl View<'_> {
         self.track_of(of(pair.a)).is_some() || self.track_of(of(pair.b)).is_some()
     }
 
-    /// How often the body of a collider was sent another way.
+    /// How often the body of a collider was redirected.
     fn turns(&self, collider: u32) -> u32 {
         self.track_of(self.on.colliders.summaries[collider as usize].body as usize)
             .map_or(0, |track| track.turns)
     }
 
-    /// Whether an impact of two colliders would be met.
+    /// Whether an impact of two colliders would be solved.
     fn may_strike(&self, a: u32, b: u32) -> bool {
         let Solved { bodies, colliders, joints, settings, vetoed, .. } = self.on;
         let [x, y] = [a, b].map(|c| &colliders.summaries[c as usize]);
@@ -348,7 +352,7 @@ impl View<'_> {
             && (vetoed.is_empty() || vetoed.binary_search(&(a.min(b), a.max(b))).is_err())
     }
 
-    /// The way of a body, as far as it is known.
+    /// The path of a body, as far as it is known.
     fn way(&self, body: usize) -> Way {
         let pose = &self.on.bodies.pose[body];
         if let Some(track) = self.track_of(body) {
@@ -374,7 +378,7 @@ impl View<'_> {
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }
 
-    /// A box around a collider on what is left of a way.
+    /// Bounds of a collider on the rest of a path.
     fn bounds(&self, collider: u32, way: &Way, since: f32) -> Aabb {
         let shape = &self.on.colliders.all[collider as usize];
         let rest = way.rest(since);
@@ -388,8 +392,9 @@ impl View<'_> {
     }
 }
 
-/// The same for a pair whose bodies were sent another way already. What touched once in a step is a little nearer than the tolerance was; for it
-/// to be able to touch again, that shrinks each time, by less than a search may fall short of it.
+/// The same for a pair whose bodies were redirected already. Bodies that touched once in a step are a little
+/// nearer than the tolerance; so that they can touch again, it shrinks each time, by less than a search may
+/// fall short of it.
 fn tightness(turns: u32) -> f32 {
     (0..turns.min(12)).fold(IMPACT_TOLERANCE, |share, _| share * 0.4)
 }

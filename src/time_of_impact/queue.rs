@@ -3,25 +3,26 @@
 use super::first_touch::Touch;
 use crate::memory::Allowance;
 
-/// Two colliders that touch if both go on as they do.
+/// Two colliders that touch if neither is redirected before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
     pub(super) touch: Touch,
     pub(super) a: u32,
     pub(super) b: u32,
-    /// How often the bodies had been sent another way when this was found: it holds while that is so.
+    /// How often the bodies had been redirected when this was found: it is valid while these numbers stay the
+    /// same.
     pub(super) turns: [u32; 2],
 }
 
 impl Hit {
     /// The earliest first, then the lower indices: an order in which no two of one moment are equal.
     fn key(&self) -> (u32, u32, u32) {
-        // Of numbers that are not negative the bits have the same order.
+        // The bits of non-negative numbers have the same order.
         (self.touch.time.to_bits(), self.a, self.b)
     }
 }
 
-/// A binary heap that grows only as far as there is room.
+/// A binary heap that grows only as far as its allowance.
 #[derive(Debug, Default)]
 pub(super) struct Queue(Vec<Hit>);
 
@@ -30,7 +31,7 @@ impl Queue {
         self.0.clear();
     }
 
-    /// Adds a touch; says whether there was room.
+    /// Adds a touch; returns whether the allowance was sufficient.
     pub(super) fn push(&mut self, hit: Hit, allowance: &mut Allowance) -> bool {
         let all = &mut self.0;
         if !allowance.push(all, hit) {
@@ -44,7 +45,7 @@ impl Queue {
         true
     }
 
-    /// Takes the earliest out.
+    /// Removes the earliest.
     pub(super) fn pop(&mut self) -> Option<Hit> {
         let all = &mut self.0;
         let last = all.pop()?;

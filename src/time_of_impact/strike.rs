@@ -1,4 +1,4 @@
-//! One impact: where it is, what it does, and where the two go from there.
+//! One impact: its points, its impulses, and the new paths of the two bodies.
 
 use super::impulse::{self, Law, Point, resolve};
 use super::queue::Hit;
@@ -14,7 +14,7 @@ use crate::solver::ImpactBody;
 use glam::Vec3;
 
 impl Run<'_, '_> {
-    /// Meets an impact, if both bodies are still on the ways that lead to it.
+    /// Solves an impact, if both bodies are still on the paths that lead to it.
     pub(super) fn strike(&mut self, hit: &Hit) {
         let view = self.view();
         if [hit.a, hit.b].map(|c| view.turns(c)) != hit.turns {
@@ -28,7 +28,8 @@ impl Run<'_, '_> {
             tracks[side].is_some_and(|t| [i, k][side] < dynamic && !run.buffers.tracks[t].stands)
         };
         if !goes(self, 0) && !goes(self, 1) {
-            // A kinematic body runs over one that lost its time: the next step's contacts see to it.
+            // A kinematic body runs over one that lost the rest of the step: the next step's contacts handle
+            // it.
             return;
         }
         self.impacts.struck += 1;
@@ -54,11 +55,11 @@ impl Run<'_, '_> {
         for (side, (body, struck)) in [(i, a), (k, b)].into_iter().enumerate() {
             let Some(track) = tracks[side] else { continue };
             if body >= dynamic {
-                // Kinematic: it goes on.
+                // A kinematic body moves on.
                 self.on.bodies.pose[body] = ends[side];
                 continue;
             }
-            // What lies against the other is not pulled into it.
+            // A body that rests against the other one is not accelerated into it.
             let into = if side == 0 { normal } else { -normal };
             let pull = &mut self.buffers.tracks[track].pull;
             if parting <= law.threshold {
@@ -73,7 +74,7 @@ impl Run<'_, '_> {
         }
     }
 
-    /// What an impact has to know of a body that stands where it is at the moment; `end`: where it would be at the end.
+    /// State of a body in an impact, at its current pose; `end`: its pose at the end of the step.
     fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> ImpactBody {
         let bodies = &self.on.bodies;
         let Some(track) = track else {
@@ -101,7 +102,7 @@ impl Run<'_, '_> {
         carry_spin(from.rotation, to.rotation, spin, bodies.mass[body].inertia)
     }
 
-    /// Sends a body on from where it stands with the velocity that the impact left it.
+    /// Moves a body on from its current pose with the velocity after the impact.
     fn send(&mut self, body: usize, track: usize, time: f32, velocity: Record, spin_before: Vec3) {
         let left = (1.0 - time) * self.dt;
         let (linear, most) = (self.rules.linear, self.rules.most);
@@ -118,7 +119,7 @@ impl Run<'_, '_> {
         if !track.stands {
             track.way.displacement = velocity.linear * left + track.pull * (0.5 * left * left);
             if linear {
-                // It turned for the whole step before it was swept; of that only the change is still to come.
+                // It turned for the whole step before it was swept: only the difference remains.
                 pose.rotation =
                     (exp_map((velocity.angular - spin_before) * left) * pose.rotation).normalize();
                 track.way.rotation = pose.rotation;
@@ -134,8 +135,8 @@ impl Run<'_, '_> {
         (record.linear, record.angular) = (velocity.linear, velocity.angular);
     }
 
-    /// Where two colliders touch, with their bodies where they stand.
-    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MOST], usize) {
+    /// Contact points of two colliders, with their bodies at their current poses.
+    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MAX_POINTS], usize) {
         let on = &*self.on;
         let [a, b] = [hit.a, hit.b].map(|c| &on.colliders.all[c as usize]);
         let [pose_a, pose_b] = bodies.map(|i| on.bodies.pose[i]);
@@ -158,7 +159,7 @@ impl Run<'_, '_> {
             let raw: RawManifold = collide_convex(a, b, &rel, margin);
             self.allowance.push(manifolds, raw);
         }
-        let mut points = [Point::default(); impulse::MOST];
+        let mut points = [Point::default(); impulse::MAX_POINTS];
         let mut count = 0;
         let from_centre = (at_a.position - pose_a.position).as_vec3();
         let apart = (pose_a.position - pose_b.position).as_vec3();
@@ -173,7 +174,8 @@ impl Run<'_, '_> {
             raw.points().iter().for_each(|p| add(at_a.rotation * raw.normal, p.position));
         }
         if manifolds.iter().all(|raw| raw.count == 0) {
-            // The kernel sees no contact where the search for the time saw a touch: its word then.
+            // The kernel finds no contact where the search for the time found a touch: use the result of the
+            // search.
             let normal = hit.touch.normal;
             let along = back * normal;
             let shape = Support::of(a);
@@ -186,7 +188,7 @@ impl Run<'_, '_> {
     }
 }
 
-/// Where a body's collider is.
+/// Pose of a body's collider.
 fn place(shape: &Collider, body: &Pose) -> Pose {
     Pose {
         position: body.position + (body.rotation * shape.position).as_dvec3(),

@@ -1,4 +1,4 @@
-//! Which way a body goes in what is left of the step.
+//! Paths of bodies in the rest of the step.
 
 use crate::body::{Pose, exp_map};
 use crate::lanes::Record;
@@ -6,7 +6,7 @@ use crate::narrow_phase::BodyPath;
 use crate::shape::Collider;
 use glam::{DVec3, Quat, Vec3};
 
-/// A straight way with an even turn, from a moment of the step to its end.
+/// A straight path with a uniform rotation, from a moment of the step to its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     /// Fraction of the step at which it begins.
@@ -19,7 +19,7 @@ pub(crate) struct Way {
 }
 
 impl Way {
-    /// Of what stands.
+    /// Path of a body at rest.
     pub(crate) fn still(pose: &Pose) -> Way {
         Way {
             since: 0.0,
@@ -30,8 +30,8 @@ impl Way {
         }
     }
 
-    /// From where a body stood at the start of the step, which is where its collider was placed, to where it stands at the
-    /// end, about as often around as `turned` says [rad].
+    /// From the pose of a body at the start of the step, for which its collider was placed, to that at the
+    /// end, with about as many revolutions as `turned` has [rad].
     pub(crate) fn taken(shape: &Collider, placed: &Pose, end: &Pose, turned: Vec3) -> Way {
         let rotation = (placed.rotation * shape.rotation.conjugate()).normalize();
         let position = placed.position - (rotation * shape.position).as_dvec3();
@@ -44,7 +44,7 @@ impl Way {
         }
     }
 
-    /// What of it is left from a moment on.
+    /// The rest of it from a moment on.
     pub(crate) fn rest(&self, time: f32) -> BodyPath {
         let (done, left) = self.shares(time);
         BodyPath {
@@ -80,12 +80,12 @@ impl Way {
     }
 }
 
-/// The rotation vector from one orientation to another, of all that lead there the one that is most like `about`.
+/// The rotation vector from one orientation to another; of all that lead there, the one closest to `about`.
 fn turn_between(from: Quat, to: Quat, about: Vec3) -> Vec3 {
     let turn = to * from.conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };
     let sine = turn.xyz().length();
-    // What did not turn differs by rounding.
+    // Without rotation the two differ by rounding.
     if sine < 1e-6 && about == Vec3::ZERO {
         return Vec3::ZERO;
     }
@@ -96,21 +96,21 @@ fn turn_between(from: Quat, to: Quat, about: Vec3) -> Vec3 {
     axis * (angle + rounds * whole)
 }
 
-/// A body that is on its way to something, or was sent another way.
+/// A body that may touch something, or was redirected.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track {
     pub(super) body: u32,
     pub(super) way: Way,
-    /// What accelerates it: the velocity that the body has is that of the end of the step [m/s²].
+    /// Acceleration: the velocity of the body is that of the end of the step [m/s²].
     pub(super) pull: Vec3,
-    /// How often it was sent another way.
+    /// How often it was redirected.
     pub(super) turns: u32,
-    /// It lost what was left of the step.
+    /// It lost the rest of the step.
     pub(super) stands: bool,
 }
 
 impl Track {
-    /// Velocities at a moment of a step of `dt` seconds, out of those of its end.
+    /// Velocities at a moment of a step of `dt` seconds, from those of its end.
     pub(super) fn velocity_at(&self, end: &Record, time: f32, dt: f32) -> Record {
         let mut velocity = *end;
         velocity.linear -= self.pull * ((1.0 - time) * dt);

@@ -1,4 +1,4 @@
-//! What the caller hears of the last step, and what of it the world has to see to.
+//! Events of the last step for the caller, and the parts of the step that record them.
 
 use super::World;
 use crate::broad_phase::Pair;
@@ -7,41 +7,43 @@ use crate::events::{ContactEnd, ContactEvent, Sensing, SensorEvent, StartOfStep,
 use crate::handle::ShapeHandle;
 
 impl World {
-    /// Shapes that began to touch in the last step, of pairs of which one asks for [`events`](crate::ShapeDesc::events);
-    /// sorted by their handles. What touched within the step and was thrown off again counts as touching, if it was pushed.
+    /// Pairs that began to touch in the last step and of which one shape asks for
+    /// [`events`](crate::ShapeDesc::events); sorted by their handles. Shapes that touched and separated again
+    /// within the step count as touching, if they were pushed.
     pub fn contact_begins(&self) -> &[ContactEvent] {
         &self.events.begins
     }
 
-    /// Shapes that no longer touch since the last step, or that were removed while they did.
+    /// Pairs that no longer touch since the last step, or of which a shape was removed while they did.
     pub fn contact_ends(&self) -> &[ContactEnd] {
         &self.events.ends
     }
 
-    /// Shapes that hit each other in the last step, at [`Settings::hit_speed`](crate::Settings::hit_speed) or faster.
+    /// Pairs that hit each other in the last step, at [`Settings::hit_speed`](crate::Settings::hit_speed) or
+    /// faster.
     pub fn contact_hits(&self) -> &[ContactEvent] {
         &self.events.hits
     }
 
-    /// What came into sensors in the last step, however fast. What crossed one within the step is here and in
-    /// [`World::sensor_ends`].
+    /// Shapes that entered sensors in the last step, however fast. A shape that crossed one within the step
+    /// is here and in [`World::sensor_ends`].
     pub fn sensor_begins(&self) -> &[SensorEvent] {
         &self.events.entered
     }
 
-    /// What left sensors in the last step, or was removed while it was in one.
+    /// Shapes that left sensors in the last step, or were removed while they were in one.
     pub fn sensor_ends(&self) -> &[SensorEvent] {
         &self.events.left
     }
 
-    /// Shapes that are in a sensor, in the order of their handles, as of the last step; written into `into`.
+    /// Writes the shapes that are in a sensor as of the last step into `into`, in the order of their handles.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn visitors(&self, sensor: ShapeHandle, into: &mut Vec<ShapeHandle>) -> Result<(), Error> {
         let collider = self.collider(sensor)?;
         into.clear();
-        for pair in self.broad.pairs.iter().chain(self.sleep.kept_pairs()).filter(|pair| pair.touching) {
+        for pair in self.broad.pairs.iter().chain(self.sleep.sleeping_pairs()).filter(|pair| pair.touching) {
             let other = match collider {
                 c if c == pair.a => pair.b,
                 c if c == pair.b => pair.a,
@@ -53,7 +55,7 @@ impl World {
         Ok(())
     }
 
-    /// Nobody listens to a shape any more: unless the other's listen, it is not known whom it touches.
+    /// A shape no longer asks for events: forgets what it touches, unless the other shape asks for them.
     pub(crate) fn forget_touches(&mut self, collider: u32) {
         let summaries = &self.colliders.summaries;
         for pair in self.broad.pairs.iter_mut().filter(|pair| pair.a == collider || pair.b == collider) {
@@ -62,12 +64,12 @@ impl World {
         }
     }
 
-    /// Pairs that end are heard of, if anyone listens to them.
+    /// Records the ends of pairs, if a shape asks for events.
     pub(crate) fn part_pair(&mut self, pair: &Pair) {
         self.events.part(&self.colliders, pair);
     }
 
-    /// Makes place for the impulses of contacts, if anyone listens.
+    /// Reserves the impulses of contacts, if a shape asks for events.
     pub(crate) fn reserve_impulses(&mut self) {
         let wanted = if self.needs.events > 0 { self.contacts.all.len() } else { 0 };
         self.events.impulses.clear();
@@ -77,7 +79,7 @@ impl World {
         self.events.reserve_impulses(wanted);
     }
 
-    /// Compares who touches with who did, and measures impacts.
+    /// Compares the pairs that touch with those that did, and measures impacts.
     pub(crate) fn record_contact_events(&mut self) {
         if self.needs.events == 0 {
             return;
@@ -88,7 +90,7 @@ impl World {
         Touching { start, contacts, settings }.record(&mut broad.pairs, events);
     }
 
-    /// Who came into sensors and who left them in this step.
+    /// Records the shapes that entered or left sensors in this step.
     pub(crate) fn record_sensor_events(&mut self) {
         if self.needs.sensors == 0 {
             return;
@@ -98,7 +100,7 @@ impl World {
         Sensing { bodies, colliders, settings }.record(&mut broad.pairs, events);
     }
 
-    /// What was heard in the step, in its order.
+    /// Sorts the events of the step.
     pub(crate) fn sort_events(&mut self) {
         self.refresh_event_allowance();
         self.events.finish(self.settings.event_capacity as usize);

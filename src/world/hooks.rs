@@ -1,11 +1,11 @@
-//! Hooks: a caller's word on contacts before they are solved.
+//! Contact hooks: may veto or edit a contact before it is solved.
 
 use super::World;
 use crate::constraint::Tweak;
 use crate::error::{Error, within};
 use crate::events::StartOfStep;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::narrow_phase::{Contact, NONE};
+use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
 /// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
@@ -19,16 +19,17 @@ pub trait MaybeSync {}
 #[cfg(not(feature = "parallel"))]
 impl<T: ?Sized> MaybeSync for T {}
 
-/// What a game has to say about contacts, for [`World::step_with`](crate::World::step_with).
+/// Callbacks on contacts, for [`World::step_with`](crate::World::step_with).
 ///
-/// Called for each manifold of a pair of which one shape has [`hooks`](crate::ShapeDesc::hooks), after contacts are found
-/// and before anything is solved: by the thread that steps, one after another, always in the same order.
+/// Called for each manifold of a pair of which one shape has [`hooks`](crate::ShapeDesc::hooks), after
+/// contacts are found and before anything is solved: by the thread that called the step, one after another,
+/// always in the same order.
 pub trait ContactHooks: MaybeSync {
     /// May veto a contact, or change its friction, restitution and surface velocity, for this step.
     fn contact(&self, contact: &mut ContactHook<'_>);
 }
 
-/// None.
+/// No hooks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoHooks;
 
@@ -36,7 +37,7 @@ impl ContactHooks for NoHooks {
     fn contact(&self, _: &mut ContactHook<'_>) {}
 }
 
-/// A manifold that is about to be solved, in the hands of [`ContactHooks`].
+/// A manifold that is about to be solved, as [`ContactHooks`] see it.
 #[derive(Debug)]
 pub struct ContactHook<'a> {
     world: &'a World,
@@ -56,12 +57,12 @@ impl ContactHook<'_> {
         self.indices().map(|i| self.world.handle_of(i))
     }
 
-    /// The caller's numbers of the two shapes.
+    /// The user data of the two shapes.
     pub fn user_data(&self) -> [u64; 2] {
         [self.contact.a, self.contact.b].map(|c| self.world.colliders.all[c as usize].user_data)
     }
 
-    /// Which of the two is this shape: 0 or 1.
+    /// Which of the two shapes this one is: 0 or 1.
     pub fn side_of(&self, shape: ShapeHandle) -> Option<usize> {
         self.shapes().iter().position(|&s| s == shape)
     }
@@ -71,21 +72,22 @@ impl ContactHook<'_> {
         self.world.colliders.poses[self.contact.a as usize].rotation * self.contact.normal
     }
 
-    /// The points: midway between the surfaces [m], and how far these are apart there, negative in overlap [m].
+    /// Positions of the points, midway between the surfaces [m], and the separation there, negative in
+    /// overlap [m].
     pub fn points(&self) -> impl Iterator<Item = (DVec3, f32)> + '_ {
         let pose = &self.world.colliders.poses[self.contact.a as usize];
         let place = move |at: Vec3| pose.position + (pose.rotation * at).as_dvec3();
         self.contact.points().iter().map(move |p| (place(p.position), p.separation))
     }
 
-    /// How fast the two come together, at the point where that is fastest [m/s]; negative if they part.
+    /// Approach speed of the two at the point where it is greatest [m/s]; negative if they separate.
     pub fn approach_speed(&self) -> f32 {
         let speed = |p| self.start().impact(self.contact, p).2;
         self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// The impulse that would stop the approach at its fastest point, were the two alone [N s]: an estimate of what
-    /// [`ContactEvent::impulse`](crate::ContactEvent::impulse) will be.
+    /// The impulse that would stop the approach at its fastest point, if nothing else touched the two [N s]:
+    /// an estimate of [`ContactEvent::impulse`](crate::ContactEvent::impulse).
     pub fn estimated_impulse(&self) -> f32 {
         let start = self.start();
         let one = |p| {
@@ -96,12 +98,12 @@ impl ContactHook<'_> {
         self.contact.points().iter().map(one).fold(0.0, f32::max)
     }
 
-    /// Where bodies are and how fast they move may decide: the world, as it was at the start of the step.
+    /// The world at the start of the step, for hooks that decide by poses and velocities.
     pub fn world(&self) -> &World {
         self.world
     }
 
-    /// The two pass through each other in this step: a one-way platform.
+    /// Vetoes the contact: the two pass through each other in this step, as on a one-way platform.
     pub fn veto(&mut self) {
         self.vetoed = true;
     }
@@ -109,7 +111,7 @@ impl ContactHook<'_> {
     /// Sets the coefficients of static and of dynamic friction.
     ///
     /// # Errors
-    /// If one is below zero or no number.
+    /// If one is negative or not a number.
     pub fn set_friction(&mut self, of_rest: f32, of_motion: f32) -> Result<(), Error> {
         within("static friction", of_rest, 0.0, f32::MAX, "at least zero")?;
         within("dynamic friction", of_motion, 0.0, f32::MAX, "at least zero")?;
@@ -117,7 +119,7 @@ impl ContactHook<'_> {
         Ok(())
     }
 
-    /// Sets the share of the approach speed that comes back.
+    /// Sets the coefficient of restitution: the share of the approach speed after the impact.
     ///
     /// # Errors
     /// If it is not in 0..=1.
@@ -127,11 +129,11 @@ impl ContactHook<'_> {
         Ok(())
     }
 
-    /// Has the surface of one of the two shapes (0 or 1) move at so many metres a second in the world, as a belt does: what
-    /// is on it is carried along by friction. What of it goes along the normal has no effect.
+    /// Sets the velocity of the surface of one of the two shapes (0 or 1) in the world [m/s], as of a belt:
+    /// friction carries along what is on it. The part along the normal has no effect.
     ///
     /// # Errors
-    /// If a number is not finite, or there is no such side.
+    /// If a number is not finite, or the side is neither 0 nor 1.
     pub fn set_surface_velocity(&mut self, side: usize, velocity: Vec3) -> Result<(), Error> {
         crate::limits::speed("surface velocity", velocity)?;
         within("side of a contact", side as f32, 0.0, 1.0, "0 or 1")?;
@@ -139,7 +141,7 @@ impl ContactHook<'_> {
         Ok(())
     }
 
-    /// Says what was said before.
+    /// Applies changes that were recorded before.
     #[cfg(feature = "replay")]
     pub(crate) fn say(&mut self, tweak: Tweak, vetoed: bool) {
         (self.tweak, self.vetoed) = (tweak, vetoed);
@@ -155,7 +157,7 @@ impl ContactHook<'_> {
 }
 
 impl World {
-    /// Asks the hooks about all contacts that have any.
+    /// Calls the hooks for all contacts that ask for them.
     pub(crate) fn ask_hooks(&mut self, hooks: &dyn ContactHooks) {
         self.events.vetoed.clear();
         if self.needs.hooks == 0 {
@@ -172,14 +174,14 @@ impl World {
             let pair = self.broad.pairs[place];
             let asks = |c: u32| self.colliders.summaries[c as usize].has_hooks();
             let asked = asks(pair.a) || asks(pair.b);
-            if pair.contact == NONE
+            if pair.contact == NO_CONTACT
                 || !asked
                 || pair.is_idle(&self.colliders.summaries, self.bodies.dynamic())
             {
                 continue;
             }
             let (mut slot, mut passes) = (pair.contact, false);
-            while slot != NONE {
+            while slot != NO_CONTACT {
                 let contact = &self.contacts.all[slot as usize];
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
@@ -192,19 +194,19 @@ impl World {
                     passes |= vetoed;
                     match tweaks.get_mut(slot as usize) {
                         Some(place) => *place = tweak,
-                        // What was said can't be kept.
+                        // The changes can't be kept.
                         None => self.events.lost += u32::from(!tweak.is_none()),
                     }
                 }
                 slot = contact.next;
             }
-            // The guard has to know of it, or it would hold what is let through.
+            // The guard has to know of a veto, or it would stop the body.
             let listed =
                 passes && self.events.allowance.push(&mut vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
             self.events.lost += u32::from(passes && !listed);
             if listed {
                 let mut slot = pair.contact;
-                while slot != NONE {
+                while slot != NO_CONTACT {
                     let contact = &mut self.contacts.all[slot as usize];
                     (contact.count, contact.pushed) = (0, false);
                     slot = contact.next;

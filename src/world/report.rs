@@ -1,4 +1,4 @@
-//! What a step did.
+//! Report of a step.
 
 use super::World;
 use crate::broad_phase::BroadStats;
@@ -7,7 +7,7 @@ use crate::finish::Counts;
 use crate::narrow_phase::NarrowStats;
 use crate::time_of_impact::Impacts;
 
-/// How long the stages took [us].
+/// Times of the stages [us].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageTimes {
@@ -17,7 +17,7 @@ pub struct StageTimes {
     pub broad: f32,
     /// Manifolds.
     pub narrow: f32,
-    /// Restitution; rows sorted, coloured and packed.
+    /// Restitution; sorting, colouring and packing of rows.
     pub prepare: f32,
     /// Substeps.
     pub solve: f32,
@@ -30,7 +30,7 @@ pub struct StageTimes {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct StepReport {
-    /// How long the stages took.
+    /// Times of the stages.
     pub times: StageTimes,
     /// Pairs that the broad phase keeps.
     pub pairs: u32,
@@ -46,11 +46,12 @@ pub struct StepReport {
     pub potential: u32,
     /// Potential manifolds that had to push.
     pub pushed: u32,
-    /// Pushes of the step before whose gap was not closed: pushed by what was never touched.
+    /// Potential manifolds that pushed in the previous step without closing their gap: the body was pushed by
+    /// something that it never touched.
     pub ghosts: u32,
     /// Pairs that kept their manifold without a new narrow phase.
     pub recycled: u32,
-    /// Fast pairs whose first touch within the step was looked for.
+    /// Fast pairs whose first touch within the step was searched for.
     pub casts: u32,
     /// Points that bounced.
     pub impacts: u32,
@@ -60,27 +61,30 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose path the guard cut: a centre, or the end of a limb, would have crossed something.
     pub cut: u32,
-    /// Bodies that crossed nothing, and that the guard lifted off a surface because they ended too close to it.
+    /// Bodies that crossed nothing, and that the guard lifted off a surface because they ended too close to
+    /// it.
     pub lifted: u32,
-    /// Bodies that rows threw off their predicted way and that would have entered or overlapped something static: they went on
-    /// along it, and ended outside of it.
+    /// Bodies that rows pushed off their predicted path, and that would have entered or overlapped static
+    /// geometry: they were led along it, and ended outside of it.
     pub settled: u32,
-    /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
-    /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
+    /// Trees of joints in which a body counts as heavier than it is, because something more than 20,000 times
+    /// as heavy is attached to it: with its own mass the exact solution would lose all digits.
     pub weighted_trees: u32,
-    /// Trees of joints that whip, because a body bears several times its mass: there are no velocities at the start of a substep
-    /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some. And nets of
-    /// joints that turn faster than a substep follows, in so far as they lost energy that their rows would have added.
+    /// Trees of joints that whip, because a body bears several times its mass: no velocities at the start of
+    /// a substep leave them closed at its end, or only velocities that gain energy. They were closed all the
+    /// same, and lost some energy. Also nets of joints that turn faster than a substep can follow, if they
+    /// lost energy that their rows would have added.
     pub damped_trees: u32,
-    /// Bodies whose new place or velocity was no number or beyond [`MAX_POSITION`](crate::limits::MAX_POSITION) or twice
-    /// [`MAX_SPEED`](crate::limits::MAX_SPEED). They stay where they were, at rest, and the others go on as if they had stood
-    /// still all along: whatever a step returns, what it leaves is finite. More than none says that forces, speeds or joints
-    /// ask for the impossible; [`World::stopped_bodies`] has their handles.
+    /// Bodies whose new position or velocity was not finite, or beyond
+    /// [`MAX_POSITION`](crate::limits::MAX_POSITION) or twice [`MAX_SPEED`](crate::limits::MAX_SPEED). They
+    /// stay where they were, at rest, and the others move as if those had not moved at all: the result of a
+    /// step is always finite. A count above zero means that forces, speeds or joints ask for the impossible;
+    /// [`World::stopped_bodies`] lists their handles.
     pub stopped: u32,
-    /// Impacts that were met one by one at their times, by methods that do so
+    /// Impacts that were solved one by one at their times, by methods that do so
     /// ([`ContinuousMethod`](crate::ContinuousMethod)).
     pub struck: u32,
-    /// Bodies that lost what was left of the step after too many of those.
+    /// Bodies that lost the rest of the step after too many of those.
     pub stood: u32,
     /// Bodies that are asleep.
     pub asleep: u32,
@@ -88,14 +92,14 @@ pub struct StepReport {
     pub slept: u32,
     /// Bodies that woke in the step, or since the one before.
     pub woke: u32,
-    /// Events that there was no place for.
+    /// Number of events beyond the capacity.
     pub events_lost: u32,
-    /// What was left out because memory was not allowed to grow: points of contacts, and pairs, of which it is not known
-    /// how many points they have.
+    /// Points of contacts, and pairs with an unknown number of points, that were left out because memory was
+    /// not allowed to grow.
     pub shed: u32,
 }
 
-/// What the stages of a step counted.
+/// Counts of the stages of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StepCounts {
     pub(crate) broad: BroadStats,
@@ -106,12 +110,12 @@ pub(crate) struct StepCounts {
     /// Contacts that pushed before they touched.
     pub(crate) pushed: u32,
     pub(crate) held: Counts,
-    /// Impacts that were met one by one.
+    /// Impacts that were solved one by one.
     pub(crate) met: Impacts,
 }
 
 impl StepCounts {
-    /// Adds a look for pairs.
+    /// Adds the counts of a search for pairs.
     pub(crate) fn add_broad(&mut self, two: BroadStats) {
         let one = self.broad;
         self.broad = BroadStats {
@@ -123,19 +127,20 @@ impl StepCounts {
         };
     }
 
-    /// Pairs and points that there was no room for, until rows were made.
+    /// Pairs and points beyond the allowance, up to the making of rows.
     pub(crate) fn shed(&self) -> u32 {
         self.broad.shed + self.narrow.shed + self.prepared.shed
     }
 
-    /// How many bodies outran their boxes. If pairs were shed, having no pair does not prove that the path is clear: then 0.
+    /// Number of bodies that are faster than their boxes allow for. If pairs were shed, having no pair does
+    /// not prove that the path is clear: then 0.
     pub(crate) fn fast(&self) -> u32 {
         if self.broad.shed > 0 { 0 } else { self.broad.fast }
     }
 }
 
 impl StepReport {
-    /// Bodies that the guard held, in either way.
+    /// Bodies that the guard held, by cut or lift.
     pub fn held(&self) -> u32 {
         self.cut + self.lifted
     }

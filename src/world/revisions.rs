@@ -1,18 +1,19 @@
-//! How often what snapshots share was changed.
+//! Change counters of the data that snapshots share.
 
 use std::any::Any;
 use std::sync::{Mutex, Weak};
 
-/// A part of snapshots, as long as one has it.
+/// A part of snapshots, as long as one refers to it.
 pub(crate) type SharedPart = Weak<dyn Any + Send + Sync>;
 
-/// How often what snapshots share was changed, and the parts that the last snapshot wrote, as long as one has them.
+/// Change counters of the data that snapshots share, and the parts that the last snapshot wrote, as long as
+/// one refers to them.
 #[derive(Debug, Default)]
 pub(crate) struct Revisions {
-    /// What is static.
+    /// Of static bodies.
     pub(crate) fixed: u64,
-    /// All else.
+    /// Of everything else.
     pub(crate) moving: u64,
-    /// Of both, the revision of the part that was written, and the part. Snapshots know what it is.
-    pub(crate) kept: Mutex<[(u64, Option<SharedPart>); 2]>,
+    /// For both, the revision of the part that was written, and the part. Only snapshots know its type.
+    pub(crate) written: Mutex<[(u64, Option<SharedPart>); 2]>,
 }

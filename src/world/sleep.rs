@@ -1,4 +1,4 @@
-//! Sleep of the world's bodies: ask, wake, send.
+//! Sleep of the world's bodies: look up, wake, put to sleep.
 
 use super::{Buffers, Change, World};
 use crate::body::BodyKind;
@@ -20,17 +20,17 @@ impl World {
         Ok(self.bodies.asleep().contains(&index) && !self.bodies.traits[index].disabled)
     }
 
-    /// How many bodies are asleep.
+    /// Number of sleeping bodies.
     pub fn asleep(&self) -> usize {
         self.bodies.sleepers()
     }
 
-    /// How many islands are asleep.
+    /// Number of sleeping islands.
     pub fn islands_asleep(&self) -> usize {
         self.sleep.count()
     }
 
-    /// Wakes a body and all that sleeps with it.
+    /// Wakes a body and its island.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -41,16 +41,16 @@ impl World {
         Ok(())
     }
 
-    /// Sends a dynamic body to sleep with all that it touches or is joined to, however fast they are, unless one of them
-    /// never sleeps or is carried by a kinematic body that moves. Does nothing where sleep is not switched on
-    /// ([`Settings::sleeping`](crate::Settings::sleeping)), and before the first step.
+    /// Puts a dynamic body to sleep with all bodies that it touches or is joined to, however fast they are,
+    /// unless one of them never sleeps or is carried by a moving kinematic body. Does nothing if sleeping is
+    /// off ([`Settings::sleeping`](crate::Settings::sleeping)), and before the first step.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
         self.note(Change::SendToSleep(body));
-        // The column of a world that has just ceased to sleep lasts until the next step.
+        // If sleeping was just switched off, the column still exists until the next step.
         let sleeps = self.settings.sleeping && self.bodies.rests;
         if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
             self.send_island_to_sleep(index as u32);
@@ -70,8 +70,8 @@ impl World {
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;
         Ok(())
     }
-    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
-    /// motions must be those of the step.
+    /// Wakes the islands that something reaches within the step; returns whether there were any. Pairs and
+    /// predicted motions must be those of the step.
     pub(crate) fn wake_what_is_reached(&mut self) -> bool {
         if self.sleep.count() == 0 {
             return false;
@@ -80,22 +80,23 @@ impl World {
         islands.wake_what_is_reached(&buffers.forces.motion)
     }
 
-    /// Wakes a body with its island, if it sleeps, and has it count as moving. Returns its new index.
+    /// Wakes a body with its island, if it sleeps, and marks it as moving. Returns its new index.
     pub(crate) fn wake_body(&mut self, index: usize) -> usize {
         self.split_islands().0.wake_body(index)
     }
 
-    /// Wakes all that a body touches or might, and the body itself: something about it changed. Returns its new index.
+    /// Wakes a body and all others that it touches or may touch, because something about it changed. Returns
+    /// its new index.
     pub(crate) fn disturb(&mut self, index: usize) -> usize {
         self.split_islands().0.disturb(index)
     }
 
-    /// Wakes all whose boxes a new one meets.
+    /// Wakes all bodies whose boxes overlap a new one.
     pub(crate) fn disturb_box(&mut self, bounds: &Aabb) {
         self.split_islands().0.disturb_box(bounds);
     }
 
-    /// Wakes everything.
+    /// Wakes all bodies.
     pub(crate) fn wake_all(&mut self) {
         self.split_islands().0.wake_all();
     }
@@ -121,7 +122,7 @@ impl World {
         islands.send(index, events, allowance);
     }
 
-    /// What pairs of islands that fall asleep may take.
+    /// Bytes that the pairs of islands that fall asleep may take.
     fn room_to_sleep(&mut self) -> Allowance {
         if self.needs.events > 0 {
             self.refresh_event_allowance();
@@ -129,7 +130,7 @@ impl World {
         self.allowance(Category::BroadPhase)
     }
 
-    /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
+    /// For each body, the number of a dynamic body's island, for display; `u32::MAX` for other bodies.
     pub(crate) fn islands(&self) -> Vec<u32> {
         let World { bodies, colliders, broad, contacts, joints, sleep, settings, .. } = self;
         sleep.numbers((bodies, &colliders.summaries), &broad.pairs, contacts, joints, settings.length_unit)

@@ -345,5 +345,5 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
             base.save(batch, motion.base);
         }
     }
-    pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
+    pass.relax && potential_load(batch, pass.touch_distance).0.gt(L::zero()).any()
 }

@@ -17,12 +17,12 @@ use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
-pub(crate) const MOST_ROWS: usize = 16;
+pub(crate) const MAX_ROWS: usize = 16;
 
 /// Maximum bytes of a row, with its couplings to all others.
 pub(crate) const ROW_BYTES: usize = {
     type L = crate::lanes::f32x8;
-    size_of::<Motor<L>>() + size_of::<Direction<L>>() + (2 + MOST_ROWS) * size_of::<L>()
+    size_of::<Motor<L>>() + size_of::<Direction<L>>() + (2 + MAX_ROWS) * size_of::<L>()
 };
 
 /// A motor or a spring about the axis of a hinge, as the body of its node sees it.
@@ -254,7 +254,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// Solves the rows beside the trees and adds their effect to the solution of the trees.
     pub(crate) fn answer_extra(&mut self) {
         let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
-        let mut rest = [L::zero(); MOST_ROWS];
+        let mut rest = [L::zero(); MAX_ROWS];
         let cut = extra.directions.len() - extra.motors.len();
         let mut row = 0;
         for node in &self.nodes[real..] {
@@ -313,10 +313,10 @@ impl<L: Lanes> Extra<L> {
     /// The impulses that cancel `rest`. Rows from `cut` on are bounded: those that would exceed their bounds
     /// are fixed there, and the others solved again.
     #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
-    fn solve(&self, rest: &[L; MOST_ROWS], cut: usize) -> [L; MOST_ROWS] {
+    fn solve(&self, rest: &[L; MAX_ROWS], cut: usize) -> [L; MAX_ROWS] {
         let count = self.directions.len();
         let zero = L::zero();
-        let mut fixed = [zero.gt(zero); MOST_ROWS];
+        let mut fixed = [zero.gt(zero); MAX_ROWS];
         for (motor, fixed) in self.motors.iter().zip(&mut fixed[cut..]) {
             *fixed = match self.drives {
                 Drives::None => zero.eq(zero),
@@ -325,14 +325,14 @@ impl<L: Lanes> Extra<L> {
             };
         }
         let idle = fixed;
-        let mut least = [zero; MOST_ROWS];
+        let mut least = [zero; MAX_ROWS];
         for (least, &[alone, unknown]) in least.iter_mut().zip(&self.alone) {
             *least = alone * if self.shifts { unknown.max(L::splat(SHIFTED)) } else { unknown };
         }
-        let mut push = [zero; MOST_ROWS];
-        let mut matrix = [[zero; MOST_ROWS]; MOST_ROWS];
+        let mut push = [zero; MAX_ROWS];
+        let mut matrix = [[zero; MAX_ROWS]; MAX_ROWS];
         for _ in 0..ROUNDS {
-            let mut right = [zero; MOST_ROWS];
+            let mut right = [zero; MAX_ROWS];
             for i in 0..count {
                 let mut sum = rest[i];
                 for k in 0..count {
@@ -380,7 +380,7 @@ impl<L: Lanes> Extra<L> {
 /// L D Lᵀ factorisation of a symmetric matrix, in place: L in the lower triangle, and the inverse of D on the
 /// diagonal, damped: for pivots below `least` the inverse goes to zero instead of growing.
 #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
-fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
+fn factorise<L: Lanes>(m: &mut [[L; MAX_ROWS]; MAX_ROWS], least: &[L]) {
     for (i, &least) in least.iter().enumerate() {
         for k in 0..i {
             let mut sum = m[i][k];
@@ -403,7 +403,7 @@ fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
     }
 }
 
-fn substitute<L: Lanes>(m: &[[L; MOST_ROWS]; MOST_ROWS], x: &mut [L; MOST_ROWS], count: usize) {
+fn substitute<L: Lanes>(m: &[[L; MAX_ROWS]; MAX_ROWS], x: &mut [L; MAX_ROWS], count: usize) {
     for i in 0..count {
         for k in 0..i {
             x[i] -= m[i][k] * x[k];

@@ -1,6 +1,6 @@
 //! Finds the joints that form trees.
 
-use super::cut::{MOST_ROWS, rows_of};
+use super::cut::{MAX_ROWS, rows_of};
 use super::node::Turns;
 use crate::body::Bodies;
 use crate::constraint::joint::ends::NONE;
@@ -213,7 +213,7 @@ impl<'a> Graph<'a> {
                 continue;
             }
             let Component { bodies, anchor, loops, free } = self.component(first as usize, &mut seen);
-            if !free || 3 * loops > MOST_ROWS {
+            if !free || 3 * loops > MAX_ROWS {
                 continue;
             }
             let most = |&body: &usize| (self.locks_of(body).count(), std::cmp::Reverse(body));
@@ -222,7 +222,7 @@ impl<'a> Graph<'a> {
             let jointed = branches.iter().filter(|branch| branch.jointed);
             let place = jointed.map(|branch| place_of(self.joint_of(branch.lock))).max();
             let tree = Tree { place: place.unwrap_or_default(), branches, motors: Vec::new() };
-            if tree.rows() <= MOST_ROWS {
+            if tree.rows() <= MAX_ROWS {
                 trees.push(tree);
             }
         }
@@ -299,7 +299,7 @@ impl<'a> Graph<'a> {
             }
         }
         for tree in trees {
-            if tree.rows() + tree.motors.len() > MOST_ROWS {
+            if tree.rows() + tree.motors.len() > MAX_ROWS {
                 tree.motors.clear();
             }
             tree.motors.sort_unstable();

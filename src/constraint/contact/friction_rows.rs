@@ -106,7 +106,7 @@ fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
     f: &FrictionRow<L, B>,
     pass: &Pass<'_>,
 ) -> L {
-    let real = L::splat(pass.real);
+    let real = L::splat(pass.touch_distance);
     let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
     batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient
 }

@@ -25,7 +25,7 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
-    let (load, arm) = potential_load(batch, pass.real);
+    let (load, arm) = potential_load(batch, pass.touch_distance);
     let pushed = load.gt(L::zero());
     if !pushed.any() {
         return false;
@@ -65,7 +65,7 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
         v.save(batch, motion.velocity);
         b.save(batch, motion.base);
     }
-    (p.abs() * k).gt(L::splat(pass.shift)).any()
+    (p.abs() * k).gt(L::splat(pass.load_shift_speed)).any()
 }
 
 /// The load of potential points, and the sum of their arms x loads. `real`: a point with a separation up to

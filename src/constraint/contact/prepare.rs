@@ -40,7 +40,7 @@ pub(crate) struct PrepareInput<'a> {
     /// The substeps of this step and the last, by which impulses are scaled.
     pub(crate) lengths: StepLengths,
     /// Slip speed below which friction is static [m/s].
-    pub(crate) stick: f32,
+    pub(crate) static_slip_speed: f32,
     /// [m]
     pub(crate) slop: f32,
     /// The order in which groups of rows are solved.
@@ -329,6 +329,6 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
         batch.surface = place as u32;
     }
     let slip = slip - n * slip.dot(n);
-    let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
-    f.coefficient = L::select(stick, sticking, sliding);
+    let sticks = slip.length_squared().lt(L::splat(input.static_slip_speed * input.static_slip_speed));
+    f.coefficient = L::select(sticks, sticking, sliding);
 }

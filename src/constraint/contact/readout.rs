@@ -157,15 +157,15 @@ impl Views<'_> {
                 surface: self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane])),
                 impulse: [f.impulse[0].lane(lane), f.impulse[1].lane(lane), f.twist.lane(lane)],
             });
-            let Some((normal, rubbing)) = f(&out) else { continue };
+            let Some((normal, friction_impulses)) = f(&out) else { continue };
             let there = batch.points.iter_mut().filter(|point| point.separation.lane(lane).is_finite());
             for (point, impulse) in there.zip(normal) {
                 point.impulse.set_lane(lane, impulse);
             }
             if let Some(friction) = &mut rows {
-                friction.impulse[0].set_lane(lane, rubbing[0]);
-                friction.impulse[1].set_lane(lane, rubbing[1]);
-                friction.twist.set_lane(lane, rubbing[2]);
+                friction.impulse[0].set_lane(lane, friction_impulses[0]);
+                friction.impulse[1].set_lane(lane, friction_impulses[1]);
+                friction.twist.set_lane(lane, friction_impulses[2]);
             }
         }
     }

@@ -22,9 +22,9 @@ pub(crate) struct Pass<'a> {
     /// Maximum speed at which overlap is pushed apart [m/s].
     pub(crate) push_speed: f32,
     /// Friction of an impact that changes the slip by more than this shifts loads [m/s].
-    pub(crate) shift: f32,
+    pub(crate) load_shift_speed: f32,
     /// A point with a separation up to this touches: its impulse bounds friction [m].
-    pub(crate) real: f32,
+    pub(crate) touch_distance: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
     /// Remove what pushing overlap apart added to the velocities.
@@ -183,7 +183,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     }
     // SAFETY: by the contract.
     unsafe { v.save(batch, motion.velocity) };
-    pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
+    pass.relax && potential_load(batch, pass.touch_distance).0.gt(L::zero()).any()
 }
 
 /// Updates separations after displacements. Bodies are moved before the rows relax, and not again before they

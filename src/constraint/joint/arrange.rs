@@ -19,7 +19,7 @@ use crate::constraint::schedule::order::Place;
 use crate::joint::{Joints, Row, RowKind};
 use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
-use crate::narrow_phase::NONE as NO_CONTACT;
+use crate::narrow_phase::NO_CONTACT;
 use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers};
 

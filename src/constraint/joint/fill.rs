@@ -66,7 +66,7 @@ pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u3
         let lock = &input.joints.locks[owner as usize];
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
         put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
         put(&mut batch.arm[0], lane, at.arm[0]);
         put(&mut batch.arm[1], lane, at.arm[1]);
         put(&mut batch.apart, lane, at.apart);
@@ -90,7 +90,7 @@ pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32]
         let LockKind::Line(axis) = lock.kind else { continue };
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
         put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
         put(&mut batch.axis, lane, at.axis(0, axis));
         put(&mut batch.arm[0], lane, at.arm[0]);
         put(&mut batch.arm[1], lane, at.arm[1]);
@@ -130,7 +130,7 @@ pub(crate) fn fill_turn<L: GatherLanes, const HINGE: bool>(
             at.turn()
         };
         put(&mut batch.impulse, lane, impulse * input.warm);
-        put(&mut batch.lasting, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
         put(&mut batch.error, lane, error);
     }
     close(&mut batch.ends);
@@ -212,7 +212,7 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         batch.drives |= u32::from(drive) << lane;
         batch.springs |= u32::from(spring.is_some() && !drive) << lane;
         batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
-        batch.lasting.set_lane(lane, row.held * input.warm);
+        batch.lasting.set_lane(lane, row.lasting_impulse * input.warm);
         for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
             impulse.set_lane(lane, old * input.warm);
         }

@@ -39,7 +39,7 @@ struct Member {
     most: f32,
     moving: f32,
     /// Energy of springs [J].
-    held: f32,
+    spring_energy: f32,
     flags: u32,
     /// Velocity before joints acted in the substep.
     start: Record,
@@ -261,20 +261,20 @@ impl Nets {
             let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
             let member = &mut self.all[root];
             // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
-            let start = (now.kinetic + now.potential) as f32 + member.held;
+            let start = (now.kinetic + now.potential) as f32 + member.spring_energy;
             member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
-            member.moving = given.max(now.kinetic) as f32 + member.held;
+            member.moving = given.max(now.kinetic) as f32 + member.spring_energy;
         }
     }
 
     /// Sums the energy of springs; if `done`, also what motors gave in the substep.
     fn sum_springs(&mut self, input: &NetInput<'_, '_>, done: bool) {
-        self.all.iter_mut().for_each(|member| member.held = 0.0);
+        self.all.iter_mut().for_each(|member| member.spring_energy = 0.0);
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
-            batch.stored(input.h, &mut |body, [held, given]| {
+            batch.stored(input.h, &mut |body, [stored, given]| {
                 let Some(Member { root, .. }) = self.all.get(body as usize).copied() else { return };
                 let root = &mut self.all[root as usize];
-                root.held += held;
+                root.spring_energy += stored;
                 root.most += if done { given } else { 0.0 };
             });
         });
@@ -339,10 +339,10 @@ impl Nets {
         self.sum_springs(input, true);
         self.rest();
         for root in 0..self.all.len() {
-            let Member { root: own, flags, most, held, .. } = self.all[root];
+            let Member { root: own, flags, most, spring_energy, .. } = self.all[root];
             if own as usize == root && flags & SWIFT != 0 {
                 let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
-                let most = f64::from(most - held) - potential;
+                let most = f64::from(most - spring_energy) - potential;
                 self.bound(input, root, most);
             }
         }

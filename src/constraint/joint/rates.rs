@@ -265,9 +265,9 @@ impl Spring {
         let c = d - h * k;
         let k = k / (1.0 + h * h * k * mobility);
         let force = most / h;
-        let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
+        let stored = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
         let requested = if c > 1e-6 * d { speed * d / c } else { 0.0 };
-        [held, (impulse * requested).max(0.0)]
+        [stored, (impulse * requested).max(0.0)]
     }
 }
 

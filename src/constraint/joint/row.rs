@@ -162,14 +162,15 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
-        let one = |gap: L, speed: L, requested: L, (old, held): (L, L), (low, high): (L, L)| {
+        let one = |gap: L, speed: L, requested: L, (old, lasting): (L, L), (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
             // Away from a rigid end, only the speed that would pass it within the substep is removed.
             let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
             let soft = requested - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
-            let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
+            let change =
+                L::select(drives | springs | open, change, change * scale - (old - lasting) * yields);
             let mut new = (old + change).max(low).min(high);
             // A spring at the end of a range does not act inside of it.
             new = L::select(springs & open, zero, new);

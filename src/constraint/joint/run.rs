@@ -19,6 +19,12 @@ pub(crate) struct JointViews<'a> {
     pub(crate) single_trees: Shared<'a, TreeBatch<f32>>,
 }
 
+/// Contacts between bodies of trees and static ones, which are solved along with the trees.
+pub(crate) struct TouchInput<'a> {
+    pub(crate) contacts: &'a Views<'a>,
+    pub(crate) pass: &'a Pass<'a>,
+}
+
 impl JointRows {
     /// For several threads.
     pub(crate) fn views(&mut self) -> JointViews<'_> {
@@ -39,8 +45,9 @@ impl JointRows {
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
-        (contacts, touching): (&Views<'_>, &Pass<'_>),
+        touching: &TouchInput<'_>,
     ) {
+        let TouchInput { contacts, pass: contact_pass } = *touching;
         // SAFETY: by the contract; each batch is in one stage, and contacts go contacts with one.
         unsafe {
             if stage.kind != JointType::Tree {
@@ -50,14 +57,14 @@ impl JointRows {
                 (false, None) => views.trees.get(i).warm_start(motion),
                 (false, Some(pass)) => {
                     let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32x8>| {
-                        contacts.solve_tree_contacts(batch, Request::Solve(touching), body, motion)
+                        contacts.solve_tree_contacts(batch, Request::Solve(contact_pass), body, motion)
                     };
                     views.trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
                 }
                 (true, None) => views.single_trees.get(i).warm_start(motion),
                 (true, Some(pass)) => {
                     let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32>| {
-                        contacts.solve_single_tree_contacts(batch, Request::Solve(touching), body, motion)
+                        contacts.solve_single_tree_contacts(batch, Request::Solve(contact_pass), body, motion)
                     };
                     views.single_trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
                 }

@@ -47,8 +47,8 @@ impl Report for Store<'_> {
         lock.impulse = impulse;
         // A load that disappears is dropped at once.
         let bears = impulse.length() * JOINT_LOAD_SHARE;
-        let lasting = lock.held.min(bears);
-        lock.held = lasting + (bears - lasting) * self.hold;
+        let lasting = lock.lasting_impulse.min(bears);
+        lock.lasting_impulse = lasting + (bears - lasting) * self.hold;
         let joint = &mut self.all[lock.joint as usize];
         match lock.kind {
             LockKind::Point | LockKind::Line(_) => joint.force += impulse * self.inverse_h,
@@ -61,8 +61,12 @@ impl Report for Store<'_> {
         let impulse = ends.map(|one| if one.is_finite() { one } else { 0.0 });
         row.impulse = impulse;
         let bears = (impulse[0] - impulse[1]) * JOINT_LOAD_SHARE;
-        let lasting = if bears * row.held <= 0.0 { 0.0 } else { row.held.max(-bears.abs()).min(bears.abs()) };
-        row.held = lasting + (bears - lasting) * self.hold;
+        let lasting = if bears * row.lasting_impulse <= 0.0 {
+            0.0
+        } else {
+            row.lasting_impulse.max(-bears.abs()).min(bears.abs())
+        };
+        row.lasting_impulse = lasting + (bears - lasting) * self.hold;
         let (joint, p) = (&mut self.all[row.joint as usize], (impulse[0] - impulse[1]) * self.inverse_h);
         joint.force += force * p;
         joint.torque += torque * p;

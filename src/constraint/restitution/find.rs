@@ -87,7 +87,7 @@ fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
         moved: Record::default(),
         listed: false,
         stands: false,
-        kept: Record::default(),
+        velocity_after: Record::default(),
         pull: Record::default(),
         turned: None,
     };
@@ -140,7 +140,7 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut 
 /// Calls `f` with the points of a pair that have restitution, until it returns false.
 fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
     let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
-    if pair.contact == crate::narrow_phase::NONE || !(pushed(pair.a) || pushed(pair.b)) {
+    if pair.contact == crate::narrow_phase::NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
     let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);

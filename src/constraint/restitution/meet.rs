@@ -10,7 +10,7 @@
 //! Contacts were found along the predicted motion. A body that is thrown off it so far that it could pass
 //! through something unknown stays where it is for the rest of the step, with its new velocity: the next step
 //! looks along that. It loses time, but no energy. Its rows are disabled until then
-//! (`solver::pass::disable`).
+//! (`solver::store::disable`).
 //!
 //! Rows act on what is crossed by the end of the substep, so they get the mean velocity, which leads there
 //! from where the body really starts; once bodies have moved, the velocity is that after the last impact
@@ -39,7 +39,8 @@ pub(crate) struct Bodies<'a> {
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
     pub(crate) pose: &'a [Pose],
-    pub(crate) colliders: (&'a [ColliderList], &'a [Collider]),
+    pub(crate) collider_lists: &'a [ColliderList],
+    pub(crate) colliders: &'a [Collider],
     /// Time of the step that has passed and that is left at the start of the substep, and length of the
     /// substep [s].
     pub(crate) done: f32,
@@ -198,7 +199,7 @@ impl Restitution {
             }
             bodies.delta[i].set_bounced();
             if struck.stands {
-                add(&mut struck.kept, &change, 1.0);
+                add(&mut struck.velocity_after, &change, 1.0);
                 continue;
             }
             add(&mut bodies.velocity[i], &change, 1.0);
@@ -229,7 +230,7 @@ impl Restitution {
             return;
         }
         let (velocity, pull) = (bodies.velocity[i], bodies.pull(i));
-        (struck.stands, struck.kept) = (true, bodies.velocity_at(i, time));
+        (struck.stands, struck.velocity_after) = (true, bodies.velocity_at(i, time));
         self.standing.push(body);
         self.shift(body, bodies, &velocity, time);
         self.shift(body, bodies, &pull, 0.5 * time * time);
@@ -247,7 +248,7 @@ impl Restitution {
     pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record], acceleration: &mut [Record]) {
         for &body in &self.standing {
             let struck = &mut self.struck[body as usize];
-            add(&mut velocity[body as usize], &struck.kept, 1.0);
+            add(&mut velocity[body as usize], &struck.velocity_after, 1.0);
             if let Some(own) = acceleration.get_mut(body as usize) {
                 *own = struck.pull;
             }
@@ -320,7 +321,7 @@ impl Moving {
             };
         };
         let mut before = bodies.velocity_at(i, time);
-        add(&mut before, &struck.map_or(Record::default(), |struck| struck.kept), 1.0);
+        add(&mut before, &struck.map_or(Record::default(), |struck| struck.velocity_after), 1.0);
         let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
         let mass = &bodies.mass[i];
         if is_uneven(mass, &bodies.traits[i]) {
@@ -459,8 +460,11 @@ impl Bodies<'_> {
         let speed = speed + pull * now;
         let left = self.h - now;
         let stand = spot.bodies.iter().any(|&body| struck.get(body as usize).is_some_and(|s| s.stands));
-        let kept =
-            if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
+        let after = if stand {
+            spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.velocity_after))
+        } else {
+            0.0
+        };
         let mut time = 0.0;
         if gap > 0.0 {
             // To the end of the substep as rows see it, and a little further: what they would stop must have
@@ -475,7 +479,7 @@ impl Bodies<'_> {
             time = if time >= 0.0 { time.min(left) } else { left };
         }
         let runs = -(speed + pull * time);
-        let approach = runs - kept;
+        let approach = runs - after;
         // The rows must not push a held body: they do not see its velocity.
         let acts = approach > self.threshold || stand && runs > CREEP_SHARE * self.threshold;
         acts.then_some((now + time, approach.max(runs)))
@@ -484,9 +488,8 @@ impl Bodies<'_> {
     /// Whether a change of velocity takes a body so far off its path in some seconds that it could pass
     /// through something: by half of its inner radius.
     fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
-        let (of, all) = self.colliders;
-        of[body].as_slice().iter().any(|&c| {
-            let shape = &all[c as usize];
+        self.collider_lists[body].as_slice().iter().any(|&c| {
+            let shape = &self.colliders[c as usize];
             let reach = shape.position.length() + shape.radius;
             (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
         })

@@ -85,7 +85,7 @@ struct Struck {
     listed: bool,
     /// It is held for the rest of the step, and has this velocity afterwards.
     stands: bool,
-    kept: Record,
+    velocity_after: Record,
     /// Its acceleration, which is zero meanwhile.
     pull: Record,
     /// Orientation at its last impact in this step, and the time of that [s], if its principal moments

@@ -14,7 +14,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{Contact, NONE, Weight};
+use crate::narrow_phase::{Contact, NO_CONTACT, Weight};
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -165,8 +165,8 @@ fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
 pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
     let dynamic = input.bodies.dynamic();
     for pair in input.pairs {
-        let mut slot = if pair.is_idle(input.summaries, dynamic) { NONE } else { pair.contact };
-        while slot != NONE {
+        let mut slot = if pair.is_idle(input.summaries, dynamic) { NO_CONTACT } else { pair.contact };
+        while slot != NO_CONTACT {
             let contact = &input.contacts[slot as usize];
             if contact.count > 0 {
                 f(slot, contact);

@@ -247,24 +247,24 @@ pub(super) fn reduce(boxed: &Boxed, groups: &[Group]) -> Reduced {
     let mut solved = Tableau::new(&boxed.m, &boxed.q);
     let free: Vec<usize> = (0..n).filter(|&i| boxed.is_free(i)).collect();
     solved.pivot_all(&free);
-    let mut rubs = vec![false; n];
+    let mut is_friction = vec![false; n];
     let (mut columns, mut at, mut extras) = (Vec::new(), vec![0.0; n], Vec::new());
     for group in groups {
         let t = group.tangent;
-        (rubs[t], rubs[t + 1]) = (true, true);
+        (is_friction[t], is_friction[t + 1]) = (true, true);
         let [c, s] = group.axis;
         let first = columns.len();
         columns.extend([vec![(t, c), (t + 1, s)], vec![(t, -c), (t + 1, -s)]]);
         columns.extend([vec![(t, -s), (t + 1, c)], vec![(t, s), (t + 1, -c)], Vec::new()]);
         extras.push(Extra::Slack((first..first + 4).collect(), first + 4, group.normals.clone(), group.mu));
         if let Some((row, arm)) = group.twist {
-            rubs[row] = true;
+            is_friction[row] = true;
             columns.extend([vec![(row, 1.0)], vec![(row, -1.0)], Vec::new()]);
             let factor = group.mu * arm;
             extras.push(Extra::Slack(vec![first + 5, first + 6], first + 7, group.normals.clone(), factor));
         }
     }
-    for i in (0..n).filter(|&i| !rubs[i] && !solved.basic[i]) {
+    for i in (0..n).filter(|&i| !is_friction[i] && !solved.basic[i]) {
         let (lo, hi) = (boxed.lo[i], boxed.hi[i]);
         if lo == hi {
             at[i] = lo;

@@ -4,7 +4,7 @@ use super::{Effort, Solution, Status};
 use crate::lab::problem::{Law, Matrix, Problem};
 
 /// Stands in for a finite bound that scaling would make infinite.
-const MOST: f64 = 1e290;
+const MAX_MAGNITUDE: f64 = 1e290;
 
 /// The state of a method at work.
 pub(super) struct Run {
@@ -223,7 +223,8 @@ pub(super) fn power_of_two(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn scaled(problem: &Problem, by_w: f64, by_q: f64) -> Option<Problem> {
-    let bound = |x: f64| if x.is_finite() { (x * by_w / by_q).clamp(-MOST, MOST) } else { x };
+    let bound =
+        |x: f64| if x.is_finite() { (x * by_w / by_q).clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE) } else { x };
     let laws = problem.laws().map(|(_, law)| match law {
         Law::Bounds { min, max } => Law::Bounds { min: bound(min), max: bound(max) },
         law => law,

@@ -4,7 +4,7 @@
 //! bounce, by Newton's law at all points between them at once, until no bodies approach. Ties are broken by
 //! the order of bodies, so that the order of contacts changes nothing. With low restitution the sequence may
 //! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each [`CALM`]
-//! impacts and all of it after four times as many, and when a pair has had [`MOST`] impacts, those that still
+//! impacts and all of it after four times as many, and when a pair has had [`MAX_IMPACTS`] impacts, those that still
 //! approach are brought to rest together.
 //!
 //! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest
@@ -20,7 +20,7 @@ use crate::lab::system::{System, SystemLaw};
 /// Impacts of a pair after which it loses half of its restitution.
 const CALM: u32 = 32;
 /// Impacts of a pair after which all that approach are brought to rest together.
-const MOST: u32 = 256;
+const MAX_IMPACTS: u32 = 256;
 /// Share of the fastest initial approach below which an approach counts as none.
 const NOTHING: f64 = 1e-12;
 
@@ -61,7 +61,7 @@ fn collide(moving: &mut Moving<'_>, blocks: &[Block], most: u32, impulses: &mut 
             return impact;
         }
         counts[i] += 1;
-        if counts[i] >= MOST {
+        if counts[i] >= MAX_IMPACTS {
             let all: Vec<usize> = contacts.iter().flat_map(|block| block.laws.clone()).collect();
             bounce(moving, &all, &joints, 0.0, impulses);
             return impact + 1;

@@ -3,7 +3,9 @@
 use super::{Entrant, Scene};
 use crate::config::tuning::CONTACT_MARGIN;
 use crate::config::tuning::GHOST_GAP;
-use crate::narrow_phase::{BodyPath, CastResult, MeshCast, Motion, NONE, cast_convex, cast_mesh, cast_plane};
+use crate::narrow_phase::{
+    BodyPath, CastResult, MeshCast, Motion, NO_CONTACT, cast_convex, cast_mesh, cast_plane,
+};
 use crate::shape::Kind;
 use crate::time_of_impact::Way;
 use crate::world::World;
@@ -14,7 +16,7 @@ use glam::{DQuat, DVec3, Vec3};
 pub(super) fn ghosts(world: &World) -> u32 {
     let pushed = world.broad.pairs.iter().filter(|pair| world.contacts.count_pushed(pair.contact) > 0);
     let apart = pushed.filter(|pair| {
-        debug_assert!(pair.contact != NONE);
+        debug_assert!(pair.contact != NO_CONTACT);
         let (a, b) = (ways(world, pair.a), ways(world, pair.b));
         !a.iter().any(|a| b.iter().any(|b| meet(world, (pair.a, a), (pair.b, b))))
     });

@@ -37,9 +37,9 @@ const MEAN_STEP: f32 = 0.0225;
 /// Substeps and iterations that a shot may be solved with.
 const SOLVERS: [(u32, u32); 3] = [(1, 1), (1, 8), (4, 1)];
 /// A shot ends after so many steps at the latest.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 /// Steps within which a shot reaches its target, unless gravity alone brings it there.
-const MOST_FLIGHT: f32 = 20.0;
+const MAX_FLIGHT_TIME: f32 = 20.0;
 /// Time that is simulated after the impact, on top of the time of flight [s].
 const AFTER: f32 = 0.5;
 
@@ -132,11 +132,11 @@ impl Shot {
 
         let speed = log_range(&mut rng, 10.0, 2000.0);
         let spin = rng.direction() * rng.range(0.0, 200.0);
-        let (steps, mean) = step_lengths(&mut rng, MOST_STEPS);
+        let (steps, mean) = step_lengths(&mut rng, MAX_STEPS);
 
         // Where it would go through, how steeply, and how far away it starts.
         let (aim, normal) = targets.aim(target, &mut rng);
-        let slowest = 1.5 * reach / (speed * MOST_FLIGHT * mean);
+        let slowest = 1.5 * reach / (speed * MAX_FLIGHT_TIME * mean);
         let steep = rng.range(0.01, 1.0).max(slowest.min(1.0));
         let around = rng.range(0.0, std::f32::consts::TAU);
         let (u, v) = normal.any_orthonormal_pair();

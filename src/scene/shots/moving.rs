@@ -26,7 +26,7 @@ const OWN: u64 = 0x5EED;
 /// Time that is simulated after the impact [s].
 const AFTER: f32 = 0.2;
 /// Steps at most.
-const MOST_STEPS: usize = 30;
+const MAX_STEPS: usize = 30;
 
 /// A bullet on its way to bodies that can move.
 #[derive(Clone, Debug)]
@@ -57,7 +57,7 @@ impl MovingShot {
         let boxes = boxes(target, &mut rng);
         let speed = log_range(&mut rng, 50.0, 1000.0);
         let spin = rng.direction() * rng.range(0.0, 200.0);
-        let (steps, _) = step_lengths(&mut rng, MOST_STEPS);
+        let (steps, _) = step_lengths(&mut rng, MAX_STEPS);
         let reach = geometry.radius();
         let front = boxes.iter().map(|(desc, half)| desc.position.x as f32 + half.x).fold(0.0, f32::max);
         let aside = Vec3::new(0.0, rng.range(-0.7, 0.7), rng.range(-0.7, 0.7));

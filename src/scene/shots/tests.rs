@@ -11,7 +11,7 @@ fn shots_start_on_the_right_side_and_clear_of_their_target() {
         let clear = targets.clearance(shot.target, shot.body.position);
         let reach = f64::from(body::reach(&shot.body.shapes));
         assert!(clear >= 0.99 * reach, "{number}: {clear} m is less than its reach of {reach} m");
-        assert!(!shot.steps.is_empty() && shot.steps.len() <= MOST_STEPS);
+        assert!(!shot.steps.is_empty() && shot.steps.len() <= MAX_STEPS);
         let speed = shot.body.linear_velocity.length();
         assert!((9.99..2001.0).contains(&speed));
     }

@@ -6,7 +6,7 @@ use super::corners::beyond;
 use super::slabs::Near;
 use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
-use crate::limits::MAX_COORDINATE as MOST;
+use crate::limits::MAX_COORDINATE;
 use crate::memory::{bytes_of, sum_bytes};
 use crate::shape::mesh::bvh::Path;
 use crate::shape::mesh::edges::{Edges, Fold};
@@ -77,14 +77,14 @@ impl HeightField {
         within("height field rows", rows as f32, 2.0, f32::MAX, "at least 2")?;
         positive("height field cell", cell.x)?;
         positive("height field cell", cell.y)?;
-        within("height field width", cell.x * (columns - 1) as f32, 0.0, MOST, "at most 1e7")?;
-        within("height field depth", cell.y * (rows - 1) as f32, 0.0, MOST, "at most 1e7")?;
+        within("height field width", cell.x * (columns - 1) as f32, 0.0, MAX_COORDINATE, "at most 1e7")?;
+        within("height field depth", cell.y * (rows - 1) as f32, 0.0, MAX_COORDINATE, "at most 1e7")?;
         if heights.len() != count {
             let expected = "columns times rows";
             return Err(Error::OutOfRange { what: "heights", expected, value: heights.len() as f64 });
         }
         for &height in &heights {
-            within("height", finite("height", height)?, -MOST, MOST, "within 1e7")?;
+            within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
         }
         let mut field = HeightField { columns, rows, cell, heights, folds: Vec::new(), levels: Vec::new() };
         field.folds = field.find_folds();

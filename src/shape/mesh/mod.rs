@@ -19,7 +19,7 @@ use glam::Vec3;
 use rays::{TriangleRays, take};
 use segment_triangle::SegmentTest;
 
-pub(super) use crate::limits::MAX_COORDINATE as MOST;
+pub(super) use crate::limits::MAX_COORDINATE;
 /// Bits of a corner that are a vertex; the two above are the fold of the edge that starts there.
 pub(super) const VERTEX_BITS: u32 = 30;
 pub(super) const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;
@@ -71,7 +71,7 @@ impl TriangleMesh {
     ) -> Result<TriangleMesh, Error> {
         for v in &vertices {
             finite3("mesh vertex", *v)?;
-            crate::error::within("mesh vertex", v.abs().max_element(), 0.0, MOST, "within 1e7")?;
+            crate::error::within("mesh vertex", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7")?;
         }
         if triangles.len() > MAX_TRIANGLES {
             return Err(Error::TooMany { what: "triangles of a mesh", most: MAX_TRIANGLES as u64 });

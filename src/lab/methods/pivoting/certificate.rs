@@ -6,7 +6,7 @@ use crate::lab::methods::linear::greatest;
 use nalgebra::DMatrix;
 
 /// No certificate is searched for larger problems.
-const MOST_ROWS: usize = 400;
+const MAX_ROWS: usize = 400;
 
 /// Whether `y >= 0` proves that no `z >= 0` has `M z + q >= 0`: `M^T y <= 0` and `q y < 0` (Farkas). `M^T y`
 /// may be positive by rounding only.
@@ -29,7 +29,7 @@ pub(super) fn proves(lcp: &Lcp, y: &[f64]) -> bool {
 /// so that it ends at a point or at a proof.
 pub(in crate::lab::methods) fn infeasible(lcp: &Lcp) -> bool {
     let n = lcp.q.len();
-    if n == 0 || n > MOST_ROWS {
+    if n == 0 || n > MAX_ROWS {
         return false;
     }
     let (lcp, _) = lcp.equilibrated();

@@ -94,7 +94,7 @@ fn drive(drive: &extension::Drive) -> Result<Drive, String> {
 
 /// What holds a speed exactly has infinite damping, and a file has the largest number for it.
 fn or_infinite(damping: f32) -> f32 {
-    if damping >= Spring::MOST { f32::INFINITY } else { damping }
+    if damping >= Spring::MAX_COEFFICIENT { f32::INFINITY } else { damping }
 }
 
 fn beyond(axis: usize) -> String {

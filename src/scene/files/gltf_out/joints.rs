@@ -110,5 +110,5 @@ fn drive(drive: &Drive) -> Value {
 
 /// JSON has no infinity: the largest allowed number stands for it when read.
 fn finite(damping: f32) -> f32 {
-    damping.min(Spring::MOST)
+    damping.min(Spring::MAX_COEFFICIENT)
 }

@@ -11,7 +11,7 @@ use plotters::prelude::*;
 const LEAST: f64 = 1e-9;
 const COLOURS: [RGBColor; 6] = [BLUE, RED, GREEN, ORANGE, SKY, INK];
 /// More lines could not be told apart.
-const MOST_LINES: usize = COLOURS.len();
+const MAX_LINES: usize = COLOURS.len();
 
 /// Powers of ten of the relative cost and of the error; none if it was not timed.
 fn point(row: &Row, certain_to: f64) -> Option<(f64, f64)> {
@@ -96,7 +96,7 @@ pub(super) fn front(area: &Area<'_>, outcome: &Outcome) -> Drawn {
 /// The front of those that have each value of an axis.
 pub(super) fn axis(area: &Area<'_>, outcome: &Outcome, at: usize, axis: Axis, values: &[&str]) -> Drawn {
     let mut chart = log_frame!(area, outcome, format!("Error over time, by {}", axis.name()));
-    let lines = values.iter().take(MOST_LINES).zip(COLOURS).map(|(value, colour)| {
+    let lines = values.iter().take(MAX_LINES).zip(COLOURS).map(|(value, colour)| {
         let has = |row: &&Row| row.axes.get(at).is_some_and(|own| own == value);
         let points: Vec<(f64, f64)> =
             outcome.cells.iter().filter(has).filter_map(|row| point(row, outcome.certain_to)).collect();

@@ -24,7 +24,7 @@ const AGREE: f64 = 1.05;
 /// runs took this long together,
 const TIMING: Duration = Duration::from_millis(10);
 /// or there were so many.
-const MOST_RUNS: usize = 10;
+const MAX_RUNS: usize = 10;
 
 /// A setting to be measured.
 #[derive(Clone, Debug)]
@@ -256,7 +256,7 @@ impl<'a> Sweep<'a> {
     fn cost(&self, cell: usize) -> anyhow::Result<f64> {
         let Candidate { name, hz, settings, solver, .. } = &self.candidates[cell];
         let (start, mut least) = (Instant::now(), [f64::INFINITY; 2]);
-        for _ in 0..MOST_RUNS {
+        for _ in 0..MAX_RUNS {
             let us = cost(self.scene, settings, solver.map(WorldSolver::new), *hz, self.span)
                 .with_context(|| format!("can't run at {name}"))?;
             if us < least[0] {

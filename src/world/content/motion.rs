@@ -1,6 +1,5 @@
-//! Where bodies are and how they move: look up, set, push.
+//! Poses and velocities of bodies: look up, set, push.
 
-use super::{Change, World};
 use crate::body::{BodyKind, Pose};
 use crate::error::Error;
 use crate::forces::world_inertia;
@@ -8,10 +7,11 @@ use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
 use crate::shape::unit_quat;
+use crate::world::{Change, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
-    /// Where a body's origin is in the world [m].
+    /// Position of a body's origin in the world [m].
     ///
     /// # Errors
     /// If the handle is stale.
@@ -22,7 +22,7 @@ impl World {
         Ok(pose.position - (turn * details.centre).as_dvec3())
     }
 
-    /// Where a body's origin is, relative to [`World::origin`] [m].
+    /// Position of a body's origin relative to [`World::origin`] [m].
     ///
     /// # Errors
     /// If the handle is stale.
@@ -30,7 +30,7 @@ impl World {
         Ok((self.position(body)? - self.origin).as_vec3())
     }
 
-    /// How a body's axes are turned.
+    /// Rotation of a body's axes.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -39,7 +39,7 @@ impl World {
         Ok(self.bodies.pose[index].rotation * self.bodies.details[index].axes.conjugate())
     }
 
-    /// Where a body's centre of mass is in the world [m].
+    /// Position of a body's centre of mass in the world [m].
     ///
     /// # Errors
     /// If the handle is stale.
@@ -71,7 +71,7 @@ impl World {
         let index = self.index(body)?;
         limits::position(position)?;
         let unit = unit_quat("rotation", rotation)?;
-        // As it was given: what is normalised twice may differ in a bit.
+        // As given: normalising twice may change a bit.
         self.note(Change::SetPose(body, position, rotation));
         let rotation = unit;
         let index = self.disturb(index);
@@ -110,11 +110,12 @@ impl World {
         Ok(())
     }
 
-    /// Gives a kinematic body the velocity that takes it to a pose of its origin within the next step of `dt` seconds.
+    /// Gives a kinematic body the velocity that takes its origin to a pose within the next step of `dt`
+    /// seconds.
     ///
     /// # Errors
-    /// If the handle is stale, the pose is not one, `dt` is not the length of a step, or the velocity is beyond
-    /// [`limits::MAX_SPEED`].
+    /// If the handle is stale, the pose is not one, `dt` is not the length of a step, or the velocity is
+    /// beyond [`limits::MAX_SPEED`].
     pub fn move_kinematic(
         &mut self,
         body: BodyHandle,
@@ -133,7 +134,7 @@ impl World {
         if turn.w < 0.0 {
             turn = -turn;
         }
-        // Not glam's `to_scaled_axis`: it asks the platform's arc tangent.
+        // Not glam's `to_scaled_axis`: it uses the platform's arc tangent.
         let part = turn.xyz();
         let sine = part.length();
         let angle = if sine > 0.0 { 2.0 * libm::atan2f(sine, turn.w) / sine } else { 2.0 };
@@ -143,7 +144,8 @@ impl World {
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
     ///
     /// # Errors
-    /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the first force of a world, the budget does not allow it.
+    /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the
+    /// first force of a world, the budget does not allow it.
     pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::force("force", force)?;

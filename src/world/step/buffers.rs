@@ -1,4 +1,4 @@
-//! Buffers that stages hand on to each other.
+//! Buffers that stages pass on to each other.
 
 use crate::constraint::{JointRows, PrepareScratch, Restitution, Rows};
 use crate::forces::Forces;
@@ -30,7 +30,8 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    /// `continuous`: whether anything is. Discrete physics looks along the predicted motion too, but no further than a margin.
+    /// `continuous`: whether any body is. Discrete collision detection uses the predicted motion too, but no
+    /// further than a margin.
     pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {
         let motion = if continuous { Category::Continuous } else { Category::Scratch };
         report.add(motion, bytes_of(&self.forces.motion));

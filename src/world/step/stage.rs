@@ -1,7 +1,7 @@
-//! What stands around the stages of a step: clocks, the name of the stage that is under way, and hashes for recordings.
+//! Bookkeeping around the stages of a step: clocks, the name of the current stage, and hashes for recordings.
 
-use super::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
 use crate::constraint::evenness;
+use crate::world::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
 use std::time::Instant;
 
 /// A stage of a step.
@@ -9,14 +9,14 @@ use std::time::Instant;
 pub(crate) enum Stage {
     Broad,
     Narrow,
-    /// A part of [`Stage::Narrow`] to who reads times.
+    /// Its time counts as part of [`Stage::Narrow`].
     Hooks,
     Prepare,
     Solve,
     Finish,
 }
 
-/// A part of a stage that only some worlds need, and that is timed by itself.
+/// A part of a stage that only some worlds need, and that is timed separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     Restitution,
@@ -27,7 +27,7 @@ pub(crate) enum Part {
     Hooks,
 }
 
-/// The clock of a step, and what the step needs.
+/// The clock of a step, and the features that the step needs.
 pub(crate) struct Clock {
     start: Instant,
     /// When the last stage ended.
@@ -60,7 +60,7 @@ fn microseconds(time: std::time::Duration) -> f32 {
 }
 
 impl World {
-    /// Does a part of a stage. It is timed if the world needs it; of what it doesn't need nothing is measured.
+    /// Runs a part of a stage. It is timed only if the world needs it.
     pub(crate) fn part<R>(&mut self, part: Part, work: impl FnOnce(&mut World) -> R) -> R {
         let needed = match part {
             Part::Restitution => self.needs.restitution > 0,
@@ -86,7 +86,8 @@ impl World {
         done
     }
 
-    /// Begins a step of `dt` seconds: nothing is known of it yet, and there is place for what it can't do without.
+    /// Begins a step of `dt` seconds: clears the report, and reserves the buffers that the step can't do
+    /// without.
     pub(crate) fn begin_step(&mut self, dt: f32) -> Clock {
         self.stage = Some("broad");
         let start = Instant::now();
@@ -100,7 +101,7 @@ impl World {
         clock
     }
 
-    /// Ends a step: it is reported, and the next one may begin.
+    /// Ends a step: completes its report, and allows the next one.
     pub(crate) fn end_step(&mut self, clock: Clock, did: &StepCounts, dt: f32) {
         let times = StageTimes { step: microseconds(clock.last - clock.start), ..clock.times };
         let lengths = self.lengths(dt);

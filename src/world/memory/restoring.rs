@@ -1,7 +1,6 @@
-//! What restoring a snapshot takes, asked of the budget before anything changes.
+//! Memory for restoring a snapshot, requested from the budget before anything changes.
 
 use super::budget::{Counts, check, list_bytes};
-use super::{Assets, World};
 use crate::body::{BodyKind, Traits};
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
@@ -9,6 +8,7 @@ use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
 use crate::shape::{Geometry, Kind};
+use crate::world::{Assets, World};
 
 /// The bodies and joints that replace those of a world.
 pub(crate) struct Replacement<'a> {
@@ -16,21 +16,21 @@ pub(crate) struct Replacement<'a> {
     joints: &'a JointRecords,
 }
 
-/// What a snapshot brings.
+/// The content of a snapshot.
 pub(crate) struct Brings<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) pairs: usize,
-    /// Of the pairs, how many islands that sleep keep.
-    pub(crate) kept: usize,
+    /// Number of those pairs that sleeping islands keep.
+    pub(crate) sleeping_pairs: usize,
     pub(crate) contacts: usize,
     pub(crate) forced: bool,
     pub(crate) rests: bool,
-    /// Nothing where bodies, shapes and joints stay as they are.
+    /// `None` if bodies, shapes and joints stay as they are.
     pub(crate) new: Option<Replacement<'a>>,
 }
 
 impl<'a> Replacement<'a> {
-    /// `slots`: of bodies and of shapes.
+    /// `slots`: numbers of slots of bodies and of shapes.
     pub(crate) fn new(
         (bodies, shapes): (usize, usize),
         joints: &'a JointRecords,
@@ -55,15 +55,15 @@ impl<'a> Replacement<'a> {
                 counts.add_collider(kind, shape);
             }
         }
-        // They are counted among all slots.
+        // They are included in the number of slots.
         counts.colliders.slots = slots;
         counts.once.add(Category::Bodies, list_bytes(0, own));
     }
 }
 
 impl World {
-    /// Makes place for what a snapshot brings: no more than it lacks. In the world that took it that is nothing, unless what
-    /// bodies, shapes and joints there are has changed since.
+    /// Reserves memory for the content of a snapshot, as far as it is missing: in the world that took it
+    /// nothing is, unless bodies, shapes or joints have changed since.
     ///
     /// # Errors
     /// If the budget does not allow it.
@@ -86,7 +86,7 @@ impl World {
         Ok(())
     }
 
-    /// Calls `f` with each buffer, its category, and the place that it needs.
+    /// Calls `f` with each buffer, its category, and the capacity that it needs.
     fn each_restored(&mut self, brings: &Brings<'_>, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         let now = self.counts(Counts::default());
         let (rests, meets) =
@@ -103,7 +103,7 @@ impl World {
             self.each_of_switched(switched, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
-        f(Category::BroadPhase, self.sleep.kept_buffer(), brings.kept);
+        f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }

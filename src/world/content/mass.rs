@@ -1,14 +1,14 @@
-//! Mass of the world's bodies: given, or that of their shapes.
+//! Mass of the world's bodies: given by the caller, or computed from their shapes.
 
-use super::{Change, World};
 use crate::body::{BodyDetails, BodyKind, Mass, Pose};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::shape::{MassProperties, ShapeDesc};
+use crate::world::{Change, World};
 use glam::{Quat, Vec3};
 
 impl World {
-    /// Mass of a body [kg]; zero for one that nothing can push.
+    /// Mass of a body [kg]; zero for static and kinematic bodies.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -32,13 +32,13 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn refresh_mass(&mut self, index: usize) {
+    pub(in crate::world) fn refresh_mass(&mut self, index: usize) {
         let parts: Vec<MassProperties> = self.parts_of(index).collect();
         self.replace_mass(index, &MassProperties::combine(&parts));
     }
 
     /// Mass of each shape of a body, in the body's axes.
-    pub(super) fn parts_of(&self, index: usize) -> impl Iterator<Item = MassProperties> + '_ {
+    pub(in crate::world) fn parts_of(&self, index: usize) -> impl Iterator<Item = MassProperties> + '_ {
         let details = self.bodies.details[index];
         self.bodies.colliders[index].as_slice().iter().map(move |&c| {
             let c = &self.colliders.all[c as usize];
@@ -48,8 +48,8 @@ impl World {
         })
     }
 
-    /// Moves the centre of mass and the principal axes under the colliders, which stay where they are.
-    pub(super) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
+    /// Moves the centre of mass and the principal axes; the colliders stay in place.
+    pub(in crate::world) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
         let old = self.bodies.details[index];
         let (details, columns) =
             columns_of(mass, self.bodies.kind[index], old.user_data, old.mass_from_shapes);
@@ -62,7 +62,7 @@ impl World {
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.details[index] = details;
         self.bodies.set_mass(index, columns);
-        // What can't turn is in no tree.
+        // A body that can't rotate is in no tree.
         let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
         self.joints.changed |= joined;
         self.recentre_joints(index, &old);
@@ -79,8 +79,8 @@ impl World {
     }
 }
 
-/// Whether mass and inertia, and one over them, can be worked with.
-pub(super) fn movable(mass: &MassProperties) -> Result<(), Error> {
+/// Checks that mass, inertia and their inverses are finite.
+pub(in crate::world) fn movable(mass: &MassProperties) -> Result<(), Error> {
     let m = &mass.inertia;
     for (what, value) in [
         ("mass", mass.mass),
@@ -93,7 +93,7 @@ pub(super) fn movable(mass: &MassProperties) -> Result<(), Error> {
     Ok(())
 }
 
-pub(super) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
+pub(in crate::world) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
     let parts: Vec<MassProperties> = shapes
         .iter()
         .map(|s| MassProperties::of(&s.geometry, s.density).transformed(s.position, s.rotation))
@@ -101,8 +101,8 @@ pub(super) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
     MassProperties::combine(&parts)
 }
 
-/// What the columns keep of a body's mass.
-pub(super) fn columns_of(
+/// The column entries for a body's mass.
+pub(in crate::world) fn columns_of(
     mass: &MassProperties,
     kind: BodyKind,
     user_data: u64,

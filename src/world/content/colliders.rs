@@ -1,14 +1,14 @@
-//! Where shapes come into the world and leave it, and how queries and the broad phase hear of it.
+//! Adds colliders to the world and removes them, and keeps queries and the broad phase up to date.
 
-use super::{Needs, World};
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::shape::{Collider, Filter, Geometry, Kind, Material, ShapeDesc};
+use crate::world::{Needs, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
-    pub(super) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
+    pub(in crate::world) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
         let details = &self.bodies.details[body];
         let to_axes = details.axes.conjugate();
         let geometry = &shape.geometry;
@@ -49,7 +49,7 @@ impl World {
         slot
     }
 
-    pub(super) fn drop_collider(&mut self, collider: u32) {
+    pub(in crate::world) fn drop_collider(&mut self, collider: u32) {
         self.leave_broad(collider);
         let old = &mut self.colliders.all[collider as usize];
         self.needs.count(old, -1);
@@ -59,7 +59,7 @@ impl World {
         self.colliders.slots.remove(collider);
     }
 
-    /// Takes all shapes out, of whose slots there are so many.
+    /// Removes all shapes, and prepares so many slots.
     pub(crate) fn clear_colliders(&mut self, slots: usize) {
         let nothing = Collider {
             kind: Kind::Plane,
@@ -90,7 +90,7 @@ impl World {
         self.broad.reset(slots);
     }
 
-    /// Puts a shape into the slot that it had.
+    /// Puts a shape into its former slot.
     pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, pose: Pose) {
         let mode = self.bodies.mode(collider.body as usize);
         self.assets.add(&collider.geometry);
@@ -100,7 +100,7 @@ impl World {
         self.colliders.poses[slot as usize] = pose;
     }
 
-    pub(super) fn enter_broad(&mut self, collider: u32) {
+    pub(in crate::world) fn enter_broad(&mut self, collider: u32) {
         self.note_change(collider);
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
@@ -119,7 +119,7 @@ impl World {
         }
     }
 
-    pub(super) fn leave_broad(&mut self, collider: u32) {
+    pub(in crate::world) fn leave_broad(&mut self, collider: u32) {
         self.note_change(collider);
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
@@ -133,7 +133,7 @@ impl World {
         }
     }
 
-    /// Queries are to look where a collider is.
+    /// Tells the query index that a collider changed.
     fn note_change(&mut self, collider: u32) {
         if let Some(now) = self.now.change() {
             now.touch(collider);
@@ -141,20 +141,20 @@ impl World {
     }
 
     /// The same for all colliders of a body.
-    pub(super) fn note_move(&mut self, index: usize) {
+    pub(in crate::world) fn note_move(&mut self, index: usize) {
         if let Some(now) = self.now.change() {
             self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
         }
     }
 
-    /// Box of a collider where its body is.
+    /// Bounds of a collider at its body's pose.
     pub(crate) fn bounds(&self, collider: u32) -> Aabb {
         let collider = &self.colliders.all[collider as usize];
         let pose = &self.bodies.pose[collider.body as usize];
         aabb_of(collider, pose.position, pose.rotation)
     }
 
-    pub(super) fn place_colliders(&mut self, body: usize) {
+    pub(in crate::world) fn place_colliders(&mut self, body: usize) {
         for &collider in self.bodies.colliders[body].as_slice() {
             self.colliders.place(collider, &self.bodies.pose[body]);
         }

@@ -1,14 +1,14 @@
 //! Shapes of the world's bodies: add, remove, change, look up.
 
 use super::mass::movable;
-use super::{Change, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, ShapeDesc};
+use crate::world::{Change, World};
 
 impl World {
-    /// Puts a further shape on a body; its mass follows if it comes from the shapes.
+    /// Adds a shape to a body; the mass follows if it is that of the shapes.
     ///
     /// # Errors
     /// If the handle is stale, or the shape or the budget does not allow it.
@@ -23,7 +23,7 @@ impl World {
         if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
             movable(&mass)?;
             if self.bodies.details[index].mass_from_shapes {
-                // Two that are far apart turn harder than each of them.
+                // Two shapes far apart have more inertia than each of them.
                 let parts: Vec<MassProperties> = self.parts_of(index).chain([mass]).collect();
                 movable(&MassProperties::combine(&parts))?;
             }
@@ -43,9 +43,9 @@ impl World {
         Ok(self.shape_handle(collider))
     }
 
-    /// Takes a shape off its body; its mass follows if it comes from the shapes, unless none would be left. The body's last shape
-    /// takes its place in [`World::shapes`]. Takes the same time however many shapes there are, but for a mass that follows: that
-    /// is summed up anew.
+    /// Removes a shape from its body; the mass follows if it is that of the shapes, unless none would be
+    /// left. The body's last shape takes its place in [`World::shapes`]. The time does not depend on the
+    /// number of shapes, unless the mass follows: that is summed anew.
     ///
     /// # Errors
     /// If the handle is stale, or a dynamic body would be left without mass.
@@ -137,8 +137,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets whether contacts of a shape are heard of, and whether they are shown to hooks. Who no longer listens hears no end
-    /// of what it touches; its island wakes.
+    /// Sets whether contacts of a shape are reported as events, and whether they are passed to hooks. A shape
+    /// that no longer asks for events gets no end of its current contacts; its island wakes.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -148,7 +148,7 @@ impl World {
         let mut body = self.colliders.all[index].body as usize;
         let stops = !events && self.colliders.summaries[index].has_events();
         if stops {
-            // What it touches is to be in the list.
+            // The pairs that it touches must be in the list.
             body = self.disturb(body);
         }
         let collider = &mut self.colliders.all[index];
@@ -167,7 +167,7 @@ impl World {
     /// Makes a shape a sensor, or solid again.
     ///
     /// # Errors
-    /// If the handle is stale, or a sensor would not be convex nor a plane.
+    /// If the handle is stale, or the shape is neither convex nor a plane and can't be a sensor.
     pub fn set_sensor(&mut self, shape: ShapeHandle, sensor: bool) -> Result<(), Error> {
         let index = self.collider(shape)?;
         let geometry = &self.colliders.all[index as usize].geometry;

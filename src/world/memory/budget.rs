@@ -1,6 +1,5 @@
-//! What the world holds in memory, and what it may.
+//! Memory that the world holds, and that its budget allows.
 
-use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
@@ -10,25 +9,26 @@ use crate::joint::JointAdditions;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
 use crate::shape::{Kind, ShapeDesc};
+use crate::world::World;
 
-/// How many there are, or will be, of what has an entry in buffers that a step can't do without.
+/// Numbers of entries, present or future, in the buffers that a step can't do without.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counts {
-    pub(super) bodies: usize,
-    pub(super) movers: usize,
-    pub(super) dynamic: usize,
-    pub(super) colliders: Population,
-    pub(super) raised: bool,
+pub(in crate::world) struct Counts {
+    pub(in crate::world) bodies: usize,
+    pub(in crate::world) movers: usize,
+    pub(in crate::world) dynamic: usize,
+    pub(in crate::world) colliders: Population,
+    pub(in crate::world) raised: bool,
     /// Whether there are joints, and meshes or height fields.
-    pub(super) joined: bool,
-    pub(super) meshed: bool,
-    /// Whether there are forces, bodies may sleep, and impacts are met at their times.
-    pub(super) forced: bool,
-    pub(super) rests: bool,
-    pub(super) meets: bool,
-    /// Geometries, and the bytes of those that the world doesn't have yet and of compounds' lists.
-    pub(super) assets: usize,
-    pub(super) once: Amounts,
+    pub(in crate::world) joined: bool,
+    pub(in crate::world) meshed: bool,
+    /// Whether forces were applied, bodies may sleep, and impacts are solved at their times.
+    pub(in crate::world) forced: bool,
+    pub(in crate::world) rests: bool,
+    pub(in crate::world) meets: bool,
+    /// Number of geometries, and the bytes of new ones and of the collider lists of compounds.
+    pub(in crate::world) assets: usize,
+    pub(in crate::world) once: Amounts,
 }
 
 impl World {
@@ -70,24 +70,24 @@ impl World {
         self.peaks = self.memory();
     }
 
-    /// What may still be reserved.
+    /// Bytes that may still be reserved.
     pub(crate) fn allowances(&self) -> Allowances {
         self.rooms_of(&self.settings.budget)
     }
 
-    /// What another budget leaves.
+    /// Bytes that another budget leaves.
     fn rooms_of(&self, budget: &Budget) -> Allowances {
         self.rooms_without(budget, &Amounts::default())
     }
 
-    /// The same once so much is gone.
-    pub(super) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
+    /// The same after so many bytes were released.
+    pub(in crate::world) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
         if budget.is_none() {
             return Allowances::ENDLESS;
         }
         let whole = self.buffers_by_category();
         let mut held = self.memory();
-        // What continuous collision has of their buffers may be theirs in the next step.
+        // The share of continuous collision in their buffers may be theirs in the next step.
         held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
         held.drop(gone);
         Allowances::new(budget, &held, whole.total() - gone.total())
@@ -96,20 +96,20 @@ impl World {
     /// Whether so many bytes may be reserved.
     ///
     /// # Errors
-    /// If they may not.
+    /// If the budget does not allow them.
     pub(crate) fn grant(&self, category: Category, bytes: usize) -> Result<(), Error> {
         let mut asked = Amounts::default();
         asked.add(category, bytes);
         check(&asked, &self.allowances())
     }
 
-    /// What may still be reserved of one category.
+    /// Bytes of one category that may still be reserved.
     pub(crate) fn allowance(&self, category: Category) -> Allowance {
         self.allowances().allowance(category)
     }
 
-    /// What contacts that only continuous collision makes, and their rows, may take in a step: all that is left of its limit,
-    /// and what it had for them before.
+    /// Bytes that the contacts of continuous collision and their rows may take in a step: all that is left of
+    /// its limit, and what they had before.
     pub(crate) fn room_ahead(&self, allowances: &Allowances) -> usize {
         if self.settings.budget.limit_of(Category::Continuous).is_none() {
             return usize::MAX;
@@ -118,14 +118,14 @@ impl World {
         allowances.own(Category::Continuous) + held(self.memory()) - held(self.buffers_by_category())
     }
 
-    /// What events may still reserve, from here on.
+    /// Updates the bytes that events may still reserve.
     pub(crate) fn refresh_event_allowance(&mut self) {
         self.events.allowance = self.allowance(Category::Events);
     }
 
-    /// Makes place for bodies in all that has an entry for each, including what their steps can't do without, so that
-    /// only pairs and contacts are left for a step to do without.
-    pub(super) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
+    /// Reserves entries for bodies in all buffers that have one for each, including those that their steps
+    /// can't do without, so that a step can only lack memory for pairs and contacts.
+    pub(in crate::world) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -133,7 +133,7 @@ impl World {
         self.reserve_for(more, descs.len() == 1)
     }
 
-    /// What bodies bring.
+    /// Entries that bodies add.
     fn counts_of<'a>(&self, descs: impl IntoIterator<Item = &'a BodyDesc> + Clone) -> Counts {
         let shapes = descs.clone().into_iter().flat_map(|desc| &desc.shapes);
         let (once, assets) = self.assets.cost(shapes.map(|shape| &shape.geometry));
@@ -150,8 +150,8 @@ impl World {
         more
     }
 
-    /// The same for a further shape of a body that has some.
-    pub(super) fn reserve_for_shape(
+    /// Reserves entries for another shape of a body.
+    pub(in crate::world) fn reserve_for_shape(
         &mut self,
         kind: BodyKind,
         shape: &ShapeDesc,
@@ -167,16 +167,16 @@ impl World {
         self.reserve_for(more, true)
     }
 
-    /// Makes place for the order of contacts of raised bodies.
-    pub(super) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+    /// Reserves the order of contacts of raised bodies.
+    pub(in crate::world) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
         self.reserve_for(Counts { raised, ..Counts::default() }, false)
     }
 
-    /// Makes the column of forces, which exists only once one was applied.
-    pub(super) fn reserve_for_forces(&mut self) -> Result<(), Error> {
+    /// Creates the column of forces, which exists only once a force was applied.
+    pub(in crate::world) fn reserve_for_forces(&mut self) -> Result<(), Error> {
         let (column, bodies) = (&self.bodies.force, self.bodies.len());
         if column.is_empty() {
             let mut asked = Amounts::default();
@@ -188,11 +188,11 @@ impl World {
         Ok(())
     }
 
-    /// Makes place for what other settings switch on.
+    /// Reserves the buffers that other settings switch on.
     ///
     /// # Errors
     /// If their budget does not allow it.
-    pub(super) fn reserve_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
+    pub(in crate::world) fn reserve_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
         let now = self.counts(Counts::default());
         let counts = Counts {
             rests: settings.sleeping && !now.rests,
@@ -209,8 +209,8 @@ impl World {
         Ok(())
     }
 
-    /// Makes place for a body that takes part again.
-    pub(super) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
+    /// Reserves entries for a body that is enabled again.
+    pub(in crate::world) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -219,12 +219,13 @@ impl World {
         for &c in self.bodies.colliders[index].as_slice() {
             more.add_collider(kind, self.colliders.all[c as usize].kind);
         }
-        // They have their slots.
+        // Their slots exist already.
         more.colliders.slots = 0;
         self.reserve_for(more, false)
     }
 
-    /// Makes place for what is there, whether or not the budget allows it: without it there is no step.
+    /// Reserves entries for all present content, whether or not the budget allows it: without them no step is
+    /// possible.
     pub(crate) fn reserve_for_step(&mut self) {
         if !self.settings.budget.is_none() {
             let counts = self.counts(Counts::default());
@@ -232,12 +233,12 @@ impl World {
         }
     }
 
-    /// `ahead`: and for others.
+    /// Reserves entries for more content; `ahead`: with a margin for later additions.
     fn reserve_for(&mut self, more: Counts, ahead: bool) -> Result<(), Error> {
         let allowances = self.allowances();
         let mut counts = self.counts(more);
-        // Place for a quarter more while that takes a small part of what is left, so that bodies added one by one are
-        // not all moved each time.
+        // A quarter more while that is a small part of what is left, so that buffers do not move for each of
+        // many bodies that are added one by one.
         let wider = counts.with_more(4);
         if ahead && allowances.part(AHEAD).fits(&self.lacking(wider)) {
             counts = wider;
@@ -249,7 +250,7 @@ impl World {
     }
 
     /// Bytes that are missing for bodies, some of them joined.
-    pub(super) fn lacking_for<'a>(
+    pub(in crate::world) fn lacking_for<'a>(
         &mut self,
         descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
         joined: bool,
@@ -259,16 +260,20 @@ impl World {
         self.lacking(counts)
     }
 
-    /// Bytes that are missing for so many.
-    pub(super) fn lacking(&mut self, counts: Counts) -> Amounts {
+    /// Bytes that are missing for so many entries.
+    pub(in crate::world) fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;
         self.each_buffer(counts, &mut |category, buffer, len| bytes.add(category, buffer.missing(len)));
         bytes
     }
 
-    /// Makes place for joints, and ahead for others: in their columns, in the batches of steps, and in what steps keep of each body that may be
-    /// joined.
-    pub(super) fn reserve_for_joints(&mut self, more: JointAdditions, ahead: bool) -> Result<(), Error> {
+    /// Reserves entries for joints, with a margin for later ones: in their columns, in the batches of steps,
+    /// and in the data that steps keep of each body that may be joined.
+    pub(in crate::world) fn reserve_for_joints(
+        &mut self,
+        more: JointAdditions,
+        ahead: bool,
+    ) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
@@ -280,7 +285,7 @@ impl World {
             asked.add(Category::Joints, self.joints.missing(more, WIDEST_JOINT_BATCH));
             asked
         };
-        // So that joints added one by one are not all moved each time.
+        // So that buffers do not move for each joint that is added.
         let (wider, exact) = (asked(further), asked(more));
         let far = allowances.part(AHEAD).fits(&wider);
         if !far {
@@ -291,12 +296,12 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn counts(&self, more: Counts) -> Counts {
+    pub(in crate::world) fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
         Counts {
             bodies: self.bodies.len() + more.bodies,
-            // Who sleeps may wake.
+            // Sleeping bodies may wake.
             movers: self.bodies.asleep().end + more.movers,
             dynamic: self.bodies.all_dynamic().count() + more.dynamic,
             colliders: Population {
@@ -316,8 +321,13 @@ impl World {
         }
     }
 
-    /// Calls `f` with each buffer that has an entry for each body or collider, its category, and the place that it needs.
-    pub(super) fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
+    /// Calls `f` with each buffer that has an entry for each body or collider, its category, and the capacity
+    /// that it needs.
+    pub(in crate::world) fn each_buffer(
+        &mut self,
+        n: Counts,
+        f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
+    ) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         self.colliders.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
@@ -325,9 +335,9 @@ impl World {
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
-        // Without a budget their buffers are made when there are any.
+        // Without a budget their buffers are allocated when there are any.
         let settles = self.settings.method == ContinuousMethod::OnePass;
-        let strays = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
+        let may_leave_path = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
@@ -336,15 +346,15 @@ impl World {
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
-        buffers.finish.each((n.movers, n.dynamic), (n.joined, strays), &mut scratch);
+        buffers.finish.each((n.movers, n.dynamic), (n.joined, may_leave_path), &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }
         self.each_of_switched(n, f);
     }
 
-    /// The same of what settings switch on alone.
-    pub(super) fn each_of_switched(
+    /// The same for the buffers that settings switch on, alone.
+    pub(in crate::world) fn each_of_switched(
         &mut self,
         n: Counts,
         f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
@@ -360,11 +370,11 @@ impl World {
     }
 }
 
-/// Place for more than is asked for may take this part of what is left.
+/// A margin beyond the request may take this part of what is left.
 const AHEAD: usize = 8;
 
-/// Whether so much fits; says what is short if it doesn't.
-pub(super) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
+/// Checks that so much fits; the error tells what is short.
+pub(in crate::world) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
     if allowances.fits(asked) {
         return Ok(());
     }
@@ -382,7 +392,7 @@ impl Counts {
         self.add_collider(kind, Kind::of(&shape.geometry));
     }
 
-    pub(super) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
+    pub(in crate::world) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
         self.colliders.slots += 1;
         self.meshed |= matches!(kind, Kind::Mesh | Kind::HeightField);
         *match of {
@@ -392,7 +402,7 @@ impl Counts {
         self.colliders.endless += usize::from(kind == Kind::Plane);
     }
 
-    /// One in `part` more of each.
+    /// A share of `1 / part` more of each.
     fn with_more(mut self, part: usize) -> Counts {
         let Population { slots, moving, still, endless } = &mut self.colliders;
         let assets = &mut self.assets;
@@ -404,7 +414,7 @@ impl Counts {
 }
 
 /// Bytes that a body's list of colliders grows by, from so many to so many.
-pub(super) fn list_bytes(from: usize, to: usize) -> usize {
+pub(in crate::world) fn list_bytes(from: usize, to: usize) -> usize {
     let bytes = |n: usize| if n < 2 { 0 } else { n.next_power_of_two() * size_of::<u32>() };
     bytes(to) - bytes(from)
 }

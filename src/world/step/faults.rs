@@ -1,20 +1,21 @@
-//! Bodies that a step had to stop, and a step that begins again without them.
+//! Bodies that a step had to stop, and a step that restarts without them.
 
-use super::World;
 use crate::constraint::Prepared;
 use crate::faults::{ATTEMPTS, culprits, pulled};
 use crate::forces::predict;
 use crate::handle::BodyHandle;
 use crate::threads::Workers;
+use crate::world::World;
 
 impl World {
-    /// Bodies that the last step stopped, because their new place or velocity was no number or out of range. Each is where it
-    /// was before the step, at rest, and takes part in the next one. As many as [`StepReport::stopped`](crate::StepReport::stopped) says.
+    /// Bodies that the last step stopped, because their new position or velocity was not finite or out of
+    /// range. Each is where it was before the step, at rest, and takes part in the next one.
+    /// [`StepReport::stopped`](crate::StepReport::stopped) is their number.
     pub fn stopped_bodies(&self) -> &[BodyHandle] {
         &self.faults.stopped
     }
 
-    /// Predicts motions. Whose forces alone make them no numbers stands still from here on.
+    /// Predicts motions. Bodies whose forces alone make these non-finite stand still for the step.
     pub(crate) fn predict(&mut self, workers: &Workers<'_>, dt: f32) {
         if self.predict_all(workers, dt) {
             let slots = pulled(&self.bodies, &self.buffers.forces, dt);
@@ -27,7 +28,8 @@ impl World {
         predict(workers, &mut self.bodies, self.settings.gravity, &mut self.buffers.forces, dt)
     }
 
-    /// Prepares and solves once more without those whose motion is no number. `prepared`: what came of it with them.
+    /// Prepares and solves once more without the bodies whose motion is not finite. `prepared`: counts of the
+    /// attempt with them.
     #[cold]
     pub(crate) fn solve_without_faults(
         &mut self,
@@ -39,10 +41,10 @@ impl World {
             let delta = &self.buffers.solver.delta;
             let slots = culprits(&self.bodies, delta, &self.joints, attempt == ATTEMPTS);
             if slots.is_empty() {
-                // They came back into the range by themselves.
+                // They returned into range by themselves.
                 break;
             }
-            // Velocities as they were when the step began; poses still are.
+            // Restore the velocities of the start of the step; poses have not changed.
             self.bodies.velocity[..self.buffers.forces.start.len()]
                 .copy_from_slice(&self.buffers.forces.start);
             self.freeze(&slots);
@@ -61,16 +63,16 @@ impl World {
         self.faults.freeze(slots, &mut self.bodies, &mut self.colliders, &mut self.joints);
     }
 
-    /// Ends the step for those that stood still.
+    /// Ends the step for the bodies that stood still.
     pub(crate) fn thaw(&mut self) {
         let World { bodies, colliders, joints, faults, broad, .. } = self;
         if faults.thaw(bodies, colliders, joints, |collider| broad.look_again(collider)) {
-            // What they made of impulses before they were found, or of those of others.
+            // Impulses that these bodies got or passed on before they were found.
             self.forget_impulses();
         }
     }
 
-    /// Where impulses are no numbers, or are of a body that stands still, nothing is warm-started with them.
+    /// Impulses that are not finite, or act on a body that stands still, are not used for warm starting.
     pub(crate) fn forget_impulses(&mut self) {
         let frozen = self.faults.frozen(&self.bodies);
         let summaries = &self.colliders.summaries;

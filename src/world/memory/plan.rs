@@ -1,6 +1,5 @@
-//! What a world will hold, before there is one: the sizes are those of its own buffers.
+//! Memory that a world will hold, before it exists, from the sizes of its buffers.
 
-use super::World;
 use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
@@ -8,8 +7,9 @@ use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::FRESH_BYTES;
+use crate::world::World;
 
-/// How many there will be at most of what comes and goes.
+/// Maximum numbers of pairs, contacts and other content that varies from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContentForecast {
     pub(crate) pairs: usize,
@@ -17,23 +17,23 @@ pub(crate) struct ContentForecast {
     pub(crate) of_meshes: usize,
     /// Contacts that are new in one step.
     pub(crate) fresh: usize,
-    /// Contacts by their points: between bodies that move, and with what is static.
+    /// Contacts by their number of points: between dynamic bodies, and with static ones.
     pub(crate) contacts: [[usize; 4]; 2],
-    /// The share of them that only continuous collision makes.
+    /// The share of them that is due to continuous collision.
     pub(crate) ahead: f32,
-    /// Bodies in trees of joints that have no like.
+    /// Bodies in trees of joints of a unique shape.
     pub(crate) branches: usize,
 }
 
 impl World {
-    /// Bytes by category of a world with a budget in which nothing is short.
+    /// Bytes by category of a world whose budget is never short.
     pub(crate) fn planned<'a>(
         settings: &Settings,
         bodies: impl IntoIterator<Item = &'a BodyDesc> + Clone,
         joints: &[JointDesc],
         crowd: &ContentForecast,
     ) -> Amounts {
-        // No body ever comes into it: it only knows how large things are.
+        // No body is ever added to it: it only provides sizes.
         let mut empty = World { settings: settings.clone(), ..World::default() };
         let mut shapes =
             bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
@@ -60,10 +60,10 @@ impl World {
         bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
         bytes.add(Category::Scratch, buffers.statics.missing(contacts));
         let manifolds = empty.contacts.missing(contacts);
-        // Each number of points ends with batches that are not full.
+        // The last batches for each number of points are not full.
         let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));
         let stages = buffers.prepare.most_stages(settings.order);
-        // New contacts lie where rows will be.
+        // New contacts occupy the memory of rows.
         let rows = buffers.rows.missing(batches, stages, friction).max(crowd.fresh * FRESH_BYTES);
         let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;
         bytes.add(Category::Manifolds, manifolds - ahead(manifolds));
@@ -73,5 +73,5 @@ impl World {
     }
 }
 
-/// Batches that are not full, of each number of points: contacts of some colours are few.
+/// Incomplete batches for each number of points: some colours have few contacts.
 const ENDS: usize = 2;

@@ -1,30 +1,31 @@
-//! What the content of the world requires of a step: counted when content comes, goes or changes, never looked for.
+//! Features that the content of the world requires of a step: counted when content is added, changed or
+//! removed, never searched for.
 
-use super::World;
 use crate::config::Continuous;
 use crate::shape::{Collider, EVENTS, HOOKS, Kind, SENSOR};
+use crate::world::World;
 use glam::Vec3;
 
-/// How many shapes ask for what; what nothing requires costs nothing.
+/// Numbers of shapes that need a feature; a feature that nothing needs costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
-    /// Shapes with friction, or with hooks, which may give them some.
+    /// Shapes with friction, or with hooks, which may add it.
     pub(crate) friction: u32,
-    /// Shapes with restitution, or with hooks, which may give them some.
+    /// Shapes with restitution, or with hooks, which may add it.
     pub(crate) restitution: u32,
-    /// Shapes that are listened to, are sensors, or have hooks.
+    /// Shapes that ask for events, are sensors, or have hooks.
     pub(crate) events: u32,
     pub(crate) sensors: u32,
     pub(crate) hooks: u32,
-    /// Shapes by what they share.
+    /// Shapes by the kind of geometry that they share.
     pub(crate) hulls: u32,
     pub(crate) meshes: u32,
     pub(crate) height_fields: u32,
 }
 
 impl Needs {
-    /// Counts a collider that comes (1) or goes (-1).
-    pub(super) fn count(&mut self, collider: &Collider, change: i32) {
+    /// Counts a collider that is added (1) or removed (-1).
+    pub(in crate::world) fn count(&mut self, collider: &Collider, change: i32) {
         let has = |flag: u8| collider.flags & flag != 0;
         let add = |count: &mut u32, set: bool| {
             if set {
@@ -34,8 +35,8 @@ impl Needs {
         let material = &collider.material;
         // A sensor pushes nothing.
         let solid = !has(SENSOR);
-        let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
-        add(&mut self.friction, solid && (rubs || has(HOOKS)));
+        let has_friction = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
+        add(&mut self.friction, solid && (has_friction || has(HOOKS)));
         add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));
@@ -46,7 +47,7 @@ impl Needs {
     }
 }
 
-/// Demand with buffers that are given back once nothing needs them: a bit each.
+/// Features whose buffers are released once nothing needs them: a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Demand(u8);
 
@@ -62,19 +63,19 @@ impl Demand {
 }
 
 impl World {
-    /// Whether any body is kept from passing through others.
+    /// Whether any body is continuous.
     #[inline]
     pub(crate) fn is_continuous(&self) -> bool {
         self.settings.continuous != Continuous::Discrete && self.bodies.continuous > 0
     }
 
-    /// Whether anything accelerates bodies but contacts and joints.
+    /// Whether gravity or forces accelerate bodies.
     #[inline]
     pub(crate) fn is_accelerated(&self) -> bool {
         self.settings.gravity != Vec3::ZERO || !self.bodies.force.is_empty()
     }
 
-    /// What the step that begins needs.
+    /// The features that the starting step needs.
     pub(crate) fn demand(&self) -> Demand {
         let listening = self.needs.events > 0 || self.needs.sensors > 0 || self.events.has_any();
         let needed = [
@@ -90,8 +91,8 @@ impl World {
         Demand(needed.iter().fold(0, |all, (is, part)| all | (u8::from(*is) * part)))
     }
 
-    /// At the end of a step that needed `now`: gives back what only earlier ones needed. With a budget place that was made
-    /// stays, so that what comes to need it again is never refused.
+    /// At the end of a step that needed `now`: releases the buffers that only earlier ones needed. With a
+    /// budget reserved memory stays, so that content that needs it again is never refused.
     pub(crate) fn release(&mut self, now: Demand) {
         if !self.settings.budget.is_none() {
             self.last_demand.0 |= now.0;
@@ -135,6 +136,6 @@ impl World {
         if gone & Demand::ACCELERATION != 0 {
             buffers.forces.acceleration = Vec::new();
         }
-        // Friction goes when rows are prepared, what sleeps when a step begins.
+        // Friction is released when rows are prepared, sleep when a step begins.
     }
 }

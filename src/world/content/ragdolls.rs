@@ -1,9 +1,9 @@
-//! Ragdolls come into the world.
+//! Adds ragdolls to the world.
 
-use super::World;
 use crate::body::BodyDesc;
 use crate::error::Error;
 use crate::joint::{JointDesc, Ragdoll, Skeleton};
+use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
 impl Skeleton {
@@ -34,7 +34,7 @@ impl Skeleton {
             match added {
                 Ok(joint) => joints.push(joint),
                 Err(error) => {
-                    // With a body go its joints.
+                    // Removing a body removes its joints.
                     for body in bodies {
                         world.remove_body(body)?;
                     }

@@ -1,7 +1,6 @@
-//! What each stage of a step reads and writes of the world, and what has to be seen to around it.
+//! Inputs and outputs of each stage of a step in the world, and the bookkeeping around it.
 
 use super::stage::Part;
-use super::{Buffers, StepCounts, World};
 use crate::body::{Bodies, Colliders};
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
@@ -12,9 +11,11 @@ use crate::finish::Counts;
 use crate::forces::Forces;
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
+use crate::solver::SolverInput;
 use crate::statics::Structure;
 use crate::threads::{Shared, Workers};
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
+use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
 
 impl World {
@@ -30,7 +31,7 @@ impl World {
             unit: self.settings.length_unit,
         };
         movers::place(workers, &input, &mut self.colliders, &mut self.broad, buffers, &mut allowances);
-        // Rows of the last step are of no use any more, and without pairs there is nothing to make rows of.
+        // The rows of the last step are obsolete, and without pairs there are none to make.
         let contacts = self.contacts.live();
         let mut give = |bytes: usize| rows.give_up(bytes, contacts);
         let missing = |pairs: usize| narrow.missing(pairs);
@@ -40,7 +41,8 @@ impl World {
         did.ghosts += self.forget_pairs_that_ended();
     }
 
-    /// Pairs that ended are heard of, and their contacts go. Says how many of these had pushed in the last step.
+    /// Records the ends of pairs, and removes their contacts. Returns how many of these had pushed in the
+    /// last step.
     fn forget_pairs_that_ended(&mut self) -> u32 {
         let mut removed = std::mem::take(&mut self.buffers.broad.removed);
         if !removed.is_empty() {
@@ -114,7 +116,7 @@ impl World {
         Prepared { shed: prepared.shed + lost, ..prepared }
     }
 
-    /// Finds the points that may bounce. Says how many there was no room for.
+    /// Finds the points that may bounce. Returns the number beyond the allowance.
     fn find_impacts(&mut self, dt: f32, allowances: &mut Allowances) -> u32 {
         let Buffers { forces, restitution, .. } = &mut self.buffers;
         if self.needs.restitution == 0 {
@@ -186,7 +188,7 @@ impl World {
             near: 2.0 * CONTACT_MARGIN * unit,
             ahead,
             lengths,
-            stick: STATIC_SLIP_SPEED * unit,
+            static_slip_speed: STATIC_SLIP_SPEED * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
             tree_slots: &joints.tree_slots,
@@ -222,7 +224,7 @@ impl World {
         batches.fill(workers, &input);
     }
 
-    /// Solves the rows; says whether all velocities stayed in range.
+    /// Solves the rows; returns whether all velocities stayed in range.
     pub(crate) fn solve(&mut self, workers: &Workers<'_>, dt: f32) -> bool {
         #[cfg(feature = "lab")]
         let mut meter = self.meter.take();
@@ -234,12 +236,21 @@ impl World {
         #[cfg(not(feature = "lab"))]
         let witness = None;
         let buffers = &mut self.buffers;
-        let rows = (&mut buffers.rows, &mut buffers.joints);
-        let state = (&mut buffers.solver, &buffers.prepare.crowd, witness);
-        let impulses = self.events.impulses.as_mut_slice();
-        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
-        let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
-        let sound = solver::solve(workers, &self.settings, dt, bodies, forces, rows, impacts, state);
+        let input = SolverInput {
+            settings: &self.settings,
+            dt,
+            bodies: &mut self.bodies,
+            colliders: &self.colliders.all,
+            forces: &mut buffers.forces,
+            rows: &mut buffers.rows,
+            joints: &mut buffers.joints,
+            restitution: &mut buffers.restitution,
+            impulses: self.events.impulses.as_mut_slice(),
+            crowd: &buffers.prepare.crowd,
+            state: &mut buffers.solver,
+            witness,
+        };
+        let sound = solver::solve(workers, input);
         #[cfg(feature = "lab")]
         if let Some(mut meter) = meter {
             meter.after_rows(self);
@@ -248,12 +259,12 @@ impl World {
         sound
     }
 
-    /// Forces last for a step.
+    /// Clears forces, which last for one step.
     pub(crate) fn forget_forces(&mut self) {
         self.bodies.forget_forces(self.settings.budget.is_none());
     }
 
-    /// Where things are now is where queries look.
+    /// Makes queries use the new poses.
     pub(crate) fn update_queries(&mut self) {
         self.now.step(self.settings.budget.is_none());
     }
@@ -265,7 +276,7 @@ impl World {
         StepLengths::new(last_h, now, dt, evenness, self.settings.warm_starting)
     }
 
-    /// What joints bore, and which of them broke.
+    /// Stores the loads of joints, and breaks those that were overloaded.
     pub(crate) fn store_joints(&mut self, dt: f32) {
         self.joints.broken.clear();
         if self.joints.count == 0 {
@@ -273,14 +284,15 @@ impl World {
         }
         let hold = (dt / JOINT_HOLD_TIME).min(1.0);
         self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
-        // Rows may end as no numbers though the velocities that they acted on were brought back.
+        // Rows may be left non-finite even though the velocities that they acted on were brought back into
+        // range.
         self.joints.forget_unsound();
         if self.joints.any_breakable() {
             self.break_joints();
         }
     }
 
-    /// What contacts bore. Says how many pushed before they touched.
+    /// Stores the loads of contacts. Returns how many pushed before they touched.
     pub(crate) fn store_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> u32 {
         let lengths = self.lengths(dt);
         let (dynamic, summaries) = (self.bodies.dynamic(), &self.colliders.summaries);
@@ -297,7 +309,7 @@ impl World {
         };
         statics.pending |= stored.unknown_load;
         if per_point {
-            // Contacts whose points were solved apart bear what these did.
+            // The load of a contact whose points were solved separately is that of its points.
             self.contacts.for_each_of(solved, |_, contact| {
                 statics.pending |= contact.bear(dt, lengths.now());
             });
@@ -305,7 +317,8 @@ impl World {
         stored.pushed
     }
 
-    /// Moves bodies to the end of the step. `fast`: how many outran their boxes, or 0 if that is not known.
+    /// Moves bodies to the end of the step. `fast`: number of bodies that are faster than their boxes allow
+    /// for, or 0 if that is not known.
     pub(crate) fn move_bodies(&mut self, workers: &Workers<'_>, fast: u32, dt: f32) -> Counts {
         let continuous = self.is_continuous();
         let buffers = &mut self.buffers;
@@ -334,7 +347,7 @@ impl World {
         held
     }
 
-    /// Meets impacts one by one, if the method asks for that.
+    /// Solves impacts one by one, if the method asks for that.
     pub(crate) fn meet_impacts(&mut self, workers: &Workers<'_>, dt: f32) -> Impacts {
         if !meets_impacts(&self.settings) {
             return Impacts::default();
@@ -356,7 +369,7 @@ impl World {
     }
 }
 
-/// What contacts weigh, should there not be enough memory for all.
+/// Weights of contacts, by which they are chosen if there is not enough memory for all.
 fn scale<'a>(
     colliders: &'a Colliders,
     bodies: &'a Bodies,

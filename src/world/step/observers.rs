@@ -1,7 +1,6 @@
-//! Who looks on: recordings of what changes a world, and meters of its steps. A world holds them and calls them; what they make of
-//! it is theirs.
+//! Observers: recorders of changes to a world, and meters of its steps. A world owns and calls them; how they
+//! use the calls is up to them.
 
-use super::{Stage, World};
 use crate::body::BodyDesc;
 use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
@@ -9,9 +8,10 @@ use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
+use crate::world::{Stage, World};
 use glam::{DVec3, Quat, Vec3};
 
-/// What a call is about to change, by the names of the methods of [`World`].
+/// A change that a call is about to make, named after the methods of [`World`].
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(not(feature = "replay"), allow(dead_code, reason = "nobody records it"))]
 pub(crate) enum Change<'a> {
@@ -45,42 +45,43 @@ pub(crate) enum Change<'a> {
     SetEnabled(BodyHandle, bool),
 }
 
-/// Who notes the changes and the steps of a world.
+/// Records the changes and the steps of a world.
 #[cfg(feature = "replay")]
 pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
-    /// A call is about to change the world, and nothing can refuse it any more. `asked`: queries made the world hold more memory
-    /// since the change before.
+    /// Called before a call changes the world, when nothing can refuse it any more. `asked`: queries made the
+    /// world hold more memory since the previous change.
     fn note(&mut self, change: Change<'_>, asked: bool);
-    /// A step begins; `asked` as for changes.
+    /// Called when a step begins; `asked` as for changes.
     fn begin_step(&mut self, asked: bool);
-    /// A stage of the step is over.
+    /// Called after a stage of the step.
     fn look(&mut self, world: &World, stage: Stage);
-    /// What hooks said of the next contact, and whether they vetoed it.
+    /// Records the changes of the next contact by hooks, and whether they vetoed it.
     fn record(&mut self, tweak: Tweak, vetoed: bool);
-    /// The step of `dt` seconds is over.
+    /// Called at the end of a step of `dt` seconds.
     fn end_step(&mut self, world: &World, dt: f32);
 }
 
-/// Who measures steps. It looks on while rows are solved.
+/// Measures steps; it observes the solver.
 #[cfg(feature = "lab")]
 pub(crate) trait StepMeter:
     std::any::Any + std::fmt::Debug + crate::solver::Witness + Send + Sync
 {
-    /// Rows are about to be solved, over a step of `dt` seconds.
+    /// Called before rows are solved, over a step of `dt` seconds.
     fn before_rows(&mut self, world: &mut World, dt: f32);
-    /// They were; it may solve them better.
+    /// Called after that; it may solve them more accurately.
     fn after_rows(&mut self, world: &mut World);
-    /// Bodies have moved.
+    /// Called once bodies have moved.
     fn after_step(&mut self, world: &World);
 }
 
-/// Without the features of who looks on all of it is no code; with them, and nobody there, one branch that is always the same.
+/// Without the features of observers there is no code for them; with the features, but no observer, a
+/// predictable branch.
 #[cfg_attr(
     not(all(feature = "replay", feature = "lab")),
     allow(unused_variables, clippy::unused_self, reason = "nobody looks on")
 )]
 impl World {
-    /// Notes a change, before anything is changed and when nothing can refuse it any more.
+    /// Records a change, before anything is changed and when nothing can refuse it any more.
     #[inline]
     pub(crate) fn note(&mut self, change: Change<'_>) {
         #[cfg(feature = "replay")]

@@ -1,19 +1,19 @@
 //! Joints of the world: add, remove, change, look up.
 
-use super::{Change, World};
 use crate::body::{BodyDetails, BodyKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointAdditions, JointDesc, Limit};
+use crate::world::{Change, World};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
     /// Adds a joint.
     ///
     /// # Errors
-    /// If a handle is stale, a number is out of range, both bodies are the same or neither is dynamic, or the budget
-    /// does not allow it.
+    /// If a handle is stale, a number is out of range, both bodies are the same or neither is dynamic, or the
+    /// budget does not allow it.
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         self.check_joint(desc)?;
         self.reserve_for_joints(JointAdditions::of_joint(desc), true)?;
@@ -63,8 +63,8 @@ impl World {
         joint
     }
 
-    /// Frames on two bodies that coincide where the bodies are now: at a point of the world, with the axes that a rotation
-    /// gives x, y and z.
+    /// Frames on two bodies that coincide at the bodies' current poses: at a point of the world, with the
+    /// axes that a rotation gives x, y and z.
     ///
     /// # Errors
     /// If a handle is stale or a number not finite.
@@ -96,7 +96,7 @@ impl World {
         Ok(())
     }
 
-    /// Replaces what of a joint is limited and driven.
+    /// Replaces the limits and drives of a joint.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
@@ -112,7 +112,7 @@ impl World {
         Ok(())
     }
 
-    /// Has the rows of a joint solved right after those of a group, or in their own places again; see
+    /// Has the rows of a joint solved right after those of a group, or in their own place again; see
     /// [`JointDesc::raised`].
     ///
     /// # Errors
@@ -126,7 +126,7 @@ impl World {
         Ok(())
     }
 
-    /// How many joints there are.
+    /// Number of joints.
     pub fn joint_count(&self) -> usize {
         self.joints.count
     }
@@ -145,8 +145,8 @@ impl World {
         Ok(bodies.map(|slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) }))
     }
 
-    /// Force [N] and torque [N m] that a joint put on its second body in the last substep, in the world; on the first it
-    /// put the opposite. The torque is that about the joint.
+    /// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
+    /// body gets the opposite. The torque is about the joint.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -155,7 +155,7 @@ impl World {
         Ok((joint.force, joint.torque))
     }
 
-    /// Where a joint's two frames are in the world: their origins [m] and the rotations of their axes.
+    /// Poses of a joint's two frames in the world: their origins [m] and the rotations of their axes.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -176,7 +176,7 @@ impl World {
         Ok(self.joints.all[self.joint(joint)? as usize].user_data)
     }
 
-    /// Joints that broke in the last step; their handles are stale by now.
+    /// Joints that broke in the last step. Their handles are stale.
     pub fn broken_joints(&self) -> &[JointHandle] {
         &self.joints.broken
     }
@@ -194,13 +194,13 @@ impl World {
         self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
     }
 
-    pub(super) fn remove_joints_of(&mut self, body: BodyHandle) {
+    pub(in crate::world) fn remove_joints_of(&mut self, body: BodyHandle) {
         while let Some(slot) = { self.joints.of_body(body.slot).next() } {
             self.drop_joint(slot);
         }
     }
 
-    /// Removes the joints that bore more than they can.
+    /// Removes the joints whose load exceeded their strength.
     pub(crate) fn break_joints(&mut self) {
         for slot in 0..self.joints.all.len() as u32 {
             let joint = &self.joints.all[slot as usize];
@@ -218,15 +218,15 @@ impl World {
         }
     }
 
-    /// Joints decide which bodies collide.
+    /// Has the pairs of a body searched for again: joints decide which bodies collide.
     fn look_up_pairs_of(&mut self, body: usize) {
         for &c in self.bodies.colliders[body].as_slice() {
             self.broad.touch(c);
         }
     }
 
-    /// Joints stay where they are when a body's centre of mass and axes change.
-    pub(super) fn recentre_joints(&mut self, index: usize, old: &BodyDetails) {
+    /// Keeps joints in place when a body's centre of mass and axes change.
+    pub(in crate::world) fn recentre_joints(&mut self, index: usize, old: &BodyDetails) {
         let (slot, new) = (self.bodies.slot[index], self.bodies.details[index]);
         let own: Vec<u32> = self.joints.of_body(slot).collect();
         for joint in own {

@@ -1,10 +1,11 @@
-//! What of the engine a scene needs: each optional part with who asks for it, its bytes and its time, or "not needed".
+//! The parts of the engine that a scene needs: for each optional part the number of objects that need it, its
+//! bytes and its time, or "not needed".
 
-use super::World;
 use crate::body::BodyKind;
 use crate::lanes::Record;
 use crate::memory::bytes_of;
 use crate::shape::Kind;
+use crate::world::World;
 use glam::Vec3;
 use std::fmt;
 
@@ -15,21 +16,21 @@ use std::fmt;
 pub enum Feature {
     /// Friction rows of contacts, and friction of impacts.
     Friction,
-    /// Surfaces that move, as belts do.
+    /// Moving surfaces, such as belts.
     SurfaceVelocities,
-    /// Velocities and displacements of the step before, and sweeps over impacts.
+    /// Velocities and displacements of the previous step, and sweeps over impacts.
     Restitution,
-    /// Swept paths, casts, contacts that may come, and the guard.
+    /// Swept paths, casts, potential contacts, and the guard.
     ContinuousCollision,
     /// Gravity and forces.
     Acceleration,
-    /// The column of forces that were applied.
+    /// The column of applied forces.
     Forces,
-    /// Axes along or about which bodies don't move.
+    /// Locked axes of bodies.
     LockedAxes,
-    /// Turning about axes that wander, of bodies with unequal moments of inertia.
+    /// Torque-free rotation of bodies with unequal moments of inertia, whose axes change.
     GyroscopicTurning,
-    /// Bodies that move as they are told.
+    /// Kinematic bodies.
     KinematicBodies,
     /// Lists of bodies with more than one shape.
     Compounds,
@@ -53,17 +54,17 @@ pub enum Feature {
     JointSprings,
     /// Joints that break.
     BreakableJoints,
-    /// How long bodies rest, islands, and what these keep asleep.
+    /// Rest times of bodies, islands, and the pairs of sleeping ones.
     Sleeping,
-    /// Begins, ends and hits of contacts.
+    /// Events of contacts: begin, end and hit.
     ContactEvents,
-    /// Who is in which sensor.
+    /// Events of sensors.
     Sensors,
-    /// What contact hooks say.
+    /// Changes of contacts by hooks.
     ContactHooks,
-    /// The tree that queries look into.
+    /// The tree that queries traverse.
     Queries,
-    /// The order of contacts and joints that are raised above others.
+    /// The order of raised contacts and joints.
     RaisedOrder,
 }
 
@@ -103,12 +104,13 @@ impl Feature {
         self.words().0
     }
 
-    /// What asks for it, and is counted in [`ModelPart::count`].
+    /// The objects that need it, which [`ModelPart::count`] counts.
     pub fn asked_by(self) -> &'static str {
         self.words().1
     }
 
-    /// The stage of [`StageTimes`](crate::StageTimes) that has its time; nothing if it takes none in a step.
+    /// The stage of [`StageTimes`](crate::StageTimes) that includes its time; `None` if it takes none in a
+    /// step.
     pub fn stage(self) -> Option<&'static str> {
         Some(self.words().2).filter(|stage| !stage.is_empty())
     }
@@ -159,20 +161,20 @@ impl fmt::Display for Feature {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModelPart {
-    /// Which.
+    /// The feature.
     pub feature: Feature,
-    /// How many ask for it; [`Feature::asked_by`] says who. Zero: it is not needed.
+    /// Number of objects that need it: [`Feature::asked_by`] names them. If zero, it is not needed.
     pub count: u32,
-    /// Bytes that are reserved for it alone. What was needed until just now goes with the end of the next step; lists of
-    /// events, once nobody can read them any more.
+    /// Bytes that are reserved for it alone. After it was last needed they are released at the end of the
+    /// next step; lists of events, once nobody can read them any more.
     pub bytes: usize,
-    /// Its time in the last step, as far as it can be told apart from that of its [stage](Feature::stage) [us]; nothing if it
-    /// can't, and if it was not needed.
+    /// Its time in the last step, as far as it can be separated from that of its [stage](Feature::stage)
+    /// [us]; `None` if it can't, or if it was not needed.
     pub time_us: Option<f32>,
 }
 
 impl ModelPart {
-    /// Whether anything in the world asks for it.
+    /// Whether anything in the world needs it.
     pub fn is_needed(&self) -> bool {
         self.count > 0
     }
@@ -211,7 +213,7 @@ impl Model {
         self.parts.iter()
     }
 
-    /// Features that nothing in the world asks for.
+    /// Features that nothing in the world needs.
     pub fn not_needed(&self) -> impl Iterator<Item = Feature> + '_ {
         self.parts.iter().filter(|part| !part.is_needed()).map(|part| part.feature)
     }
@@ -224,7 +226,7 @@ impl fmt::Display for Model {
     }
 }
 
-/// Times of parts in the last step [us]; zero for what was not needed.
+/// Times of parts in the last step [us]; zero for parts that were not needed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PartTimes {
     pub(crate) restitution: f32,
@@ -235,13 +237,14 @@ pub(crate) struct PartTimes {
     pub(crate) hooks: f32,
 }
 
-/// What a kinematic body has in buffers of steps: its motion, its velocities and displacement in the solver.
+/// Bytes of a kinematic body in buffers of steps: its motion, and its velocities and displacement in the
+/// solver.
 const OF_A_MOVER: usize = 4 * size_of::<Record>();
 
 impl World {
-    /// What the world's content needs of the engine: which optional parts, because of how many shapes, bodies or joints, and
-    /// what they cost. Who needs something is counted when it is added, changed or removed; of joints it is known how they
-    /// are solved once a step has been.
+    /// The optional parts of the engine that the world's content needs, by how many shapes, bodies or joints,
+    /// and their cost. Needs are counted when content is added, changed or removed; how joints are solved is
+    /// known after a step.
     pub fn model(&self) -> Model {
         Model { parts: Feature::ALL.iter().map(|&feature| self.model_part(feature)).collect() }
     }
@@ -310,7 +313,7 @@ impl World {
     }
 }
 
-/// Bytes in proportion to two counts, all of them if either is above zero.
+/// Splits bytes in proportion to two counts; if both are zero, the first part gets all.
 fn share_out(bytes: usize, [a, b]: [u32; 2]) -> [usize; 2] {
     let all = a as usize + b as usize;
     let first = (bytes * a as usize).checked_div(all).unwrap_or(bytes);

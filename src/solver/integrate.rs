@@ -1,0 +1,138 @@
+//! Velocities and displacements of all movable bodies over a substep.
+
+use super::{BLOCK, BOTH, LINEAR, PAD};
+use crate::config::Settings;
+use crate::config::tuning::{FOLLOWED_TURN, SWIFT_DISTANCE};
+use crate::constraint::JointStage;
+use crate::constraint::contact::row::Motion;
+use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
+use crate::limits::MAX_LEFT_SPEED;
+use crate::threads::Workers;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Velocities above which a body moves or turns further in a substep than the rows of joints account for.
+#[derive(Clone, Copy)]
+pub(super) struct FastLimit(f32x8);
+
+impl FastLimit {
+    pub(super) fn new(settings: &Settings, joints: &[JointStage], h: f32) -> FastLimit {
+        let slides = joints.iter().any(|stage| stage.kind.slides());
+        let way = if slides { SWIFT_DISTANCE * settings.length_unit } else { f32::INFINITY };
+        let turn = if joints.is_empty() { f32::INFINITY } else { FOLLOWED_TURN };
+        FastLimit(f32x8::new([way, way, way, way, turn, turn, turn, turn]) * f32x8::splat(1.0 / h))
+    }
+
+    #[inline(always)]
+    pub(super) fn is_exceeded_by(&self, velocity: &Record) -> bool {
+        lanes(*velocity).abs().lt(self.0).bits() & BOTH != BOTH
+    }
+}
+
+/// How the impulses before a substep are applied again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WarmStart {
+    /// By a pass over the rows: they may be those of another step.
+    ByRows,
+    /// By one addition per body: rows keep their directions within a step, so they would change the velocity
+    /// by what they changed it by in the substep before. Joint rows rotate with their bodies and re-apply
+    /// their warm start themselves; trees that conserve energy need none.
+    ByDifference,
+}
+
+/// Integrates the movable bodies over a substep, on several threads.
+pub(super) struct Integrator<'a> {
+    pub(super) workers: &'a Workers<'a>,
+    pub(super) motion: &'a Motion<'a, 'a>,
+    /// Numbers of movable bodies, and of dynamic ones, which come first.
+    pub(super) movers: usize,
+    pub(super) dynamic: usize,
+    /// Substep [s].
+    pub(super) h: f32,
+    pub(super) fast: FastLimit,
+}
+
+impl Integrator<'_> {
+    /// Adds gravity, forces and the warm start to velocities. Returns whether a body was fast before.
+    #[inline(always)]
+    pub(super) fn velocities(&self, warm_start: WarmStart, acceleration: &[Record]) -> bool {
+        let (motion, fast, dynamic, h) = (self.motion, self.fast, self.dynamic, self.h);
+        let any_fast = AtomicBool::new(false);
+        self.each_body(|i| {
+            // SAFETY: each body is in one block.
+            let (v, b) = unsafe { (motion.velocity.get(i), motion.base.get(i)) };
+            let now = lanes(*v);
+            if fast.is_exceeded_by(v) {
+                any_fast.store(true, Ordering::Relaxed);
+            }
+            let warm = match warm_start {
+                WarmStart::ByRows => f32x8::ZERO,
+                WarmStart::ByDifference => now - lanes(*b),
+            };
+            let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
+            let free = now + pull;
+            (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
+        });
+        any_fast.into_inner()
+    }
+
+    /// Whether any body is fast.
+    #[inline(always)]
+    pub(super) fn any_fast(&self) -> bool {
+        let (velocity, fast) = (self.motion.velocity, self.fast);
+        let any_fast = AtomicBool::new(false);
+        self.each_body(|i| {
+            // SAFETY: each body is in one block.
+            if fast.is_exceeded_by(unsafe { velocity.get(i) }) {
+                any_fast.store(true, Ordering::Relaxed);
+            }
+        });
+        any_fast.into_inner()
+    }
+
+    /// Moves bodies on by a substep. Returns whether all velocities are in range.
+    #[inline(always)]
+    pub(super) fn displacements(&self, acceleration: &[Record]) -> bool {
+        let (motion, dynamic, h) = (self.motion, self.dynamic, self.h);
+        let out_of_range = AtomicBool::new(false);
+        self.each_body(|i| {
+            // SAFETY: each body is in one block.
+            let (v, d, b) = unsafe { (motion.velocity.get(i), motion.delta.get(i), motion.base.get(i)) };
+            let (now, before) = (lanes(*v), lanes(*b));
+            if !is_within(now, MAX_LEFT_SPEED) {
+                out_of_range.store(true, Ordering::Relaxed);
+            }
+            let same = now.eq(before).bits();
+            let mut moved = now * f32x8::splat(h);
+            if i < dynamic
+                && same & LINEAR == LINEAR
+                && let Some(&fall) = acceleration.get(i)
+            {
+                // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
+                moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
+            }
+            // The pad tells `finish` whether the body was free in the whole step. It is added with the rest,
+            // in one wide store: a partial write would stall the next load of the record.
+            let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
+            *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
+        });
+        !out_of_range.into_inner()
+    }
+
+    #[inline(always)]
+    fn each_body(&self, work: impl Fn(usize) + Sync) {
+        let movers = self.movers;
+        self.workers.run(movers.div_ceil(BLOCK), &|block| {
+            (block * BLOCK..((block + 1) * BLOCK).min(movers)).for_each(&work);
+        });
+    }
+}
+
+#[inline(always)]
+fn lanes(record: Record) -> f32x8 {
+    bytemuck::must_cast(record)
+}
+
+#[inline(always)]
+fn record(lanes: f32x8) -> Record {
+    bytemuck::must_cast(lanes)
+}

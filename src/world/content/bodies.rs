@@ -1,0 +1,257 @@
+//! Bodies of the world: add, remove, change, look up.
+
+use super::mass::{columns_of, mass_of, movable};
+use crate::body::{BodyDesc, BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
+use crate::config::{Continuous, RowGroup};
+use crate::error::Error;
+use crate::handle::BodyHandle;
+use crate::lanes::Record;
+use crate::limits;
+use crate::world::{Change, World};
+use glam::Vec3;
+
+impl World {
+    /// Adds a body.
+    ///
+    /// # Errors
+    /// If its description is out of range, a dynamic body has no mass or a shape that only a static one may
+    /// have, or the budget does not allow it.
+    pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
+        let (centre, mass) = self.check(desc)?;
+        self.reserve(std::slice::from_ref(desc))?;
+        self.note(Change::AddBody(desc));
+        Ok(self.insert(desc, centre, mass))
+    }
+
+    /// Adds many bodies: all of them, or none.
+    ///
+    /// # Errors
+    /// As for [`World::add_body`].
+    pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
+        let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
+        self.reserve(descs)?;
+        self.note(Change::AddBodies(descs));
+        self.bodies.reserve(descs.len());
+        let shapes = descs.iter().map(|d| d.shapes.len()).sum();
+        self.colliders.slots.reserve(shapes);
+        self.colliders.reserve(shapes);
+        Ok(descs.iter().zip(masses).map(|(desc, (details, mass))| self.insert(desc, details, mass)).collect())
+    }
+
+    /// Removes a body with its shapes.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.note(Change::RemoveBody(body));
+        let index = self.disturb(index);
+        self.revise(index);
+        self.remove_joints_of(body);
+        let colliders = self.bodies.take_colliders(index);
+        for &collider in colliders.as_slice() {
+            self.drop_collider(collider);
+        }
+        let shapes = &mut self.colliders;
+        self.bodies.remove(index as u32, |colliders, index| {
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
+        });
+        Ok(())
+    }
+
+    /// Removes many bodies: all of them, or none.
+    ///
+    /// # Errors
+    /// If a handle is stale.
+    pub fn remove_bodies(&mut self, bodies: &[BodyHandle]) -> Result<(), Error> {
+        bodies.iter().try_for_each(|&body| self.index(body).map(drop))?;
+        // A body that is listed twice is already removed the second time.
+        for &body in bodies {
+            if self.contains(body) {
+                self.remove_body(body)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Disables a body, or enables it again, with its shapes and joints. A disabled body does not move,
+    /// touches nothing, and is invisible to queries; its joints have no effect. It keeps its handles, its
+    /// pose and its velocities, and may be changed in the meantime.
+    ///
+    /// # Errors
+    /// If the handle is stale, or the budget no longer allows it to be enabled.
+    pub fn set_enabled(&mut self, body: BodyHandle, enabled: bool) -> Result<(), Error> {
+        let index = self.index(body)?;
+        if self.bodies.traits[index].disabled != enabled {
+            return Ok(());
+        }
+        if enabled {
+            self.reserve_for_enabled(index)?;
+        }
+        self.note(Change::SetEnabled(body, enabled));
+        let index = self.disturb(index);
+        self.revise(index);
+        if !enabled {
+            for place in 0..self.bodies.colliders[index].as_slice().len() {
+                let collider = self.bodies.colliders[index].as_slice()[place];
+                self.leave_broad(collider);
+            }
+        }
+        let World { bodies, colliders, .. } = self;
+        let index = bodies.set_enabled(index as u32, enabled, |own, index| {
+            own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
+        });
+        if enabled {
+            for place in 0..self.bodies.colliders[index as usize].as_slice().len() {
+                let collider = self.bodies.colliders[index as usize].as_slice()[place];
+                self.colliders.place(collider, &self.bodies.pose[index as usize]);
+                self.enter_broad(collider);
+            }
+        }
+        self.joints.changed = true;
+        Ok(())
+    }
+
+    /// Whether a body takes part in the world; see [`World::set_enabled`].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn is_enabled(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(!self.bodies.traits[self.index(body)?].disabled)
+    }
+
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// All bodies: first dynamic ones, then kinematic ones, then dynamic ones that are asleep and those that
+    /// are disabled, then static ones.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
+        (0..self.bodies.len()).map(|index| self.handle_of(index))
+    }
+
+    /// Whether the handle is not stale.
+    pub fn contains(&self, body: BodyHandle) -> bool {
+        self.index(body).is_ok()
+    }
+
+    /// The kind of a body: static, kinematic or dynamic.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn kind(&self, body: BodyHandle) -> Result<BodyKind, Error> {
+        Ok(self.bodies.kind[self.index(body)?])
+    }
+
+    /// The caller's number of a body.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn user_data(&self, body: BodyHandle) -> Result<u64, Error> {
+        Ok(self.bodies.details[self.index(body)?].user_data)
+    }
+
+    /// Sets the factor on gravity.
+    ///
+    /// # Errors
+    /// If the handle is stale or the number is beyond 1e6.
+    pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::acceleration("gravity scale", Vec3::splat(scale))?;
+        self.note(Change::SetGravityScale(body, scale));
+        let index = self.wake_body(index);
+        self.revise(index);
+        self.bodies.traits[index].gravity_scale = scale;
+        Ok(())
+    }
+
+    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes;
+    /// static bodies have none.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.note(Change::SetContinuous(body, mode));
+        self.revise(index);
+        self.bodies.set_continuous(index, mode);
+        let mode = self.bodies.mode(index);
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.summaries[c as usize].mode = mode;
+        }
+        Ok(())
+    }
+
+    /// Has the rows of a body solved right after those of a group, or in their own place again; see
+    /// [`BodyDesc::raised`].
+    ///
+    /// # Errors
+    /// If the handle is stale or the budget does not allow it.
+    pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.reserve_for_raised(above.is_some())?;
+        self.note(Change::RaiseBody(body, above));
+        self.revise(index);
+        self.bodies.raise(index, above);
+        self.joints.changed = true;
+        Ok(())
+    }
+
+    /// Checks a description and computes what the body's columns need.
+    fn check(&self, desc: &BodyDesc) -> Result<(BodyDetails, Mass), Error> {
+        desc.validate()?;
+        let total = desc.mass.unwrap_or_else(|| mass_of(&desc.shapes));
+        if desc.kind == BodyKind::Dynamic && desc.mass.is_none() && total.mass <= 0.0 {
+            return Err(Error::NoMass);
+        }
+        if desc.kind == BodyKind::Dynamic {
+            movable(&total)?;
+        }
+        Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
+    }
+
+    fn insert(&mut self, desc: &BodyDesc, details: BodyDetails, mass: Mass) -> BodyHandle {
+        let rotation = desc.rotation.normalize();
+        let locks = Traits::lock_bits(desc.lock_translation, desc.lock_rotation);
+        let moves = desc.kind != BodyKind::Static;
+        let new = NewBody {
+            kind: desc.kind,
+            pose: Pose {
+                position: desc.position + (rotation * details.centre).as_dvec3(),
+                rotation: (rotation * details.axes).normalize(),
+            },
+            velocity: Record {
+                linear: if moves { desc.linear_velocity } else { Vec3::ZERO },
+                angular: if moves { desc.angular_velocity } else { Vec3::ZERO },
+                ..Record::default()
+            },
+            mass,
+            traits: Traits {
+                gravity_scale: desc.gravity_scale,
+                continuous: desc.continuous,
+                locks,
+                raised: desc.raised,
+                sleepless: !desc.can_sleep,
+                disabled: false,
+            },
+            details,
+        };
+        let shapes = &mut self.colliders;
+        let (slot, generation) = self.bodies.insert(new, |colliders, index| {
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
+        });
+        let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
+        self.revise(index);
+        for shape in &desc.shapes {
+            self.new_collider(index, shape);
+        }
+        BodyHandle { slot, generation }
+    }
+
+    /// Records that something about a body changed that snapshots share.
+    pub(in crate::world) fn revise(&mut self, index: usize) {
+        self.revisions.moving += 1;
+        self.revisions.fixed += u64::from(self.bodies.kind[index] == BodyKind::Static);
+    }
+}

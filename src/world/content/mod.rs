@@ -1,0 +1,11 @@
+//! Content of the world: bodies, their shapes and joints.
+
+mod bodies;
+mod colliders;
+mod joints;
+mod mass;
+mod motion;
+mod ragdolls;
+mod shapes;
+
+pub(crate) use motion::finite_position;

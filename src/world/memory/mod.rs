@@ -1,0 +1,15 @@
+//! Memory of the world: what its content needs, what it holds, and what its budget allows.
+
+mod assets;
+mod budget;
+mod model;
+mod needs;
+mod plan;
+mod restoring;
+
+pub(in crate::world) use assets::Assets;
+pub(crate) use model::PartTimes;
+pub use model::{Feature, Model, ModelPart};
+pub(crate) use needs::{Demand, Needs};
+pub(crate) use plan::ContentForecast;
+pub(crate) use restoring::{Brings, Replacement};

@@ -1,0 +1,16 @@
+//! Around the stages of a step: their inputs and buffers, clocks, observers, and bodies that have to be
+//! stopped.
+
+mod buffers;
+mod faults;
+mod inputs;
+mod observers;
+mod stage;
+
+pub(crate) use buffers::Buffers;
+pub(crate) use observers::Change;
+#[cfg(feature = "replay")]
+pub(crate) use observers::Recorder;
+#[cfg(feature = "lab")]
+pub(crate) use observers::StepMeter;
+pub(crate) use stage::{Part, Stage};
