@@ -338,8 +338,8 @@ impl Tree {
         self.visit(stack, |node| node.overlaps(&min, &max), f);
     }
 
-    /// Calls `leaf(collider, most)` for the leaves whose key is at most `most`, about the smallest first; it returns the
-    /// new `most`. See [`FourTree::visit_ordered`].
+    /// Calls `leaf(collider, most)` for the leaves whose key is at most `most`, about the smallest first; it
+    /// returns the new `most`. See [`FourTree::visit_ordered`].
     pub(super) fn visit_keys(
         &self,
         key: &impl Fn(&Vec3<f32x4>, &Vec3<f32x4>, f32) -> f32x4,

@@ -167,6 +167,21 @@ pub(crate) struct JointRecords {
     free: Vec<(u32, u32)>,
 }
 
+/// A joint of which nothing but its bodies is known yet.
+fn nothing_between(bodies: [u32; 2]) -> Joint {
+    Joint {
+        bodies,
+        frames: [Frame::default(); 2],
+        strength: [f32::INFINITY; 2],
+        collide: false,
+        raised: None,
+        user_data: 0,
+        force: Vec3::ZERO,
+        torque: Vec3::ZERO,
+        next: [NONE; 2],
+    }
+}
+
 impl JointRecords {
     /// Whether there is any.
     pub(crate) fn any(&self) -> bool {
@@ -200,17 +215,7 @@ impl JointRecords {
         let mut live = 0;
         for _ in 0..joints {
             let bodies: [u32; 2] = from.record::<_, 2>()?;
-            let mut joint = Joint {
-                bodies,
-                frames: [Frame::default(); 2],
-                strength: [f32::INFINITY; 2],
-                collide: false,
-                raised: None,
-                user_data: 0,
-                force: Vec3::ZERO,
-                torque: Vec3::ZERO,
-                next: [NONE; 2],
-            };
+            let mut joint = nothing_between(bodies);
             let mut generation = 0;
             if joint.is_there() {
                 generation = from.one()?;

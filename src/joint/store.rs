@@ -386,8 +386,8 @@ impl Joints {
         self.stale = false;
     }
 
-    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
-    /// may have one for itself, of so many bytes.
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
+    /// arranged for may have one for itself, of so many bytes.
     pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
         let batches = (self.fresh + more.locks + more.rows) * batch;
         batches + self.missing_columns(more)

@@ -11,7 +11,7 @@
 //! | state of the pair | what is looked for | at which pose |
 //! | --- | --- | --- |
 //! | apart and fast, and the motion can't close the gap | nothing: no contact | - |
-//! | apart; fast, or a plane would push what it never touches | the manifold of the first touch | first touch |
+//! | apart; fast, or a plane would push an untouched shape | the manifold of the first touch | first touch |
 //! | ... but it finds none, in mode `Volume` | the manifold of the closest pass | closest pass |
 //! | ... but it finds none, and a body may leave its predicted path | the manifold of the start | start |
 //! | ... but it finds none | nothing: no contact | - |
@@ -22,7 +22,7 @@
 //!
 //! | state of the pair | what is looked for | at which pose |
 //! | --- | --- | --- |
-//! | both bodies move far past each other | deeper overlap than foreseen | half the rest of the step, its end |
+//! | both bodies move far past each other | deeper overlap than foreseen | half the rest, the step's end |
 //! | one or two points, on a comparatively large round shape | the manifold of mid-step | half the step |
 //!
 //! A convex shape against a mesh or a height field:

@@ -1,8 +1,8 @@
 //! Trees of four children a node, and the walk that meets the nearest boxes first.
 //!
-//! What a walk asks of a box is a *key*: the fraction at which a path enters it, or the squared distance of a point from
-//! it. Keys are never too large (`shape/slabs.rs`), so nothing is left out that would have been an answer, and an answer
-//! doesn't depend on the shape of the tree.
+//! What a walk asks of a box is a *key*: the fraction at which a path enters it, or the squared distance of a
+//! point from it. Keys are never too large (`shape/slabs.rs`), so nothing is left out that would have been an
+//! answer, and an answer doesn't depend on the shape of the tree.
 
 use super::slabs::Slabs;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
@@ -21,8 +21,9 @@ pub(crate) trait FourTree {
     /// A node, a leaf (see [`LEAF`]) or [`NONE`].
     fn child(&self, node: u32, lane: usize) -> u32;
 
-    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, about the smallest first;
-    /// it returns the new `most`. `key` gets the low and the high corners of four boxes, and `most`.
+    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, about the
+    /// smallest first; it returns the new `most`. `key` gets the low and the high corners of four boxes, and
+    /// `most`.
     #[inline(always)]
     fn visit_ordered(
         &self,

@@ -83,10 +83,11 @@ impl<L: Lanes> Slabs<L> {
 
 /// Which of `L::N` boxes a straight path touches; lane `i` answers for box `i`.
 ///
-/// `half`: half vector of the path [m]. `offset`: from the middle of the path to the middle of the box, or back [m].
-/// `extent`: half extents of the box, already inflated by the mover's and by the margin [m]. An inert lane has a NaN
-/// offset or an extent of -inf and answers no. No division: a path of length zero is a point test. Separating axes,
-/// three box normals and three cross products: Ericson, *Real-Time Collision Detection* (2005), 5.3.3.
+/// `half`: half vector of the path [m]. `offset`: from the middle of the path to the middle of the box, or
+/// back [m]. `extent`: half extents of the box, already inflated by the mover's and by the margin [m]. An
+/// inert lane has a NaN offset or an extent of -inf and answers no. No division: a path of length zero is a
+/// point test. Separating axes, three box normals and three cross products: Ericson, *Real-Time Collision
+/// Detection* (2005), 5.3.3.
 #[inline(always)]
 pub(crate) fn path_hits_boxes<L: Lanes>(half: Vec3<L>, offset: Vec3<L>, extent: Vec3<L>) -> L::Mask {
     let d = half.abs();

@@ -126,7 +126,8 @@ impl<'a> SavedSleep<'a> {
         (0u32..).zip(sizes).flat_map(|(island, pairs)| std::iter::repeat_n(island, pairs))
     }
 
-    /// Whether all lists are consistent. `asleep`: slots of the sleeping bodies; `pair_count`: number of pairs.
+    /// Whether all lists are consistent. `asleep`: slots of the sleeping bodies; `pair_count`: number of
+    /// pairs.
     pub(crate) fn check(&self, asleep: &[u32], pair_count: usize) -> Result<(), Error> {
         let islands = self.islands.as_chunks::<2>().0;
         let (bodies, pairs) = islands

@@ -158,8 +158,8 @@ pub(crate) fn closing(settings: &Settings) -> Closing {
     Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
 }
 
-/// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the first
-/// pad.
+/// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the
+/// first pad.
 const LINEAR: u32 = 0b0000_0111;
 const BOTH: u32 = 0b0111_0111;
 const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];

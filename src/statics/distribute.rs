@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3, Vec3};
 
 // Rounding: keeps a matrix with missing directions invertible.
-/// Stiffness against displacements that no point resists, as a share of that of one point: a body on an edge has no
-/// equilibrium, and its estimate is bounded.
+/// Stiffness against displacements that no point resists, as a share of that of one point: a body on an edge
+/// has no equilibrium, and its estimate is bounded.
 const LOOSE: f64 = 1e-9;
 
 /// A supporting point below a body.

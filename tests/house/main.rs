@@ -111,7 +111,6 @@ fn stray_constants(sources: &[Source]) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "not yet"]
 fn no_folder_of_the_library_is_crowded() {
     none("more than 15 files side by side", &crowded_folders(&Source::all(LIBRARY)));
 }
@@ -122,13 +121,11 @@ fn no_file_of_the_library_is_long() {
 }
 
 #[test]
-#[ignore = "not yet"]
 fn no_function_of_the_library_is_long() {
     none("functions of more than 80 lines", &long_functions(&Source::all(LIBRARY)));
 }
 
 #[test]
-#[ignore = "not yet"]
 fn no_line_of_the_library_is_long() {
     none("lines of more than 110 columns", &long_lines(&Source::all(LIBRARY)));
 }

@@ -257,7 +257,8 @@ fn a_hundred_thousand_changes_lose_nothing() {
     println!("{} calls; live bytes when empty: {live:?}; at most {slept} asleep", churn.calls);
     assert!(slept > 5);
     // Columns are as long as the most that there ever was at once: a quarter's highest differs from another's
-    // by up to 3 kB (seeds 1 to 5). A leak grows with the calls: one word in forty of them is 0.1 bytes a call.
+    // by up to 3 kB (seeds 1 to 5). A leak grows with the calls: one word in forty of them is 0.1 bytes a
+    // call.
     let leak = (live[3] as f64 - live[0] as f64) / (0.75 * f64::from(churn.calls));
     assert!(leak < 0.1, "{leak} bytes a call: {live:?}");
 }

@@ -37,7 +37,8 @@ pub(crate) struct Node {
     pub(crate) child: [u32; 4],
 }
 
-/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's index.
+/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's
+/// index.
 pub(crate) const IS_LEAF: u32 = four_tree::LEAF;
 /// No child: a leaf that would end beyond the most triangles.
 pub(crate) const NO_CHILD: u32 = four_tree::NONE;

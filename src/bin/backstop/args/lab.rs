@@ -152,7 +152,8 @@ pub(crate) struct TossOptions {
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
     /// Steps between two samples.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) parts: u32,
     /// Substeps of a step.
     #[arg(long, value_name = "N", default_value_t = 4)]

@@ -254,7 +254,8 @@ pub(crate) struct ProfileOptions {
     #[arg(long, value_name = "SECONDS", default_value = "1/60", value_parser = seconds)]
     pub(crate) dt: f32,
     /// Times that each frame is stepped each way; the medians count.
-    #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 31)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) repeats: u32,
     /// Numbers of threads, each measured in a run of its own.
     #[arg(long, value_name = "N,...", default_value = "1,2", value_delimiter = ',', value_parser = threads)]
@@ -276,7 +277,8 @@ pub(crate) struct ProfileOptions {
     #[arg(long)]
     pub(crate) no_compare: bool,
     /// How often these are run; a step's time is the median of its rounds.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: u32,
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]

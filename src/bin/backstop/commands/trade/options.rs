@@ -59,7 +59,8 @@ pub(crate) struct TradeOptions {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cell", "merge"])]
     pub(crate) settings: Option<PathBuf>,
     /// Steps per second of the reference; rounded up to what has times in common with the grid.
-    #[arg(long, value_name = "HZ", default_value_t = 1920, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "HZ", default_value_t = 1920)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) reference_hz: u32,
     /// Threads that measure errors, a cell each [default: all]. Times are always taken one after another.
     #[arg(long, value_name = "N", value_parser = threads)]
