@@ -233,7 +233,7 @@ fn move_all(
         colliders,
         inverse_inertia: &forces.inverse_inertia,
         impacts,
-        seats: &joint_rows.tree_slots,
+        tree_slots: &joint_rows.tree_slots,
         beside,
         stacks,
         cut,
@@ -273,8 +273,8 @@ fn mend_all(
     }
     let Ok(cut) = cut.get_mut() else { return };
     if guard.cuts {
-        let seats = &joint_rows.tree_slots;
-        let mut movers = Movers { bodies, delta, impacts, seats, cut, stack: &mut stack };
+        let tree_slots = &joint_rows.tree_slots;
+        let mut movers = Movers { bodies, delta, impacts, tree_slots, cut, stack: &mut stack };
         held.cut += guard.hold_movers(&broad.pairs, &mut movers);
     }
     if !cut.is_empty() {

@@ -29,7 +29,7 @@ pub(super) struct Moving<'a> {
     pub(super) colliders: &'a [ColliderList],
     pub(super) inverse_inertia: &'a [Sym3<f32>],
     pub(super) impacts: &'a Restitution,
-    pub(super) seats: &'a TreeSlots,
+    pub(super) tree_slots: &'a TreeSlots,
     pub(super) beside: &'a [Beside],
     pub(super) stacks: &'a [Mutex<Vec<u32>>],
     /// Bodies of trees whose paths were cut.
@@ -99,23 +99,23 @@ impl Moving<'_> {
             self.stop(&mut body, start);
             return;
         }
-        let seat = self.seats.of(i);
+        let slot = self.tree_slots.of(i);
         let precesses = self.turn(&mut body, turned, stack);
-        let Some(moved) = self.moved(&mut body, precesses, seat, stack) else {
+        let Some(moved) = self.moved(&mut body, precesses, slot, stack) else {
             // It stays where it was until it is settled.
             body.delta.pad0 = OFF_PATH;
             self.any_off_path.store(true, Ordering::Relaxed);
             return;
         };
         body.pose.position += moved.as_dvec3();
-        if seat.is_some()
+        if slot.is_some()
             && self.guard.cuts
             && self.guard.wants(&self.traits[i], body.own)
             && let Some(crossing) = self.guard.crossing(stack, body.own, &start, body.pose)
         {
             self.cuts.fetch_add(1, Ordering::Relaxed);
             stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.inverse_inertia[i]);
-            self.note_cut(seat, crossing.share);
+            self.note_cut(slot, crossing.share);
         }
         if !is_in_range(body.pose) || !body.velocity.is_within(MAX_LEFT_SPEED) {
             // Its rotation or lift is not finite, although the motion was at first, or it left the range of
@@ -179,7 +179,7 @@ impl Moving<'_> {
         &self,
         body: &mut Body<'_>,
         precesses: bool,
-        seat: Option<TreeSlot>,
+        slot: Option<TreeSlot>,
         stack: &mut Vec<u32>,
     ) -> Option<Vec3> {
         let Body { index: i, pose, velocity, delta: d, own } = body;
@@ -207,7 +207,7 @@ impl Moving<'_> {
                 Some((held, _)) if guard.cuts => {
                     let count = if held == Held::Cut { &self.cuts } else { &self.lifts };
                     count.fetch_add(1, Ordering::Relaxed);
-                    self.note_cut(seat, moved.length() / d.linear.length());
+                    self.note_cut(slot, moved.length() / d.linear.length());
                     if !bounced {
                         **velocity = cut_velocity;
                     }
@@ -219,10 +219,10 @@ impl Moving<'_> {
     }
 
     /// Records that a body of a tree went only a share of its path.
-    fn note_cut(&self, seat: Option<TreeSlot>, share: f32) {
-        if let (Some(seat), Ok(mut cut)) = (seat, self.cut.lock()) {
+    fn note_cut(&self, slot: Option<TreeSlot>, share: f32) {
+        if let (Some(slot), Ok(mut cut)) = (slot, self.cut.lock()) {
             // A lifted body may have gone further than its path, or to where it did not want to go.
-            cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));
+            cut.push((slot, if share < 1.0 { share.max(0.0) } else { 1.0 }));
         }
     }
 

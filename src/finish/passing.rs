@@ -32,7 +32,7 @@ pub(super) struct Movers<'a> {
     /// Displacements of the step.
     pub(super) delta: &'a mut [Record],
     pub(super) impacts: &'a Restitution,
-    pub(super) seats: &'a TreeSlots,
+    pub(super) tree_slots: &'a TreeSlots,
     /// For each tree that was stopped, the share of their paths that its bodies go.
     pub(super) cut: &'a mut Vec<(TreeSlot, f32)>,
     pub(super) stack: &'a mut Vec<u32>,
@@ -60,8 +60,8 @@ impl Guard<'_> {
             let before = held;
             for pair in pairs.iter().filter(|pair| pair.fast) {
                 let [i, k] = [pair.a, pair.b].map(|c| self.summaries[c as usize].body as usize);
-                let Movers { bodies, seats, .. } = &*movers;
-                let tree = |i: usize| seats.of(i).map(TreeSlot::of_tree);
+                let Movers { bodies, tree_slots, .. } = &*movers;
+                let tree = |i: usize| tree_slots.of(i).map(TreeSlot::of_tree);
                 if i >= dynamic
                     || k >= dynamic
                     || self.pass_by(pair, (i, k), bodies)
@@ -111,7 +111,7 @@ impl Guard<'_> {
     /// Moves two bodies apart, if the centre of the first enters a shape of the second.
     fn part(&self, (one, other, passing): (u32, u32, Passing), movers: &mut Movers<'_>) {
         let Passing { stop, normal, lift } = passing;
-        let Movers { bodies, delta, impacts, seats, cut, stack } = movers;
+        let Movers { bodies, delta, impacts, tree_slots, cut, stack } = movers;
         let [i, k] = [one, other].map(|c| self.summaries[c as usize].body as usize);
         let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
         let (gi, gk) = if lift.is_some() { (gives(i), gives(k)) } else { (0.0, 0.0) };
@@ -130,11 +130,11 @@ impl Guard<'_> {
                 let (from, turned) = (self.centre_before(c), self.turn_before(c));
                 let pose = &mut bodies.pose[i];
                 pose.position = from + (pose.position - from) * f64::from(stop);
-                match seats.of(i) {
+                match tree_slots.of(i) {
                     // At most one entry per body: there is no capacity for more.
-                    Some(seat) => match cut.iter_mut().find(|(other, _)| *other == seat) {
+                    Some(slot) => match cut.iter_mut().find(|(other, _)| *other == slot) {
                         Some((_, share)) => *share = share.min(stop),
-                        None => cut.push((seat, stop)),
+                        None => cut.push((slot, stop)),
                     },
                     // Otherwise a spinning rod would stop with its end in the other body.
                     None => {

@@ -29,33 +29,33 @@ impl Trees<'_> {
     pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(TreeSlot, f32)], stack: &mut Vec<u32>) {
         cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
         for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
-            let (seat, share) = alike[0];
-            for i in self.joints.bodies_of(seat) {
+            let (slot, share) = alike[0];
+            for i in self.joints.bodies_of(slot) {
                 self.bodies.pose[i] = guard.before(i, self.bodies, &self.delta[i]);
                 let d = &mut self.delta[i];
                 (d.linear, d.angular) = (d.linear * share, d.angular * share);
             }
-            self.close(seat);
+            self.close(slot);
             // At the poses of the start of the step nothing had crossed anything.
             let Trees { bodies, delta, joints, .. } = &mut *self;
             let mut any = false;
-            for i in joints.bodies_of(seat) {
+            for i in joints.bodies_of(slot) {
                 any |= crosses(guard, stack, bodies, &mut delta[i], i);
             }
             if any {
-                for i in joints.bodies_of(seat) {
+                for i in joints.bodies_of(slot) {
                     (delta[i].linear, delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
                 }
             }
             if any || share < STUCK_TREE {
                 // Damp a stuck tree, or it gains speed in every step. Slow enough bodies are not checked, and
                 // slip off.
-                for i in joints.bodies_of(seat) {
+                for i in joints.bodies_of(slot) {
                     let v = &mut bodies.velocity[i];
                     (v.linear, v.angular) = (v.linear * STUCK_TREE_SPEED, v.angular * STUCK_TREE_SPEED);
                 }
             }
-            for i in self.joints.bodies_of(seat) {
+            for i in self.joints.bodies_of(slot) {
                 let d = &mut self.delta[i];
                 if !d.is_within(FAR) {
                     *d = Record::default();
@@ -67,7 +67,7 @@ impl Trees<'_> {
         }
     }
 
-    fn close(&mut self, seat: TreeSlot) {
+    fn close(&mut self, slot: TreeSlot) {
         let along = self.rows.views();
         // Only the displacements of the solver's state are used.
         let (velocity, base) = (&mut [][..], &mut [][..]);
@@ -75,7 +75,7 @@ impl Trees<'_> {
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         let views = self.joints.views();
         // SAFETY: there is no other thread.
-        unsafe { JointRows::close(&views, seat.place().0, &motion, &self.closing, &along) };
+        unsafe { JointRows::close(&views, slot.place().0, &motion, &self.closing, &along) };
     }
 }
 

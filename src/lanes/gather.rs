@@ -44,7 +44,7 @@ impl Record {
         self.pad1 = 1.0;
     }
 
-    /// Of a predicted displacement: the angle by which the body turns [rad].
+    /// Angle by which the body turns, in a predicted displacement [rad].
     #[inline(always)]
     pub(crate) fn turn_angle(&self) -> f32 {
         self.pad1

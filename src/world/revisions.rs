@@ -10,9 +10,9 @@ pub(crate) type SharedPart = Weak<dyn Any + Send + Sync>;
 /// one refers to them.
 #[derive(Debug, Default)]
 pub(crate) struct Revisions {
-    /// Of static bodies.
+    /// Changes of static bodies.
     pub(crate) fixed: u64,
-    /// Of everything else.
+    /// Changes of everything else.
     pub(crate) moving: u64,
     /// For both, the revision of the part that was written, and the part. Only snapshots know its type.
     pub(crate) written: Mutex<[(u64, Option<SharedPart>); 2]>,
