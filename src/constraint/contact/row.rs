@@ -299,7 +299,9 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         // During relaxation a manifold that is apart and did not have to push waits for the next substep: its
         // gaps at the end of this one do not predict what will be crossed in the next, and a step that ends
         // here must not push for the next. If any point touches, the whole manifold comes to rest.
-        rows.mass = rows.mass.map(|m| L::select(touches | pushes, m, L::zero()));
+        for i in 0..P {
+            rows.mass[i] = L::select(touches | pushes, rows.mass[i], L::zero());
+        }
         rows
     }
 
