@@ -3,9 +3,10 @@
 use crate::body::{Bodies, Mass, Traits, is_uneven};
 use crate::lanes::{Lanes, Record, Sym3, is_within};
 use crate::limits::MAX_LEFT_SPEED;
+use crate::math::Quat;
 use crate::memory::buffers;
 use crate::threads::{Shared, Workers, per_block};
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Vec3};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -163,7 +164,7 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
         return free_inertia(bodies, i);
     }
     let mass = &bodies.mass[i];
-    let r = Mat3::from_quat(bodies.pose[i].rotation);
+    let r = bodies.pose[i].rotation.matrix();
     let [x, y, z] = diagonal(&r, mass.inertia);
     let mut m = Mat3::from_cols(x, y, z);
     for axis in (0..3).filter(|axis| locks >> axis & 1 != 0) {
@@ -194,7 +195,7 @@ fn free_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
 /// The same for a body in a given orientation.
 #[inline(always)]
 pub(crate) fn turned_inertia(rotation: Quat, mass: &Mass) -> Sym3<f32> {
-    let r = Mat3::from_quat(rotation);
+    let r = rotation.matrix();
     let [x, y, z] = diagonal(&r, mass.inverse_inertia);
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
 }

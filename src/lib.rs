@@ -90,6 +90,7 @@ mod lanes;
 pub mod limits;
 #[cfg(any(feature = "gltf", feature = "replay"))]
 mod load_limits;
+mod math;
 mod memory;
 mod movers;
 mod narrow_phase;

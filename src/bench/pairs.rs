@@ -2,6 +2,7 @@
 
 use super::Kernel;
 use crate::lanes::f32x8;
+use crate::math::Quat;
 use crate::narrow_phase::kernels::{
     ManifoldLanes, PairLanes, Random, box_box, capsule_box, capsule_capsule, collider, sphere_box,
     sphere_capsule, sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
@@ -12,7 +13,7 @@ use crate::narrow_phase::{
 };
 use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use std::hint::black_box;
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use crate::config::RowGroup;
 use crate::error::Error;
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -28,7 +28,7 @@ pub struct BodyDesc {
     /// Where its origin is [m], within [`limits::MAX_POSITION`] along each axis.
     pub position: DVec3,
     /// How its axes are turned; a unit quaternion.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
     /// Velocity of its centre of mass [m/s], within [`limits::MAX_SPEED`] along each axis.
     pub linear_velocity: Vec3,
     /// About the world's axes [rad/s], within [`limits::MAX_SPEED`] about each.
@@ -60,7 +60,7 @@ impl Default for BodyDesc {
         BodyDesc {
             kind: BodyKind::Dynamic,
             position: DVec3::ZERO,
-            rotation: Quat::IDENTITY,
+            rotation: glam::Quat::IDENTITY,
             linear_velocity: Vec3::ZERO,
             angular_velocity: Vec3::ZERO,
             shapes: Vec::new(),
@@ -99,8 +99,8 @@ impl BodyDesc {
         self
     }
     /// How its axes are turned.
-    pub fn rotated(mut self, rotation: Quat) -> Self {
-        self.rotation = rotation;
+    pub fn rotated(mut self, rotation: impl Into<glam::Quat>) -> Self {
+        self.rotation = rotation.into();
         self
     }
     /// Linear [m/s] and angular [rad/s] velocity.

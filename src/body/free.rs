@@ -5,7 +5,8 @@
 
 use crate::config::tuning::{FREE_TURN_PART, FREE_TURN_PARTS};
 use crate::lanes::f64x4;
-use glam::{DQuat, DVec3, Quat, Vec3};
+use crate::math::Quat;
+use glam::{DQuat, DVec3, Vec3};
 use std::array::from_fn;
 
 /// A body that turns freely for some time.
@@ -58,7 +59,7 @@ impl FreeTurn {
         let around = turn_by(turn * (inertia.as_dvec3() * local) * (time / across));
         let axis = axis.as_dvec3();
         let own = turn_by(axis * (local.dot(axis) * (1.0 - along / across) * time));
-        let turned = (around * turn * own).normalize().as_quat();
+        let turned = (around * turn * own).normalize().into();
         Some((turned, (around * spin.as_dvec3()).as_vec3()))
     }
 

@@ -1,6 +1,7 @@
 //! How a body turns.
 
-use glam::{Quat, Vec3};
+use crate::math::Quat;
+use glam::Vec3;
 
 /// The rotation by the angle |v| [rad] about v. Polynomials below 1 rad, so that the bits don't depend on the
 /// platform's sine.

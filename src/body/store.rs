@@ -7,8 +7,9 @@ use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,9 @@
 
 use super::Aabb;
 use crate::lanes::{self, Lanes, f32x8};
+use crate::math::Quat;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 // Rounding: of a rotated point.
 /// Share of a shape's size by which its bounds are widened: rotating a point loses a few units of 2^-24.
@@ -37,13 +38,13 @@ fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
             ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
         }
         Kind::Box => {
-            let m = Mat3::from_quat(rotation);
+            let m = rotation.matrix();
             let half = m.x_axis.abs() * size[0] + m.y_axis.abs() * size[1] + m.z_axis.abs() * size[2];
             (-half, half)
         }
         Kind::Cylinder => {
             let [half_height, bottom, top, _] = size;
-            let m = Mat3::from_quat(rotation);
+            let m = rotation.matrix();
             // How far a disc of radius 1 reaches along each axis: the root of 1 - y², without its
             // cancellation.
             let disc = (m.x_axis * m.x_axis + m.z_axis * m.z_axis).map(f32::sqrt);
@@ -74,7 +75,7 @@ fn local_box(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
 
 /// Bounds of a turned hull, from its vertices: its box, turned, would be up to twice as large.
 fn turned_hull(hull: &ConvexHull, rotation: Quat) -> (Vec3, Vec3) {
-    let rows = Mat3::from_quat(rotation).transpose();
+    let rows = rotation.matrix().transpose();
     let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(lanes::Vec3::<f32x8>::splat);
     let mut low = [f32x8::splat(f32::INFINITY); 3];
     let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
@@ -94,7 +95,7 @@ fn turned_hull(hull: &ConvexHull, rotation: Quat) -> (Vec3, Vec3) {
 
 /// Bounds of a turned box.
 fn turned_box(min: Vec3, max: Vec3, rotation: Quat) -> (Vec3, Vec3) {
-    let m = Mat3::from_quat(rotation);
+    let m = rotation.matrix();
     let (middle, half) = (m * (min * 0.5 + max * 0.5), max * 0.5 - min * 0.5);
     let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
     (middle - half, middle + half)
@@ -209,7 +210,7 @@ mod tests {
         for (at, tight) in [(dvec3(1.0, 2.0, 3.0), 5e-6), (dvec3(1e7 + 0.3, -1e7, 12_345.678), 1.01)] {
             for i in 0..200 {
                 let i = i as f32;
-                let rotation = Quat::from_euler(EulerRot::XYZ, i * 0.7, i * 1.3, i * 0.2);
+                let rotation = glam::Quat::from_euler(EulerRot::XYZ, i * 0.7, i * 1.3, i * 0.2).into();
                 for c in &shapes {
                     let bounds = aabb_of(c, at, rotation);
                     let (body, local) = (rotation.as_dquat().normalize(), c.rotation.as_dquat().normalize());

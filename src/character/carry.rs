@@ -4,9 +4,10 @@ use super::shape::Shape;
 use super::slide::Slide;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::Quat;
 use crate::query::QueryFilter;
 use crate::world::World;
-use glam::{DQuat, DVec3, Quat};
+use glam::{DQuat, DVec3};
 
 /// Where a mover is on the body that it stands on. Poses rather than velocities give the body's actual motion
 /// since then, with its rotation, whether the world was stepped before or after.
@@ -19,7 +20,7 @@ pub(super) struct Carrier {
 
 impl Carrier {
     pub(super) fn new(world: &World, body: BodyHandle) -> Result<Carrier, Error> {
-        Ok(Carrier { body, position: world.position(body)?, rotation: world.rotation(body)? })
+        Ok(Carrier { body, position: world.position(body)?, rotation: world.rotation(body)?.into() })
     }
 
     /// Displacement of a point with the body, and its rotation about `up` [rad]. Zero if the body was

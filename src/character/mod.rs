@@ -31,7 +31,7 @@ use crate::query::{QueryFilter, ShapeHit};
 use crate::shape::Geometry;
 use crate::world::World;
 use carry::{Carrier, carry};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use ground::{settle, velocity_at};
 use overlap::push_out;
 use shape::{Shape, upright};
@@ -123,9 +123,9 @@ impl Mover {
 
     /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others
     /// collide with.
-    pub fn capsule(&self) -> (Geometry, Quat) {
+    pub fn capsule(&self) -> (Geometry, glam::Quat) {
         let capsule = Geometry::capsule(self.settings.half_height, self.settings.radius);
-        (capsule, upright(self.settings.up.normalize()))
+        (capsule, upright(self.settings.up.normalize()).into())
     }
 
     /// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow.

@@ -2,10 +2,11 @@
 
 use super::settings::MoverSettings;
 use crate::error::Error;
+use crate::math::Quat;
 use crate::query::{QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
 use crate::shape::Geometry;
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A rotation of y to a unit vector; not glam's, which asks the platform's sine.
 pub(super) fn upright(up: Vec3) -> Quat {

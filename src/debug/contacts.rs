@@ -3,10 +3,11 @@
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::body::{Pose, exp_map};
 use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP, TOUCH_DISTANCE};
+use crate::math::Quat;
 use crate::narrow_phase::{Contact, NO_CONTACT, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry, Kind};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
     for pair in &world.broad.pairs {

@@ -4,9 +4,10 @@ use super::{Colour, DebugDraw, DrawOptions, Element, Ink, Region, triangles, wir
 use crate::body::BodyKind;
 use crate::broad_phase::aabb_of;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::Quat;
 use crate::shape::Geometry;
 use crate::world::World;
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// A shape as it is drawn: what it is, where, and in which colour.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,7 @@ pub struct DrawnShape<'a> {
     /// Where its frame is in the world [m].
     pub position: DVec3,
     /// How its frame is turned.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
     /// The colour of its kind.
     pub ink: Ink,
     /// The region to draw, if not all.
@@ -89,7 +90,7 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
                 kind: bodies.kind[index],
                 geometry: &collider.geometry,
                 position: pose.position,
-                rotation: pose.rotation,
+                rotation: pose.rotation.into(),
                 ink,
                 region: options.region,
             });

@@ -5,10 +5,11 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, Settings};
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Frame, JointDesc, Limit, Motion};
+use crate::math::Quat;
 use crate::narrow_phase::segment_hits;
 use crate::shape::{ConvexHull, Geometry, HeightField, ShapeDesc, TriangleMesh};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -471,7 +472,7 @@ fn draw_after_changes(seed: u64) {
             // What is refused changes nothing.
             let done = match below(7) {
                 0 if bodies.len() > 20 => world.remove_body(body),
-                1 => world.set_pose(body, DVec3::new(below(9) as f64, 2.0, 0.0), Quat::IDENTITY),
+                1 => world.set_pose(body, DVec3::new(below(9) as f64, 2.0, 0.0), glam::Quat::IDENTITY),
                 2 if !shapes.is_empty() => world.remove_shape(shapes[0]),
                 3 => world.add_shape(body, &ShapeDesc::new(Geometry::cuboid(0.2, 0.3, 0.4))).map(drop),
                 4 => world.set_mass(

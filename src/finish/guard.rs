@@ -23,9 +23,10 @@ use crate::config::Continuous;
 use crate::config::tuning::{GUARD_DISTANCE, GUARD_GRAZE, GUARD_HOLLOW};
 use crate::joint::Joints;
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hits};
 use crate::shape::{Collider, ColliderSummary, Geometry};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Input of the guard.
 pub(crate) struct Guard<'a> {

@@ -11,9 +11,10 @@ use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
+use crate::math::Quat;
 use crate::shape::ColliderSummary;
 use crate::threads::Shared;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 

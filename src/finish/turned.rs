@@ -2,7 +2,8 @@
 
 use super::BLOCK;
 use crate::body::{FREE, FreeTurn};
-use glam::{Quat, Vec3};
+use crate::math::Quat;
+use glam::Vec3;
 
 /// Rotations and angular velocities at the end of the step, by a body's place in its block; `None` for other
 /// bodies.

@@ -5,7 +5,7 @@ use crate::error::{Error, within};
 use crate::handle::BodyHandle;
 use crate::limits;
 use crate::shape::unit_quat;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 // Guard: a limit of what a caller may say.
 /// Largest displacement that a limit or drive may name [m] or [rad].
@@ -18,12 +18,12 @@ pub struct Frame {
     /// [m], within 1e6 along each axis.
     pub position: Vec3,
     /// The joint's x, y and z in the body's axes.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
 }
 
 impl Default for Frame {
     fn default() -> Self {
-        Frame { position: Vec3::ZERO, rotation: Quat::IDENTITY }
+        Frame { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY }
     }
 }
 

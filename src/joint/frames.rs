@@ -1,9 +1,17 @@
 //! The two frames of a joint in the world, and how far apart they are.
 
-use super::desc::{Axes, Axis, Frame};
+use super::desc::{Axes, Axis};
 use super::store::LockKind;
 use crate::body::Pose;
-use glam::{Mat3, Quat, Vec3};
+use crate::math::Quat;
+use glam::{Mat3, Vec3};
+
+/// A frame of a joint in the principal axes of its body, from the centre of mass [m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct JointFrame {
+    pub(crate) position: Vec3,
+    pub(crate) rotation: Quat,
+}
 
 /// Frames in the world, with all positions relative to the first body's centre of mass.
 #[derive(Clone, Copy, Debug)]
@@ -27,12 +35,11 @@ fn column(m: &Mat3, axis: Axis) -> Vec3 {
 }
 
 impl Placed {
-    /// `frames`: in the principal axes of each body, from its centre of mass.
-    pub(crate) fn new(poses: [&Pose; 2], frames: &[Frame; 2]) -> Placed {
+    pub(crate) fn new(poses: [&Pose; 2], frames: &[JointFrame; 2]) -> Placed {
         let arm = [0, 1].map(|i| poses[i].rotation * frames[i].position);
         let turn = [0, 1].map(|i| poses[i].rotation * frames[i].rotation);
         let apart = (poses[1].position - poses[0].position).as_vec3() + arm[1] - arm[0];
-        Placed { arm, apart, axes: turn.map(Mat3::from_quat), relative: turn[0].conjugate() * turn[1] }
+        Placed { arm, apart, axes: turn.map(Quat::matrix), relative: turn[0].conjugate() * turn[1] }
     }
 
     pub(crate) fn axis(&self, frame: usize, axis: Axis) -> Vec3 {
@@ -88,7 +95,7 @@ mod tests {
         // The first is turned too: it is the relative rotation that counts.
         let first = exp_map(Vec3::new(0.3, -1.0, 0.8));
         let second = first * exp_map(axis * angle);
-        Placed::new([&at(first), &at(second)], &[Frame::default(); 2])
+        Placed::new([&at(first), &at(second)], &[JointFrame::default(); 2])
     }
 
     #[test]

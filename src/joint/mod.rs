@@ -11,7 +11,7 @@ mod save;
 mod store;
 
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-pub(crate) use frames::Placed;
+pub(crate) use frames::{JointFrame, Placed};
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use save::{JointLists, JointRecords, SavedJoints, group_code, group_of};
 pub(crate) use store::{Joint, JointAdditions, Joints, Lock, LockKind, Row, RowKind};

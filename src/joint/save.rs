@@ -1,10 +1,12 @@
 //! What a snapshot keeps of joints: their impulses, which change in every step, and their definitions, which
 //! seldom do.
 
-use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
+use super::desc::{Axes, Axis, Drive, Limit, Motion, Spring};
+use super::frames::JointFrame;
 use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind};
 use crate::config::RowGroup;
 use crate::error::Error;
+use crate::math::Quat;
 use crate::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
@@ -76,7 +78,7 @@ impl Joints {
                 continue;
             }
             out.push(self.slots.generation(slot as u32));
-            for Frame { position, rotation } in joint.frames {
+            for JointFrame { position, rotation } in joint.frames {
                 out.extend_from_slice(&words::<3>(position));
                 out.extend_from_slice(&words::<4>(rotation.to_array()));
             }
@@ -171,7 +173,7 @@ pub(crate) struct JointRecords {
 fn nothing_between(bodies: [u32; 2]) -> Joint {
     Joint {
         bodies,
-        frames: [Frame::default(); 2],
+        frames: [JointFrame::default(); 2],
         strength: [f32::INFINITY; 2],
         collide: false,
         raised: None,
@@ -305,8 +307,8 @@ impl JointRecords {
     }
 }
 
-fn read_rotation(from: &mut Reader<'_>) -> Result<glam::Quat, Error> {
-    let rotation = glam::Quat::from_array(from.finite::<[f32; 4], 4>()?);
+fn read_rotation(from: &mut Reader<'_>) -> Result<Quat, Error> {
+    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
     if (0.9..1.1).contains(&rotation.length_squared()) { Ok(rotation) } else { Err(broken("a rotation")) }
 }
 

@@ -1,6 +1,7 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
-use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion, Spring};
+use super::frames::JointFrame;
 use crate::config::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
@@ -15,8 +16,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) struct Joint {
     /// Slots of the bodies; [`NONE`] in what was removed.
     pub(crate) bodies: [u32; 2],
-    /// In the principal axes of each body, from its centre of mass.
-    pub(crate) frames: [Frame; 2],
+    pub(crate) frames: [JointFrame; 2],
     /// Force [N] and torque [N m] at which it breaks.
     pub(crate) strength: [f32; 2],
     pub(crate) collide: bool,
@@ -207,7 +207,7 @@ impl Joints {
         }
     }
 
-    pub(crate) fn add(&mut self, desc: &JointDesc, frames: [Frame; 2]) -> JointHandle {
+    pub(crate) fn add(&mut self, desc: &JointDesc, frames: [JointFrame; 2]) -> JointHandle {
         let next_slot = self.all.len() as u32;
         if self.stale && self.slots.spare() > 0 {
             // The slot will be used again.

@@ -2,9 +2,10 @@
 
 use super::ModeBody;
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::narrow_phase::{Contact, MAX_POINTS, NO_CONTACT};
 use crate::world::World;
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use std::collections::BTreeMap;
 
 /// A contact at rest: two colliders and which of their contacts.
@@ -163,7 +164,7 @@ impl Layout {
             let pose = &mut world.bodies.pose[i];
             pose.position += at(0) * self.length;
             let turn = DQuat::from_scaled_axis(at(3));
-            pose.rotation = (turn * pose.rotation.as_dquat()).normalize().as_quat();
+            pose.rotation = (turn * pose.rotation.as_dquat()).normalize().into();
             let Record { linear, angular, .. } = &mut world.bodies.velocity[i];
             let add = |v: &mut Vec3, d: DVec3| *v = (v.as_dvec3() + d).as_vec3();
             add(linear, at(6) * (self.length / self.time));

@@ -140,7 +140,7 @@ pub(crate) struct Quat<L> {
 impl<L: Lanes> Quat<L> {
     /// Lane `i` from `f(i)`.
     #[inline(always)]
-    pub(crate) fn from_fn(f: impl Fn(usize) -> glam::Quat) -> Self {
+    pub(crate) fn from_fn(f: impl Fn(usize) -> crate::math::Quat) -> Self {
         Quat {
             v: Vec3::new(L::from_fn(|i| f(i).x), L::from_fn(|i| f(i).y), L::from_fn(|i| f(i).z)),
             w: L::from_fn(|i| f(i).w),
@@ -247,7 +247,8 @@ mod tests {
     use super::*;
 
     fn close<L: Lanes>() {
-        let (q, p) = (glam::Quat::from_xyzw(0.1, -0.4, 0.3, 0.8).normalize(), glam::vec3(1.0, -2.0, 0.5));
+        let (q, p) =
+            (crate::math::Quat::from_xyzw(0.1, -0.4, 0.3, 0.8).normalize(), glam::vec3(1.0, -2.0, 0.5));
         let lanes = Quat::<L>::from_fn(|_| q);
         let rotated = lanes.rotate(Vec3::splat(p)).lane(0);
         assert!((rotated - q * p).length() < 1e-6);

@@ -335,7 +335,7 @@ pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Re
     let w = rotation.w.to_array();
     std::array::from_fn(|n| Relative {
         position: glam::Vec3::new(x[n], y[n], z[n]),
-        rotation: glam::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
+        rotation: crate::math::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
     })
 }
 
@@ -343,7 +343,7 @@ pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Re
 pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
     let (position, rotation) = relative_poses::<f32>(&|_| *pair, poses);
     let glam::Vec3 { x, y, z } = rotation.v.lane(0);
-    Relative { position: position.lane(0), rotation: glam::Quat::from_xyzw(x, y, z, rotation.w) }
+    Relative { position: position.lane(0), rotation: crate::math::Quat::from_xyzw(x, y, z, rotation.w) }
 }
 
 /// Whether the pair keeps its contacts; moves their points with the bodies if so.

@@ -1,8 +1,9 @@
 //! Random shapes and poses for the tests of this folder and of the queries.
 
+use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use std::sync::Arc;
 
 /// Numbers from a seed (SplitMix64).

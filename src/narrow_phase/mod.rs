@@ -48,5 +48,5 @@ pub(crate) mod kernels {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Relative {
     pub(crate) position: glam::Vec3,
-    pub(crate) rotation: glam::Quat,
+    pub(crate) rotation: crate::math::Quat,
 }

@@ -6,10 +6,11 @@ use crate::broad_phase::{Aabb, QueryTree, WorldView};
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::lanes::f32x4;
+use crate::math::Quat;
 use crate::memory::Category;
 use crate::shape::{Collider, Near, Slabs};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A shape where it is now.
 pub(super) struct Candidate<'a> {

@@ -9,7 +9,7 @@ use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::Support;
 use crate::shape::{Geometry, Kind};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A shape that is overlapped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +37,11 @@ impl World {
         &self,
         shape: &Geometry,
         position: DVec3,
-        rotation: Quat,
+        rotation: glam::Quat,
         filter: &QueryFilter<'_>,
         found: &mut Vec<Overlap>,
     ) -> Result<(), Error> {
-        let probe = Probe::new(shape, position, rotation)?;
+        let probe = Probe::new(shape, position, rotation.into())?;
         self.current()?;
         found.clear();
         self.overlapping(&probe, filter, |candidate| {
@@ -62,10 +62,10 @@ impl World {
         &self,
         shape: &Geometry,
         position: DVec3,
-        rotation: Quat,
+        rotation: glam::Quat,
         filter: &QueryFilter<'_>,
     ) -> Result<bool, Error> {
-        let probe = Probe::new(shape, position, rotation)?;
+        let probe = Probe::new(shape, position, rotation.into())?;
         let mut any = false;
         self.overlapping(&probe, filter, |_| {
             any = true;

@@ -8,10 +8,11 @@ use super::probe::Probe;
 use super::ray::check_path;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::Quat;
 use crate::narrow_phase::{Support, SupportPose};
 use crate::shape::{Geometry, Kind};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A convex shape that moves straight ahead without turning.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,7 @@ pub struct ShapeCast<'a> {
     /// Where its origin is at the start, in the world [m].
     pub position: DVec3,
     /// Its rotation; a unit quaternion.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
     /// From its start to its end [m]. It may be zero: then it touches what it overlaps.
     pub path: Vec3,
 }
@@ -29,11 +30,11 @@ pub struct ShapeCast<'a> {
 impl<'a> ShapeCast<'a> {
     /// A shape that moves from a point along a path [m].
     pub fn new(shape: &'a Geometry, position: impl Into<DVec3>, path: Vec3) -> ShapeCast<'a> {
-        ShapeCast { shape, position: position.into(), rotation: Quat::IDENTITY, path }
+        ShapeCast { shape, position: position.into(), rotation: glam::Quat::IDENTITY, path }
     }
     /// Turned by a unit quaternion.
-    pub fn rotated(mut self, rotation: Quat) -> ShapeCast<'a> {
-        self.rotation = rotation;
+    pub fn rotated(mut self, rotation: impl Into<glam::Quat>) -> ShapeCast<'a> {
+        self.rotation = rotation.into();
         self
     }
     /// Where its origin is at a fraction of the path [m].
@@ -207,7 +208,7 @@ impl World {
 
 fn check<'a>(cast: &ShapeCast<'a>) -> Result<Probe<'a>, Error> {
     check_path("shape path", cast.path)?;
-    Probe::new(cast.shape, cast.position, cast.rotation)
+    Probe::new(cast.shape, cast.position, cast.rotation.into())
 }
 
 /// The number itself or the next below in `f32`: never late.

@@ -6,11 +6,12 @@ use super::candidates::Candidate;
 use super::closest_shape::{holds, nearest};
 use super::penetration::depth;
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth as inside_by, gap_along};
 use crate::narrow_phase::{Relative, Simplex, Support, SupportPose, core_gap, distance};
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use crate::{BodyDesc, Settings, ShapeDesc, World};
-use glam::{DMat3, DVec3, Quat, Vec2, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 const fn many(count: usize) -> usize {
@@ -53,7 +54,7 @@ pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
             let kind = CONVEX[random.below(5) as usize];
             let mut shape = ShapeDesc::new(random.shape(kind, 1.0).geometry);
             shape.position = random.cube();
-            shape.rotation = random.rotation();
+            shape.rotation = random.rotation().into();
             desc = desc.with_shape(shape);
         }
         world.add_body(&desc).unwrap();
@@ -95,7 +96,7 @@ fn trees_find_what_all_shapes_one_by_one_do() {
                             0 => world.remove_body(body).unwrap(),
                             _ => {
                                 let to = centre + random.cube().as_dvec3() * 15.0;
-                                world.set_pose(body, to, random.rotation()).unwrap();
+                                world.set_pose(body, to, random.rotation().into()).unwrap();
                             }
                         }
                     }
@@ -219,7 +220,7 @@ fn moving_shapes_touch_where_dense_samples_do() {
         }
         for k in 0..100 {
             let t = end * f64::from(k) / 100.0;
-            assert!(gap(t) > 0.0, "{a:?} {b:?} {position} {rotation} {path}: inside at {t} of {end}");
+            assert!(gap(t) > 0.0, "{a:?} {b:?} {position} {rotation:?} {path}: inside at {t} of {end}");
         }
         let Some(hit) = hit else {
             misses += 1;
@@ -348,7 +349,7 @@ fn triangles_are_found_as_if_all_were_asked() {
                 (0..count as u32)
                     .any(|t| overlaps(&support, &Support::triangle(corners(t)), &pose, DVec3::ZERO))
             };
-            let overlap = world.overlap_any(&probe.geometry, at.as_dvec3(), rotation, &all).unwrap();
+            let overlap = world.overlap_any(&probe.geometry, at.as_dvec3(), rotation.into(), &all).unwrap();
             assert_eq!(overlap, overlaps_at(at.as_dvec3()));
             overlapped += usize::from(overlap);
             let hit = world.cast_shape(&cast, &all).unwrap();

@@ -10,7 +10,7 @@ use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
 use crate::world::Change;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 macro_rules! calls {
@@ -52,7 +52,7 @@ calls! {
     SetFilter "set_filter" (ShapeHandle, Filter),
     SetListening "set_listening" (ShapeHandle, bool, bool),
     SetSensor "set_sensor" (ShapeHandle, bool),
-    SetPose "set_pose" (BodyHandle, DVec3, Quat),
+    SetPose "set_pose" (BodyHandle, DVec3, glam::Quat),
     SetVelocity "set_velocity" (BodyHandle, Vec3, Vec3),
     AddForce "add_force" (BodyHandle, Vec3, Vec3),
     ApplyImpulse "apply_impulse" (BodyHandle, Vec3, DVec3),
@@ -138,7 +138,7 @@ impl Call {
 pub(crate) struct Body {
     kind: BodyKind,
     position: DVec3,
-    rotation: Quat,
+    rotation: glam::Quat,
     velocity: [Vec3; 2],
     pub(super) shapes: Vec<Shape>,
     mass: Option<MassProperties>,
@@ -210,7 +210,7 @@ impl Body {
 pub(crate) struct Shape {
     pub(super) form: Form,
     position: Vec3,
-    rotation: Quat,
+    rotation: glam::Quat,
     density: f32,
     material: Material,
     filter: Filter,

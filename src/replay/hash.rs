@@ -1,6 +1,7 @@
 //! Hashes of bits.
 
-use glam::{DVec3, Quat, Vec3};
+use crate::math::Quat;
+use glam::{DVec3, Vec3};
 
 /// Takes words and gives a number that differs if a bit of any of them does: each word goes through a
 /// bijection of the state.

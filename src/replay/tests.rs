@@ -17,7 +17,7 @@ use crate::shape::{
     ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
 use crate::world::World;
-use glam::{DVec3, Mat3, Quat, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 use std::sync::Arc;
 
 const STEPS: u64 = 40;
@@ -181,7 +181,7 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_continuous(bodies[0], Continuous::Volume).unwrap();
     let mass = MassProperties { mass: 2.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
     world.set_mass(bodies[0], mass).unwrap();
-    world.set_pose(bodies[0], DVec3::Y * 4.0, Quat::IDENTITY).unwrap();
+    world.set_pose(bodies[0], DVec3::Y * 4.0, glam::Quat::IDENTITY).unwrap();
     world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
 }
 

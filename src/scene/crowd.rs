@@ -10,6 +10,7 @@ use super::Scene;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::{Continuous, Settings};
+use crate::math::Quat;
 use crate::shape::{Collider, Kind, ShapeDesc};
 use crate::world::ContentForecast;
 use glam::Vec3;
@@ -71,7 +72,7 @@ fn collider(shape: &ShapeDesc) -> Collider {
         place: 0,
         size: geometry.size(),
         position: shape.position,
-        rotation: shape.rotation.normalize(),
+        rotation: Quat::from(shape.rotation).normalize(),
         radius: geometry.radius(),
         inner_radius: geometry.inner_radius(),
         geometry: geometry.clone(),
@@ -88,7 +89,13 @@ fn shapes(scene: &Scene) -> Vec<Shape> {
         let (dynamic, moves) = (desc.kind == BodyKind::Dynamic, desc.kind != BodyKind::Static);
         let shape = move |shape: &ShapeDesc| {
             let c = collider(shape);
-            Shape { body, bounds: aabb_of(&c, desc.position, desc.rotation), kind: c.kind, dynamic, moves }
+            Shape {
+                body,
+                bounds: aabb_of(&c, desc.position, desc.rotation.into()),
+                kind: c.kind,
+                dynamic,
+                moves,
+            }
         };
         desc.shapes.iter().map(shape).collect::<Vec<_>>()
     };

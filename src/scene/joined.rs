@@ -3,7 +3,8 @@
 use super::{Scene, SceneJoint};
 use crate::handle::BodyHandle;
 use crate::joint::{Frame, JointDesc, Skeleton};
-use glam::{DVec3, Quat, Vec3};
+use crate::math::Quat;
+use glam::{DVec3, Vec3};
 
 /// A placeholder where a joint's bodies are given by their indices.
 const NOBODY: BodyHandle = BodyHandle { slot: 0, generation: 0 };
@@ -18,9 +19,9 @@ pub(crate) fn join(
 ) {
     let frames = bodies.map(|body| {
         let desc = &scene.bodies[body].desc;
-        let back = desc.rotation.conjugate();
+        let back = Quat::from(desc.rotation).conjugate();
         let position = back * (point - desc.position).as_vec3();
-        Frame { rotation: (back * axes).normalize(), ..Frame::at(position) }
+        Frame { rotation: (back * axes).normalize().into(), ..Frame::at(position) }
     });
     let JointDesc { limits, drives, collide, .. } = describe([NOBODY; 2], frames);
     scene.joints.push(SceneJoint { name: "joint".into(), bodies, frames, limits, drives, collide });

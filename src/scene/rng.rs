@@ -1,6 +1,7 @@
 //! Seeded random numbers, the same on every machine.
 
-use glam::{Quat, Vec3};
+use crate::math::Quat;
+use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).

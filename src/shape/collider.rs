@@ -2,7 +2,8 @@
 
 use super::{Filter, Geometry, Material};
 use crate::config::Continuous;
-use glam::{Quat, Vec3};
+use crate::math::Quat;
+use glam::Vec3;
 
 /// The kinds of shape, in the order that fixes which of a pair is `a`: the lower kind, then the lower index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

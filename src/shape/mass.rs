@@ -3,7 +3,7 @@
 
 use super::Geometry;
 use crate::error::{Error, finite, finite3, positive, within};
-use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use std::f64::consts::PI;
 
 /// Mass, centre of mass and inertia about it.
@@ -28,7 +28,7 @@ impl MassProperties {
     }
 
     /// The same solid, turned and then moved: from a shape's frame into the body's.
-    pub fn transformed(&self, position: Vec3, rotation: Quat) -> Self {
+    pub fn transformed(&self, position: Vec3, rotation: glam::Quat) -> Self {
         let turn = DMat3::from_quat(rotation.as_dquat().normalize());
         let m = Moments::from(*self);
         Moments {
@@ -92,7 +92,7 @@ impl MassProperties {
 
     /// Principal moments [kg m²], and the rotation from principal axes into these axes: `inertia = R
     /// diag(moments) Rᵀ`. The axes are as near to x, y, z as they come, and not sorted by moment.
-    pub fn principal(&self) -> (Vec3, Quat) {
+    pub fn principal(&self) -> (Vec3, glam::Quat) {
         let (moments, axes) = principal(Moments::from(*self).inertia);
         (moments.as_vec3(), axes.as_quat())
     }

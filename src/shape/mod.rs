@@ -33,7 +33,8 @@ pub(crate) use stream::{RAYS, Stream, Walk};
 
 use crate::error::{Error, finite, within};
 use crate::limits::{self, length, length_or_zero};
-use glam::{Quat, Vec3};
+use crate::math::Quat;
+use glam::Vec3;
 use std::sync::Arc;
 
 /// The form of a shape, in its own frame [m]. Lengths that are not zero lie in 1e-6..=1e6 ([`limits`]).
@@ -277,7 +278,7 @@ pub struct ShapeDesc {
     /// Where its frame is in the body's [m], within 1e6 along each axis.
     pub position: Vec3,
     /// How its frame is turned in the body's.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
     /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
     pub density: f32,
     /// Friction and restitution.
@@ -303,7 +304,7 @@ impl ShapeDesc {
         ShapeDesc {
             geometry,
             position: Vec3::ZERO,
-            rotation: Quat::IDENTITY,
+            rotation: glam::Quat::IDENTITY,
             density: 1000.0,
             material: Material::default(),
             filter: Filter::default(),
@@ -351,7 +352,8 @@ impl ShapeDesc {
 }
 
 /// A rotation that is a unit quaternion within rounding, normalised; or an error.
-pub(crate) fn unit_quat(what: &'static str, q: Quat) -> Result<Quat, Error> {
+pub(crate) fn unit_quat(what: &'static str, q: impl Into<Quat>) -> Result<Quat, Error> {
+    let q = q.into();
     for value in q.to_array() {
         finite(what, value)?;
     }

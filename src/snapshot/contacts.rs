@@ -393,8 +393,8 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     }
     if flags & FOUND != 0 {
         contact.found_at.position = from.record::<Vec3, 3>()?;
-        contact.found_at.rotation = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
-        contact.frame = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
+        contact.found_at.rotation = crate::math::Quat::from_array(from.record::<[f32; 4], 4>()?);
+        contact.frame = crate::math::Quat::from_array(from.record::<[f32; 4], 4>()?);
     }
     let mut keys = [0u32; MAX_POINTS];
     match flags >> KEYS & 3 {

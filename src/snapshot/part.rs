@@ -12,10 +12,11 @@ use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
 use crate::limits;
+use crate::math::Quat;
 use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
 use crate::words::{Reader, broken, hash, words};
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::OnceLock;
 
 /// Which of the two.

@@ -9,10 +9,11 @@ use crate::body::Pose;
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Error> {

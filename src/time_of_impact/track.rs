@@ -2,9 +2,10 @@
 
 use crate::body::{Pose, exp_map};
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::narrow_phase::BodyPath;
 use crate::shape::Collider;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A straight path with a uniform rotation, from a moment of the step to its end.
 #[derive(Clone, Copy, Debug)]

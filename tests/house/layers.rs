@@ -10,7 +10,18 @@ use std::collections::{BTreeMap, BTreeSet};
 const LAYERS: &[(&str, &[&str])] = &[
     (
         "foundation",
-        &["lanes", "memory", "threads", "error", "limits", "load_limits", "words", "handle", "config"],
+        &[
+            "math",
+            "lanes",
+            "memory",
+            "threads",
+            "error",
+            "limits",
+            "load_limits",
+            "words",
+            "handle",
+            "config",
+        ],
     ),
     ("data", &["shape", "body", "joint"]),
     (

@@ -118,7 +118,13 @@ impl<L: Lanes> Default for Moments<L> {
 
 impl<L: Lanes> Moments<L> {
     /// Stores a body's moments, given in the axes of its pose.
-    pub(crate) fn put(&mut self, lane: usize, axes: glam::Quat, inertia: glam::Vec3, inverse: glam::Vec3) {
+    pub(crate) fn put(
+        &mut self,
+        lane: usize,
+        axes: crate::math::Quat,
+        inertia: glam::Vec3,
+        inverse: glam::Vec3,
+    ) {
         let apart =
             [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
         let third = if apart[2] <= apart[0] && apart[2] <= apart[1] {
@@ -140,9 +146,9 @@ impl<L: Lanes> Moments<L> {
         // The rotation that renames the axes.
         let (half, order) = (0.5, [(third + 1) % 3, (third + 2) % 3, third]);
         let renamed = match third {
-            0 => glam::Quat::from_xyzw(half, half, half, half),
-            1 => glam::Quat::from_xyzw(-half, -half, -half, half),
-            _ => glam::Quat::IDENTITY,
+            0 => crate::math::Quat::from_xyzw(half, half, half, half),
+            1 => crate::math::Quat::from_xyzw(-half, -half, -half, half),
+            _ => crate::math::Quat::IDENTITY,
         };
         let axes = axes * renamed;
         self.axes.v.x.set_lane(lane, axes.x);
@@ -244,7 +250,8 @@ fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, start: Vec3<L>, more: &
 mod tests {
     use super::*;
     use crate::body::{FreeTurn, exp_map};
-    use glam::{Quat as Turn, Vec3 as Vector, vec3};
+    use crate::math::Quat as Turn;
+    use glam::{Vec3 as Vector, vec3};
 
     fn lanes(q: Turn) -> Quat<f32> {
         Quat::from_fn(|_| q)

@@ -22,8 +22,9 @@ use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
 use crate::constraint::contact::prepare::GONE;
 use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
+use crate::math::Quat;
 use crate::shape::Collider;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// The bodies in a substep.
 pub(crate) struct Bodies<'a> {

@@ -14,9 +14,10 @@ mod meet;
 mod queue;
 
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::memory::buffers;
 pub(crate) use find::{FindInput, find};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 pub(crate) use meet::Bodies;
 
 /// Instead of an index.

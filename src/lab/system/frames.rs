@@ -1,7 +1,7 @@
 //! The two frames of a joint in the world, in `f64`.
 
 use crate::body::Pose;
-use crate::joint::{Axis, Frame, LockKind};
+use crate::joint::{Axis, JointFrame, LockKind};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Frames in the world, with positions relative to the first body's centre of mass.
@@ -15,7 +15,7 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    pub(super) fn new(poses: [&Pose; 2], frames: &[Frame; 2]) -> Frames {
+    pub(super) fn new(poses: [&Pose; 2], frames: &[JointFrame; 2]) -> Frames {
         let turn = poses.map(|pose| pose.rotation.as_dquat().normalize());
         let arm = [0, 1].map(|i| turn[i] * frames[i].position.as_dvec3());
         let turn = [0, 1].map(|i| turn[i] * frames[i].rotation.as_dquat().normalize());

@@ -12,6 +12,7 @@ use crate::body::exp_map;
 use crate::broad_phase::Pair;
 use crate::config::Start;
 use crate::config::tuning::{NO_GAP, PLANE_TURN};
+use crate::math::Quat;
 use crate::narrow_phase::collide::Input;
 use crate::narrow_phase::contacts::found::MeshBlock;
 use crate::narrow_phase::convex::collide_convex;
@@ -21,7 +22,7 @@ use crate::narrow_phase::mesh::reach::{Reach, extent_of};
 use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
 use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the
 /// fraction of the step at which that is.

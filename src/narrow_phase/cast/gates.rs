@@ -86,7 +86,7 @@ fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion,
     let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
     let to_a = motion.a.rotation.conjugate();
     let rel = motion.relative(0.0);
-    let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+    let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
     let normal = motion.a.rotation * raw.normal;
     let mut count = 0;
     for i in 0..raw.count as usize {
@@ -401,7 +401,7 @@ impl Search<'_> {
         let (mut entered, mut axis) = (entered, axis);
         if self.shape.kind != Kind::Box {
             let there = Support::triangle(corners.map(|corner| corner - self.path * entered));
-            let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+            let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
             let nearest = distance(&self.support, &there, &here, axis);
             if !nearest.overlap && nearest.distance > 0.0 {
                 let speed = nearest.normal.dot(self.path);

@@ -342,7 +342,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-fn unit(rotation: glam::Quat) -> DQuat {
+fn unit(rotation: crate::math::Quat) -> DQuat {
     rotation.as_dquat().normalize()
 }
 

@@ -1,8 +1,9 @@
 //! How two shapes move against each other within a step.
 
+use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::shape::Collider;
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 /// The path of a body within a step: its centre of mass goes straight, and it turns evenly around it.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +58,7 @@ impl Motion {
         let (t, left) = (f64::from(fraction), 1.0 - fraction);
         let rest = |turn: &Turn| {
             let (rotation, lever) = turn.at(t);
-            Turn { rotation: rotation.as_quat(), lever: lever.as_vec3(), spin: turn.spin * left }
+            Turn { rotation: rotation.into(), lever: lever.as_vec3(), spin: turn.spin * left }
         };
         let way = self.displacement * left;
         Motion {
@@ -76,7 +77,7 @@ impl Motion {
         let centre = self.start + self.displacement.as_dvec3() * t;
         Relative {
             position: (rotation_a.conjugate() * (lever_b - lever_a - centre)).as_vec3(),
-            rotation: (rotation_a.conjugate() * rotation_b).as_quat(),
+            rotation: (rotation_a.conjugate() * rotation_b).into(),
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::narrow_phase::mesh::nearby::{Eight, Extent};
 use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, Kind};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 /// The path of a box in the mesh's frame.
 pub(crate) struct BoxPath {
@@ -67,7 +67,7 @@ impl ShapePath {
         };
         let swing = angle * motion.a.lever.length();
         let Bounds { middle, half } = bounds(a).unwrap_or(Bounds::of_ball(a.radius));
-        let (m, half) = (Mat3::from_quat(to_mesh), half + middle.abs());
+        let (m, half) = (to_mesh.matrix(), half + middle.abs());
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let half = (half + Vec3::splat(tilt * a.radius)).min(Vec3::splat(a.radius)) + Vec3::splat(swing);
         let radius = a.radius + swing;
@@ -165,7 +165,7 @@ mod tests {
         let floor = collider(Geometry::Plane);
         let path = |displacement: Vec3| BodyPath {
             centre: (Vec3::Y * 0.501).as_dvec3(),
-            rotation: glam::Quat::IDENTITY,
+            rotation: crate::math::Quat::IDENTITY,
             displacement,
             spin: Vec3::ZERO,
         };

@@ -1,8 +1,8 @@
 use super::super::fixtures::{CONVEX, Random, collider};
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::shape::{Geometry, Kind};
-use glam::Quat;
 
 fn path(centre: DVec3, displacement: Vec3) -> BodyPath {
     BodyPath { centre, rotation: Quat::IDENTITY, displacement, spin: Vec3::ZERO }

@@ -4,10 +4,11 @@ use super::manifold::{MAX_POINTS, RawManifold};
 use crate::broad_phase::Pair;
 use crate::config::tuning::{KEPT_CONTACT_TURN, LOAD_BAND, LOAD_TIME, SPRING_GAP};
 use crate::limits::MAX_LOAD;
+use crate::math::Quat;
 use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
-use glam::{Quat, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 // Sentinel: no load was estimated.
 /// [`Contact::static_load`] of a contact whose load was not estimated yet.

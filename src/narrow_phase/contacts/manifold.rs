@@ -34,7 +34,7 @@ impl RawManifold {
     }
 
     /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.
-    pub(crate) fn flipped(&self, position: Vec3, rotation: glam::Quat) -> RawManifold {
+    pub(crate) fn flipped(&self, position: Vec3, rotation: crate::math::Quat) -> RawManifold {
         let back = rotation.conjugate();
         let mut flipped = *self;
         flipped.normal = -(back * self.normal);

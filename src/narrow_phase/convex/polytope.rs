@@ -6,8 +6,9 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::math::Quat;
 use crate::shape::{Collider, ConvexHull, Geometry, HullEdge};
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Vec3};
 
 /// A pose as a matrix: `b` in the frame of `a`.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +21,7 @@ impl Pose {
     pub(crate) const IDENTITY: Pose = Pose { axes: Mat3::IDENTITY, position: Vec3::ZERO };
 
     pub(crate) fn new(position: Vec3, rotation: Quat) -> Pose {
-        Pose { axes: Mat3::from_quat(rotation), position }
+        Pose { axes: rotation.matrix(), position }
     }
     #[inline(always)]
     pub(crate) fn point(&self, p: Vec3) -> Vec3 {

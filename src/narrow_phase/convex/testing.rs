@@ -1,8 +1,9 @@
 //! What the tests of this folder share: seeded numbers, shapes, and a slow reference in f64.
 
 use super::*;
+use crate::math::Quat;
 use crate::shape::{ConvexHull, Filter, Geometry, Material};
-use glam::{DQuat, DVec3, Quat};
+use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
 /// Numbers in 0..1 (SplitMix64).

@@ -1,7 +1,7 @@
 use super::testing::*;
 use super::*;
+use crate::math::Quat;
 use crate::shape::{ConvexHull, Geometry};
-use glam::Quat;
 use std::sync::Arc;
 
 const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];

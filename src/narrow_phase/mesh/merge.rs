@@ -164,13 +164,14 @@ fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
 
 #[cfg(test)]
 mod tests {
+    use crate::math::Quat;
     use crate::narrow_phase::convex::testing;
     use crate::narrow_phase::mesh::reach::Reach;
     use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
     use crate::narrow_phase::{RawPoint, Relative};
     use crate::shape::mesh::testing::{Random, grid};
     use crate::shape::{Collider, Geometry, TriangleMesh};
-    use glam::{Quat, Vec3};
+    use glam::Vec3;
     use std::sync::Arc;
 
     /// Flat, of uneven triangles of about `cell` metres, none of which folds over its neighbour.
@@ -207,13 +208,16 @@ mod tests {
                     assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
                     for end in [-half, half] {
                         let near = |p: &RawPoint| (p.position.y - end).abs() < 1e-3;
-                        assert!(out[0].points().iter().any(near), "{cell} {i} {position} {rotation} {out:?}");
+                        assert!(
+                            out[0].points().iter().any(near),
+                            "{cell} {i} {position} {rotation:?} {out:?}"
+                        );
                     }
                     // Round as the ends are, 3 mm beyond them it is 20 um higher.
                     for p in out[0].points() {
                         assert!(
                             (p.separation - gap).abs() < 2e-5,
-                            "{cell} {i} {position} {rotation} {out:?}"
+                            "{cell} {i} {position} {rotation:?} {out:?}"
                         );
                     }
                 }

@@ -177,7 +177,7 @@ impl MeshScratch {
     /// plane, and the normal into it.
     pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
         let (touch, apart) = self.patches.passed_over()?;
-        let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+        let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
         let gap = distance(&Support::of(a)?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
         (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }

@@ -1,8 +1,9 @@
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::convex::{collide_triangle, testing};
 use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
 use crate::shape::{HeightField, Kind, TriangleMesh};
-use glam::{Quat, Vec2};
+use glam::Vec2;
 use std::sync::Arc;
 
 const MARGIN: f32 = 0.02;

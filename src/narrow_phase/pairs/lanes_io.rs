@@ -149,18 +149,18 @@ pub(crate) mod testing {
             glam::vec3(self.range(-size, size), self.range(-size, size), self.range(-size, size))
         }
         /// Any rotation; one in four is about y alone or none, so that features are parallel.
-        pub(crate) fn rotation(&mut self) -> glam::Quat {
-            let q = glam::Quat::from_xyzw(
+        pub(crate) fn rotation(&mut self) -> crate::math::Quat {
+            let q = crate::math::Quat::from_xyzw(
                 self.range(-1.0, 1.0),
                 self.range(-1.0, 1.0),
                 self.range(-1.0, 1.0),
                 self.range(-1.0, 1.0),
             );
             match self.range(0.0, 8.0) as u32 {
-                0 => glam::Quat::IDENTITY,
-                1 => glam::Quat::from_xyzw(0.0, q.y, 0.0, q.w + 2.0).normalize(),
+                0 => crate::math::Quat::IDENTITY,
+                1 => crate::math::Quat::from_xyzw(0.0, q.y, 0.0, q.w + 2.0).normalize(),
                 _ if q.length_squared() > 1e-3 => q.normalize(),
-                _ => glam::Quat::IDENTITY,
+                _ => crate::math::Quat::IDENTITY,
             }
         }
         pub(crate) fn relative(&mut self, reach: f32) -> Relative {

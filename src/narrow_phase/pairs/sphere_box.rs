@@ -39,9 +39,10 @@ fn nearest_face<L: Lanes>(point: Vec3<L>, half: Vec3<L>) -> (Vec3<L>, L) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Quat;
     use crate::narrow_phase::Relative;
     use crate::narrow_phase::pairs::lanes_io::testing::*;
-    use glam::{DVec3, Quat, Vec3, vec3};
+    use glam::{DVec3, Vec3, vec3};
 
     /// Signed distance of a point from a box (Quilez, *Distance functions*).
     fn signed(point: DVec3, half: DVec3) -> f64 {

@@ -94,9 +94,10 @@ pub(crate) fn sphere_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Quat;
     use crate::narrow_phase::Relative;
     use crate::narrow_phase::pairs::lanes_io::testing::*;
-    use glam::{DVec3, Quat, Vec3, vec3};
+    use glam::{DVec3, Vec3, vec3};
 
     /// Distance from a point to a tapered capsule by trying balls, then by golden section round the best.
     fn slow(point: DVec3, size: &[f32; 4]) -> f64 {

@@ -15,9 +15,10 @@ pub(crate) fn sphere_sphere<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Quat;
     use crate::narrow_phase::Relative;
     use crate::narrow_phase::pairs::lanes_io::testing::*;
-    use glam::{Quat, Vec3, vec3};
+    use glam::{Vec3, vec3};
 
     #[test]
     fn the_point_lies_midway_on_the_line_of_centres_at_any_width() {

@@ -2,12 +2,13 @@
 
 use super::scenes::{DT, RAGDOLL_WALL, blade_times};
 use super::{Entrant, Scene, builtin};
+use crate::math::Quat;
 use crate::narrow_phase::segment_hits;
 use crate::narrow_phase::{Relative, Support, distance};
 use crate::scene::{SceneBody, Terrain};
 use crate::shape::Geometry;
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// The criterion by which a body got through.
 #[derive(Debug)]

@@ -24,9 +24,9 @@ impl Random {
             }
         }
     }
-    fn rotation(&mut self) -> glam::Quat {
+    fn rotation(&mut self) -> crate::math::Quat {
         let (a, b) = (self.sphere(), self.unit());
-        glam::Quat::from_xyzw(a.x, a.y, a.z, b).normalize()
+        crate::math::Quat::from_xyzw(a.x, a.y, a.z, b).normalize()
     }
     fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize

@@ -1,5 +1,6 @@
 use super::*;
 use crate::shape::ConvexHull;
+use glam::Quat;
 use std::sync::Arc;
 
 /// Numbers in 0..1 (SplitMix64).

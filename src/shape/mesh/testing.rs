@@ -21,9 +21,9 @@ impl Random {
     pub(crate) fn below(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize
     }
-    pub(crate) fn rotation(&mut self) -> glam::Quat {
+    pub(crate) fn rotation(&mut self) -> crate::math::Quat {
         let (v, w) = (self.cube(), self.range(-1.0, 1.0));
-        glam::Quat::from_xyzw(v.x, v.y, v.z, w + 1e-3).normalize()
+        crate::math::Quat::from_xyzw(v.x, v.y, v.z, w + 1e-3).normalize()
     }
 }
 

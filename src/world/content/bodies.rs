@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
+use crate::math::Quat;
 use crate::world::{Change, World};
 use glam::Vec3;
 
@@ -212,7 +213,7 @@ impl World {
     }
 
     fn insert(&mut self, desc: &BodyDesc, details: BodyDetails, mass: Mass) -> BodyHandle {
-        let rotation = desc.rotation.normalize();
+        let rotation = Quat::from(desc.rotation).normalize();
         let locks = Traits::lock_bits(desc.lock_translation, desc.lock_rotation);
         let moves = desc.kind != BodyKind::Static;
         let new = NewBody {

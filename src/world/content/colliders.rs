@@ -3,9 +3,10 @@
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
+use crate::math::Quat;
 use crate::shape::{Collider, Filter, Geometry, Kind, Material, ShapeDesc};
 use crate::world::{Needs, World};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 impl World {
     pub(in crate::world) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
@@ -18,7 +19,7 @@ impl World {
             place: self.bodies.colliders[body].as_slice().len() as u32,
             size: geometry.size(),
             position: to_axes * (shape.position - details.centre),
-            rotation: (to_axes * shape.rotation.normalize()).normalize(),
+            rotation: (to_axes * Quat::from(shape.rotation).normalize()).normalize(),
             radius: geometry.radius(),
             inner_radius: geometry.inner_radius(),
             geometry: geometry.clone(),

@@ -4,9 +4,10 @@ use crate::body::{BodyDetails, BodyKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Drive, Frame, JointAdditions, JointDesc, Limit};
+use crate::joint::{Drive, Frame, JointAdditions, JointDesc, JointFrame, Limit};
+use crate::math::Quat;
 use crate::world::{Change, World};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 impl World {
     /// Adds a joint.
@@ -52,9 +53,9 @@ impl World {
         let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
             let (details, frame) = (&self.bodies.details[bodies[side]], &desc.frames[side]);
-            Frame {
+            JointFrame {
                 position: details.axes.conjugate() * (frame.position - details.centre),
-                rotation: (details.axes.conjugate() * frame.rotation.normalize()).normalize(),
+                rotation: (details.axes.conjugate() * Quat::from(frame.rotation).normalize()).normalize(),
             }
         });
         self.revisions.moving += 1;
@@ -72,15 +73,15 @@ impl World {
         &self,
         bodies: [BodyHandle; 2],
         point: DVec3,
-        rotation: Quat,
+        rotation: glam::Quat,
     ) -> Result<[Frame; 2], Error> {
         crate::limits::position(point)?;
         let rotation = crate::shape::unit_quat("rotation", rotation)?;
         let mut frames = [Frame::default(); 2];
         for (frame, body) in frames.iter_mut().zip(bodies) {
-            let (at, back) = (self.position(body)?, self.rotation(body)?.conjugate());
-            *frame =
-                Frame { position: back * (point - at).as_vec3(), rotation: (back * rotation).normalize() };
+            let (at, back) = (self.position(body)?, Quat::from(self.rotation(body)?).conjugate());
+            let rotation = (back * rotation).normalize().into();
+            *frame = Frame { position: back * (point - at).as_vec3(), rotation };
         }
         Ok(frames)
     }
@@ -159,12 +160,15 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_frames(&self, joint: JointHandle) -> Result<[(DVec3, Quat); 2], Error> {
+    pub fn joint_frames(&self, joint: JointHandle) -> Result<[(DVec3, glam::Quat); 2], Error> {
         let joint = &self.joints.all[self.joint(joint)? as usize];
         Ok([0, 1].map(|side| {
             let pose = &self.bodies.pose[self.bodies.slots.dense(joint.bodies[side]) as usize];
             let frame = &joint.frames[side];
-            (pose.position + (pose.rotation * frame.position).as_dvec3(), pose.rotation * frame.rotation)
+            (
+                pose.position + (pose.rotation * frame.position).as_dvec3(),
+                (pose.rotation * frame.rotation).into(),
+            )
         }))
     }
 

@@ -3,9 +3,10 @@
 use crate::body::{BodyDetails, BodyKind, Mass, Pose};
 use crate::error::Error;
 use crate::handle::BodyHandle;
+use crate::math::Quat;
 use crate::shape::{MassProperties, ShapeDesc};
 use crate::world::{Change, World};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 impl World {
     /// Mass of a body [kg]; zero for static and kinematic bodies.
@@ -44,7 +45,7 @@ impl World {
             let c = &self.colliders.all[c as usize];
             let (position, rotation) =
                 (details.centre + details.axes * c.position, details.axes * c.rotation);
-            MassProperties::of(&c.geometry, c.density).transformed(position, rotation)
+            MassProperties::of(&c.geometry, c.density).transformed(position, rotation.into())
         })
     }
 
@@ -115,7 +116,8 @@ pub(in crate::world) fn columns_of(
     let (moments, axes) = if aligned {
         (Vec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), Quat::IDENTITY)
     } else {
-        mass.principal()
+        let (moments, axes) = mass.principal();
+        (moments, axes.into())
     };
     let over = |x: f32| if x > 0.0 && x.is_finite() { 1.0 / x } else { 0.0 };
     let details = BodyDetails { centre: mass.center, axes, mass: mass.mass, mass_from_shapes, user_data };

@@ -8,7 +8,7 @@ use crate::lanes::Record;
 use crate::limits;
 use crate::shape::unit_quat;
 use crate::world::{Change, World};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 impl World {
     /// Position of a body's origin in the world [m].
@@ -34,9 +34,9 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn rotation(&self, body: BodyHandle) -> Result<Quat, Error> {
+    pub fn rotation(&self, body: BodyHandle) -> Result<glam::Quat, Error> {
         let index = self.index(body)?;
-        Ok(self.bodies.pose[index].rotation * self.bodies.details[index].axes.conjugate())
+        Ok((self.bodies.pose[index].rotation * self.bodies.details[index].axes.conjugate()).into())
     }
 
     /// Position of a body's centre of mass in the world [m].
@@ -67,7 +67,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, the pose is not one, or it is beyond [`limits::MAX_POSITION`].
-    pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: Quat) -> Result<(), Error> {
+    pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: glam::Quat) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::position(position)?;
         let unit = unit_quat("rotation", rotation)?;
@@ -120,7 +120,7 @@ impl World {
         &mut self,
         body: BodyHandle,
         position: DVec3,
-        rotation: Quat,
+        rotation: glam::Quat,
         dt: f32,
     ) -> Result<(), Error> {
         let index = self.index(body)?;

@@ -3,8 +3,9 @@
 use crate::body::BodyDesc;
 use crate::error::Error;
 use crate::joint::{JointDesc, Ragdoll, Skeleton};
+use crate::math::Quat;
 use crate::world::World;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 impl Skeleton {
     /// Adds its bodies and joints to a world: all of them, or none.
@@ -15,10 +16,11 @@ impl Skeleton {
         &self,
         world: &mut World,
         position: DVec3,
-        rotation: Quat,
+        rotation: glam::Quat,
         velocity: Vec3,
     ) -> Result<Ragdoll, Error> {
         self.validate()?;
+        let rotation = Quat::from(rotation);
         let descs: Vec<BodyDesc> =
             self.bones.iter().map(|bone| self.body(bone, (position, rotation), velocity)).collect();
         let bodies = world.add_bodies(&descs)?;
@@ -27,7 +29,7 @@ impl Skeleton {
             let Some(parent) = bone.parent else { continue };
             let point = position + (rotation * bone.joint_at).as_dvec3();
             let added = world
-                .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize())
+                .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize().into())
                 .and_then(|frames| {
                     world.add_joint(&self.joint(bone, JointDesc::ball([bodies[parent], body], frames)))
                 });

@@ -9,7 +9,7 @@ use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
 use crate::world::{Stage, World};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A change that a call is about to make, named after the methods of [`World`].
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub(crate) enum Change<'a> {
     SetFilter(ShapeHandle, Filter),
     SetListening(ShapeHandle, bool, bool),
     SetSensor(ShapeHandle, bool),
-    SetPose(BodyHandle, DVec3, Quat),
+    SetPose(BodyHandle, DVec3, glam::Quat),
     SetVelocity(BodyHandle, Vec3, Vec3),
     AddForce(BodyHandle, Vec3, Vec3),
     ApplyImpulse(BodyHandle, Vec3, DVec3),

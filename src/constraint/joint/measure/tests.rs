@@ -1,7 +1,8 @@
 use super::*;
 use crate::body::{Pose, exp_map};
-use crate::joint::Frame;
-use glam::{DVec3, Quat, Vec3};
+use crate::joint::JointFrame;
+use crate::math::Quat;
+use glam::{DVec3, Vec3};
 
 #[test]
 fn an_angle_is_that_of_its_sine_and_cosine() {
@@ -53,7 +54,7 @@ fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
     let mut random = Random(1);
     let mut checked = 0;
     for case in 0..300 {
-        let frames = [0; 2].map(|_| Frame { position: random.vec3(), rotation: random.quat() });
+        let frames = [0; 2].map(|_| JointFrame { position: random.vec3(), rotation: random.quat() });
         // Far out, where a single-precision position would be a millimetre off.
         let poses = [0; 2].map(|_| Pose {
             position: random.vec3().as_dvec3() + DVec3::splat(1e4),
@@ -116,7 +117,7 @@ fn there_is_always_a_direction() {
     fn lever<M: Measure<f32>>(second: Quat, axes: Axes) -> Lever<f32> {
         let at = |rotation| Pose { position: DVec3::ZERO, rotation };
         let first = exp_map(Vec3::new(0.3, -1.0, 0.8));
-        let at = Placed::new([&at(first), &at(first * second)], &[Frame::default(); 2]);
+        let at = Placed::new([&at(first), &at(first * second)], &[JointFrame::default(); 2]);
         let zero = lanes(Vec3::ZERO);
         let (mut measure, mut lever) = (M::default(), Lever::zero());
         let start = measure.place(0, &at, axes);

@@ -4,11 +4,12 @@ use super::super::conditions::Conditions;
 use super::super::measures::{Gauge, Measure, mass_of};
 use super::{Setup, floor, weight};
 use crate::joint::{JointDesc, Skeleton};
+use crate::math::Quat;
 use crate::scene::Scene;
 use crate::scene::builtin::{dynamic, fixed};
 use crate::scene::joined::{join, throw};
 use crate::shape::Geometry;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_6};
 
 /// Anchors of a joint may part by a hundredth of a body's size, and the joint is lost at a tenth.

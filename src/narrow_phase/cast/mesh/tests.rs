@@ -1,11 +1,11 @@
 use super::*;
+use crate::math::Quat;
 use crate::memory::Allowance;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
 use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
 use crate::shape::Geometry;
-use glam::Quat;
 
 /// Every triangle, in order, if its box is on the way.
 struct Soup(Vec<[Vec3; 3]>);

@@ -1,11 +1,12 @@
 //! Every pair with a cylinder against a search over directions in f64.
 
+use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::contacts::manifold::RawManifold;
 use crate::narrow_phase::convex::testing::{Pair, Random, collider, outside, shape};
 use crate::narrow_phase::convex::{collide_convex, collide_triangle};
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use std::sync::Arc;
 
 const MARGIN: f32 = 0.05;

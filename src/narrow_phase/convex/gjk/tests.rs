@@ -1,7 +1,7 @@
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth, gap_along};
 use crate::shape::{Geometry, Kind};
-use glam::Quat;
 
 fn between(a: Geometry, b: Geometry, position: Vec3, rotation: Quat) -> Closest {
     let (a, b) = (collider(a), collider(b));

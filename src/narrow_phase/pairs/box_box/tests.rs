@@ -1,7 +1,8 @@
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::pairs::lanes_io::testing::*;
 use crate::narrow_phase::{RawManifold, Relative};
-use glam::{DVec3, Quat, Vec3, vec3};
+use glam::{DVec3, Vec3, vec3};
 
 /// The pair in f64: centre and axes of each box in the frame of `a`.
 struct Slow {

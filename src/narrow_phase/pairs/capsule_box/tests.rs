@@ -1,7 +1,8 @@
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::pairs::lanes_io::testing::*;
 use crate::narrow_phase::{RawManifold, Relative};
-use glam::{DQuat, DVec3, Quat, Vec3, vec3};
+use glam::{DQuat, DVec3, Vec3, vec3};
 
 /// In the box's frame: the balls at the capsule's ends, and the box's half extents.
 struct Slow {

@@ -1,7 +1,8 @@
 use super::*;
+use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::pairs::lanes_io::testing::*;
-use glam::{DVec3, Quat, Vec3, vec3};
+use glam::{DVec3, Vec3, vec3};
 
 /// Least distance of balls of two tapered capsules: nested golden section over a convex function.
 fn slow(relative: &Relative, a: &[f32; 4], b: &[f32; 4]) -> f64 {

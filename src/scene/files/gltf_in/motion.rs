@@ -3,8 +3,9 @@
 use super::extension::Motion;
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::{Error, finite, finite3, within};
+use crate::math::Quat;
 use crate::shape::MassProperties;
-use glam::{DMat3, Mat3, Quat, Vec3};
+use glam::{DMat3, Mat3, Vec3};
 
 /// Density that shapes have in a scene file, which can only give a mass [kg/m³].
 const DENSITY: f32 = 1000.0;
@@ -45,7 +46,7 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
             None => Quat::IDENTITY,
         };
         if let Some(diagonal) = lock_infinite(diagonal, turn, desc, &mut notes) {
-            let r = Mat3::from_quat(turn);
+            let r = turn.matrix();
             mass.inertia = r * Mat3::from_diagonal(possible(diagonal, &mut notes)) * r.transpose();
         }
     }
@@ -101,7 +102,7 @@ fn lock_infinite(
     let mut out = diagonal;
     for (i, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
         if diagonal[i] == 0.0 {
-            let world = (desc.rotation * turn * axis).abs();
+            let world = (Quat::from(desc.rotation) * turn * axis).abs();
             let nearest = world.max_position();
             if world[nearest] < 0.9999 {
                 notes
