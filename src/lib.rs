@@ -74,6 +74,7 @@ pub mod bench;
 mod body;
 mod broad_phase;
 mod character;
+mod clock;
 mod config;
 mod constraint;
 pub mod debug;
@@ -130,5 +131,5 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    ContactHook, ContactHooks, Feature, MaybeSync, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
+    ContactHook, ContactHooks, Feature, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
 };

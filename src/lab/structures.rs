@@ -2,13 +2,13 @@
 
 use super::WorldSolver;
 use super::envelope::{Conditions, Trial};
+use crate::clock::Instant;
 use crate::config::Settings;
 use crate::error::{Error, within};
 use crate::handle::BodyHandle;
 use crate::scene::Standing;
 use crate::world::World;
 use glam::DVec3;
-use std::time::Instant;
 
 /// What is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -8,23 +8,13 @@ use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
-/// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
-#[cfg(feature = "parallel")]
-pub trait MaybeSync: Sync {}
-#[cfg(feature = "parallel")]
-impl<T: Sync + ?Sized> MaybeSync for T {}
-/// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
-#[cfg(not(feature = "parallel"))]
-pub trait MaybeSync {}
-#[cfg(not(feature = "parallel"))]
-impl<T: ?Sized> MaybeSync for T {}
-
 /// Callbacks on contacts, for [`World::step_with`](crate::World::step_with).
 ///
 /// Called for each manifold of a pair of which one shape has [`hooks`](crate::ShapeDesc::hooks), after
 /// contacts are found and before anything is solved: by the thread that called the step, one after another,
-/// always in the same order.
-pub trait ContactHooks: MaybeSync {
+/// always in the same order. They are [`Sync`] in every build, because a step that
+/// is called on a thread of a pool passes through the pool: `parallel` changes nothing for a caller.
+pub trait ContactHooks: Sync {
     /// May veto a contact, or change its friction, restitution and surface velocity, for this step.
     fn contact(&self, contact: &mut ContactHook<'_>);
 }

@@ -15,7 +15,7 @@ mod sleep;
 mod step;
 
 pub(crate) use content::finite_position;
-pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
+pub use hooks::{ContactHook, ContactHooks, NoHooks};
 pub(crate) use memory::{Brings, ContentForecast, Demand, Needs, PartTimes, Replacement};
 pub use memory::{Feature, Model, ModelPart};
 pub(crate) use report::StepCounts;

@@ -27,12 +27,12 @@ pub use rolling::accelerations;
 
 use super::WorldSolver;
 use crate::body::BodyDesc;
+use crate::clock::Instant;
 use crate::config::{FrictionCone, Settings};
 use crate::error::{Error, within};
 use crate::shape::{Geometry, Material, ShapeDesc};
 use crate::world::World;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 /// The most steps of a run.
 const MAX_STEPS: f32 = 1e7;

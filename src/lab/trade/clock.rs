@@ -1,6 +1,6 @@
 //! Time for which this thread works.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 /// A clock, by the time of its start.
 pub(super) struct Clock {

@@ -1,8 +1,8 @@
 //! Bookkeeping around the stages of a step: clocks, the name of the current stage, and hashes for recordings.
 
+use crate::clock::Instant;
 use crate::constraint::evenness;
 use crate::world::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
-use std::time::Instant;
 
 /// A stage of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
