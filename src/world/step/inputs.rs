@@ -170,12 +170,18 @@ impl World {
     }
 
     fn prepare_contacts(&mut self, workers: &Workers<'_>, dt: f32, allowances: &mut Allowances) -> Prepared {
-        let unit = self.settings.length_unit;
-        let (ahead, lengths) = (self.room_ahead(allowances), self.lengths(dt));
+        let ahead = self.room_ahead(allowances);
+        let mut rows = std::mem::take(&mut self.buffers.rows);
+        let mut scratch = std::mem::take(&mut self.buffers.prepare);
+        let prepared = prepare(workers, &self.prepare_input(dt, ahead), &mut rows, &mut scratch, allowances);
+        (self.buffers.rows, self.buffers.prepare) = (rows, scratch);
+        prepared
+    }
 
-        let Buffers { forces, joints, rows, prepare: scratch, .. } = &mut self.buffers;
-        let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
-        let input = PrepareInput {
+    /// What the rows of contacts are made from. `ahead`: bytes that those of continuous collision may take.
+    pub(crate) fn prepare_input(&self, dt: f32, ahead: usize) -> PrepareInput<'_> {
+        let (unit, forces) = (self.settings.length_unit, &self.buffers.forces);
+        PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
             summaries: &self.colliders.summaries,
@@ -187,17 +193,16 @@ impl World {
             real: TOUCH_DISTANCE * unit,
             near: 2.0 * CONTACT_MARGIN * unit,
             ahead,
-            lengths,
+            lengths: self.lengths(dt),
             static_slip_speed: STATIC_SLIP_SPEED * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
-            tree_slots: &joints.tree_slots,
+            tree_slots: &self.buffers.joints.tree_slots,
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
-            scale,
-        };
-        prepare(workers, &input, rows, scratch, allowances)
+            scale: scale(&self.colliders, &self.bodies, forces, &self.settings, dt),
+        }
     }
 
     fn fill_joints(&mut self, workers: &Workers<'_>, dt: f32) {
