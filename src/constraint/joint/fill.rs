@@ -63,13 +63,7 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
 pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = PointBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-        put(&mut batch.arm[0], lane, at.arm[0]);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        put(&mut batch.apart, lane, at.apart);
+        place_point(batch, lane, owner, input);
     }
     close(&mut batch.ends);
     (batch.arm_now, batch.apart_now) = (batch.arm, batch.apart);
@@ -77,27 +71,38 @@ pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u3
     batch.mass = inverse(&mobility(&batch.ends, &batch.arm));
 }
 
+pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+    *batch = LineBatch::default();
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let LockKind::Line(axis) = input.joints.locks[owner as usize].kind else { continue };
+        let at = place_point(&mut batch.point, lane, owner, input);
+        put(&mut batch.axis, lane, at.axis(0, axis));
+    }
+    close(&mut batch.point.ends);
+    batch.begin();
+}
+
+/// Puts the points of a lock, and the impulse of the last step on them, into a lane.
+fn place_point<L: GatherLanes>(
+    batch: &mut PointBatch<L>,
+    lane: usize,
+    owner: u32,
+    input: &JointInput<'_>,
+) -> Placed {
+    let lock = &input.joints.locks[owner as usize];
+    let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+    put(&mut batch.impulse, lane, lock.impulse * input.warm);
+    put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+    put(&mut batch.arm[0], lane, at.arm[0]);
+    put(&mut batch.arm[1], lane, at.arm[1]);
+    put(&mut batch.apart, lane, at.apart);
+    at
+}
+
 pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
     let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
     let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
     Sym3 { xx, yy, zz, xy, xz, yz }
-}
-
-pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = LineBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let LockKind::Line(axis) = lock.kind else { continue };
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-        put(&mut batch.axis, lane, at.axis(0, axis));
-        put(&mut batch.arm[0], lane, at.arm[0]);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        put(&mut batch.apart, lane, at.apart);
-    }
-    close(&mut batch.ends);
-    batch.begin();
 }
 
 fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
