@@ -1,6 +1,6 @@
 //! The command line of `trade`.
 
-use crate::args::{positive, threads};
+use crate::args::{CommonOptions, positive, threads};
 use backstop::lab::WorldMethod;
 use backstop::lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
 use clap::Args;
@@ -90,16 +90,8 @@ pub(crate) struct TradeOptions {
     /// Write a page with the curves: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of tables (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No tables, no progress, no notes.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 /// Yes or no, in the words of its axis.
