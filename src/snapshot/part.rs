@@ -4,6 +4,7 @@
 //! There are two parts, so that the level is not written anew when a bullet is added or removed: *fixed* has
 //! static bodies, with their tree; *moving* has everything else, with joints and the lists of free handles.
 
+use super::checksum::hash;
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
 use crate::body::{BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
@@ -13,7 +14,7 @@ use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
 use crate::limits;
 use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
-use crate::words::{Reader, broken, hash, words};
+use crate::words::{Reader, broken, words};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 use std::sync::OnceLock;
