@@ -11,7 +11,7 @@
 //! cylinders.
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
-#[path = "../tests/common/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use backstop::glam::{DVec3, Vec3};

@@ -94,7 +94,7 @@ mod memory;
 mod movers;
 mod narrow_phase;
 mod query;
-#[cfg(test)]
+#[cfg(any(test, feature = "internals"))]
 mod random;
 #[cfg(feature = "replay")]
 pub mod replay;

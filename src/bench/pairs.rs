@@ -3,13 +3,14 @@
 use super::Kernel;
 use crate::lanes::f32x8;
 use crate::narrow_phase::kernels::{
-    ManifoldLanes, PairLanes, Random, box_box, capsule_box, capsule_capsule, collider, sphere_box,
-    sphere_capsule, sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
+    ManifoldLanes, PairLanes, box_box, capsule_box, capsule_capsule, collider, sphere_box, sphere_capsule,
+    sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
 };
 use crate::narrow_phase::{
     BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, Support, cast_convex, collide_convex,
     collide_mesh, tolerance,
 };
+use crate::random::Random;
 use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::{Quat, Vec3};

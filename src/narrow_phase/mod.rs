@@ -34,7 +34,7 @@ pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedro
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]
 pub(crate) mod kernels {
-    pub(crate) use super::fixtures::{Random, collider};
+    pub(crate) use super::fixtures::collider;
     pub(crate) use super::pairs::box_box::box_box;
     pub(crate) use super::pairs::capsule_box::{capsule_box, tapered_capsule_box};
     pub(crate) use super::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};

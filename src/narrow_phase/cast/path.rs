@@ -110,7 +110,8 @@ mod tests {
     use crate::narrow_phase::cast::motion::BodyPath;
     use crate::narrow_phase::cast::{Other, Sweep, tolerance};
     use crate::narrow_phase::convex::support::Support;
-    use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+    use crate::narrow_phase::fixtures::{CONVEX, collider};
+    use crate::random::Random;
     use crate::shape::Geometry;
 
     /// What the exact search finds to be touched is never passed over, and at no time a shape leaves its box.

@@ -1,6 +1,7 @@
-use super::super::fixtures::{CONVEX, Random, collider};
+use super::super::fixtures::{CONVEX, collider};
 use super::*;
 use crate::narrow_phase::cast::motion::BodyPath;
+use crate::random::Random;
 use crate::shape::{Geometry, Kind};
 use glam::Quat;
 

@@ -55,7 +55,7 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize) {
     let mut random = Random(seed);
     for round in 0..rounds {
         let (one, two) = (shape(&mut random, a), shape(&mut random, b));
-        let (direction, rotation) = (random.sphere(), random.rotation());
+        let (direction, rotation) = (random.direction(), random.rotation());
         let rotation = if round % 5 == 4 { Quat::IDENTITY } else { rotation };
         let at = [-0.1, -0.02, -0.001, 0.002, 0.03][random.below(5)];
         // Bring them together until they are about that far apart.
@@ -121,7 +121,7 @@ fn the_nearest_vertex_of_a_splinter_is_found_at_any_distance() {
     let wall = collider(Geometry::cuboid(50.0, 50.0, 0.01));
     for round in 0..2000 {
         let size = Vec3::new(0.1, 0.02 + 0.08 * random.unit(), 0.01);
-        let points: Vec<Vec3> = (0..8 + random.below(20)).map(|_| random.sphere() * size).collect();
+        let points: Vec<Vec3> = (0..8 + random.below(20)).map(|_| random.direction() * size).collect();
         let splinter = collider(Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap())));
         let rotation =
             if round % 2 == 0 { random.rotation() } else { Quat::from_rotation_x(0.2 * random.unit()) };
@@ -334,7 +334,7 @@ fn time_of_a_pair_in_shallow_contact() {
         for (name_b, b) in &shapes[i..] {
             let poses: Vec<Relative> = (0..64)
                 .map(|_| {
-                    let (direction, rotation) = (random.sphere(), random.rotation());
+                    let (direction, rotation) = (random.direction(), random.rotation());
                     let mut far = a.radius + b.radius + 0.1;
                     for _ in 0..12 {
                         let rel = Relative { position: direction * far, rotation };

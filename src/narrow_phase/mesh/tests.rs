@@ -1,6 +1,7 @@
 use super::*;
 use crate::narrow_phase::convex::{collide_triangle, testing};
-use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
+use crate::random::Random;
+use crate::shape::mesh::testing::{bumpy, cuboid, grid, terrain};
 use crate::shape::{HeightField, Kind, TriangleMesh};
 use glam::{Quat, Vec2};
 use std::sync::Arc;
@@ -32,7 +33,7 @@ fn collide(a: &Collider, b: &Collider, position: Vec3, rotation: Quat, margin: f
 }
 
 fn shapes() -> Vec<Collider> {
-    let mut random = testing::Random(3);
+    let mut random = Random(3);
     vec![
         testing::collider(Geometry::Sphere { radius: 0.3 }),
         testing::collider(Geometry::capsule(0.3, 0.2)),

@@ -3,7 +3,8 @@ use crate::memory::Allowance;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+use crate::narrow_phase::fixtures::{CONVEX, collider};
+use crate::random::Random;
 use crate::shape::Geometry;
 use glam::Quat;
 

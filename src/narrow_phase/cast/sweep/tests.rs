@@ -1,7 +1,8 @@
 use super::*;
 use crate::narrow_phase::cast::{Other, Sweep, tolerance};
 use crate::narrow_phase::convex::support::Support;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+use crate::narrow_phase::fixtures::{CONVEX, collider};
+use crate::random::Random;
 
 /// Whatever the exact search finds to be touched is not left out, and not before the fraction that is given.
 #[test]

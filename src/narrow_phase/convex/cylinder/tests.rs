@@ -2,8 +2,9 @@
 
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::contacts::manifold::RawManifold;
-use crate::narrow_phase::convex::testing::{Pair, Random, collider, outside, shape};
+use crate::narrow_phase::convex::testing::{Pair, collider, outside, shape};
 use crate::narrow_phase::convex::{collide_convex, collide_triangle};
+use crate::random::Random;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
@@ -62,7 +63,7 @@ fn error(pair: &Pair, manifold: &RawManifold) -> Error {
 /// Two shapes in any attitude (or in one where axes are along or across each other), brought together along
 /// any direction until they are about `at` apart [m].
 fn near(random: &mut Random, a: &Collider, b: &Collider, at: f32) -> Relative {
-    let direction = random.sphere();
+    let direction = random.direction();
     let rotation = match random.below(4) {
         0 => Quat::from_rotation_y(random.unit() * 6.0),
         1 => Quat::from_rotation_z(std::f32::consts::FRAC_PI_2) * Quat::from_rotation_y(random.unit() * 6.0),

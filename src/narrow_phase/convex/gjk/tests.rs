@@ -1,5 +1,6 @@
 use super::*;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth, gap_along};
+use crate::narrow_phase::fixtures::{CONVEX, collider, depth, gap_along};
+use crate::random::Random;
 use crate::shape::{Geometry, Kind};
 use glam::Quat;
 
