@@ -14,6 +14,11 @@ pub(crate) struct Record {
     pub(crate) pad1: f32,
 }
 
+// Sentinel: in the first pad of a displacement, where rows and bounces leave numbers of at least zero.
+const OFF_PATH: f32 = -1.0;
+// Sentinel: as above; no other step of `finish` writes it.
+const MOVED_ASIDE: f32 = 2.0;
+
 /// What the pads say of a displacement.
 impl Record {
     /// Whether something acted on the body in the step: it may not be where it was predicted.
@@ -33,6 +38,29 @@ impl Record {
         self.pad0 = self.pad0.max(0.5);
     }
 
+    /// The motion crossed something or left the predicted path: the body is settled once all others have
+    /// moved.
+    #[inline(always)]
+    pub(crate) fn set_off_path(&mut self) {
+        self.pad0 = OFF_PATH;
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_off_path(&self) -> bool {
+        self.pad0 == OFF_PATH
+    }
+
+    /// The body was moved out of the way of another one.
+    #[inline(always)]
+    pub(crate) fn set_moved_aside(&mut self) {
+        self.pad0 = MOVED_ASIDE;
+    }
+
+    #[inline(always)]
+    pub(crate) fn was_moved_aside(&self) -> bool {
+        self.pad0 == MOVED_ASIDE
+    }
+
     /// Whether the body has been turned by its displacement already, and its inertia with it.
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
@@ -42,6 +70,12 @@ impl Record {
     #[inline(always)]
     pub(crate) fn set_turned(&mut self) {
         self.pad1 = 1.0;
+    }
+
+    /// A predicted displacement, with the angle by which the body turns [rad]: it bounds how far points get.
+    #[inline(always)]
+    pub(crate) fn predicted(linear: glam::Vec3, angular: glam::Vec3, angle: f32) -> Record {
+        Record { linear, angular, pad0: 0.0, pad1: angle }
     }
 
     /// Angle by which the body turns, in a predicted displacement [rad].

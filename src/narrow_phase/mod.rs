@@ -24,7 +24,7 @@ pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};
 pub(crate) use convex::collide_convex;
-pub(crate) use convex::gjk::{CoreGap, core_gap, distance};
+pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;

@@ -7,7 +7,7 @@ use super::closest_shape::{holds, nearest};
 use super::penetration::depth;
 use super::*;
 use crate::narrow_phase::fixtures::{CONVEX, collider, depth as inside_by, gap_along};
-use crate::narrow_phase::{Relative, Simplex, Support, SupportPose, core_gap, distance};
+use crate::narrow_phase::{Accuracy, Relative, Simplex, Support, SupportPose, core_gap, distance};
 use crate::random::Random;
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use crate::{BodyDesc, Settings, ShapeDesc, World};
@@ -249,7 +249,14 @@ fn the_way_out_of_an_overlap_is_the_shortest() {
         let (sa, sb) = (Support::of(&a).unwrap(), Support::of(&b).unwrap());
         let turn = rotation.as_dquat().normalize();
         let pose = SupportPose { rotation: DMat3::from_quat(turn), position: position.as_dvec3() };
-        let gap = core_gap(&sa, &sb, &pose, pose.position, &mut Simplex::empty(), (1e-9, 1e-6));
+        let gap = core_gap(
+            &sa,
+            &sb,
+            &pose,
+            pose.position,
+            &mut Simplex::empty(),
+            Accuracy { absolute: 1e-9, relative: 1e-6 },
+        );
         if !gap.overlap && gap.upper > sa.radius + sb.radius {
             continue;
         }

@@ -24,7 +24,7 @@ pub(crate) mod path;
 pub(crate) mod spin;
 pub(crate) mod sweep;
 
-use crate::narrow_phase::convex::gjk::core_gap;
+use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
 use crate::narrow_phase::convex::support::{Pose, Support};
 use crate::shape::Collider;
@@ -323,7 +323,8 @@ impl<'a> Sweep<'a> {
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
-        let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, (0.1 * self.tolerance, 1e-3));
+        let accuracy = Accuracy { absolute: 0.1 * self.tolerance, relative: 1e-3 };
+        let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, accuracy);
         let radii = self.a.radius + b.radius;
         (found.lower - radii, placed.rotation_a * found.normal)
     }

@@ -30,7 +30,14 @@ fn distance_at(a: &Collider, b: &Collider, (pa, pb): (&BodyPath, &BodyPath), t: 
     }
     let pose = Pose { rotation: DMat3::from_quat(ra.conjugate() * rb), position: ra.conjugate() * (xb - xa) };
     let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
-    let gap = core_gap(&a, &b, &pose, DVec3::ZERO, &mut Simplex::empty(), (0.0, 1e-9));
+    let gap = core_gap(
+        &a,
+        &b,
+        &pose,
+        DVec3::ZERO,
+        &mut Simplex::empty(),
+        Accuracy { absolute: 0.0, relative: 1e-9 },
+    );
     (if gap.overlap { 0.0 } else { gap.upper }) - a.radius - b.radius
 }
 
@@ -258,7 +265,7 @@ fn the_pose_of_the_touch_is_the_kernels_pose() {
             &pose,
             DVec3::ZERO,
             &mut Simplex::empty(),
-            (0.0, 1e-9),
+            Accuracy { absolute: 0.0, relative: 1e-9 },
         );
         let expected = distance_at(&a, &b, (&paths.0, &paths.1), f64::from(t));
         assert!((found.upper - expected).abs() < 3e-6, "{} {expected}", found.upper);

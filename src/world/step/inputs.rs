@@ -2,6 +2,7 @@
 
 use super::stage::Part;
 use crate::body::{Bodies, Colliders};
+use crate::broad_phase::PairMemory;
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
 };
@@ -35,8 +36,9 @@ impl World {
         let contacts = self.contacts.live();
         let mut give = |bytes: usize| rows.give_up(bytes, contacts);
         let missing = |pairs: usize| narrow.missing(pairs);
-        let (colliders, broad) = (&self.colliders.all, (&mut self.broad, buffers));
-        let stats = movers::find(workers, &input, colliders, broad, &missing, (&mut allowances, &mut give));
+        let mut memory = PairMemory { allowances: &mut allowances, give_up: &mut give };
+        let colliders = &self.colliders.all;
+        let stats = movers::find(workers, &input, colliders, &mut self.broad, buffers, &missing, &mut memory);
         did.add_broad(stats);
         did.ghosts += self.forget_pairs_that_ended();
     }
