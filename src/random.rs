@@ -1,5 +1,5 @@
-//! Seeded random numbers for unit tests, benches and, as a file of theirs, `tests/` and `examples/`: the same on
-//! every machine and in every run.
+//! Seeded random numbers for unit tests, benches and, as a file of theirs, `tests/` and `examples/`: the same
+//! on every machine and in every run.
 #![allow(dead_code, reason = "each user has a use for a part of it")]
 
 use glam::{DVec3, Quat, Vec3};
@@ -53,8 +53,8 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Uniform in `0.0..1.0`, by Knuth's linear congruential generator (MMIX) on the same state: for tests whose
-    /// bounds are known for what it draws.
+    /// Uniform in `0.0..1.0`, by Knuth's linear congruential generator (MMIX) on the same state: for tests
+    /// whose bounds are known for what it draws.
     pub(crate) fn congruential(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 24) as f32

@@ -53,7 +53,7 @@ pub(crate) struct Traits {
     /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
     pub(crate) locks: u8,
     /// Which rows its own come after.
-    pub(crate) raised: Option<RowGroup>,
+    pub(crate) solved_after: Option<RowGroup>,
     /// It never sleeps.
     pub(crate) sleepless: bool,
     /// It takes part in nothing.
@@ -161,8 +161,8 @@ pub(crate) struct Bodies {
     /// Forces that were applied since the column of them was made, and steps since the last.
     pub(crate) pushes: u32,
     pub(crate) unpushed: u32,
-    /// How many are raised above each group.
-    raised: [u32; Order::LEN],
+    /// How many bodies have rows that are solved right after each group.
+    solved_after: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
     parts: [u32; 3],
     /// How many of those behind what moves are disabled, and not asleep.
@@ -441,21 +441,21 @@ impl Bodies {
         }
     }
 
-    /// Raises a body's rows above a group, or no longer.
-    pub(crate) fn raise(&mut self, index: usize, above: Option<RowGroup>) {
-        let old = std::mem::replace(&mut self.traits[index].raised, above);
-        self.count_raised(old, -1);
-        self.count_raised(above, 1);
+    /// Has a body's rows solved right after a group, or in their own place.
+    pub(crate) fn set_solved_after(&mut self, index: usize, above: Option<RowGroup>) {
+        let old = std::mem::replace(&mut self.traits[index].solved_after, above);
+        self.count_solved_after(old, -1);
+        self.count_solved_after(above, 1);
     }
 
-    /// Whether any body is raised.
-    pub(crate) fn any_raised(&self) -> bool {
-        self.raised.iter().any(|&count| count > 0)
+    /// Whether any body names a group to be solved after.
+    pub(crate) fn any_solved_after(&self) -> bool {
+        self.solved_after.iter().any(|&count| count > 0)
     }
 
-    /// How many bodies are raised.
-    pub(crate) fn raised_count(&self) -> u32 {
-        self.raised.iter().sum()
+    /// How many bodies do.
+    pub(crate) fn solved_after_count(&self) -> u32 {
+        self.solved_after.iter().sum()
     }
 
     /// Counts what a body that comes (1) or goes (-1) requires of steps.
@@ -468,7 +468,7 @@ impl Bodies {
         add(&mut self.locked, traits.locks != 0);
         add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != Continuous::Discrete);
         add(&mut self.uneven, is_uneven(mass, traits));
-        self.count_raised(traits.raised, change);
+        self.count_solved_after(traits.solved_after, change);
     }
 
     /// Replaces what moves a body's mass.
@@ -507,16 +507,16 @@ impl Bodies {
         }
     }
 
-    fn count_raised(&mut self, above: Option<RowGroup>, change: i32) {
+    fn count_solved_after(&mut self, above: Option<RowGroup>, change: i32) {
         if let Some(above) = above {
-            let count = &mut self.raised[above as usize];
+            let count = &mut self.solved_after[above as usize];
             *count = count.wrapping_add_signed(change);
         }
     }
 
-    /// The groups that bodies are raised above.
-    pub(crate) fn raises(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
-        Order::default().0.into_iter().filter(|&above| self.raised[above as usize] > 0)
+    /// The groups that bodies name to be solved after.
+    pub(crate) fn solved_after_groups(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
+        Order::default().0.into_iter().filter(|&above| self.solved_after[above as usize] > 0)
     }
 
     fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&ColliderList, u32)) {
@@ -561,7 +561,7 @@ impl Bodies {
         for_each_column!(self as [&mut], column => column.clear());
         self.force.clear();
         self.rest.clear();
-        (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
+        (self.locked, self.solved_after, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
         (self.continuous, self.uneven, self.compounds, self.disabled) = (0, 0, 0, 0);
     }
 

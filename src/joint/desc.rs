@@ -268,8 +268,8 @@ pub struct JointDesc {
     /// The joint breaks above this torque [N m]. Default infinity.
     pub break_torque: f32,
     /// Has its rows solved right after those of this group, unless their own place is later: what is solved
-    /// later wins. A tree of joints is raised as a whole. Default none.
-    pub raised: Option<RowGroup>,
+    /// later wins. A tree of joints goes as a whole. Default none.
+    pub solved_after: Option<RowGroup>,
     /// The caller's own.
     pub user_data: u64,
 }
@@ -285,7 +285,7 @@ impl JointDesc {
             collide: false,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
-            raised: None,
+            solved_after: None,
             user_data: 0,
         }
     }
@@ -357,8 +357,8 @@ impl JointDesc {
     }
 
     /// Rows right after those of a group, if that is later.
-    pub fn raised(mut self, above: RowGroup) -> JointDesc {
-        self.raised = Some(above);
+    pub fn solved_after(mut self, above: RowGroup) -> JointDesc {
+        self.solved_after = Some(above);
         self
     }
 

@@ -21,7 +21,7 @@ pub(crate) struct Joint {
     pub(crate) strength: [f32; 2],
     pub(crate) collide: bool,
     /// Which rows its own come after.
-    pub(crate) raised: Option<RowGroup>,
+    pub(crate) solved_after: Option<RowGroup>,
     pub(crate) user_data: u64,
     /// On the second body, in the last substep [N], [N m].
     pub(crate) force: Vec3,
@@ -225,7 +225,7 @@ impl Joints {
             frames,
             strength: [desc.break_force, desc.break_torque],
             collide: desc.collide,
-            raised: desc.raised,
+            solved_after: desc.solved_after,
             user_data: desc.user_data,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
@@ -354,9 +354,9 @@ impl Joints {
         counts
     }
 
-    /// How many are raised.
-    pub(crate) fn raised(&self) -> u32 {
-        self.all.iter().filter(|joint| joint.is_there() && joint.raised.is_some()).count() as u32
+    /// How many name a group to be solved after.
+    pub(crate) fn solved_after(&self) -> u32 {
+        self.all.iter().filter(|joint| joint.is_there() && joint.solved_after.is_some()).count() as u32
     }
 
     /// How many can break.

@@ -113,7 +113,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
         traits.continuous as u32,
         u32::from(traits.sleepless) | u32::from(traits.disabled) << 1,
         u32::from(details.mass_from_shapes),
-        group_code(traits.raised),
+        group_code(traits.solved_after),
         u32::from(traits.locks) & 15,
         u32::from(traits.locks) >> 4,
     ];
@@ -315,7 +315,7 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         gravity_scale,
         continuous: mode_of(part(1))?,
         locks: (part(5) | (part(6) & 3) << 4) as u8,
-        raised: group_of(part(4))?,
+        solved_after: group_of(part(4))?,
         sleepless: part(2) & 1 != 0,
         disabled: part(2) >> 1 & 1 != 0,
     };

@@ -121,7 +121,7 @@ pub(crate) fn arrange(
         return prepared;
     }
     // Maximum number of stages.
-    scratch.keys.reset(input.order, input.bodies.raises());
+    scratch.keys.reset(input.order, input.bodies.solved_after_groups());
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
     let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
@@ -269,7 +269,7 @@ fn sort(
     crowd.clear();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
-    keys.reset(input.order, input.bodies.raises());
+    keys.reset(input.order, input.bodies.solved_after_groups());
     let (movers, any_solved_after) = (input.bodies.movers(), keys.any_solved_after());
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
@@ -296,7 +296,7 @@ fn sort(
             ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
         }
         let solved_after = if any_solved_after {
-            let own = |body: usize| input.bodies.traits[body].raised;
+            let own = |body: usize| input.bodies.traits[body].solved_after;
             input.order.higher(own(a), own(b))
         } else {
             None

@@ -46,7 +46,7 @@ impl<'a> Replacement<'a> {
     pub(crate) fn add(&mut self, kind: BodyKind, traits: &Traits, shapes: impl Iterator<Item = Kind>) {
         let counts = &mut self.counts;
         counts.movers += usize::from(kind != BodyKind::Static);
-        counts.raised |= traits.raised.is_some();
+        counts.solved_after |= traits.solved_after.is_some();
         counts.dynamic += usize::from(kind == BodyKind::Dynamic && !traits.disabled);
         let (mut own, slots) = (0, counts.colliders.slots);
         for shape in shapes {
