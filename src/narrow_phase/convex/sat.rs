@@ -267,8 +267,8 @@ pub(crate) struct Nearest {
     pub(crate) edges: [usize; 2],
 }
 
-/// The nearest points of all edges in reach. Of two polytopes that are apart these are the nearest points at
-/// all, unless one lies inside a face.
+/// The nearest points of all edges in reach. If the polytopes are apart, these are their nearest points,
+/// unless one lies inside a face.
 pub(crate) fn nearest_edges(
     a: &Polytope,
     b: &Polytope,

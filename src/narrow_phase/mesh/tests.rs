@@ -232,7 +232,8 @@ fn a_shape_stuck_halfway_is_pushed_to_its_centres_side() {
 fn a_shape_is_pushed_to_the_side_of_its_centre_of_mass() {
     let ground = mesh(grid(16, 0.25, |_, _| 0.0));
     let cone = Geometry::Cylinder { half_height: 0.4, radius_bottom: 0.3, radius_top: 0.1 };
-    // Of a frustum: h (R² + 2 R r + 3 r²) / (4 (R² + R r + r²)) above its base, h = 0.8, R = 0.3, r = 0.1.
+    // Centre of mass of a frustum: h (R² + 2 R r + 3 r²) / (4 (R² + R r + r²)) above its base, h = 0.8,
+    // R = 0.3, r = 0.1.
     let above_base = 0.8 * (0.09 + 0.06 + 0.03) / (4.0 * (0.09 + 0.03 + 0.01));
     let mut shape = testing::collider(cone);
     shape.position = Vec3::new(0.0, 0.4 - above_base, 0.0);

@@ -101,8 +101,8 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize, show: f64) -> (Error, usize
     (worst, bad)
 }
 
-/// Of all pairs with a cylinder, how many contacts are off by more than a millimetre on shapes of about a
-/// metre, of which half may be what a flat face is preferred by.
+/// How many contacts of pairs with a cylinder are off by more than a millimetre, on shapes of about a metre;
+/// half of that may be what a flat face is preferred by.
 fn failures(seed: u64, rounds: usize) -> usize {
     let mut failed = 0;
     for (i, other) in KINDS.into_iter().enumerate() {

@@ -56,7 +56,8 @@ impl Slow {
         (0..3).fold(self.centre[k], |x, bit| x + self.axes[k][bit] * self.half[k][bit] * side(bit))
     }
 
-    /// Of boxes that are apart: every vertex against the other box, every edge against every edge.
+    /// The distance of boxes that are apart: every vertex against the other box, every edge against every
+    /// edge.
     fn distance(&self) -> f64 {
         let mut least = f64::INFINITY;
         for k in 0..2 {

@@ -54,8 +54,8 @@ pub(crate) struct TradeOptions {
     /// Methods of the lab that solve steps, beside the engine's own solver (docs/methods.md), or none.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = solver)]
     pub(crate) solver: Vec<String>,
-    /// Measure the default and the settings of this file alone. Of the grid only the rates count: with those
-    /// of the sweep that it is from, it has the very same error.
+    /// Measure the default and the settings of this file alone. The grid gives only the rates: with those of
+    /// the sweep that the file is from, it has the very same error.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cell", "merge"])]
     pub(crate) settings: Option<PathBuf>,
     /// Steps per second of the reference; rounded up to what has times in common with the grid.
