@@ -3,8 +3,8 @@
 //!
 //! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich,
 //! 1996) with the separating direction of GJK is Newton's method from the safe side: it converges in a few
-//! steps, and never steps too far. It is `narrow_phase/cast.rs` without rotation, and with the touching
-//! points.
+//! steps, and never steps too far. It differs from the search of `narrow_phase/cast` in what counts
+//! as a touch and in what it answers (docs/decisions/advancement.md).
 
 use super::penetration::{Depth, depth};
 use crate::narrow_phase::{Accuracy, CoreGap, Simplex, Support, SupportPose, core_gap};

@@ -14,6 +14,8 @@
 //!   their linear interpolation less the sagitta u (1 - u)/2 |w|² r. One more pair of support points then
 //!   buys a step of the order of sqrt(gap), not gap.
 //!
+//! Casts of queries, which don't turn, have a search of their own (docs/decisions/advancement.md).
+//!
 //! The radius of a ball, a capsule or a fillet does not count as extent: turning it changes nothing.
 
 pub(crate) mod ahead;
