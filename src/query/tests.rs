@@ -51,7 +51,7 @@ pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
         };
         desc = desc.at(centre + random.cube().as_dvec3() * 15.0).rotated(random.rotation_or_aligned());
         for _ in 0..1 + random.below(3) {
-            let kind = CONVEX[random.below(5) as usize];
+            let kind = CONVEX[random.below(5)];
             let mut shape = ShapeDesc::new(random.shape(kind, 1.0).geometry);
             shape.position = random.cube();
             shape.rotation = random.rotation();
