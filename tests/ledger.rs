@@ -189,8 +189,8 @@ fn of_ragdolls_that_lose_limbs() {
     ledger.end();
 }
 
-/// Elastic shapes with forces on them, solved after a group, listened to, in sensors, with hooks, asked about, asleep and
-/// awake.
+/// Elastic shapes with forces on them, solved after a group, listened to, in sensors, with hooks, asked
+/// about, asleep and awake.
 #[test]
 fn of_all_that_a_world_can_do() {
     let settings = Settings { sleeping: true, sleep_time: 0.1, ..Settings::default() };

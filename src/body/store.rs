@@ -335,7 +335,7 @@ impl Bodies {
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&ColliderList, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
-        self.count_traits((body.kind, &body.mass, &body.traits), 1);
+        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         let handle = self.slots.insert(last);
         self.push_row(handle.0, &body);
         if !self.force.is_empty() {
@@ -364,7 +364,7 @@ impl Bodies {
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) {
         let i = index as usize;
         let (mass, traits) = (self.mass[i], self.traits[i]);
-        self.count_traits((self.kind[i], &mass, &traits), -1);
+        self.count_traits(self.kind[i], &mass, &traits, -1);
         self.disabled -= u32::from(self.is_set_aside(index));
         let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
@@ -459,7 +459,7 @@ impl Bodies {
     }
 
     /// Counts what a body that comes (1) or goes (-1) requires of steps.
-    fn count_traits(&mut self, (kind, mass, traits): (BodyKind, &Mass, &Traits), change: i32) {
+    fn count_traits(&mut self, kind: BodyKind, mass: &Mass, traits: &Traits, change: i32) {
         let add = |count: &mut u32, set: bool| {
             if set {
                 *count = count.wrapping_add_signed(change);
@@ -567,7 +567,7 @@ impl Bodies {
 
     /// Appends a body whose slot is known, without a place in the parts of the columns.
     pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
-        self.count_traits((body.kind, &body.mass, &body.traits), 1);
+        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
         self.push_row(slot, &body);
         let index = self.len() - 1;

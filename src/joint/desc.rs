@@ -102,19 +102,31 @@ pub enum Spring {
     },
 }
 
+/// A spring as its rows take it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coefficients {
+    pub(crate) stiffness: f32,
+    pub(crate) damping: f32,
+    /// Whether both are per effective mass.
+    pub(crate) per_mass: bool,
+}
+
 impl Spring {
     // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.
     pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
 
-    /// Stiffness and damping, and whether they are per effective mass.
-    pub(crate) fn coefficients(self) -> (f32, f32, bool) {
+    pub(crate) fn coefficients(self) -> Coefficients {
         match self {
-            Spring::Coefficients { stiffness, damping } => (stiffness, damping, false),
-            Spring::Acceleration { stiffness, damping } => (stiffness, damping, true),
+            Spring::Coefficients { stiffness, damping } => {
+                Coefficients { stiffness, damping, per_mass: false }
+            }
+            Spring::Acceleration { stiffness, damping } => {
+                Coefficients { stiffness, damping, per_mass: true }
+            }
             Spring::Frequency { hertz, ratio } => {
                 let omega = std::f32::consts::TAU * hertz;
-                (omega * omega, 2.0 * ratio * omega, true)
+                Coefficients { stiffness: omega * omega, damping: 2.0 * ratio * omega, per_mass: true }
             }
         }
     }

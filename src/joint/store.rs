@@ -346,7 +346,7 @@ impl Joints {
             let (kind, spring) = match row.kind {
                 RowKind::Limit { .. } => (0, false),
                 RowKind::Yielding { .. } => (0, true),
-                RowKind::Drive { spring, .. } => (1, spring.coefficients().0 > 0.0),
+                RowKind::Drive { spring, .. } => (1, spring.coefficients().stiffness > 0.0),
             };
             counts[kind] += 1;
             counts[2] += u32::from(spring);
@@ -485,10 +485,9 @@ impl Row {
     /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
     /// spring.
     pub(crate) fn drives_hinge(&self) -> bool {
-        let per_mass = |spring: Spring| spring.coefficients().2;
         self.motion == Motion::Angular
             && self.is_guided()
-            && matches!(self.kind, RowKind::Drive { spring, .. } if !per_mass(spring))
+            && matches!(self.kind, RowKind::Drive { spring, .. } if !spring.coefficients().per_mass)
     }
 
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a

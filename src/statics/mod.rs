@@ -126,7 +126,8 @@ impl Statics {
         &mut self,
         structure: &mut Structure<'_>,
         settings: &Settings,
-        (dt, h): (f32, f32),
+        dt: f32,
+        h: f32,
         allowances: &mut Allowances,
     ) {
         let gravity = settings.gravity.length();

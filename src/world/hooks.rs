@@ -3,7 +3,7 @@
 use super::World;
 use crate::constraint::Tweak;
 use crate::error::{Error, within};
-use crate::events::StartOfStep;
+use crate::events::{Approach, StartOfStep};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::{Contact, NO_CONTACT};
 use glam::{DVec3, Vec3};
@@ -82,7 +82,7 @@ impl ContactHook<'_> {
 
     /// Approach speed of the two at the point where it is greatest [m/s]; negative if they separate.
     pub fn approach_speed(&self) -> f32 {
-        let speed = |p| self.start().impact(self.contact, p).2;
+        let speed = |p| self.start().approach(self.contact, p).speed;
         self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
     }
 
@@ -91,8 +91,8 @@ impl ContactHook<'_> {
     pub fn estimated_impulse(&self) -> f32 {
         let start = self.start();
         let one = |p| {
-            let (normal, at, speed) = start.impact(self.contact, p);
-            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, at, normal)).sum();
+            let Approach { normal, position, speed } = start.approach(self.contact, p);
+            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, position, normal)).sum();
             if mobility > 0.0 { speed.max(0.0) / mobility } else { 0.0 }
         };
         self.contact.points().iter().map(one).fold(0.0, f32::max)

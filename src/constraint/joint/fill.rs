@@ -12,7 +12,7 @@ use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
+use crate::joint::{Axes, Axis, Coefficients, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
 
@@ -202,11 +202,12 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         };
         let drive = matches!(row.kind, RowKind::Drive { .. });
         if let Some(spring) = spring {
-            let (mut k, mut c, per_mass) = spring.coefficients();
-            if per_mass {
-                (k, c) = (k / mobility, c / mobility);
+            let mut spring = spring.coefficients();
+            if spring.per_mass {
+                spring.stiffness /= mobility;
+                spring.damping /= mobility;
             }
-            let Some([pull, give, speed]) = implicit((k, c), target, h) else { continue };
+            let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
             batch.pull.set_lane(lane, pull);
             batch.give.set_lane(lane, give);
             batch.speed.set_lane(lane, speed);
@@ -367,7 +368,8 @@ pub(crate) fn fill_tree<L: GatherLanes>(
 
 /// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
 /// impulse, and the requested speed beside that; none if there is neither.
-fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
+fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
+    let (k, c) = (spring.stiffness, spring.damping);
     let d = h * k + c;
     if d == f32::INFINITY {
         return Some([0.0, 0.0, target]);
@@ -388,9 +390,8 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
         let off = at.twist(axis) - position;
         // Whole turns don't matter.
         let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
-        let (k, c, _) = spring.coefficients();
         // Without spring and damper it does nothing.
-        let some = implicit((k, c), velocity, input.h);
+        let some = implicit(&spring.coefficients(), velocity, input.h);
         let [pull, give, speed] = some.unwrap_or_default();
         let max_force = if some.is_some() { max_force } else { 0.0 };
         motor.off.set_lane(lane, off * sign);

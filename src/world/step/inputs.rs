@@ -85,8 +85,8 @@ impl World {
             scale,
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
-        let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
-        let mut space = lend(rows, prepare, how, statics.lists());
+        let (friction, model) = (self.needs.friction > 0, self.settings.friction_model);
+        let mut space = lend(rows, prepare, friction, model, statics.lists());
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
         let stats = collide(workers, &input, pairs, contacts, narrow, (&mut allowances, &mut space));
         rows.take_back(space.slab);
@@ -105,7 +105,7 @@ impl World {
             contacts: &mut self.contacts,
             acceleration: &forces.acceleration,
         };
-        statics.estimate(&mut structure, &self.settings, (dt, h), &mut allowances);
+        statics.estimate(&mut structure, &self.settings, dt, h, &mut allowances);
     }
 
     /// Makes the rows of the step.

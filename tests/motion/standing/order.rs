@@ -180,8 +180,8 @@ fn a_wall_that_is_solved_after_joints_stops_its_door_and_no_other() {
     }
 }
 
-/// Eleven balls of 1 kg in a row, pressed together by 20 N, the first in its own place or solved after a group: how deep each is in the
-/// next after a second [m].
+/// Eleven balls of 1 kg in a row, pressed together by 20 N, the first in its own place or solved after a
+/// group: how deep each is in the next after a second [m].
 fn squeezed(solved_after: Option<RowGroup>) -> Vec<f64> {
     let settings = Settings { gravity: Vec3::ZERO, substeps: 1, iterations: 1, ..Settings::default() };
     let mut world = World::new(Settings { warm_starting: false, ..settings }).unwrap();
