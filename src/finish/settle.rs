@@ -274,7 +274,7 @@ impl Settling<'_> {
                     return;
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
-                let overlap = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
+                let overlap = self.overlap(shape, &here, still, at, scratch, *may_grow);
                 if let Some((depth, into)) = overlap {
                     may_cross = true;
                     note(depth, here.rotation * -into);
@@ -294,9 +294,12 @@ impl Settling<'_> {
     /// certainly in nothing, or no deeper in a mesh than it may stay.
     fn overlap(
         &self,
-        (shape, here): (&Collider, &Pose),
-        (still, at): (&Collider, &Pose),
-        (scratch, may_grow): (&mut Scratch, bool),
+        shape: &Collider,
+        here: &Pose,
+        still: &Collider,
+        at: &Pose,
+        scratch: &mut Scratch,
+        may_grow: bool,
     ) -> Option<(f32, Vec3)> {
         let back = here.rotation.conjugate();
         let rel = Relative {

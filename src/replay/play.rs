@@ -257,8 +257,7 @@ impl<R: Read> Replay<R> {
         }
         self.steps += 1;
         let Some(tape) = tape(&self.world) else { return Ok(Progress::Same) };
-        let recorded = (self.steps, record, &self.awake[..]);
-        Ok(match compare(recorded, &tape.seen, &self.world, &self.names) {
+        Ok(match compare(self.steps, record, &self.awake, &tape.seen, &self.world, &self.names) {
             Some(divergence) => Progress::Diverged(Box::new(divergence)),
             None => Progress::Same,
         })

@@ -88,8 +88,9 @@ fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
-        let slots = (records.bodies.count, records.colliders.count);
-        let mut new = Replacement::new(slots, &records.joints, shapes.map(|c| &c.collider.geometry));
+        let (bodies, colliders) = (records.bodies.count, records.colliders.count);
+        let geometries = shapes.map(|c| &c.collider.geometry);
+        let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| c.collider.kind);
             new.add(record.body.kind, &record.body.traits, kinds);

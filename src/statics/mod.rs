@@ -165,7 +165,7 @@ impl Structure<'_> {
     /// Passes the load of each supported body to the new contacts below it.
     fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, allowance: &mut Allowance) {
         let Statics { places, burdens, by_height, supports, points, .. } = statics;
-        let axes = rest.up.any_orthonormal_pair();
+        let axes = rest.up.any_orthonormal_pair().into();
         for &place in by_height.iter().rev() {
             let Burden { body, first, count, supported, force, moment } = burdens[place as usize];
             if !supported {
@@ -194,7 +194,7 @@ impl Structure<'_> {
                     }
                 }
             }
-            distribute(points, (-force, -moment), (rest.up, axes));
+            distribute(points, -force, -moment, rest.up, axes);
             for point in points.iter() {
                 let Some(&lower) = places.get(point.lower as usize) else { continue };
                 let to = self.bodies.pose[point.lower as usize].position;

@@ -113,6 +113,15 @@ pub(super) struct Placed {
     pub(super) offset: DVec3,
 }
 
+/// How far two shapes are apart at one moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    /// A lower bound of the distance [m].
+    pub(super) lower: f64,
+    /// Direction from a to b along which it holds.
+    pub(super) normal: DVec3,
+}
+
 /// A box that moves along a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxPath {
@@ -156,16 +165,17 @@ impl<'a> Sweep<'a> {
         &self,
         mut t: f64,
         mut placed: Placed,
-        (mut gap, mut normal): (f64, DVec3),
+        start: Gap,
         mut simplex: Simplex,
         limit: f64,
     ) -> Option<Touch> {
+        let Gap { lower: mut gap, mut normal } = start;
         // Steps end short of the tolerance, so that the last one is not the limit of infinitely many.
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
         for step in 0..MAX_STEPS {
             if step > 0 {
-                (gap, normal) = self.gap(&placed, &mut simplex);
+                Gap { lower: gap, normal } = self.gap(&placed, &mut simplex);
             }
             if gap <= self.tolerance {
                 return Some(touch(t, normal));
@@ -203,7 +213,8 @@ impl<'a> Sweep<'a> {
     /// with the plane `gap` away along `normal`. `None` if it reaches the plane no sooner than `limit`.
     pub(super) fn reach_plane(
         &self,
-        (mut t, mut placed): (f64, Placed),
+        mut t: f64,
+        mut placed: Placed,
         mut gap: f64,
         normal: DVec3,
         limit: f64,
@@ -317,18 +328,17 @@ impl<'a> Sweep<'a> {
         self.turn_b.lever - self.turn_a.lever - self.start - self.displacement * t
     }
 
-    /// A lower bound of the distance, and the direction from a to b along which it holds.
-    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> (f64, DVec3) {
+    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> Gap {
         let Other::Convex(b) = &self.b else {
             let normal = -placed.rotation_b.y_axis;
-            return (self.gap_along(placed, normal), normal);
+            return Gap { lower: self.gap_along(placed, normal), normal };
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
         let accuracy = Accuracy { absolute: 0.1 * self.tolerance, relative: 1e-3 };
         let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, accuracy);
         let radii = self.a.radius + b.radius;
-        (found.lower - radii, placed.rotation_a * found.normal)
+        Gap { lower: found.lower - radii, normal: placed.rotation_a * found.normal }
     }
 
     /// The gap along a direction.

@@ -32,7 +32,8 @@ pub(crate) struct Brings<'a> {
 impl<'a> Replacement<'a> {
     /// `slots`: numbers of slots of bodies and of shapes.
     pub(crate) fn new(
-        (bodies, shapes): (usize, usize),
+        bodies: usize,
+        shapes: usize,
         joints: &'a JointRecords,
         geometry: impl Iterator<Item = &'a Geometry>,
     ) -> Replacement<'a> {
