@@ -159,16 +159,16 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
 #[inline(always)]
 pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
     use super::f32x4;
+    use bytemuck::must_cast;
 
-    let halves = rows.map(|r| -> [f32x4; 2] { bytemuck::must_cast(r) });
-    let quarter = |r: usize, h: usize| {
-        f32x4::transpose([halves[r][h], halves[r + 1][h], halves[r + 2][h], halves[r + 3][h]])
-    };
+    let half = |r: usize, h: usize| must_cast::<f32x8, [f32x4; 2]>(rows[r])[h];
+    let quarter =
+        |r: usize, h: usize| f32x4::transpose([half(r, h), half(r + 1, h), half(r + 2, h), half(r + 3, h)]);
     let (a, b, c, d) = (quarter(0, 0), quarter(0, 1), quarter(4, 0), quarter(4, 1));
-    std::array::from_fn(|i| {
-        let pair: [f32x4; 2] = if i < 4 { [a[i], c[i]] } else { [b[i - 4], d[i - 4]] };
-        bytemuck::must_cast(pair)
-    })
+    let low = |i: usize| -> f32x8 { must_cast([a[i], c[i]]) };
+    let high = |i: usize| -> f32x8 { must_cast([b[i], d[i]]) };
+    // Not `array::from_fn`, which is not always inlined: the solver does this four times a batch.
+    [low(0), low(1), low(2), low(3), high(0), high(1), high(2), high(3)]
 }
 
 #[cfg(test)]
