@@ -55,8 +55,8 @@ pub(super) fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
 
 #[inline(always)]
 pub(super) fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
-    let at = |i: usize| L::load(&c[i]);
-    Sym3 { xx: at(0), yy: at(1), zz: at(2), xy: at(3), xz: at(4), yz: at(5) }
+    let (xx, yy, zz) = (L::load(&c[0]), L::load(&c[1]), L::load(&c[2]));
+    Sym3 { xx, yy, zz, xy: L::load(&c[3]), xz: L::load(&c[4]), yz: L::load(&c[5]) }
 }
 
 /// A contact, or some of its points, to be entered into a lane.

@@ -134,9 +134,9 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
     let old = f.impulse;
     let mut slides = L::zero().gt(L::zero());
-    let stop = |i: usize| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2);
-    // Here and below an array and not `map`, which is not always inlined.
-    let mut new = [stop(0), stop(1)];
+    // Here and below spelled out: a closure for `map`, or for both, is not always inlined.
+    let [m11, m12, m22] = tangential;
+    let mut new = [old[0] - (m11 * u1 + m12 * u2), old[1] - (m12 * u1 + m22 * u2)];
     if pass.friction_box {
         slides = new[0].abs().gt(limit) | new[1].abs().gt(limit);
         new = [new[0].clamp(-limit, limit), new[1].clamp(-limit, limit)];
@@ -150,8 +150,7 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
             let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
             let scale = L::select(length.gt(limit), limit / length, L::one());
             slides = length.gt(limit);
-            let cut = |i: usize| L::select(sticks, new[i], slid[i] * scale);
-            new = [cut(0), cut(1)];
+            new = [L::select(sticks, new[0], slid[0] * scale), L::select(sticks, new[1], slid[1] * scale)];
         }
     }
     let bound = limit * f.radius;

@@ -171,9 +171,9 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
-    let rotation = |i: usize| L::load(&columns.rotation[i]);
-    let v = Vec3::new(rotation(0), rotation(1), rotation(2));
-    let turn = crate::lanes::Quat { v, w: rotation(3) }.to_matrix();
+    let [x, y, z, w] = &columns.rotation;
+    let v = Vec3::new(L::load(x), L::load(y), L::load(z));
+    let turn = crate::lanes::Quat { v, w: L::load(w) }.to_matrix();
     let sign = L::load(&columns.sign);
     let n = turn.mul(vec3(&columns.normal)) * sign;
     let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
