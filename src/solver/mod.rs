@@ -157,7 +157,7 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         let check = substeps.hold_back(check);
         in_range &= substeps.integrate_displacements();
         substeps.advance_impacts_and_trees();
-        // If friction of what pushed before it touched shifts much load, the points share it in one more pass.
+        // If friction of what pushed before it touched shifts much load, points share it in one more pass.
         let potential_points_push = passes.run(PassKind::Relax);
         if potential_points_push && substeps.solve_impact_friction() {
             passes.run(PassKind::Relax);
