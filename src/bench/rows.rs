@@ -1,8 +1,9 @@
 //! Benchmarks of contact rows, and of loading and storing the records of bodies.
 
 use super::Kernel;
+use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
-use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareScratch, Rows, prepare};
+use crate::constraint::{Batch, FrictionRow, Group, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Allowances;
 use crate::scene::builtin;

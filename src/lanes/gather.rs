@@ -189,20 +189,37 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
 }
 
 /// The 8x8 transpose, as four of four.
+///
+/// Functions that are always inlined, and not closures, `map` or `array::from_fn`, which are not: the solver
+/// does this four times a batch.
 #[cfg(not(target_feature = "avx"))]
 #[inline(always)]
 pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
     use super::f32x4;
+    use bytemuck::must_cast;
 
-    let halves = rows.map(|r| -> [f32x4; 2] { bytemuck::must_cast(r) });
-    let quarter = |r: usize, h: usize| {
-        f32x4::transpose([halves[r][h], halves[r + 1][h], halves[r + 2][h], halves[r + 3][h]])
-    };
-    let (a, b, c, d) = (quarter(0, 0), quarter(0, 1), quarter(4, 0), quarter(4, 1));
-    std::array::from_fn(|i| {
-        let pair: [f32x4; 2] = if i < 4 { [a[i], c[i]] } else { [b[i - 4], d[i - 4]] };
-        bytemuck::must_cast(pair)
-    })
+    #[inline(always)]
+    fn four([a, b, c, d]: [f32x8; 4]) -> [[f32x4; 4]; 2] {
+        let ([a0, a1], [b0, b1]): ([f32x4; 2], [f32x4; 2]) = (must_cast(a), must_cast(b));
+        let ([c0, c1], [d0, d1]): ([f32x4; 2], [f32x4; 2]) = (must_cast(c), must_cast(d));
+        [f32x4::transpose([a0, b0, c0, d0]), f32x4::transpose([a1, b1, c1, d1])]
+    }
+    #[inline(always)]
+    fn join(low: f32x4, high: f32x4) -> f32x8 {
+        must_cast([low, high])
+    }
+    let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
+    let ([a, b], [c, d]) = (four([r0, r1, r2, r3]), four([r4, r5, r6, r7]));
+    [
+        join(a[0], c[0]),
+        join(a[1], c[1]),
+        join(a[2], c[2]),
+        join(a[3], c[3]),
+        join(b[0], d[0]),
+        join(b[1], d[1]),
+        join(b[2], d[2]),
+        join(b[3], d[3]),
+    ]
 }
 
 #[cfg(test)]

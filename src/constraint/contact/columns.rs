@@ -48,13 +48,15 @@ fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
     }
 }
 
+#[inline(always)]
 pub(super) fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
     Vec3::new(L::load(&columns[0]), L::load(&columns[1]), L::load(&columns[2]))
 }
 
+#[inline(always)]
 pub(super) fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
-    let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| L::load(&c[i]));
-    Sym3 { xx, yy, zz, xy, xz, yz }
+    let (xx, yy, zz) = (L::load(&c[0]), L::load(&c[1]), L::load(&c[2]));
+    Sym3 { xx, yy, zz, xy: L::load(&c[3]), xz: L::load(&c[4]), yz: L::load(&c[5]) }
 }
 
 /// A contact, or some of its points, to be entered into a lane.

@@ -231,19 +231,14 @@ impl World {
         batches.fill(workers, &input);
     }
 
-    /// Solves the rows; returns whether all velocities stayed in range.
-    pub(crate) fn solve(&mut self, workers: &Workers<'_>, dt: f32) -> bool {
+    /// The rows of the step for the solver, and the bodies that they act on.
+    pub(crate) fn solver_input(&mut self, dt: f32) -> SolverInput<'_> {
         #[cfg(feature = "lab")]
-        let mut meter = self.meter.take();
-        #[cfg(feature = "lab")]
-        let witness = meter.as_deref_mut().map(|meter| {
-            meter.before_rows(self, dt);
-            meter as &mut dyn solver::Witness
-        });
+        let witness = self.meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
         #[cfg(not(feature = "lab"))]
         let witness = None;
         let buffers = &mut self.buffers;
-        let input = SolverInput {
+        SolverInput {
             settings: &self.settings,
             dt,
             bodies: &mut self.bodies,
@@ -256,14 +251,7 @@ impl World {
             crowd: &buffers.prepare.crowd,
             state: &mut buffers.solver,
             witness,
-        };
-        let sound = solver::solve(workers, input);
-        #[cfg(feature = "lab")]
-        if let Some(mut meter) = meter {
-            meter.after_rows(self);
-            self.meter = Some(meter);
         }
-        sound
     }
 
     /// Clears forces, which last for one step.

@@ -122,6 +122,26 @@ impl World {
         }
     }
 
+    /// Measures the rows of a step of `dt` seconds before they are solved.
+    #[inline]
+    pub(crate) fn measure_rows(&mut self, dt: f32) {
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = self.meter.take() {
+            meter.before_rows(self, dt);
+            self.meter = Some(meter);
+        }
+    }
+
+    /// Measures how accurately they were solved.
+    #[inline]
+    pub(crate) fn measure_solution(&mut self) {
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = self.meter.take() {
+            meter.after_rows(self);
+            self.meter = Some(meter);
+        }
+    }
+
     /// Measures the step, once bodies have moved.
     #[inline]
     pub(crate) fn measure_step(&mut self) {
