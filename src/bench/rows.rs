@@ -113,7 +113,7 @@ pub fn preparing() -> Kernel {
             colliders: &world.colliders.all,
             summaries: &world.colliders.summaries,
             poses: &world.colliders.poses,
-            contacts: &world.contacts.all,
+            contacts: &world.contacts,
             pairs: &world.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,

@@ -3,7 +3,7 @@
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
 use crate::handle::BodyHandle;
-use crate::narrow_phase::{Contact, Point};
+use crate::narrow_phase::{ContactRef, Point};
 use glam::{DVec3, Vec3};
 
 /// Bodies and colliders at the start of the step, and the accelerations of the bodies.
@@ -24,7 +24,7 @@ impl StartOfStep<'_> {
 
     /// Normal in the world, from a to b, position, and approach speed of a contact point before anything was
     /// solved, with bodies as at the start of the step.
-    pub(crate) fn impact(&self, contact: &Contact, point: &Point) -> (Vec3, DVec3, f32) {
+    pub(crate) fn impact(&self, contact: ContactRef<'_>, point: &Point) -> (Vec3, DVec3, f32) {
         let shape = &self.colliders.poses[contact.a as usize];
         let normal = shape.rotation * contact.normal;
         let at = shape.position + (shape.rotation * point.position).as_dvec3();

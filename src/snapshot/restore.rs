@@ -109,12 +109,13 @@ fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
 
 /// Pairs, first those of the step and then those that islands keep, and all contacts.
 fn read_pairs(world: &mut World, view: &View<'_>) {
-    let World { broad, contacts, sleep, .. } = world;
+    let World { broad, contacts, sleep, settings, .. } = world;
+    contacts.reset(view.counts.contacts as usize, !settings.budget.is_none());
     broad.pairs.clear();
     let mut islands = view.sleep.islands_of_pairs();
     let mut left = view.counts.pairs;
     broad.pairs.reserve(left as usize);
-    let read = view.pairs.restore(contacts, view.counts.contacts as usize, |pair| {
+    let read = view.pairs.restore(contacts, |pair| {
         if left > 0 {
             left -= 1;
             broad.pairs.push(pair);

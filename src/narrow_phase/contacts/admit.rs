@@ -5,7 +5,7 @@
 //! that is too much for all, old and new ones compete, and the lightest are shed ([`Weight`]): a contact that
 //! is found late may be the one that bears a pile.
 
-use super::contact::Contact;
+use super::contact::ContactRef;
 use super::manifold::RawManifold;
 use super::weight::{Threshold, Weight};
 use crate::memory::{Allowances, Category, Slab};
@@ -42,7 +42,7 @@ pub(crate) struct Kind {
 }
 
 impl Kind {
-    pub(crate) fn of(contact: &Contact, is_static: bool, real: f32) -> Kind {
+    pub(crate) fn of(contact: ContactRef<'_>, is_static: bool, real: f32) -> Kind {
         let needed = contact.needed().count_ones() as usize;
         let potential = contact.points().iter().all(|p| p.separation > real);
         Kind { is_static, potential, points: contact.count as usize, needed }

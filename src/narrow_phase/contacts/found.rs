@@ -5,19 +5,20 @@
 //! If the budget leaves too little memory, contacts with static geometry are kept longest.
 
 use super::admit::{Census, Kind as Taken, Means, RowSpace};
-use super::contact::{Contact, Contacts, NO_CONTACT};
+use super::contact::{Contact, FoundAt, NO_CONTACT};
+use super::of_meshes::{MeshBlock, commit_meshes};
+use super::store::Contacts;
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
-use crate::memory::{Allowance, Allowances, Buffer, Buffers, Category, Marks, Slab, bytes_of, even_out};
+use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
-use crate::narrow_phase::mesh::MeshScratch;
 use crate::shape::Kind;
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
-/// A new contact, of a pair that had none.
+/// A new contact, of a pair that had none; or a manifold of more points than its contact has place for.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Fresh {
@@ -29,73 +30,6 @@ pub(crate) struct Fresh {
 
 /// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
-
-/// The buffers of a block of mesh pairs.
-#[derive(Debug, Default)]
-pub(crate) struct MeshBlock {
-    /// Pairs that have manifolds, with their ranges in `many`.
-    looked: Vec<(u32, u32, u32)>,
-    many: Vec<(RawManifold, f32)>,
-    /// Manifolds of the pair at hand, from one call of a kernel.
-    pub(crate) raw: Vec<RawManifold>,
-    pub(crate) mesh: MeshScratch,
-}
-
-impl MeshBlock {
-    /// Number of manifolds so far.
-    pub(crate) fn count(&self) -> u32 {
-        self.many.len() as u32
-    }
-
-    /// Adds a manifold that was found at a fraction of the step.
-    pub(crate) fn add(&mut self, raw: RawManifold, fraction: f32) {
-        if !self.mesh.allowance.push(&mut self.many, (raw, fraction)) {
-            self.mesh.shed += raw.count;
-        }
-    }
-
-    /// Ends the work on a pair, whose manifolds are those from `start` on; returns whether it has any.
-    pub(crate) fn end(&mut self, pair: u32, start: u32) -> bool {
-        let end = self.count();
-        if end == start {
-            return false;
-        }
-        let listed = self.mesh.allowance.push(&mut self.looked, (pair, start, end));
-        if !listed {
-            let lost = self.many.drain(start as usize..);
-            self.mesh.shed += lost.map(|(raw, _)| raw.count).sum::<u32>();
-        }
-        listed
-    }
-
-    /// Manifolds beyond the contacts that their pair has already, pair by pair.
-    fn more<'a>(
-        &'a self,
-        pairs: &'a [Pair],
-        contacts: &'a Contacts,
-    ) -> impl Iterator<Item = (&'a [(RawManifold, f32)], &'a Pair)> + 'a {
-        self.looked.iter().map(|&(index, start, end)| {
-            let pair = &pairs[index as usize];
-            let old = contacts.count(pair.contact);
-            (&self.many[(start as usize + old).min(end as usize)..end as usize], pair)
-        })
-    }
-
-    fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.looked), bytes_of(&self.many), bytes_of(&self.raw), self.mesh.bytes()]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-}
-
-impl Buffers for MeshBlock {
-    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
-        f(&mut self.looked);
-        f(&mut self.many);
-        f(&mut self.raw);
-        self.mesh.each(f);
-    }
-}
 
 /// What a block writes, apart from the contacts that its pairs have already.
 pub(crate) struct BlockOutput<'a> {
@@ -118,7 +52,7 @@ impl BlockOutput<'_> {
     ) {
         let block = &mut *self.block;
         let class = usize::from(input.is_static(pair));
-        let at = (block.used[0] + block.used[1]) as usize;
+        let at = block.found();
         if block.used[class] < block.quota[class]
             && let Some(place) = self.fresh.get_mut(at)
         {
@@ -144,6 +78,22 @@ impl BlockOutput<'_> {
         }
     }
 
+    /// Gives a pair's contact a manifold that it has no place for, once it has been given one. Returns whether
+    /// there was a place to put it until then; if not, the block will look at the pair again.
+    pub(crate) fn grow(&mut self, index: u32, raw: RawManifold, fraction: f32) -> bool {
+        let block = &mut *self.block;
+        let at = block.found();
+        if let Some(place) = self.fresh.get_mut(at).filter(|_| block.grown < block.growth()) {
+            *place = Fresh { pair: index, fraction, raw };
+            block.grown += 1;
+            return true;
+        }
+        // SAFETY: the pair is this block's.
+        unsafe { *self.state.get(index as usize) = CROWDED };
+        block.crowded += 1;
+        false
+    }
+
     /// Removes a pair's contacts.
     pub(crate) fn empty(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
@@ -160,6 +110,12 @@ impl BlockOutput<'_> {
 
     pub(crate) fn count_casts(&mut self, casts: u32) {
         self.block.casts += casts;
+    }
+    pub(crate) fn casts(&self) -> u32 {
+        self.block.casts
+    }
+    pub(crate) fn set_casts(&mut self, casts: u32) {
+        self.block.casts = casts;
     }
     pub(crate) fn count_ghost(&mut self) {
         self.block.ghosts += 1;
@@ -201,6 +157,8 @@ impl Places<'_> {
 pub(crate) const EMPTIED: u8 = u8::MAX - 2;
 /// State of a pair that was found to be clear: see [`BlockOutput::clear`]. No bin has this number.
 pub(crate) const CLEAR: u8 = u8::MAX - 3;
+/// State of a pair that its block has to look at again: see [`BlockOutput::grow`]. No bin has this number.
+pub(crate) const CROWDED: u8 = u8::MAX - 4;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -266,8 +224,9 @@ impl FoundContacts {
             let order = &bins.order[block.start as usize..block.end as usize];
             let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
             if endless {
-                block.place = new.count() as u32;
-                block.quota = [block.place; 2];
+                let new = new.count() as u32;
+                block.place = new + (order.len() as u32 - new).div_ceil(GROWING);
+                block.quota = [new; 2];
                 continue;
             }
             new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
@@ -370,16 +329,19 @@ impl FoundContacts {
         let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
         for found in found_by(blocks, fresh) {
             let pair = &mut pairs[found.pair as usize];
+            let at = FoundAt::of(pair, input, found.fraction);
+            if pair.contact != NO_CONTACT {
+                contacts.grow(pair.contact, found.raw.count as usize);
+                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
+                continue;
+            }
             if !allowances.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
                 shed += found.raw.count;
                 continue;
             }
-            let mut contact = Contact::new(pair.a, pair.b);
-            let frame = input.poses[pair.a as usize].rotation;
-            contact.take(&found.raw, relative_pose(pair, input.poses), frame);
-            contact.fraction = found.fraction;
-            self.touching |= contact.touches_anew(input.touch_distance);
-            pair.contact = contacts.insert_within(contact, way.most);
+            let contact = Contact::found(pair.a, pair.b, &found.raw, at);
+            self.touching |= contact.as_ref().touches_anew(input.touch_distance);
+            pair.contact = contacts.insert_within(&contact, way.most);
             shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
@@ -425,20 +387,17 @@ fn make_way(
     let mut census = Census::new();
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = &contacts.all[slot as usize];
+        for contact in contacts.chain(pair.contact) {
             let taken = Taken::of(contact, is_static, input.touch_distance);
             match weight {
                 Some(weight) => census.add(weight, taken, &cost),
                 None => census.add_fixed(taken, &cost),
             }
-            slot = contact.next;
         }
     }
     for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
         let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.touch_distance);
-        many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
+        many.iter().for_each(|found| census.add_fixed(taken(&found.raw), &cost));
     }
     for found in found_by(blocks, space.slab.alone(place)) {
         let pair = &pairs[found.pair as usize];
@@ -472,6 +431,14 @@ fn make_way(
     Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
 }
 
+impl FoundAt {
+    /// At the poses of the start of the step, for a manifold of a fraction of it.
+    pub(super) fn of(pair: &Pair, input: &Input<'_>, fraction: f32) -> FoundAt {
+        let frame = input.poses[pair.a as usize].rotation;
+        FoundAt { pose: relative_pose(pair, input.poses), frame, fraction }
+    }
+}
+
 impl Fresh {
     fn weight(&self, pair: &Pair, input: &Input<'_>) -> Weight {
         let nearest = self.raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
@@ -484,7 +451,7 @@ impl Fresh {
 fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
     let mut end = 0;
     for block in blocks {
-        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        let (start, used) = (block.fresh as usize, block.found());
         fresh.copy_within(start..start + used, end);
         block.fresh = end as u32;
         end += used;
@@ -495,7 +462,7 @@ fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
 /// What blocks found, in their order.
 fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
     blocks.iter().flat_map(|block| {
-        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        let (start, used) = (block.fresh as usize, block.found());
         &fresh[start..start + used]
     })
 }
@@ -504,8 +471,11 @@ fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item =
 /// new ones.
 fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
     let of_mesh = matches!(input.summaries[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
-    (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
+    (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(contacts.at(pair.contact)))
 }
+
+/// The part of a block's contacts that may outgrow their places at a time.
+const GROWING: u32 = 8;
 
 /// New contacts that are held at a time: enough for all in most steps. If a whole scene falls onto the ground
 /// at once, its blocks run in several waves.
@@ -540,61 +510,9 @@ fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, inp
         if let Some(weight) = weight_of(pair, contacts, input)
             && !floor.keeps(weight)
         {
-            shed += u32::from(contacts.all[pair.contact as usize].count);
+            shed += u32::from(contacts.at(pair.contact).count);
             contacts.remove_chain(std::mem::replace(&mut pair.contact, NO_CONTACT));
         }
     }
-    shed
-}
-
-/// Exchanges the contacts of mesh pairs for new ones, which inherit what the old ones bore.
-fn commit_meshes(
-    block: &mut MeshBlock,
-    pairs: &mut [Pair],
-    (contacts, most): (&mut Contacts, usize),
-    (chain, touching): (&mut Vec<Contact>, &mut bool),
-    input: &Input<'_>,
-    allowance: &mut Allowance,
-) -> u32 {
-    let mut shed = 0;
-    for &(index, start, end) in &block.looked {
-        let pair = &mut pairs[index as usize];
-        let now = relative_pose(pair, input.poses);
-        chain.clear();
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            // The worst case is an impulse that is not inherited.
-            allowance.push(chain, contacts.all[slot as usize]);
-            slot = contacts.all[slot as usize].next;
-        }
-        contacts.remove_chain(pair.contact);
-        pair.contact = NO_CONTACT;
-        let mut last = NO_CONTACT;
-        for (raw, fraction) in &block.many[start as usize..end as usize] {
-            let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, now, input.poses[pair.a as usize].rotation);
-            contact.fraction = *fraction;
-            // The manifold of the last step whose normal is nearest.
-            let nearest =
-                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
-            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, MatchLimits::of(input, pair));
-                (contact.friction, contact.twist) = (old.friction, old.twist);
-                contact.mean_friction = old.mean_friction;
-            }
-            *touching |= contact.touches_anew(input.touch_distance);
-            let slot = contacts.insert_within(contact, most);
-            if slot == NO_CONTACT {
-                shed += raw.count;
-            } else if last == NO_CONTACT {
-                pair.contact = slot;
-            } else {
-                contacts.all[last as usize].next = slot;
-            }
-            last = if slot == NO_CONTACT { last } else { slot };
-        }
-    }
-    block.looked.clear();
-    block.many.clear();
     shed
 }

@@ -13,7 +13,7 @@ use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
 use crate::statics::Structure;
-use crate::threads::{Shared, Workers};
+use crate::threads::Workers;
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
 use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
@@ -62,6 +62,7 @@ impl World {
     /// Finds the contacts of the step.
     pub(crate) fn find_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> NarrowStats {
         let unit = self.settings.length_unit;
+        self.contacts.set_whole(!self.settings.budget.is_none());
         let mut allowances = self.allowances();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
@@ -129,7 +130,7 @@ impl World {
             colliders: &self.colliders.all,
             poses: &self.colliders.poses,
             pairs: &self.broad.pairs,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             joints: &self.joints,
             motion: &forces.motion,
             acceleration: &forces.acceleration,
@@ -180,7 +181,7 @@ impl World {
             colliders: &self.colliders.all,
             summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             pairs: &self.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
@@ -304,7 +305,7 @@ impl World {
             self.contacts.for_each_of(solved.clone(), |_, contact| contact.friction = glam::Vec3::ZERO);
         }
         let stored = {
-            let contacts = Shared::new(&mut self.contacts.all);
+            let contacts = self.contacts.share();
             solver::store(workers, rows, dt, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;
