@@ -65,6 +65,8 @@ pub(crate) struct Block {
     /// because there is no place for that manifold.
     pub(crate) grown: u8,
     pub(crate) crowded: u8,
+    /// The most of the former.
+    pub(crate) growth: u8,
     /// Range in the order.
     pub(crate) start: u32,
     pub(crate) end: u32,
@@ -90,9 +92,11 @@ impl Block {
         (self.used[0] + self.used[1]) as usize + usize::from(self.grown)
     }
 
-    /// The most contacts that may grow at a time. None does under a budget.
-    pub(crate) fn growth(&self) -> u8 {
-        self.place.saturating_sub(self.quota[0]) as u8
+    /// Of so many of its contacts, those that may get more points than they have.
+    pub(crate) fn growing(&self, contacts: u32) -> u32 {
+        const SPHERE: u8 = Kind::Sphere as u8;
+        let kinds = [self.bin.0 / KINDS, self.bin.0 % KINDS];
+        if self.bin.0 < TAPERED_CAPSULES.0 && kinds.contains(&SPHERE) { 0 } else { contacts }
     }
 }
 
@@ -159,6 +163,7 @@ impl Bins {
             }
             block.end = block.start + crowded as u32;
             (block.place, block.quota, block.used) = (crowded as u32, [0; 2], [0; 2]);
+            block.growth = crowded as u8;
             (block.grown, block.crowded, block.emptied, block.shed) = (0, 0, 0, 0);
         }
         first

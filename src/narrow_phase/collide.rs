@@ -197,7 +197,7 @@ pub(crate) fn collide(
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, pairs, input, (allowances, &mut space.slab));
+    found.plan(bins, (pairs, contacts), input, (allowances, &mut space.slab));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
         let last =

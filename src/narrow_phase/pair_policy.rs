@@ -55,7 +55,7 @@ use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
 use super::collide::{Approach, Input, MatchLimits};
 use super::contacts::contact::{FoundAt, NO_CONTACT};
-use super::contacts::found::BlockOutput;
+use super::contacts::found::{BlockOutput, Growth};
 use super::contacts::of_meshes::MeshBlock;
 use super::contacts::store::SharedContacts;
 use super::mesh::collide_mesh;
@@ -262,18 +262,22 @@ fn store(
     }
     // SAFETY: the contact is this pair's, and this block has the pair.
     let mut contact = unsafe { contacts.at(pair.contact) };
-    if chosen.raw.count as usize > contact.room() && !out.grow(index, chosen.raw, chosen.fraction) {
-        return false;
+    let mut raw = chosen.raw;
+    let growth = (raw.count as usize > contact.room()).then(|| out.grow(index, raw, chosen.fraction));
+    match growth {
+        Some(Growth::Again) => return false,
+        Some(Growth::Cut) => out.count_shed(raw.keep(contact.room())),
+        Some(Growth::Later) | None => {}
     }
     if contact.pushed && nearest > GHOST_GAP * input.margin {
         out.count_ghost();
     }
     if chosen.raw.count == 0 {
         out.empty(index);
-    } else if chosen.raw.count as usize <= contact.room() {
+    } else if !matches!(growth, Some(Growth::Later)) {
         let frame = input.poses[pair.a as usize].rotation;
         let at = FoundAt { pose: *rel, frame, fraction: chosen.fraction };
-        contact.renew(&chosen.raw, at, MatchLimits::of(input, pair));
+        contact.renew(&raw, at, MatchLimits::of(input, pair));
     }
     true
 }

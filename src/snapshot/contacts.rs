@@ -286,7 +286,7 @@ impl<'a> SavedPairs<'a> {
                 let (mut last, mut more) = (NO_CONTACT, true);
                 while more {
                     let read = read_contact(&mut from, (a, b))?;
-                    let slot = contacts.insert(&read.contact);
+                    let slot = contacts.restore(&read.contact);
                     if last == NO_CONTACT {
                         pair.contact = slot;
                     } else {
@@ -298,6 +298,15 @@ impl<'a> SavedPairs<'a> {
             each(pair);
         }
         Ok(())
+    }
+
+    /// The number of all points, and one for each contact without any: it has a place too.
+    pub(super) fn points(&self) -> usize {
+        let (mut from, mut points) = (Reader(self.contacts), 0);
+        while let Ok(read) = read_contact(&mut from, (0, 0)) {
+            points += usize::from(read.contact.count.max(1));
+        }
+        points
     }
 
     /// Whether all pairs are some that `may` be, each once, and all contacts are whole: so many of them.

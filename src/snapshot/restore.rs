@@ -9,6 +9,7 @@ use crate::body::Pose;
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
+use crate::narrow_phase::ContactCount;
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
@@ -29,7 +30,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let brings = brought(&view, records.as_ref());
+    let brings = brought(&view, records.as_ref(), !world.settings.budget.is_none());
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -82,8 +83,8 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
-/// The memory that the snapshot needs.
-fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
+/// The memory that the snapshot needs; that of contacts only if it is `bounded`.
+fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>, bounded: bool) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
@@ -96,11 +97,15 @@ fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
         }
         new
     });
+    let contacts = match bounded {
+        true => ContactCount { contacts: counts.contacts as usize, points: view.pairs.points() },
+        false => ContactCount::default(),
+    };
     Brings {
         settings: &view.settings,
         pairs: (counts.pairs + counts.sleeping_pairs) as usize,
         sleeping_pairs: counts.sleeping_pairs as usize,
-        contacts: counts.contacts as usize,
+        contacts,
         forced: counts.has(FORCE),
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
@@ -109,8 +114,8 @@ fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
 
 /// Pairs, first those of the step and then those that islands keep, and all contacts.
 fn read_pairs(world: &mut World, view: &View<'_>) {
-    let World { broad, contacts, sleep, settings, .. } = world;
-    contacts.reset(view.counts.contacts as usize, !settings.budget.is_none());
+    let World { broad, contacts, sleep, .. } = world;
+    contacts.clear();
     broad.pairs.clear();
     let mut islands = view.sleep.islands_of_pairs();
     let mut left = view.counts.pairs;

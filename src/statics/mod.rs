@@ -133,7 +133,7 @@ impl Statics {
         if gravity == 0.0 || !settings.warm_starting {
             return;
         }
-        let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.capacity());
+        let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.capacity().contacts);
         self.wait = self.wait.saturating_sub(1);
         // Reserved in every step: an estimate in a scene that settled long ago must not be the first to
         // allocate.

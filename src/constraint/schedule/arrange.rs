@@ -14,7 +14,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactRef, Contacts, MAX_POINTS, NO_CONTACT, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Weight};
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -247,7 +247,10 @@ impl PrepareScratch {
     fn note_ahead(&mut self, input: &PrepareInput<'_>, ahead: &[[usize; 4]; 2]) {
         let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
         let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
-        let contacts = ahead.iter().enumerate().map(|(i, n)| n * Contacts::bytes_with(i % MAX_POINTS + 1));
+        let contacts = ahead
+            .iter()
+            .enumerate()
+            .map(|(i, n)| n * ContactCount { contacts: 1, points: i % MAX_POINTS + 1 }.bytes());
         self.ahead = (contacts.sum(), rows);
         // The maximum of both together, which the limit of continuous collision bounds.
         let (now, most) = (self.ahead, &mut self.most_ahead);

@@ -4,7 +4,7 @@
 use super::arrange::{ahead_lanes, each_contact, group_of};
 use super::order::Group;
 use crate::constraint::contact::prepare::PrepareInput;
-use crate::narrow_phase::{Contact, ContactRef, Threshold, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, Threshold, Weight};
 
 /// The savings where memory does not suffice for all, beginning with what is missed least. All savings of one
 /// kind come before any of the next.
@@ -93,7 +93,10 @@ impl Ahead {
         }
         let whole = Ahead {
             left: [input.ahead, 0],
-            cost: ahead_lanes(input).map(|side| side.map(|lane| lane.div_ceil(8) + size_of::<Contact>())),
+            cost: ahead_lanes(input).map(|side| {
+                let contact = |points: usize| ContactCount { contacts: 1, points }.bytes();
+                std::array::from_fn(|i| side[i].div_ceil(8) + contact(i + 1))
+            }),
         };
         let mut of_static = 0;
         each_contact(input, |_, contact| {

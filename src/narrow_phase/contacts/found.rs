@@ -7,13 +7,13 @@
 use super::admit::{Census, Kind as Taken, Means, RowSpace};
 use super::contact::{Contact, FoundAt, NO_CONTACT};
 use super::of_meshes::{MeshBlock, commit_meshes};
-use super::store::Contacts;
+use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
-use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
+use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::shape::Kind;
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
@@ -31,12 +31,24 @@ pub(crate) struct Fresh {
 /// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
 
+/// What becomes of a manifold that its contact has no place for.
+pub(crate) enum Growth {
+    /// The contact gets it once it has been given a place.
+    Later,
+    /// The block has to look at the pair again: there is no place for the manifold until then.
+    Again,
+    /// The contact gets the points that it has place for.
+    Cut,
+}
+
 /// What a block writes, apart from the contacts that its pairs have already.
 pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
     pairs: &'a [Pair],
     block: &'a mut Block,
     state: &'a Shared<'a, u8>,
+    /// Whether it may have to look at pairs again.
+    repeats: bool,
     pub(crate) mesh: Option<&'a mut MeshBlock>,
 }
 
@@ -78,20 +90,22 @@ impl BlockOutput<'_> {
         }
     }
 
-    /// Gives a pair's contact a manifold that it has no place for, once it has been given one. Returns whether
-    /// there was a place to put it until then; if not, the block will look at the pair again.
-    pub(crate) fn grow(&mut self, index: u32, raw: RawManifold, fraction: f32) -> bool {
+    /// Takes a manifold that the contact of its pair has no place for.
+    pub(crate) fn grow(&mut self, index: u32, raw: RawManifold, fraction: f32) -> Growth {
         let block = &mut *self.block;
         let at = block.found();
-        if let Some(place) = self.fresh.get_mut(at).filter(|_| block.grown < block.growth()) {
+        if let Some(place) = self.fresh.get_mut(at).filter(|_| block.grown < block.growth) {
             *place = Fresh { pair: index, fraction, raw };
             block.grown += 1;
-            return true;
+            return Growth::Later;
+        }
+        if !self.repeats {
+            return Growth::Cut;
         }
         // SAFETY: the pair is this block's.
         unsafe { *self.state.get(index as usize) = CROWDED };
         block.crowded += 1;
-        false
+        Growth::Again
     }
 
     /// Removes a pair's contacts.
@@ -130,6 +144,7 @@ pub(crate) struct Places<'a> {
     fresh: Shared<'a, Fresh>,
     meshes: usize,
     mesh: Shared<'a, MeshBlock>,
+    repeats: bool,
 }
 
 impl Places<'_> {
@@ -148,7 +163,8 @@ impl Places<'_> {
         // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
         unsafe {
             let fresh = self.fresh.part(start..start + block.place as usize);
-            BlockOutput { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+            let mesh = is_mesh.then(|| self.mesh.get(own));
+            BlockOutput { fresh, pairs, state, repeats: self.repeats, mesh, block }
         }
     }
 }
@@ -197,7 +213,7 @@ impl FoundContacts {
     pub(crate) fn plan(
         &mut self,
         bins: &mut Bins,
-        pairs: &[Pair],
+        (pairs, contacts): (&[Pair], &Contacts),
         input: &Input<'_>,
         (allowances, slab): (&mut Allowances, &mut Slab),
     ) {
@@ -214,7 +230,7 @@ impl FoundContacts {
             };
             allowances.within(Category::Scratch, half);
         }
-        let (mut own, mut total) = (0, [0u32; 2]);
+        let (mut own, mut total, mut growing) = (0, [0u32; 2], 0);
         for block in &mut bins.blocks {
             if block.bin.is_mesh() {
                 block.mesh = own;
@@ -225,15 +241,18 @@ impl FoundContacts {
             let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
             if endless {
                 let new = new.count() as u32;
-                block.place = new + (order.len() as u32 - new).div_ceil(GROWING);
+                block.growth = block.growing(order.len() as u32 - new).div_ceil(GROWING) as u8;
+                block.place = new + u32::from(block.growth);
                 block.quota = [new; 2];
                 continue;
             }
             new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-            block.place = block.quota[0] + block.quota[1];
+            let old = order.iter().map(|&i| pairs[i as usize].contact).filter(|&slot| slot != NO_CONTACT);
+            let small = old.filter(|&slot| contacts.room(slot) < MAX_POINTS).count() as u32;
+            block.growth = block.growing(small) as u8;
+            growing += u32::from(block.growth);
+            total[0] += block.quota[0] + block.quota[1];
             total[1] += block.quota[1];
-            block.fresh = total[0];
-            total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
@@ -242,13 +261,25 @@ impl FoundContacts {
             self.place = 0;
             return;
         }
-        let wanted = total[0] as usize;
+        let wanted = (total[0] + growing) as usize;
         let part = |allowance: &mut Allowance| {
             allowance.within(4, |allowance| slab.reserve::<Fresh>(wanted, allowance))
         };
         self.place = allowances.within(Category::Rows, part);
         if self.place < wanted {
+            // Contacts that there are keep the points that they have place for.
+            bins.blocks.iter_mut().for_each(|block| block.growth = 0);
+            self.place = self.place.min(total[0] as usize);
+        }
+        if self.place < total[0] as usize {
             cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
+        } else {
+            let mut start = 0;
+            for block in bins.blocks.iter_mut().filter(|block| !block.bin.is_mesh()) {
+                block.place = block.quota[0] + block.quota[1] + u32::from(block.growth);
+                block.fresh = start;
+                start += block.place;
+            }
         }
     }
 
@@ -275,7 +306,8 @@ impl FoundContacts {
     pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
         let meshes = self.meshes.len();
         let fresh = if self.place > 0 { slab.alone(self.place) } else { &mut self.fresh };
-        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes) }
+        let repeats = self.share.is_endless();
+        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
     /// Gives slots to the contacts of some blocks, and with the last of them to those of mesh blocks. Returns
@@ -301,10 +333,14 @@ impl FoundContacts {
                 contacts.remove_chain(slot);
             }
         }
+        if blocks.iter().any(|block| block.grown > 0) {
+            let found = (blocks, self.place, &mut self.fresh);
+            shed += renew_grown(found, pairs, contacts, input, (allowances, space));
+        }
         let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
-        let mut of_meshes = 0;
+        let mut of_meshes = ContactCount::default();
         for block in &mut *meshes {
-            of_meshes += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
+            of_meshes = of_meshes + block.count_more(pairs, contacts);
             let used = self.share.left() - block.mesh.allowance.left();
             allowances.within(Category::Scratch, |allowance| allowance.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
@@ -312,9 +348,8 @@ impl FoundContacts {
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let mut way = Way::FREE;
         if allowances.is_endless() {
-            let found = blocks.iter().map(|block| (block.used[0] + block.used[1]) as usize).sum::<usize>();
-            allowances
-                .within(Category::Manifolds, |allowance| contacts.reserve(found + of_meshes, allowance));
+            let more = count(found_by(blocks, &self.fresh)) + of_meshes;
+            allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
         } else {
             let found = (blocks, self.place, &*meshes);
             way = make_way(found, of_meshes, pairs, contacts, input, (allowances, space));
@@ -329,16 +364,11 @@ impl FoundContacts {
         let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
         for found in found_by(blocks, fresh) {
             let pair = &mut pairs[found.pair as usize];
-            let at = FoundAt::of(pair, input, found.fraction);
-            if pair.contact != NO_CONTACT {
-                contacts.grow(pair.contact, found.raw.count as usize);
-                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
-                continue;
-            }
             if !allowances.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
                 shed += found.raw.count;
                 continue;
             }
+            let at = FoundAt::of(pair, input, found.fraction);
             let contact = Contact::found(pair.a, pair.b, &found.raw, at);
             self.touching |= contact.as_ref().touches_anew(input.touch_distance);
             pair.contact = contacts.insert_within(&contact, way.most);
@@ -377,7 +407,7 @@ impl Way {
 /// for the others.
 fn make_way(
     (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
-    of_meshes: usize,
+    of_meshes: ContactCount,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
@@ -404,31 +434,82 @@ fn make_way(
         let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
         census.add(found.weight(pair, input), taken, &cost);
     }
-    let admitted = Means::new(allowances, space, contacts.place()).admit(&census);
+    let admitted = Means::new(allowances, space, contacts).admit(&census);
     let mut floor = admitted.floor;
     let shed = evict(&mut floor, pairs, contacts, input);
     let mut ahead = floor;
     let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
-    let more = found_by(blocks, space.slab.alone(place)).filter(stays).count() + of_meshes;
+    let more = count(found_by(blocks, space.slab.alone(place)).filter(stays)) + of_meshes;
     let reserved = space.slab.bytes(0).1 + cost.reserved;
     let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
+    // Rows have more memory than they will need, because there were fewer contacts, or these had more points.
+    let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
+    let place = reserve(more, contacts, (needed, of_rows), (allowances, space));
+    Way { most: contacts.live() + more.contacts.min(place), floor, of_rows, shed }
+}
+
+/// Reserves memory for so many more contacts; returns for how many there is. If it does not suffice, the last
+/// step's rows give up theirs down to `needed` bytes; `of_rows` stay left for more rows.
+fn reserve(
+    more: ContactCount,
+    contacts: &mut Contacts,
+    (needed, of_rows): (usize, usize),
+    (allowances, space): (&mut Allowances, &mut RowSpace),
+) -> usize {
     let left = |allowances: &Allowances| {
         allowances.own(Category::Manifolds).min(allowances.whole().saturating_sub(of_rows))
     };
-    let lacking = contacts.missing_for(more).saturating_sub(left(allowances));
+    let lacking = contacts.lacking(more).bytes().saturating_sub(left(allowances));
     if lacking > 0 {
-        // Rows have more memory than they will need, because there were fewer contacts, or these had more
-        // points.
-        let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
         let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
         allowances.within(Category::Rows, |allowance| allowance.give(space.slab.spare(to)));
         space.slab.shrink(to);
     }
     let left = left(allowances);
-    let mut allowance = Allowance::new(left);
+    let mut allowance = if allowances.is_endless() { Allowance::ENDLESS } else { Allowance::new(left) };
     let place = contacts.reserve(more, &mut allowance);
     allowances.within(Category::Manifolds, |all| all.take(left - allowance.left()));
-    Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
+    place
+}
+
+/// Gives the contacts of some blocks places for the manifolds that they had none for, and then these. What was
+/// found about them is done with. Returns the number of points that got no place.
+fn renew_grown(
+    (blocks, place, fresh): (&[Block], usize, &mut Vec<Fresh>),
+    pairs: &[Pair],
+    contacts: &mut Contacts,
+    input: &Input<'_>,
+    (allowances, space): (&mut Allowances, &mut RowSpace),
+) -> u32 {
+    let grown = |fresh: &[Fresh]| {
+        let grown = found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
+        let points =
+            grown.map(|found| found.raw.count as usize - contacts.room(pairs[found.pair as usize].contact));
+        ContactCount { contacts: 0, points: points.sum() }
+    };
+    let more = grown(if place > 0 { space.slab.alone(place) } else { fresh });
+    reserve(more, contacts, (place * FRESH_BYTES, 0), (allowances, space));
+    let fresh = if place > 0 { space.slab.alone(place) } else { fresh.as_mut_slice() };
+    let mut shed = 0;
+    for block in blocks.iter().filter(|block| block.grown > 0) {
+        for found in &mut fresh[block.fresh as usize..][..block.found()] {
+            let pair = &pairs[found.pair as usize];
+            if pair.contact != NO_CONTACT {
+                let room = contacts.grow(pair.contact, found.raw.count as usize);
+                shed += found.raw.keep(room);
+                let at = FoundAt::of(pair, input, found.fraction);
+                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
+                found.raw.count = 0;
+            }
+        }
+    }
+    shed
+}
+
+/// So many contacts with so many points.
+fn count<'a>(found: impl Iterator<Item = &'a Fresh>) -> ContactCount {
+    let of = |found: &Fresh| ContactCount { contacts: 1, points: found.raw.count as usize };
+    found.map(of).fold(ContactCount::default(), std::ops::Add::add)
 }
 
 impl FoundAt {
@@ -459,11 +540,11 @@ fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
     end
 }
 
-/// What blocks found, in their order.
+/// What blocks found, in their order, apart from what is done with.
 fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
     blocks.iter().flat_map(|block| {
         let (start, used) = (block.fresh as usize, block.found());
-        &fresh[start..start + used]
+        fresh[start..start + used].iter().filter(|found| found.raw.count > 0)
     })
 }
 

@@ -33,6 +33,19 @@ impl RawManifold {
         &self.points[..self.count as usize]
     }
 
+    /// Leaves out the points that are furthest apart until there are so many; returns how many it left out.
+    pub(crate) fn keep(&mut self, most: usize) -> u32 {
+        let before = self.count;
+        while self.count as usize > most {
+            let furthest = (0..self.count as usize)
+                .max_by(|&i, &k| self.points[i].separation.total_cmp(&self.points[k].separation));
+            let from = furthest.unwrap_or(0);
+            self.points[from..self.count as usize].rotate_left(1);
+            self.count -= 1;
+        }
+        before - self.count
+    }
+
     /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.
     pub(crate) fn flipped(&self, position: Vec3, rotation: glam::Quat) -> RawManifold {
         let back = rotation.conjugate();

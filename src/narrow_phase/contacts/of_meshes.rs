@@ -1,7 +1,7 @@
 //! The contacts of pairs with meshes and height fields: each step exchanges all that a pair has.
 
 use super::contact::{Contact, FoundAt, NO_CONTACT};
-use super::store::Contacts;
+use super::store::{ContactCount, Contacts};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Buffer, Buffers, bytes_of};
 use crate::narrow_phase::RawManifold;
@@ -71,6 +71,19 @@ impl MeshBlock {
             let old = contacts.count(pair.contact);
             (&self.many[(start as usize + old).min(end as usize)..end as usize], pair)
         })
+    }
+
+    /// How many contacts [`MeshBlock::more`] are, and the most points that a pair has in addition at any time.
+    pub(super) fn count_more(&self, pairs: &[Pair], contacts: &Contacts) -> ContactCount {
+        let mut count = ContactCount::default();
+        for (&Looked { pair, start, end }, (more, _)) in self.looked.iter().zip(self.more(pairs, contacts)) {
+            let new: u32 = self.many[start as usize..end as usize].iter().map(|found| found.raw.count).sum();
+            let slot = pairs[pair as usize].contact;
+            let old: usize = contacts.chain(slot).map(|contact| contact.points().len()).sum();
+            count.contacts += more.len();
+            count.points += (new as usize).saturating_sub(old);
+        }
+        count
     }
 
     pub(super) fn bytes(&self) -> (usize, usize) {

@@ -1,10 +1,8 @@
 //! The store of contacts: their headers in one column, their points in another.
 //!
-//! A contact has a slot and a place for as many points as it has. Under a budget all places are whole, for
-//! four points: what is admitted then can grow without asking for memory again.
+//! A contact has a slot and a place for as many points as it has.
 
 use super::contact::{Contact, ContactMut, ContactRef, Header, NO_CONTACT, Point};
-use super::manifold::MAX_POINTS;
 use super::places::{Place, Places};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
@@ -17,6 +15,39 @@ pub(super) struct Slot {
     pub(super) place: Place,
 }
 
+/// A number of contacts, and of points of all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ContactCount {
+    pub(crate) contacts: usize,
+    pub(crate) points: usize,
+}
+
+impl ContactCount {
+    pub(crate) fn bytes(self) -> usize {
+        self.contacts * size_of::<Slot>() + self.points * size_of::<Point>()
+    }
+
+    /// The least that is enough for both.
+    pub(crate) fn max(self, other: ContactCount) -> ContactCount {
+        ContactCount { contacts: self.contacts.max(other.contacts), points: self.points.max(other.points) }
+    }
+
+    /// What is left of it without the other.
+    fn without(self, other: ContactCount) -> ContactCount {
+        ContactCount {
+            contacts: self.contacts.saturating_sub(other.contacts),
+            points: self.points.saturating_sub(other.points),
+        }
+    }
+}
+
+impl std::ops::Add for ContactCount {
+    type Output = ContactCount;
+    fn add(self, other: ContactCount) -> ContactCount {
+        ContactCount { contacts: self.contacts + other.contacts, points: self.points + other.points }
+    }
+}
+
 /// All contacts, with holes that are used again.
 #[derive(Debug)]
 pub(crate) struct Contacts {
@@ -25,25 +56,15 @@ pub(crate) struct Contacts {
     /// The first free slot, or [`NO_CONTACT`].
     free: u32,
     live: usize,
-    /// Every new place is for [`MAX_POINTS`].
-    whole: bool,
 }
 
 impl Default for Contacts {
     fn default() -> Self {
-        Contacts { slots: Vec::new(), places: Places::default(), free: NO_CONTACT, live: 0, whole: false }
+        Contacts { slots: Vec::new(), places: Places::default(), free: NO_CONTACT, live: 0 }
     }
 }
 
 impl Contacts {
-    /// Bytes of a contact with a whole place.
-    const WHOLE: usize = size_of::<Slot>() + MAX_POINTS * size_of::<Point>();
-
-    /// Bytes of a contact with so many points.
-    pub(crate) const fn bytes_with(points: usize) -> usize {
-        size_of::<Slot>() + points * size_of::<Point>()
-    }
-
     /// A contact.
     #[inline(always)]
     pub(crate) fn at(&self, slot: u32) -> ContactRef<'_> {
@@ -84,118 +105,81 @@ impl Contacts {
         self.slots.len()
     }
 
-    /// The number of slots that there is memory for.
-    pub(crate) fn capacity(&self) -> usize {
-        self.slots.capacity()
-    }
-
     /// Number of contacts.
     pub(crate) fn live(&self) -> usize {
         self.live
     }
 
-    /// Slots missing for so many more contacts.
-    fn lacking(&self, more: usize) -> usize {
-        (self.live + more).saturating_sub(self.place().0)
+    /// For how many there is memory.
+    pub(crate) fn capacity(&self) -> ContactCount {
+        ContactCount { contacts: self.slots.capacity(), points: self.places.points.capacity() }
     }
 
-    /// [`Contacts::missing`] in bytes.
-    pub(crate) fn missing_for(&self, more: usize) -> usize {
-        self.lacking(more) * Self::WHOLE
-    }
-
-    /// For how many whole contacts there is place, and the bytes of one.
-    pub(crate) fn place(&self) -> (usize, usize) {
-        (self.slots.capacity().min(self.places.points.capacity() / MAX_POINTS), Self::WHOLE)
-    }
-
-    /// Reserves slots for so many more contacts, as far as memory allows; returns how many. Without a budget
-    /// their points get places as they come.
-    pub(crate) fn reserve(&mut self, more: usize, allowance: &mut Allowance) -> usize {
-        if allowance.is_endless() {
-            allowance.fit(&mut self.slots, self.live + more);
-            return more;
+    /// What is missing for so many more.
+    pub(crate) fn lacking(&mut self, more: ContactCount) -> ContactCount {
+        let wanted = |all: &Self| ContactCount { contacts: all.live, points: all.places.used() } + more;
+        if wanted(self).points > self.places.points.capacity() {
+            self.places.close_up(&mut self.slots);
         }
-        let missing = self.lacking(more);
-        if missing > 0 {
-            let before = self.place().0;
-            let granted = missing.min(allowance.left() / Self::WHOLE);
-            let to = allowance.planned(before, before + granted, Self::WHOLE, usize::MAX);
-            self.each(to, &mut |buffer, len| {
-                allowance.take(buffer.missing(len));
-                buffer.reserve_total(len);
-            });
-        }
-        self.place().0 - self.live
+        wanted(self).without(self.capacity())
     }
 
-    /// Calls `f` with each buffer and the capacity that it needs for so many whole contacts.
-    pub(crate) fn each(&mut self, contacts: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.slots, contacts);
-        f(&mut self.places.points, MAX_POINTS * contacts);
-    }
-
-    /// Bytes that are lacking for so many whole contacts.
-    pub(crate) fn missing(&self, contacts: usize) -> usize {
-        self.slots.missing(contacts) + self.places.points.missing(MAX_POINTS * contacts)
-    }
-
-    /// Says whether the world has a budget. Contacts of a world that gets one have their places widened,
-    /// whether or not the budget allows it: what it admits is counted in whole contacts.
-    pub(crate) fn set_whole(&mut self, whole: bool) {
-        if whole && !self.whole {
-            self.widen();
-        }
-        self.whole = whole;
-    }
-
-    #[cold]
-    fn widen(&mut self) {
-        let mut points = Vec::new();
-        points.reserve_exact(MAX_POINTS * self.slots.capacity());
-        for slot in self.slots.iter_mut().filter(|slot| slot.place != Place::NONE) {
-            let first = points.len();
-            points.extend_from_slice(&self.places.points[slot.place.range()]);
-            points.resize(first + MAX_POINTS, Point::default());
-            slot.place = Place::new(first as u32, MAX_POINTS);
-        }
-        self.places.clear();
-        self.places.points = points;
-    }
-
-    /// A place for so many points. Without a budget the column grows; under one there is place for as many
-    /// contacts as have slots.
-    fn take_place(&mut self, count: usize) -> Option<Place> {
-        let count = if self.whole { MAX_POINTS } else { count };
-        if let Some(place) = self.places.take(count) {
-            return Some(place);
-        }
-        let points = self.places.points.len();
-        if !self.whole {
-            if self.places.spare() > points / SPARE {
-                self.places.close_up(&mut self.slots);
+    /// Reserves memory for so many more, as far as it suffices; returns for how many contacts.
+    pub(crate) fn reserve(&mut self, more: ContactCount, allowance: &mut Allowance) -> usize {
+        // Without a budget a part stays spare, so that places need not be moved together for every few.
+        let spare = if allowance.is_endless() { self.places.used() / SPARE } else { 0 };
+        let lacking = self.lacking(ContactCount { points: more.points + spare, ..more });
+        if lacking != ContactCount::default() {
+            let (bytes, left) = (lacking.bytes(), allowance.left());
+            let part = |n: usize| {
+                if bytes <= left { n } else { (n as u128 * left as u128 / bytes as u128) as usize }
+            };
+            let granted = ContactCount { contacts: part(lacking.contacts), points: part(lacking.points) };
+            let to = self.capacity() + granted;
+            if bytes <= left / 2 {
+                allowance.fit(&mut self.slots, to.contacts);
+                allowance.fit(&mut self.places.points, to.points);
+            } else {
+                self.each(to, &mut |buffer, len| {
+                    allowance.take(buffer.missing(len));
+                    buffer.reserve_total(len);
+                });
             }
-            let wanted = self.places.points.len() + count.max(1);
-            let mut allowance = Allowance::ENDLESS;
-            allowance.fit(&mut self.places.points, wanted);
         }
-        self.places.take(count)
+        self.slots.capacity() - self.live
     }
 
-    /// Inserts a contact; under a budget where [`Contacts::reserve`] reserved a slot. Returns its slot, or
-    /// [`NO_CONTACT`].
+    /// Calls `f` with each buffer and the capacity that it needs for so many.
+    pub(crate) fn each(&mut self, all: ContactCount, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.slots, all.contacts);
+        f(&mut self.places.points, all.points);
+    }
+
+    /// Bytes that are lacking for so many.
+    pub(crate) fn missing(&self, all: ContactCount) -> usize {
+        self.slots.missing(all.contacts) + self.places.points.missing(all.points)
+    }
+
+    /// A place for so many points, if there are as many spare.
+    fn take_place(&mut self, count: usize) -> Option<Place> {
+        self.places.take(count).or_else(|| {
+            if self.places.spare() == 0 {
+                return None;
+            }
+            self.places.close_up(&mut self.slots);
+            self.places.take(count)
+        })
+    }
+
+    /// Inserts a contact where [`Contacts::reserve`] reserved memory. Returns its slot, or [`NO_CONTACT`].
     pub(crate) fn insert(&mut self, contact: &Contact) -> u32 {
-        let is_full = self.whole && self.live >= self.place().0;
+        let is_full = self.live == self.slots.capacity();
         let place = if is_full { None } else { self.take_place(contact.count.into()) };
         let Some(place) = place else { return NO_CONTACT };
         let new = Slot { header: contact.header, place };
         self.places.points[place.range()].copy_from_slice(&contact.points[..place.room()]);
         self.live += 1;
         if self.free == NO_CONTACT {
-            if !self.whole {
-                let (wanted, mut allowance) = (self.slots.len() + 1, Allowance::ENDLESS);
-                allowance.fit(&mut self.slots, wanted);
-            }
             self.slots.push(new);
             return self.slots.len() as u32 - 1;
         }
@@ -209,17 +193,25 @@ impl Contacts {
         if self.live < most { self.insert(contact) } else { NO_CONTACT }
     }
 
-    /// Gives a contact a place for so many points, if its own is smaller. Its points stay.
-    pub(crate) fn grow(&mut self, slot: u32, count: usize) {
-        let room = self.slots[slot as usize].place.room();
-        if room >= count {
-            return;
+    /// Gives a contact a place for so many points, or as many as there are spare, if its own is smaller.
+    /// Returns for how many it has place. Its points stay.
+    pub(crate) fn grow(&mut self, slot: u32, count: usize) -> usize {
+        let own = self.slots[slot as usize].place;
+        if own.room() >= count {
+            return own.room();
         }
-        let Some(place) = self.take_place(count) else { return };
-        // Its own place may have been moved.
-        let own = std::mem::replace(&mut self.slots[slot as usize].place, place);
-        self.places.points.copy_within(own.range(), place.range().start);
-        self.places.give(own);
+        let points = self.at(slot).to_owned().points;
+        self.places.give(std::mem::replace(&mut self.slots[slot as usize].place, Place::NONE));
+        // At least its own place is free now.
+        let place = (own.room()..=count).rev().find_map(|count| self.take_place(count)).unwrap_or(own);
+        self.places.points[place.range()].copy_from_slice(&points[..place.room()]);
+        self.slots[slot as usize].place = place;
+        place.room()
+    }
+
+    /// For how many points a contact has place.
+    pub(crate) fn room(&self, slot: u32) -> usize {
+        self.slots[slot as usize].place.room()
     }
 
     /// Calls `f` with each contact of these pairs, in their order.
@@ -251,16 +243,22 @@ impl Contacts {
         }
     }
 
-    /// Removes all contacts and reserves slots for so many; `whole`: under a budget.
-    pub(crate) fn reset(&mut self, contacts: usize, whole: bool) {
-        self.whole = whole;
+    /// Removes all contacts.
+    pub(crate) fn clear(&mut self) {
         self.slots.clear();
         self.places.clear();
         (self.free, self.live) = (NO_CONTACT, 0);
-        if self.whole {
-            self.each(contacts, &mut |buffer, len| buffer.reserve_total(len));
-        } else {
-            self.slots.reserve_total(contacts);
+    }
+
+    /// Inserts a contact of a snapshot, for which memory was reserved if there is a budget. Returns its slot.
+    pub(crate) fn restore(&mut self, contact: &Contact) -> u32 {
+        match self.insert(contact) {
+            NO_CONTACT => {
+                let one = ContactCount { contacts: 1, points: contact.count.max(1).into() };
+                self.reserve(one, &mut { Allowance::ENDLESS });
+                self.insert(contact)
+            }
+            slot => slot,
         }
     }
 
@@ -281,9 +279,8 @@ impl Contacts {
     }
 }
 
-/// Once more than this part of the column is spare, places are moved together rather than that it grows. With
-/// a smaller part, moving them would cost more than the places that it makes.
-const SPARE: usize = 8;
+/// The part of the points in use that stays spare without a budget.
+const SPARE: usize = 16;
 
 /// All contacts, for blocks of a stage that write to different ones.
 pub(crate) struct SharedContacts<'a> {
@@ -311,7 +308,7 @@ impl SharedContacts<'_> {
 mod tests {
     use super::*;
     use crate::narrow_phase::contacts::contact::FoundAt;
-    use crate::narrow_phase::{RawManifold, Relative};
+    use crate::narrow_phase::{MAX_POINTS, RawManifold, Relative};
     use crate::random::Random;
     use glam::{Quat, Vec3};
     use std::collections::BTreeMap;
@@ -353,7 +350,6 @@ mod tests {
         assert_eq!((store.places.spare(), store.live()), (spare, model.len()));
         for (&slot, contact) in model {
             assert_eq!(seen(store.at(slot)), seen(contact.as_ref()));
-            assert!(!store.whole || store.slots[slot as usize].place.room() == MAX_POINTS);
         }
         let (live, reserved) = store.bytes();
         assert!(live <= reserved);
@@ -382,10 +378,20 @@ mod tests {
         }
     }
 
-    /// A manifold of so many points, which may be more or fewer than there were.
+    fn size_of(contact: &Contact) -> ContactCount {
+        ContactCount { contacts: 1, points: contact.count.into() }
+    }
+
+    /// Inserts a contact, with memory without end.
+    fn add(store: &mut Contacts, contact: &Contact) -> u32 {
+        store.reserve(size_of(contact), &mut { Allowance::ENDLESS });
+        store.insert(contact)
+    }
+
+    /// Gives a contact the points of another, which may be more or fewer than it had.
     fn renew(store: &mut Contacts, slot: u32, new: &Contact) {
         let before = seen(store.at(slot));
-        store.grow(slot, new.count.into());
+        assert!(store.grow(slot, new.count.into()) >= new.count.into());
         assert_eq!(seen(store.at(slot)), before);
         let mut own = store.at_mut(slot);
         (own.a, own.count, own.twist) = (new.a, new.count, new.twist);
@@ -402,8 +408,8 @@ mod tests {
                 match random.below(20) {
                     0..7 => {
                         let mut allowance =
-                            if store.whole { Allowance::new(1 << 20) } else { Allowance::ENDLESS };
-                        store.reserve(1, &mut allowance);
+                            if id % 2 == 0 { Allowance::new(1 << 20) } else { Allowance::ENDLESS };
+                        store.reserve(size_of(&new), &mut allowance);
                         assert_eq!(store.insert(&new), model.insert(new));
                     }
                     7..12 => {
@@ -413,12 +419,14 @@ mod tests {
                         model.free.push(slot);
                         assert!(store.get(slot as usize).is_none());
                     }
-                    12..19 => {
+                    _ => {
                         let Some(slot) = model.pick(&mut random) else { continue };
+                        store.reserve(ContactCount { contacts: 0, ..size_of(&new) }, &mut {
+                            Allowance::ENDLESS
+                        });
                         renew(&mut store, slot, &new);
                         model.contacts.insert(slot, new);
                     }
-                    _ => store.set_whole(random.below(3) == 0),
                 }
                 check(&store, &model.contacts);
             }
@@ -428,15 +436,16 @@ mod tests {
     #[test]
     fn what_is_held_does_not_depend_on_the_order_of_sizes() {
         let mut store = Contacts::default();
-        let mut slots: Vec<u32> = (0..64).map(|id| store.insert(&contact(id, 4))).collect();
+        let mut slots: Vec<u32> = (0..64).map(|id| add(&mut store, &contact(id, 4))).collect();
         let most = store.bytes().1;
         for round in 0..200 {
             // Never more points than at first, in places of all sizes.
             let points = 1 + round % MAX_POINTS;
             slots.drain(..).for_each(|slot| store.remove_chain(slot));
-            slots = (0..64).map(|id| store.insert(&contact(id, points))).collect();
-            let slot = slots[round % 64];
-            renew(&mut store, slot, &contact(900, MAX_POINTS));
+            slots = (0..64).map(|id| add(&mut store, &contact(id, points))).collect();
+            if points < MAX_POINTS {
+                renew(&mut store, slots[round % 64], &contact(900, MAX_POINTS));
+            }
             assert!(store.bytes().1 <= most, "{round}: {} {most}", store.bytes().1);
         }
     }
@@ -444,7 +453,7 @@ mod tests {
     #[test]
     fn a_chain_is_removed_as_a_whole_and_its_slots_are_taken_last_first() {
         let mut store = Contacts::default();
-        let slots: Vec<u32> = (0..3).map(|id| store.insert(&contact(id, 2))).collect();
+        let slots: Vec<u32> = (0..3).map(|id| add(&mut store, &contact(id, 2))).collect();
         store.at_mut(slots[0]).next = slots[1];
         store.at_mut(slots[1]).next = slots[2];
         assert_eq!((store.count(slots[0]), store.live()), (3, 3));
@@ -456,19 +465,20 @@ mod tests {
     }
 
     #[test]
-    fn under_a_budget_as_many_are_admitted_as_are_whole_in_what_is_left() {
-        let mut store = Contacts::default();
-        store.set_whole(true);
-        let mut allowance = Allowance::new(10 * Contacts::WHOLE + 7);
-        assert_eq!(store.reserve(20, &mut allowance), 10);
-        assert_eq!((allowance.left(), store.bytes().1), (7, 10 * Contacts::WHOLE));
+    fn under_a_budget_nothing_is_reserved_beyond_it_and_what_finds_no_place_keeps_its_points() {
+        let (mut store, one) = (Contacts::default(), ContactCount { contacts: 1, points: 1 });
+        let mut allowance = Allowance::new(10 * one.bytes() + 7);
+        let twenty = ContactCount { contacts: 20, points: 20 };
+        assert_eq!(store.reserve(twenty, &mut allowance), 10);
+        assert_eq!((allowance.left(), store.bytes().1), (7, 10 * one.bytes()));
         let slots: Vec<u32> = (0..10).map(|id| store.insert(&contact(id, 1))).collect();
         assert_eq!(store.insert(&contact(10, 1)), NO_CONTACT);
-        // Each may get all its points now, without asking for memory.
-        slots.iter().for_each(|&slot| store.grow(slot, MAX_POINTS));
-        assert!(slots.iter().all(|&slot| store.at_mut(slot).room() == MAX_POINTS));
-        assert_eq!(store.bytes().1, 10 * Contacts::WHOLE);
-        store.remove_chain(slots[3]);
-        assert_eq!(store.insert(&contact(11, 4)), slots[3]);
+        assert_eq!(store.grow(slots[0], MAX_POINTS), 1);
+        // What others give up is theirs.
+        slots[2..4].iter().for_each(|&slot| store.remove_chain(slot));
+        assert_eq!(store.grow(slots[0], MAX_POINTS), 3);
+        assert_eq!(store.insert(&contact(11, 1)), NO_CONTACT);
+        assert_eq!((store.live(), store.bytes().1), (8, 10 * one.bytes()));
+        assert_eq!(seen(store.at(slots[0])), seen(contact(0, 1).as_ref()));
     }
 }

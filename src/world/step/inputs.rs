@@ -62,7 +62,6 @@ impl World {
     /// Finds the contacts of the step.
     pub(crate) fn find_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> NarrowStats {
         let unit = self.settings.length_unit;
-        self.contacts.set_whole(!self.settings.budget.is_none());
         let mut allowances = self.allowances();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
