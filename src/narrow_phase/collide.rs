@@ -15,7 +15,7 @@ use crate::memory::{Allowances, Category, Slab, buffers};
 use crate::narrow_phase::contacts::admit::RowSpace;
 use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
 use crate::narrow_phase::contacts::found::{CLEAR, CROWDED, EMPTIED, FoundContacts};
-use crate::narrow_phase::contacts::manifold::MAX_POINTS;
+use crate::narrow_phase::contacts::manifold::{MAX_POINTS, most_points};
 use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
 use crate::narrow_phase::contacts::weight::Scale;
 use crate::shape::{Collider, ColliderSummary, Kind};
@@ -63,6 +63,13 @@ impl Input<'_> {
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
+    }
+
+    /// For how many points a contact of a pair gets place, at least. Under a budget that is all that it may ever
+    /// have: what was admitted can grow then without asking for memory again.
+    pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
+        let kind = |c: u32| self.summaries[c as usize].kind;
+        if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }
     }
 
     /// Whether a pair only reports what is in a sensor.
@@ -189,6 +196,7 @@ pub(crate) fn collide(
 ) -> NarrowStats {
     // The broad phase takes in pairs only if there is memory for this.
     allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.bin_of, pairs.len()));
+    contacts.keep_rooms(!allowances.is_endless());
     place(workers, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
     allowances.within(Category::Scratch, |allowance| bins.sort(bin_of, EMPTIED, allowance));

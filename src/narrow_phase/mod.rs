@@ -21,7 +21,7 @@ pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
 pub(crate) use contacts::contact::{Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
-pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint, most_points};
 pub(crate) use contacts::store::{ContactCount, Contacts, SharedContacts};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};
 pub(crate) use convex::collide_convex;

@@ -275,8 +275,14 @@ impl<'a> SavedPairs<'a> {
         }
     }
 
-    /// Calls `each` with every pair, whose contacts are added to `contacts` by then.
-    pub(super) fn restore(&self, contacts: &mut Contacts, mut each: impl FnMut(Pair)) -> Result<(), Error> {
+    /// Calls `each` with every pair, whose contacts are added to `contacts` by then, each with place for at least
+    /// `room` points of its two colliders.
+    pub(super) fn restore(
+        &self,
+        contacts: &mut Contacts,
+        room: &dyn Fn(u32, u32) -> usize,
+        mut each: impl FnMut(Pair),
+    ) -> Result<(), Error> {
         let mut from = Reader(self.contacts);
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
@@ -286,7 +292,7 @@ impl<'a> SavedPairs<'a> {
                 let (mut last, mut more) = (NO_CONTACT, true);
                 while more {
                     let read = read_contact(&mut from, (a, b))?;
-                    let slot = contacts.restore(&read.contact);
+                    let slot = contacts.restore(&read.contact, room(a, b));
                     if last == NO_CONTACT {
                         pair.contact = slot;
                     } else {
@@ -300,11 +306,18 @@ impl<'a> SavedPairs<'a> {
         Ok(())
     }
 
-    /// The number of all points, and one for each contact without any: it has a place too.
-    pub(super) fn points(&self) -> usize {
+    /// The number of points that all contacts have place for, if each has one for at least `room` of its two
+    /// colliders.
+    pub(super) fn places(&self, room: &dyn Fn(u32, u32) -> usize) -> usize {
         let (mut from, mut points) = (Reader(self.contacts), 0);
-        while let Ok(read) = read_contact(&mut from, (0, 0)) {
-            points += usize::from(read.contact.count.max(1));
+        for i in (0..self.len()).filter(|&i| byte(self.flags, i) & TOUCHED != 0) {
+            let (a, b) = self.pair(i);
+            while let Ok(read) = read_contact(&mut from, (a, b)) {
+                points += room(a, b).max(read.contact.count.max(1).into());
+                if !read.more {
+                    break;
+                }
+            }
         }
         points
     }

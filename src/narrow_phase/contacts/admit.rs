@@ -38,23 +38,26 @@ pub(crate) struct Kind {
     /// The contact does not touch yet.
     pub(crate) potential: bool,
     pub(crate) points: usize,
+    /// For how many points it has place.
+    pub(crate) room: usize,
     /// The points that the contact can't do without.
     pub(crate) needed: usize,
 }
 
 impl Kind {
-    pub(crate) fn of(contact: ContactRef<'_>, is_static: bool, real: f32) -> Kind {
+    pub(crate) fn of(contact: ContactRef<'_>, room: usize, is_static: bool, real: f32) -> Kind {
         let needed = contact.needed().count_ones() as usize;
         let potential = contact.points().iter().all(|p| p.separation > real);
-        Kind { is_static, potential, points: contact.count as usize, needed }
+        Kind { is_static, potential, points: contact.count as usize, room, needed }
     }
 
-    pub(crate) fn of_new(raw: &RawManifold, is_static: bool, real: f32) -> Kind {
+    pub(crate) fn of_new(raw: &RawManifold, room: usize, is_static: bool, real: f32) -> Kind {
         let within = |most: f32| raw.points().iter().filter(|p| p.separation <= most).count();
         Kind {
             is_static,
             potential: within(real) == 0,
             points: raw.count as usize,
+            room: room.max(raw.count as usize),
             needed: within(0.0).max(1),
         }
     }
@@ -115,7 +118,7 @@ impl Census {
 
     pub(crate) fn add(&mut self, weight: Weight, kind: Kind, cost: &RowCost) {
         self.counts[weight.index()] += 1;
-        self.points[weight.index()] += kind.points as u32;
+        self.points[weight.index()] += kind.room as u32;
         for (rows, points) in self.rows.iter_mut().zip([kind.points, kind.needed]) {
             rows[weight.index()] += cost.of(kind, points) as u32;
         }
@@ -123,7 +126,7 @@ impl Census {
 
     /// Adds a contact that stays.
     pub(crate) fn add_fixed(&mut self, kind: Kind, cost: &RowCost) {
-        self.fixed.all = self.fixed.all + ContactCount { contacts: 1, points: kind.points };
+        self.fixed.all = self.fixed.all + ContactCount { contacts: 1, points: kind.room };
         for (rows, points) in self.fixed.rows.iter_mut().zip([kind.points, kind.needed]) {
             *rows += cost.of(kind, points);
         }
@@ -193,11 +196,9 @@ impl Means {
 
     /// Whether contacts fit with their rows. Rows can't take from contacts what their own limit denies them.
     fn hold(&self, Load { all, rows }: Load) -> bool {
-        // Memory for contacts is not memory for points.
-        let grown = all.max(self.held);
-        let bytes = if grown == self.held { all.bytes() } else { grown.bytes() };
-        grown.bytes() <= self.contacts
-            && bytes + (rows + loose(all.contacts, rows)).min(self.rows) <= self.whole
+        // Memory for headers is not memory for points.
+        all.max(self.held).bytes() <= self.contacts
+            && all.bytes() + (rows + loose(all.contacts, rows)).min(self.rows) <= self.whole
     }
 
     /// Decides which contacts of a census stay. Those that nothing approaches are shed first; if there is
@@ -237,7 +238,7 @@ mod tests {
 
     const COST: RowCost =
         RowCost { lanes: [[[100, 150, 180, 200]; 2]; 2], lists: 0, reserved: 0, per_point: false };
-    const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, needed: 1 };
+    const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, room: 4, needed: 1 };
 
     fn staying(whole: usize, census: &Census, weights: &[Weight]) -> Vec<bool> {
         let held = ContactCount::default();

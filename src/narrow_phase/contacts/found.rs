@@ -11,9 +11,9 @@ use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
+use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
-use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::shape::Kind;
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
@@ -247,9 +247,11 @@ impl FoundContacts {
                 continue;
             }
             new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-            let old = order.iter().map(|&i| pairs[i as usize].contact).filter(|&slot| slot != NO_CONTACT);
-            let small = old.filter(|&slot| contacts.room(slot) < MAX_POINTS).count() as u32;
-            block.growth = block.growing(small) as u8;
+            // Contacts that are older than the budget.
+            let small = |pair: &&Pair| {
+                pair.contact != NO_CONTACT && contacts.room(pair.contact) < input.room(pair, true)
+            };
+            block.growth = order.iter().map(|&i| &pairs[i as usize]).filter(small).count() as u8;
             growing += u32::from(block.growth);
             total[0] += block.quota[0] + block.quota[1];
             total[1] += block.quota[1];
@@ -348,7 +350,7 @@ impl FoundContacts {
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let mut way = Way::FREE;
         if allowances.is_endless() {
-            let more = count(found_by(blocks, &self.fresh)) + of_meshes;
+            let more = count(found_by(blocks, &self.fresh), |_| 0) + of_meshes;
             allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
         } else {
             let found = (blocks, self.place, &*meshes);
@@ -371,7 +373,8 @@ impl FoundContacts {
             let at = FoundAt::of(pair, input, found.fraction);
             let contact = Contact::found(pair.a, pair.b, &found.raw, at);
             self.touching |= contact.as_ref().touches_anew(input.touch_distance);
-            pair.contact = contacts.insert_within(&contact, way.most);
+            let room = input.room(pair, !allowances.is_endless());
+            pair.contact = contacts.insert_within(&contact, room, way.most);
             shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
@@ -417,21 +420,25 @@ fn make_way(
     let mut census = Census::new();
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
-        for contact in contacts.chain(pair.contact) {
-            let taken = Taken::of(contact, is_static, input.touch_distance);
+        let mut slot = pair.contact;
+        while slot != NO_CONTACT {
+            let (contact, room) = (contacts.at(slot), contacts.room(slot));
+            let taken = Taken::of(contact, room, is_static, input.touch_distance);
             match weight {
                 Some(weight) => census.add(weight, taken, &cost),
                 None => census.add_fixed(taken, &cost),
             }
+            slot = contact.next;
         }
     }
     for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.touch_distance);
+        let taken = |raw: &RawManifold| Taken::of_new(raw, 0, input.is_static(pair), input.touch_distance);
         many.iter().for_each(|found| census.add_fixed(taken(&found.raw), &cost));
     }
     for found in found_by(blocks, space.slab.alone(place)) {
         let pair = &pairs[found.pair as usize];
-        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
+        let taken =
+            Taken::of_new(&found.raw, input.room(pair, true), input.is_static(pair), input.touch_distance);
         census.add(found.weight(pair, input), taken, &cost);
     }
     let admitted = Means::new(allowances, space, contacts).admit(&census);
@@ -439,7 +446,8 @@ fn make_way(
     let shed = evict(&mut floor, pairs, contacts, input);
     let mut ahead = floor;
     let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
-    let more = count(found_by(blocks, space.slab.alone(place)).filter(stays)) + of_meshes;
+    let room = |found: &Fresh| input.room(&pairs[found.pair as usize], true);
+    let more = count(found_by(blocks, space.slab.alone(place)).filter(stays), room) + of_meshes;
     let reserved = space.slab.bytes(0).1 + cost.reserved;
     let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
     // Rows have more memory than they will need, because there were fewer contacts, or these had more points.
@@ -481,10 +489,13 @@ fn renew_grown(
     input: &Input<'_>,
     (allowances, space): (&mut Allowances, &mut RowSpace),
 ) -> u32 {
+    let bounded = !allowances.is_endless();
     let grown = |fresh: &[Fresh]| {
         let grown = found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
-        let points =
-            grown.map(|found| found.raw.count as usize - contacts.room(pairs[found.pair as usize].contact));
+        let points = grown.map(|found| {
+            let pair = &pairs[found.pair as usize];
+            input.room(pair, bounded).max(found.raw.count as usize) - contacts.room(pair.contact)
+        });
         ContactCount { contacts: 0, points: points.sum() }
     };
     let more = grown(if place > 0 { space.slab.alone(place) } else { fresh });
@@ -495,7 +506,8 @@ fn renew_grown(
         for found in &mut fresh[block.fresh as usize..][..block.found()] {
             let pair = &pairs[found.pair as usize];
             if pair.contact != NO_CONTACT {
-                let room = contacts.grow(pair.contact, found.raw.count as usize);
+                let wanted = input.room(pair, bounded).max(found.raw.count as usize);
+                let room = contacts.grow(pair.contact, wanted);
                 shed += found.raw.keep(room);
                 let at = FoundAt::of(pair, input, found.fraction);
                 contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
@@ -506,9 +518,9 @@ fn renew_grown(
     shed
 }
 
-/// So many contacts with so many points.
-fn count<'a>(found: impl Iterator<Item = &'a Fresh>) -> ContactCount {
-    let of = |found: &Fresh| ContactCount { contacts: 1, points: found.raw.count as usize };
+/// So many contacts, and the points of their places: of those that they have, but not fewer than `room` says.
+fn count<'a>(found: impl Iterator<Item = &'a Fresh>, room: impl Fn(&Fresh) -> usize) -> ContactCount {
+    let of = |found: &Fresh| ContactCount { contacts: 1, points: room(found).max(found.raw.count as usize) };
     found.map(of).fold(ContactCount::default(), std::ops::Add::add)
 }
 

@@ -1,10 +1,22 @@
 //! Contact manifolds: what the kernels hand on.
 
+use crate::shape::Kind;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Most points of a manifold.
 pub(crate) const MAX_POINTS: usize = 4;
+
+/// The most points of a manifold of two shapes; zero for meshes and height fields, whose contacts are never
+/// renewed but exchanged.
+pub(crate) fn most_points(a: Kind, b: Kind) -> usize {
+    match [a, b] {
+        [Kind::Mesh | Kind::HeightField, _] | [_, Kind::Mesh | Kind::HeightField] => 0,
+        [Kind::Sphere, _] | [_, Kind::Sphere] => 1,
+        [Kind::Capsule, _] | [_, Kind::Capsule] => 2,
+        _ => MAX_POINTS,
+    }
+}
 
 /// A point of a manifold, in the frame of shape `a`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -134,7 +134,7 @@ pub(super) fn commit_meshes(
                 contact.mean_friction = old.mean_friction;
             }
             *touching |= contact.as_ref().touches_anew(input.touch_distance);
-            let slot = contacts.insert_within(&contact, most);
+            let slot = contacts.insert_within(&contact, 0, most);
             if slot == NO_CONTACT {
                 shed += raw.count;
             } else if last == NO_CONTACT {

@@ -99,8 +99,8 @@ impl Places {
     }
 
     /// Moves the places of all contacts together, in their order, and leaves none spare. What a place has
-    /// beyond the points of its contact is given up.
-    pub(super) fn close_up(&mut self, slots: &mut [Slot]) {
+    /// beyond the points of its contact is given up, unless rooms are kept.
+    pub(super) fn close_up(&mut self, slots: &mut [Slot], keep_rooms: bool) {
         for (list, size) in self.free.iter_mut().zip(1u32..) {
             while *list != NOWHERE {
                 let key = &mut self.points[*list as usize].key;
@@ -121,7 +121,7 @@ impl Places {
             }
             let room = (owner >> ROOM) as usize + 1;
             let slot = &mut slots[(owner & ((1 << ROOM) - 1)) as usize];
-            let stay = usize::from(slot.header.count).clamp(1, room);
+            let stay = if keep_rooms { room } else { usize::from(slot.header.count).clamp(1, room) };
             self.points[from].key = slot.place.0;
             self.points.copy_within(from..from + stay, to);
             slot.place = Place::new(to as u32, stay);

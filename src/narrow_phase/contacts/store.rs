@@ -56,11 +56,19 @@ pub(crate) struct Contacts {
     /// The first free slot, or [`NO_CONTACT`].
     free: u32,
     live: usize,
+    /// Places keep their size when they are moved together.
+    keeps_rooms: bool,
 }
 
 impl Default for Contacts {
     fn default() -> Self {
-        Contacts { slots: Vec::new(), places: Places::default(), free: NO_CONTACT, live: 0 }
+        Contacts {
+            slots: Vec::new(),
+            places: Places::default(),
+            free: NO_CONTACT,
+            live: 0,
+            keeps_rooms: false,
+        }
     }
 }
 
@@ -105,6 +113,11 @@ impl Contacts {
         self.slots.len()
     }
 
+    /// Says whether contacts keep the places that they have, even if they have fewer points now.
+    pub(crate) fn keep_rooms(&mut self, keep: bool) {
+        self.keeps_rooms = keep;
+    }
+
     /// Number of contacts.
     pub(crate) fn live(&self) -> usize {
         self.live
@@ -119,7 +132,7 @@ impl Contacts {
     pub(crate) fn lacking(&mut self, more: ContactCount) -> ContactCount {
         let wanted = |all: &Self| ContactCount { contacts: all.live, points: all.places.used() } + more;
         if wanted(self).points > self.places.points.capacity() {
-            self.places.close_up(&mut self.slots);
+            self.places.close_up(&mut self.slots, self.keeps_rooms);
         }
         wanted(self).without(self.capacity())
     }
@@ -166,15 +179,17 @@ impl Contacts {
             if self.places.spare() == 0 {
                 return None;
             }
-            self.places.close_up(&mut self.slots);
+            self.places.close_up(&mut self.slots, self.keeps_rooms);
             self.places.take(count)
         })
     }
 
-    /// Inserts a contact where [`Contacts::reserve`] reserved memory. Returns its slot, or [`NO_CONTACT`].
-    pub(crate) fn insert(&mut self, contact: &Contact) -> u32 {
+    /// Inserts a contact, with place for at least `room` points, where [`Contacts::reserve`] reserved memory.
+    /// Returns its slot, or [`NO_CONTACT`].
+    pub(crate) fn insert(&mut self, contact: &Contact, room: usize) -> u32 {
+        let room = room.max(contact.count.into());
         let is_full = self.live == self.slots.capacity();
-        let place = if is_full { None } else { self.take_place(contact.count.into()) };
+        let place = if is_full { None } else { self.take_place(room) };
         let Some(place) = place else { return NO_CONTACT };
         let new = Slot { header: contact.header, place };
         self.places.points[place.range()].copy_from_slice(&contact.points[..place.room()]);
@@ -189,8 +204,8 @@ impl Contacts {
     }
 
     /// [`Contacts::insert`] while there are fewer than so many.
-    pub(crate) fn insert_within(&mut self, contact: &Contact, most: usize) -> u32 {
-        if self.live < most { self.insert(contact) } else { NO_CONTACT }
+    pub(crate) fn insert_within(&mut self, contact: &Contact, room: usize, most: usize) -> u32 {
+        if self.live < most { self.insert(contact, room) } else { NO_CONTACT }
     }
 
     /// Gives a contact a place for so many points, or as many as there are spare, if its own is smaller.
@@ -251,12 +266,12 @@ impl Contacts {
     }
 
     /// Inserts a contact of a snapshot, for which memory was reserved if there is a budget. Returns its slot.
-    pub(crate) fn restore(&mut self, contact: &Contact) -> u32 {
-        match self.insert(contact) {
+    pub(crate) fn restore(&mut self, contact: &Contact, room: usize) -> u32 {
+        match self.insert(contact, room) {
             NO_CONTACT => {
-                let one = ContactCount { contacts: 1, points: contact.count.max(1).into() };
+                let one = ContactCount { contacts: 1, points: room.max(contact.count.max(1).into()) };
                 self.reserve(one, &mut { Allowance::ENDLESS });
-                self.insert(contact)
+                self.insert(contact, room)
             }
             slot => slot,
         }
@@ -385,7 +400,7 @@ mod tests {
     /// Inserts a contact, with memory without end.
     fn add(store: &mut Contacts, contact: &Contact) -> u32 {
         store.reserve(size_of(contact), &mut { Allowance::ENDLESS });
-        store.insert(contact)
+        store.insert(contact, 0)
     }
 
     /// Gives a contact the points of another, which may be more or fewer than it had.
@@ -410,7 +425,7 @@ mod tests {
                         let mut allowance =
                             if id % 2 == 0 { Allowance::new(1 << 20) } else { Allowance::ENDLESS };
                         store.reserve(size_of(&new), &mut allowance);
-                        assert_eq!(store.insert(&new), model.insert(new));
+                        assert_eq!(store.insert(&new, 0), model.insert(new));
                     }
                     7..12 => {
                         let Some(slot) = model.pick(&mut random) else { continue };
@@ -459,7 +474,7 @@ mod tests {
         assert_eq!((store.count(slots[0]), store.live()), (3, 3));
         store.remove_chain(slots[0]);
         assert_eq!(store.live(), 0);
-        let again: Vec<u32> = (0..3).map(|id| store.insert(&contact(id, 2))).collect();
+        let again: Vec<u32> = (0..3).map(|id| store.insert(&contact(id, 2), 0)).collect();
         assert_eq!(again, [2, 1, 0]);
         assert_eq!(store.places.points.len(), 6);
     }
@@ -471,13 +486,13 @@ mod tests {
         let twenty = ContactCount { contacts: 20, points: 20 };
         assert_eq!(store.reserve(twenty, &mut allowance), 10);
         assert_eq!((allowance.left(), store.bytes().1), (7, 10 * one.bytes()));
-        let slots: Vec<u32> = (0..10).map(|id| store.insert(&contact(id, 1))).collect();
-        assert_eq!(store.insert(&contact(10, 1)), NO_CONTACT);
+        let slots: Vec<u32> = (0..10).map(|id| store.insert(&contact(id, 1), 0)).collect();
+        assert_eq!(store.insert(&contact(10, 1), 0), NO_CONTACT);
         assert_eq!(store.grow(slots[0], MAX_POINTS), 1);
         // What others give up is theirs.
         slots[2..4].iter().for_each(|&slot| store.remove_chain(slot));
         assert_eq!(store.grow(slots[0], MAX_POINTS), 3);
-        assert_eq!(store.insert(&contact(11, 1)), NO_CONTACT);
+        assert_eq!(store.insert(&contact(11, 1), 0), NO_CONTACT);
         assert_eq!((store.live(), store.bytes().1), (8, 10 * one.bytes()));
         assert_eq!(seen(store.at(slots[0])), seen(contact(0, 1).as_ref()));
     }
