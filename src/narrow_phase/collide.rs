@@ -65,8 +65,8 @@ impl Input<'_> {
         !(pushed(pair.a) && pushed(pair.b))
     }
 
-    /// For how many points a contact of a pair gets place, at least. Under a budget that is all that it may ever
-    /// have: what was admitted can grow then without asking for memory again.
+    /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
+    /// may have later: what was admitted hardly ever asks for memory again.
     pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
         let kind = |c: u32| self.summaries[c as usize].kind;
         if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }

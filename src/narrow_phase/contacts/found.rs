@@ -11,9 +11,9 @@ use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
-use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
+use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::shape::Kind;
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
@@ -247,11 +247,15 @@ impl FoundContacts {
                 continue;
             }
             new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-            // Contacts that are older than the budget.
-            let small = |pair: &&Pair| {
-                pair.contact != NO_CONTACT && contacts.room(pair.contact) < input.room(pair, true)
-            };
-            block.growth = order.iter().map(|&i| &pairs[i as usize]).filter(small).count() as u8;
+            // Contacts that are older than the budget, and a few that outgrow what is usual for their kind.
+            let (mut older, mut others) = (0, 0);
+            let old = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact != NO_CONTACT);
+            for (pair, room) in old.map(|pair| (pair, contacts.room(pair.contact))) {
+                let is_older = room < input.room(pair, true);
+                older += u32::from(is_older);
+                others += u32::from(!is_older && room < MAX_POINTS);
+            }
+            block.growth = (older + block.growing(others).div_ceil(GROWING)) as u8;
             growing += u32::from(block.growth);
             total[0] += block.quota[0] + block.quota[1];
             total[1] += block.quota[1];

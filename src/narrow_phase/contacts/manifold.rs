@@ -7,7 +7,7 @@ use glam::Vec3;
 /// Most points of a manifold.
 pub(crate) const MAX_POINTS: usize = 4;
 
-/// The most points of a manifold of two shapes; zero for meshes and height fields, whose contacts are never
+/// The most points that a manifold of two shapes has, but for rare ones of capsules; zero for meshes and height fields, whose contacts are never
 /// renewed but exchanged.
 pub(crate) fn most_points(a: Kind, b: Kind) -> usize {
     match [a, b] {
