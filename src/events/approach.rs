@@ -3,7 +3,7 @@
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
 use crate::handle::BodyHandle;
-use crate::narrow_phase::{Contact, Point};
+use crate::narrow_phase::{ContactRef, Point};
 use glam::{DVec3, Vec3};
 
 /// Bodies and colliders at the start of the step, and the accelerations of the bodies.
@@ -33,7 +33,7 @@ impl StartOfStep<'_> {
     }
 
     /// How the bodies approach each other at a contact point.
-    pub(crate) fn approach(&self, contact: &Contact, point: &Point) -> Approach {
+    pub(crate) fn approach(&self, contact: ContactRef<'_>, point: &Point) -> Approach {
         let shape = &self.colliders.poses[contact.a as usize];
         let normal = shape.rotation * contact.normal;
         let at = shape.position + (shape.rotation * point.position).as_dvec3();

@@ -4,7 +4,7 @@ use super::{Approach, ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
-use crate::narrow_phase::{Contact, Contacts, NO_CONTACT, Point};
+use crate::narrow_phase::{ContactRef, Contacts, NO_CONTACT, Point};
 
 /// Input of contact events.
 pub(crate) struct Touching<'a> {
@@ -31,10 +31,10 @@ impl Touching<'_> {
     fn record_pair(&self, pair: &mut Pair, events: &mut Events) {
         let real = TOUCH_DISTANCE * self.settings.length_unit;
         let most = self.settings.event_capacity as usize;
-        let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
+        let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, ContactRef<'_>, &Point)>);
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = &self.contacts.all[slot as usize];
+            let contact = self.contacts.at(slot);
             let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;
             for point in contact.points() {

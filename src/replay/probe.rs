@@ -213,7 +213,7 @@ fn narrow(world: &World, hash: &mut Hash) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = &world.contacts.all[slot as usize];
+            let contact = world.contacts.at(slot);
             slot = contact.next;
             hash.pair(contact.a, contact.b);
             hash.pair(contact.count.into(), contact.fraction.to_bits());

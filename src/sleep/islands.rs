@@ -127,7 +127,7 @@ impl Groups {
 pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
-        let contact = &contacts.all[slot as usize];
+        let contact = contacts.at(slot);
         if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
             return true;
         }

@@ -5,7 +5,7 @@ use crate::constraint::Tweak;
 use crate::error::{Error, within};
 use crate::events::{Approach, StartOfStep};
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::narrow_phase::{Contact, NO_CONTACT};
+use crate::narrow_phase::{ContactRef, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
 /// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
@@ -41,7 +41,7 @@ impl ContactHooks for NoHooks {
 #[derive(Debug)]
 pub struct ContactHook<'a> {
     world: &'a World,
-    contact: &'a Contact,
+    contact: ContactRef<'a>,
     tweak: Tweak,
     vetoed: bool,
 }
@@ -168,7 +168,7 @@ impl World {
         let mut tweaks = std::mem::take(&mut self.events.tweaks);
         let mut vetoed = std::mem::take(&mut self.events.vetoed);
         tweaks.clear();
-        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.all.len());
+        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.slots());
         tweaks.resize(granted, Tweak::NONE);
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
@@ -182,7 +182,7 @@ impl World {
             }
             let (mut slot, mut passes) = (pair.contact, false);
             while slot != NO_CONTACT {
-                let contact = &self.contacts.all[slot as usize];
+                let contact = self.contacts.at(slot);
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
@@ -207,7 +207,7 @@ impl World {
             if listed {
                 let mut slot = pair.contact;
                 while slot != NO_CONTACT {
-                    let contact = &mut self.contacts.all[slot as usize];
+                    let mut contact = self.contacts.at_mut(slot);
                     (contact.count, contact.pushed) = (0, false);
                     slot = contact.next;
                 }

@@ -15,7 +15,7 @@ use crate::constraint::schedule::part::Part;
 use crate::constraint::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
-use crate::narrow_phase::{Contact, Scale};
+use crate::narrow_phase::{Contacts, Scale};
 use crate::shape::{Collider, ColliderSummary};
 use crate::threads::{Shared, Workers, per_block};
 
@@ -25,7 +25,7 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
-    pub(crate) contacts: &'a [Contact],
+    pub(crate) contacts: &'a Contacts,
     pub(crate) pairs: &'a [Pair],
     /// Predicted displacement of each body that can move.
     pub(crate) motion: &'a [Record],

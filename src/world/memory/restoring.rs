@@ -7,6 +7,7 @@ use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
+use crate::narrow_phase::ContactCount;
 use crate::shape::{Geometry, Kind};
 use crate::world::{Assets, World};
 
@@ -22,7 +23,7 @@ pub(crate) struct Brings<'a> {
     pub(crate) pairs: usize,
     /// Number of those pairs that sleeping islands keep.
     pub(crate) sleeping_pairs: usize,
-    pub(crate) contacts: usize,
+    pub(crate) contacts: ContactCount,
     pub(crate) forced: bool,
     pub(crate) rests: bool,
     /// `None` if bodies, shapes and joints stay as they are.

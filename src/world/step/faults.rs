@@ -83,7 +83,7 @@ impl World {
         let stands = |c: u32| frozen.contains(&summaries[c as usize].body);
         self.contacts.for_each_of(&self.broad.pairs, |pair, contact| {
             let stands = !frozen.is_empty() && (stands(pair.a) || stands(pair.b));
-            if stands || !contact.has_sound_loads() {
+            if stands || !contact.as_ref().has_sound_loads() {
                 contact.forget_loads();
             }
         });

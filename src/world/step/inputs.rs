@@ -14,7 +14,7 @@ use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
 use crate::statics::Structure;
-use crate::threads::{Shared, Workers};
+use crate::threads::Workers;
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
 use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
@@ -131,7 +131,7 @@ impl World {
             colliders: &self.colliders.all,
             poses: &self.colliders.poses,
             pairs: &self.broad.pairs,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             joints: &self.joints,
             motion: &forces.motion,
             acceleration: &forces.acceleration,
@@ -188,7 +188,7 @@ impl World {
             colliders: &self.colliders.all,
             summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             pairs: &self.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
@@ -299,7 +299,7 @@ impl World {
             self.contacts.for_each_of(solved.clone(), |_, contact| contact.friction = glam::Vec3::ZERO);
         }
         let stored = {
-            let contacts = Shared::new(&mut self.contacts.all);
+            let contacts = self.contacts.share();
             solver::store(workers, rows, dt, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;
