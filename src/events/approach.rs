@@ -16,8 +16,8 @@ pub(crate) struct StartOfStep<'a> {
     pub(crate) dt: f32,
 }
 
-/// How two bodies approach each other at a contact point before anything is solved, where they are at the start
-/// of the step.
+/// How two bodies approach each other at a contact point before anything is solved, where they are at the
+/// start of the step.
 pub(crate) struct Approach {
     /// Unit, from a to b, in the world.
     pub(crate) normal: Vec3,

@@ -111,6 +111,14 @@ pub(crate) struct Coefficients {
     pub(crate) per_mass: bool,
 }
 
+impl Coefficients {
+    /// Those of a row whose effective mass is one over `mobility` [1/kg or 1/(kg m²)].
+    pub(crate) fn with_mobility(self, mobility: f32) -> Coefficients {
+        let by = if self.per_mass { mobility } else { 1.0 };
+        Coefficients { stiffness: self.stiffness / by, damping: self.damping / by, per_mass: false }
+    }
+}
+
 impl Spring {
     // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.

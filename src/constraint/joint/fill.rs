@@ -202,11 +202,7 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         };
         let drive = matches!(row.kind, RowKind::Drive { .. });
         if let Some(spring) = spring {
-            let mut spring = spring.coefficients();
-            if spring.per_mass {
-                spring.stiffness /= mobility;
-                spring.damping /= mobility;
-            }
+            let spring = spring.coefficients().with_mobility(mobility);
             let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
             batch.pull.set_lane(lane, pull);
             batch.give.set_lane(lane, give);
