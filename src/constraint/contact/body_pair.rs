@@ -27,10 +27,10 @@ impl Written<'_> {
     #[inline(always)]
     unsafe fn write<L: GatherLanes>(self, linear: Vec3<L>, angular: Vec3<L>, records: &Shared<'_, Record>) {
         let out = scatter(linear, angular);
-        for lane in 0..L::N {
+        for (lane, &record) in out[..L::N].iter().enumerate() {
             if self.lanes >> lane & 1 != 0 {
                 // SAFETY: by the contract.
-                unsafe { *records.get(self.index[lane] as usize) = out[lane] };
+                unsafe { *records.get(self.index[lane] as usize) = record };
             }
         }
     }
