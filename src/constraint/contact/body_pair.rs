@@ -25,12 +25,13 @@ impl Written<'_> {
     /// # Safety
     /// A body that may be written is in no other lane, and no other thread works on it in this stage.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "several arrays by lane")]
     unsafe fn write<L: GatherLanes>(self, linear: Vec3<L>, angular: Vec3<L>, records: &Shared<'_, Record>) {
         let out = scatter(linear, angular);
-        for (lane, &record) in out[..L::N].iter().enumerate() {
+        for lane in 0..L::N {
             if self.lanes >> lane & 1 != 0 {
                 // SAFETY: by the contract.
-                unsafe { *records.get(self.index[lane] as usize) = record };
+                unsafe { *records.get(self.index[lane] as usize) = out[lane] };
             }
         }
     }
