@@ -25,6 +25,7 @@ impl Written<'_> {
     /// # Safety
     /// A body that may be written is in no other lane, and no other thread works on it in this stage.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "several arrays by lane")]
     unsafe fn write<L: GatherLanes>(self, linear: Vec3<L>, angular: Vec3<L>, records: &Shared<'_, Record>) {
         let out = scatter(linear, angular);
         for lane in 0..L::N {
