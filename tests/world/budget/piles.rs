@@ -59,7 +59,7 @@ fn a_wide_budget_on_a_running_world_changes_nothing() {
     for step in 0..240 {
         let budget = if step / 40 % 2 == 1 { Budget::total(1 << 30) } else { Budget::NONE };
         worlds[1].set_settings(backstop::Settings { budget, ..worlds[1].settings().clone() }).unwrap();
-        let shed = worlds.each_mut().map(|world| world.step(PILE.dt).shed);
+        let shed = worlds.each_mut().map(|world| world.step(PILE.dt).unwrap().shed);
         assert_eq!(shed, [0; 2], "{step}");
     }
     assert_eq!(worlds[0].hash(), worlds[1].hash());
