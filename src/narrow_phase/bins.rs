@@ -143,8 +143,8 @@ impl Bins {
         }
     }
 
-    /// Leaves only what has to be looked at again in some blocks that ran; returns the first such block, or the
-    /// end.
+    /// Leaves only what has to be looked at again in some blocks that ran. Returns the first such block, or
+    /// the end.
     pub(crate) fn repeat(&mut self, ran: std::ops::Range<usize>, is_crowded: &dyn Fn(u32) -> bool) -> usize {
         let Bins { order, blocks } = self;
         let mut first = ran.end;

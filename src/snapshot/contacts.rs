@@ -275,8 +275,8 @@ impl<'a> SavedPairs<'a> {
         }
     }
 
-    /// Calls `each` with every pair, whose contacts are added to `contacts` by then, each with place for at least
-    /// `room` points of its two colliders.
+    /// Calls `each` with every pair, whose contacts are added to `contacts` by then, each with place for at
+    /// least `room` points of its two colliders.
     pub(super) fn restore(
         &self,
         contacts: &mut Contacts,

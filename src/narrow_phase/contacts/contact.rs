@@ -105,12 +105,14 @@ pub(crate) struct ContactMut<'a> {
 
 impl Deref for Contact {
     type Target = Header;
+    #[inline(always)]
     fn deref(&self) -> &Header {
         &self.header
     }
 }
 
 impl DerefMut for Contact {
+    #[inline(always)]
     fn deref_mut(&mut self) -> &mut Header {
         &mut self.header
     }
@@ -118,6 +120,7 @@ impl DerefMut for Contact {
 
 impl Deref for ContactRef<'_> {
     type Target = Header;
+    #[inline(always)]
     fn deref(&self) -> &Header {
         self.header
     }
@@ -125,12 +128,14 @@ impl Deref for ContactRef<'_> {
 
 impl Deref for ContactMut<'_> {
     type Target = Header;
+    #[inline(always)]
     fn deref(&self) -> &Header {
         self.header
     }
 }
 
 impl DerefMut for ContactMut<'_> {
+    #[inline(always)]
     fn deref_mut(&mut self) -> &mut Header {
         self.header
     }
@@ -165,6 +170,7 @@ impl Contact {
         contact
     }
 
+    #[inline(always)]
     pub(crate) fn as_ref(&self) -> ContactRef<'_> {
         ContactRef::new(&self.header, &self.points)
     }
@@ -303,8 +309,8 @@ impl<'a> ContactMut<'a> {
         self.points.len()
     }
 
-    /// Takes a new manifold, for which there is place, and keeps the impulses of matching points: by key, else
-    /// by position.
+    /// Takes a new manifold, for which there is place, and keeps the impulses of matching points: by key,
+    /// else by position.
     pub(crate) fn renew(&mut self, raw: &RawManifold, at: FoundAt, same: MatchLimits) {
         let old = self.as_ref().to_owned();
         self.take(raw, at);

@@ -7,8 +7,8 @@ use glam::Vec3;
 /// Most points of a manifold.
 pub(crate) const MAX_POINTS: usize = 4;
 
-/// The most points that a manifold of two shapes has, but for rare ones of capsules; zero for meshes and height fields, whose contacts are never
-/// renewed but exchanged.
+/// The most points that a manifold of two shapes has, but for rare ones of capsules; zero for meshes and
+/// height fields, whose contacts are never renewed but exchanged.
 pub(crate) fn most_points(a: Kind, b: Kind) -> usize {
     match [a, b] {
         [Kind::Mesh | Kind::HeightField, _] | [_, Kind::Mesh | Kind::HeightField] => 0,

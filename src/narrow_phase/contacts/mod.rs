@@ -7,4 +7,5 @@ pub(crate) mod manifold;
 pub(crate) mod of_meshes;
 mod places;
 pub(crate) mod store;
+mod way;
 pub(crate) mod weight;

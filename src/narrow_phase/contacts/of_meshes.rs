@@ -73,7 +73,8 @@ impl MeshBlock {
         })
     }
 
-    /// How many contacts [`MeshBlock::more`] are, and the most points that a pair has in addition at any time.
+    /// How many contacts [`MeshBlock::more`] are, and how many points more than now the pairs may have at any
+    /// time.
     pub(super) fn count_more(&self, pairs: &[Pair], contacts: &Contacts) -> ContactCount {
         let mut count = ContactCount::default();
         for (&Looked { pair, start, end }, (more, _)) in self.looked.iter().zip(self.more(pairs, contacts)) {

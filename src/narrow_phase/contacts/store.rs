@@ -370,8 +370,8 @@ mod tests {
         assert!(live <= reserved);
     }
 
-    /// The naive store that the other is compared with: contacts by slot, and the slots that are free, of which
-    /// the last that became free is taken next.
+    /// The naive store that the other is compared with: contacts by slot, and the slots that are free, of
+    /// which the last that became free is taken next.
     #[derive(Default)]
     struct Model {
         contacts: BTreeMap<u32, Contact>,
