@@ -68,7 +68,7 @@ fn world(change: Change) -> World {
     world
 }
 
-/// Of the step, and of its rows: `prepare` and `solve` [us].
+/// Times of a step, and of its stages `prepare` and `solve` together [us].
 fn step(world: &mut World) -> [f64; 2] {
     let start = Instant::now();
     let times = world.step(DT).expect("dt is above zero").times;

@@ -1,17 +1,17 @@
 //! Queries beside those of parry3d, in turn within one run: `cargo bench --bench queries [FILTER]`.
 //!
-//! Both answer the same questions on the same shapes, on one thread, each with trees of its own. Of each a
-//! round takes the time of all queries; printed are medians over the rounds in ns a query, and the median of
-//! the ratios of rounds (parry's time over ours: above one, ours is faster). Both compute the normal. Parry's
-//! single-precision world has no far-away positions, filters or handles to answer with. Lines with `batch`
-//! are `World::cast_rays` beside `World::cast_ray` (the time of one by one over that of the batch: above one,
-//! the batch is faster).
+//! Both answer the same questions on the same shapes, on one thread, each with trees of its own. A round
+//! takes the time of all queries of each; printed are medians over the rounds in ns a query, and the median
+//! of the ratios of rounds (parry's time over ours: above one, ours is faster). Both compute the normal.
+//! Parry's single-precision world has no far-away positions, filters or handles to answer with. Lines with
+//! `batch` are `World::cast_rays` beside `World::cast_ray` (the time of one by one over that of the batch:
+//! above one, the batch is faster).
 //!
-//! Of the meshes both know the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and
+//! The meshes of both have the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and
 //! cylinders.
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
-#[path = "../tests/common/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use backstop::glam::{DVec3, Vec3};

@@ -4,8 +4,8 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Error, Geometry, Mover, MoverReport, MoverSettings, QueryFilter, Settings,
-    ShapeDesc, World,
+    BodyDesc, BodyHandle, Character, CharacterReport, CharacterSettings, Error, Geometry, QueryFilter,
+    Settings, ShapeDesc, World,
 };
 use std::time::Instant;
 
@@ -17,9 +17,14 @@ fn cuboid(world: &mut World, kind: BodyDesc, at: [f64; 3], half: [f32; 3]) -> Re
 }
 
 /// One frame: what the player wants, and what gravity has made of the fall so far.
-fn frame(world: &World, mover: &mut Mover, wish: Vec3, velocity: Vec3) -> Result<MoverReport, Error> {
+fn frame(
+    world: &World,
+    character: &mut Character,
+    wish: Vec3,
+    velocity: Vec3,
+) -> Result<CharacterReport, Error> {
     let fall = velocity.y + world.settings().gravity.y * DT;
-    mover.walk(world, &QueryFilter::new(), Vec3::new(wish.x, fall + wish.y, wish.z), DT)
+    character.walk(world, &QueryFilter::new(), Vec3::new(wish.x, fall + wish.y, wish.z), DT)
 }
 
 fn main() -> Result<(), Error> {
@@ -36,8 +41,8 @@ fn main() -> Result<(), Error> {
     cuboid(&mut world, BodyDesc::fixed(), [17.0, 1.0, 0.0], [3.0, 1.0, 2.0])?;
     cuboid(&mut world, BodyDesc::fixed(), [17.0, 4.5, 0.0], [3.0, 0.1, 2.0])?;
 
-    let mut mover = Mover::new(MoverSettings::default(), DVec3::new(-2.0, 1.0, 0.0))?;
-    let mut last = MoverReport::default();
+    let mut character = Character::new(CharacterSettings::default(), DVec3::new(-2.0, 1.0, 0.0))?;
+    let mut last = CharacterReport::default();
     let (mut carried, mut highest, mut took) = (0.0, 0.0_f64, 0.0);
     for step in 0..540 {
         let time = step as f32 * DT;
@@ -49,12 +54,12 @@ fn main() -> Result<(), Error> {
         let jump = if step == 480 && last.ground.is_some() { 6.0 } else { 0.0 };
         world.step(DT)?;
         let start = Instant::now();
-        last = frame(&world, &mut mover, Vec3::new(speed, jump, 0.0), last.velocity)?;
+        last = frame(&world, &mut character, Vec3::new(speed, jump, 0.0), last.velocity)?;
         took += start.elapsed().as_secs_f64();
         carried += last.carried.x;
-        highest = highest.max(mover.feet().y);
+        highest = highest.max(character.feet().y);
         if step % 60 == 59 {
-            let feet = mover.feet();
+            let feet = character.feet();
             let on = if last.ground.is_some() { "on the ground" } else { "in the air" };
             println!("{:.0} s: ({:.2}, {:.2}) m, {on}", time + DT, feet.x, feet.y);
         }
@@ -63,6 +68,6 @@ fn main() -> Result<(), Error> {
     assert!((carried - 4.0).abs() < 0.01, "the platform carried it over the gap: {carried}");
     // 4.4 m less its height of 1.84 m.
     assert!((highest - 2.56).abs() < 0.001, "its head touched the ceiling: {highest}");
-    assert!(last.ground.is_some() && (mover.feet().y - 2.0).abs() < 0.001);
+    assert!(last.ground.is_some() && (character.feet().y - 2.0).abs() < 0.001);
     Ok(())
 }

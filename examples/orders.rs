@@ -231,7 +231,7 @@ fn draw_dots(svg: &mut String, left: f64, title: &str, dots: &[Dot], colours: &[
     Ok(())
 }
 
-/// Of the runs of an order.
+/// Medians of the runs of an order.
 fn median(dots: &[Dot], order: usize) -> (f64, f64) {
     let of = |value: fn(&Dot) -> f64| {
         let mut all: Vec<f64> = dots.iter().filter(|dot| dot.0 == order).map(value).collect();

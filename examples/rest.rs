@@ -9,7 +9,7 @@
 //! furthest that each stands off to a side, in units of length; `--kick`, the fastest that each is pushed to
 //! a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example asserts that.
 
-#[path = "../tests/common/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use backstop::glam::{DVec3, Vec3};

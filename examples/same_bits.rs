@@ -28,7 +28,8 @@ fn ragdolls(world: &mut World) -> Result<(), Error> {
             2 => Geometry::capsule(0.2, 0.15),
             _ => Geometry::cylinder(0.25, 0.2),
         };
-        let at = DVec3::new(f64::from(i % 5) - 2.0, 0.5 + 0.7 * f64::from(i / 25), f64::from(i / 5 % 5) - 2.0);
+        let at =
+            DVec3::new(f64::from(i % 5) - 2.0, 0.5 + 0.7 * f64::from(i / 25), f64::from(i / 5 % 5) - 2.0);
         world.add_body(&BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry)))?;
     }
     let figure = Skeleton::humanoid();

@@ -7,7 +7,7 @@
 //!
 //! Without arguments 2,000 steps.
 
-#[path = "../tests/common/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use backstop::glam::{DVec3, Quat, Vec3};

@@ -20,7 +20,7 @@ const SPRING: Spring = Spring::Coefficients { stiffness: STIFFNESS, damping: 2_5
 const TRAVEL: f32 = 0.25;
 /// Radius of a wheel [m].
 pub(crate) const RADIUS: f32 = 0.4;
-/// Of a wheel on the chassis without load [m]: to the side, up, ahead.
+/// Place of a wheel on the chassis without load [m]: to the side, up, ahead.
 pub(crate) const HUB: Vec3 = Vec3::new(0.85, -0.3, 1.3);
 
 pub(crate) struct Car {

@@ -106,9 +106,9 @@ pub(crate) fn pulled(bodies: &Bodies, forces: &Forces, dt: f32) -> Vec<u32> {
     (0..bodies.dynamic()).filter(pulled).map(|i| bodies.slot[i]).collect()
 }
 
-/// Slots of bodies to be frozen. Of the bodies whose velocity or displacement (`delta`) is not finite, these
-/// are the ones on which joints or forces act, if there are any, because contacts alone only spread the
-/// fault. `all`: whatever acts on them.
+/// Slots of bodies to be frozen: those whose velocity or displacement (`delta`) is not finite. If joints or
+/// forces act on some of them, only these are frozen, because contacts alone only spread the fault. `all`:
+/// whatever acts on them.
 pub(crate) fn culprits(bodies: &Bodies, delta: &[Record], joints: &Joints, all: bool) -> Vec<u32> {
     let unsound =
         |i: &usize| !bodies.velocity[*i].is_within(MAX_LEFT_SPEED) || !delta[*i].is_within(f32::MAX);

@@ -114,13 +114,11 @@ fn predict_block<const LOCKED: bool, const PULLED: bool>(
             // SAFETY: each body is in one block.
             unsafe { *out.inverse_inertia.get(i) = inverse };
         }
-        let predicted = Record {
-            linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
-            angular: v.angular * dt,
-            // The angle, for bounds on the displacement of points.
-            pad1: v.angular.length() * dt,
-            ..Record::default()
-        };
+        let predicted = Record::predicted(
+            v.linear * dt + pull.linear * (0.5 * dt * dt),
+            v.angular * dt,
+            v.angular.length() * dt,
+        );
         // Without acceleration a velocity is as the caller set it or the previous step left it.
         if PULLED {
             sound &= is_sound(&predicted, &pull, dt);

@@ -45,7 +45,7 @@
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
-//! - [`Mover`]: a capsule that walks, for characters.
+//! - [`Character`]: a capsule that walks.
 //! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
 //!   [`Category`].
 //! - [`World::model`]: the parts of the engine that the world's content needs, and their cost, by
@@ -96,7 +96,7 @@ mod memory;
 mod movers;
 mod narrow_phase;
 mod query;
-#[cfg(test)]
+#[cfg(any(test, feature = "internals"))]
 mod random;
 #[cfg(feature = "replay")]
 pub mod replay;
@@ -113,7 +113,7 @@ mod words;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};
-pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
+pub use character::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground};
 pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings};
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};

@@ -4,7 +4,7 @@
 //! pairs, and [`Buffers::removed`], the pairs that ended, out.
 
 use crate::body::{Bodies, BodyKind, Colliders};
-use crate::broad_phase::{Aabb, BroadPhase, BroadStats, GiveUp, Mover, Pair, Rules, aabb_of};
+use crate::broad_phase::{Aabb, BroadPhase, BroadStats, Mover, Pair, PairMemory, Rules, aabb_of};
 use crate::config::Continuous;
 use crate::config::tuning::FAT_MARGIN;
 use crate::joint::Joints;
@@ -120,15 +120,15 @@ pub(crate) fn place(
     }
 }
 
-/// Finds the pairs of the step. `missing`: bytes that later stages need for so many pairs; `give`: releases
-/// memory that is not needed any more.
+/// Finds the pairs of the step. `missing`: bytes that later stages need for so many pairs.
 pub(crate) fn find(
     workers: &Workers<'_>,
     input: &Input<'_>,
     colliders: &[Collider],
-    (broad, buffers): (&mut BroadPhase, &mut Buffers),
+    broad: &mut BroadPhase,
+    buffers: &mut Buffers,
     missing: &dyn Fn(usize) -> usize,
-    (allowances, give): (&mut Allowances, GiveUp<'_>),
+    memory: &mut PairMemory<'_>,
 ) -> BroadStats {
     let count = input.bodies.movers();
     buffers.removed.clear();
@@ -153,7 +153,7 @@ pub(crate) fn find(
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
     let rules = Rules { may_collide: &may_collide, order: &order, missing };
-    broad.update_within(workers, &rules, &mut buffers.removed, (allowances, give))
+    broad.update_within(workers, &rules, &mut buffers.removed, memory)
 }
 
 fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {

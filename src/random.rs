@@ -1,49 +1,106 @@
-//! Random numbers for unit tests, the same on every run and machine.
+//! Seeded random numbers for unit tests, benches and, as a file of theirs, `tests/` and `examples/`: the same
+//! on every machine and in every run.
+#![allow(dead_code, reason = "each user has a use for a part of it")]
 
-use glam::{Vec3, vec3};
+use glam::{DVec3, Quat, Vec3};
 
-/// A SplitMix64 generator by its state (Steele, Lea and Flood, *Fast splittable pseudorandom number
-/// generators*, 2014). The same state gives the numbers of [`Rng`](crate::scene::rng::Rng), with which scenes
-/// are made.
+/// SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014), by its state:
+/// the numbers of the `Rng` with which scenes are made.
+#[derive(Clone, Debug)]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
+    /// All of 64 bits.
     pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^ (z >> 31)
     }
-    /// An integer in `0..n`.
+
+    /// In `0..n`; 0 where there is nothing to choose from.
     pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
+        (self.bits() % n.max(1) as u64) as usize
     }
-    /// Uniform in `0..1`.
+
+    /// One of a list that is not empty.
+    pub(crate) fn of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())]
+    }
+
+    /// One of a list; none of an empty one.
+    pub(crate) fn some_of<T: Copy>(&mut self, list: &[T]) -> Option<T> {
+        list.get(self.below(list.len())).copied()
+    }
+
+    /// True as often as `probability` says.
+    pub(crate) fn chance(&mut self, probability: f32) -> bool {
+        self.unit() < probability
+    }
+
+    /// Uniform in `0.0..1.0`.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1u64 << 24) as f32
     }
+
+    /// Uniform in `-1.0..1.0`.
+    pub(crate) fn signed(&mut self) -> f32 {
+        self.range(-1.0, 1.0)
+    }
+
     /// Uniform in `low..high`.
     pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
-    /// Uniform in `-1..1`.
-    #[cfg(feature = "lab")]
-    pub(crate) fn signed_f64(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-    /// In a cube that reaches `size` along each axis, to both sides.
-    pub(crate) fn cube(&mut self, size: f32) -> Vec3 {
-        let mut r = || (self.unit() * 2.0 - 1.0) * size;
-        vec3(r(), r(), r())
-    }
-}
 
-#[test]
-fn the_numbers_are_those_of_scenes() {
-    let (mut random, mut rng) = (Random(7), crate::scene::rng::Rng::new(7));
-    for _ in 0..10 {
-        assert_eq!(random.bits(), rng.next());
-        assert_eq!(random.range(2.0, 3.0), rng.range(2.0, 3.0));
+    /// Uniform in `0.0..1.0`, by Knuth's linear congruential generator (MMIX) on the same state: for tests
+    /// whose bounds are known for what it draws.
+    pub(crate) fn congruential(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// As [`Random::range`], with all the bits of `f64`.
+    pub(crate) fn range64(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.bits() >> 11) as f64 / (1u64 << 53) as f64)
+    }
+
+    /// Uniform in magnitude.
+    pub(crate) fn log_range(&mut self, low: f32, high: f32) -> f32 {
+        libm::expf(self.range(libm::logf(low), libm::logf(high)))
+    }
+
+    /// Uniform in a cube that reaches to 1 along each axis, to both sides.
+    pub(crate) fn cube(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+
+    pub(crate) fn cube64(&mut self) -> DVec3 {
+        DVec3::new(self.range64(-1.0, 1.0), self.range64(-1.0, 1.0), self.range64(-1.0, 1.0))
+    }
+
+    /// Uniform on the unit sphere.
+    pub(crate) fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.cube();
+            if (0.1..1.0).contains(&v.length()) {
+                return v.normalize();
+            }
+        }
+    }
+
+    /// As [`Random::direction`], with all the bits of `f64`.
+    pub(crate) fn direction64(&mut self) -> DVec3 {
+        loop {
+            let v = self.cube64();
+            if (0.01..1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+
+    /// Any rotation, not evenly.
+    pub(crate) fn rotation(&mut self) -> Quat {
+        Quat::from_vec4(self.cube().extend(self.range(0.01, 1.0))).normalize()
     }
 }

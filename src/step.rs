@@ -5,6 +5,7 @@
 
 use crate::config::tuning::MIN_THREADED_BODIES;
 use crate::error::Error;
+use crate::solver;
 use crate::threads::{Workers, with_workers};
 use crate::world::{ContactHooks, NoHooks, Part, Stage, StepCounts, StepReport, World};
 
@@ -63,7 +64,10 @@ impl World {
             }
         });
         clock.stage(self, Stage::Solve, |world| {
-            if !world.solve(workers, dt) {
+            world.measure_rows(dt);
+            let in_range = solver::solve(workers, world.solver_input(dt));
+            world.measure_solution();
+            if !in_range {
                 did.prepared = world.solve_without_faults(workers, dt, did.prepared);
             }
             did.prepared.impacts = world.buffers.restitution.count;

@@ -6,9 +6,9 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Budget, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material,
-    Motion, Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring,
-    World,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, Character, CharacterReport, CharacterSettings,
+    ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray, Settings,
+    ShapeCast, Snapshot, Spring, World,
 };
 use common::piles::{Of, Pile};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -300,20 +300,23 @@ fn queries_allocate_nothing() {
     assert!(found > 1000, "{found}");
 }
 
-/// Movers that run into a pile, over its rubble and into each other's way.
+/// Characters that run into a pile, over its rubble and into each other's way.
 #[test]
-fn movers_allocate_nothing() {
+fn characters_allocate_nothing() {
     let _alone = one_at_a_time();
     let (mut world, _) = common::world_of(&common::small_pile(), settings(1));
-    let mut movers = [0.0, 2.0, 4.0].map(|x| {
-        (Mover::new(MoverSettings::default(), DVec3::new(x, 6.0, 8.0)).unwrap(), MoverReport::default())
+    let mut characters = [0.0, 2.0, 4.0].map(|x| {
+        (
+            Character::new(CharacterSettings::default(), DVec3::new(x, 6.0, 8.0)).unwrap(),
+            CharacterReport::default(),
+        )
     });
     let mut ran_into = 0;
     let ask = |world: &mut World, step: u32| {
-        for (mover, last) in &mut movers {
+        for (character, last) in &mut characters {
             let turn = 0.05 * step as f32;
             let wish = Vec3::new(3.0 * turn.cos(), last.velocity.y - 0.2, 3.0 * turn.sin() - 0.5);
-            *last = mover.walk(world, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
+            *last = character.walk(world, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
             ran_into += last.hits().count();
             last.push(world).unwrap();
         }

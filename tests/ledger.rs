@@ -189,8 +189,8 @@ fn of_ragdolls_that_lose_limbs() {
     ledger.end();
 }
 
-/// Elastic shapes with forces on them, raised, listened to, in sensors, with hooks, asked about, asleep and
-/// awake.
+/// Elastic shapes with forces on them, solved after a group, listened to, in sensors, with hooks, asked
+/// about, asleep and awake.
 #[test]
 fn of_all_that_a_world_can_do() {
     let settings = Settings { sleeping: true, sleep_time: 0.1, ..Settings::default() };
@@ -209,7 +209,7 @@ fn of_all_that_a_world_can_do() {
         let at = DVec3::new(f64::from(i % 6) - 2.5, 2.0 + f64::from(i / 6), 0.0);
         let mut body = BodyDesc::dynamic().at(at).with_shape(cube);
         if i % 9 == 0 {
-            body.raised = Some(RowGroup::StaticContacts);
+            body.solved_after = Some(RowGroup::StaticContacts);
         }
         bodies.push(ledger.world.add_body(&body).unwrap());
         drop(body);
@@ -221,7 +221,7 @@ fn of_all_that_a_world_can_do() {
         let body = bodies[step as usize % bodies.len()];
         if step % 40 == 3 {
             world.add_force(body, Vec3::Y * 500.0, Vec3::ZERO).unwrap();
-            world.raise_body(body, Some(RowGroup::Contacts)).unwrap();
+            world.solve_body_after(body, Some(RowGroup::Contacts)).unwrap();
         }
         if step > 100 && step % 10 == 0 {
             let ray = Ray::new(DVec3::new(0.1, 9.0, 0.0), Vec3::Y * -20.0);

@@ -5,7 +5,7 @@
 
 #[path = "common/counting.rs"]
 mod counting;
-#[path = "common/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use backstop::glam::DVec3;

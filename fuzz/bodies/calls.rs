@@ -115,7 +115,7 @@ fn other(
         24 => drop(world.apply_impulse(body, input.vector() * 10.0, input.place())),
         25 => drop(if input.bool() { world.wake(body) } else { world.send_to_sleep(body) }),
         26 => drop(world.set_enabled(body, input.bool())),
-        27 => drop(world.raise_body(body, group(input))),
+        27 => drop(world.solve_body_after(body, group(input))),
         28 => drop(one(input, joints).map(|joint| world.remove_joint(joint))),
         29 => {
             let (limits, drives) = ([limit(input)], [drive(input)]);

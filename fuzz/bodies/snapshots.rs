@@ -35,7 +35,7 @@ fn world() -> World {
     world
 }
 
-/// Of the state alone, and with all that it refers to.
+/// Snapshots of the state alone, and with all that it refers to.
 fn templates() -> &'static [Vec<u8>; 2] {
     static TEMPLATES: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
     TEMPLATES.get_or_init(|| {

@@ -4,13 +4,14 @@ use super::Kernel;
 use crate::lanes::f32x8;
 use crate::math::Quat;
 use crate::narrow_phase::kernels::{
-    ManifoldLanes, PairLanes, Random, box_box, capsule_box, capsule_capsule, collider, sphere_box,
-    sphere_capsule, sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
+    ManifoldLanes, PairLanes, box_box, capsule_box, capsule_capsule, collider, sphere_box, sphere_capsule,
+    sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
 };
 use crate::narrow_phase::{
     BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, Support, cast_convex, collide_convex,
     collide_mesh, tolerance,
 };
+use crate::random::Random;
 use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::Vec3;
@@ -53,7 +54,7 @@ fn poses(a: &Collider, b: &Collider) -> Vec<Relative> {
     (0..PAIRS)
         .map(|_| Relative {
             position: random.direction() * random.range(least, most),
-            rotation: random.rotation(),
+            rotation: random.turn(),
         })
         .collect()
 }
@@ -165,7 +166,7 @@ fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -
             // About at its height at rest.
             let above = random.range(shape.inner_radius, 0.5 * (shape.inner_radius + shape.radius));
             let at = Vec3::new(x, terrain.height(x, z) + above, z);
-            let back = random.rotation().conjugate();
+            let back = random.turn().conjugate();
             Relative { position: back * -at, rotation: back }
         })
         .collect();
@@ -215,7 +216,7 @@ fn flight(name: &str, a: Collider, b: Collider) -> Kernel {
         .map(|_| {
             let mut path = |centre: Vec3, aside: f32| BodyPath {
                 centre: centre.as_dvec3(),
-                rotation: random.rotation(),
+                rotation: random.turn(),
                 displacement: -centre
                     + Vec3::new(0.0, random.range(-aside, aside), random.range(-aside, aside)),
                 spin: random.direction() * random.range(0.0, 2.0),

@@ -1,8 +1,9 @@
 //! Benchmarks of contact rows, and of loading and storing the records of bodies.
 
 use super::Kernel;
+use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
-use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::constraint::{Batch, FrictionRow, Group, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Allowances;
 use crate::scene::builtin;
@@ -106,36 +107,7 @@ pub fn preparing() -> Kernel {
     std::mem::swap(&mut rows, &mut world.buffers.rows);
     let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NO_CONTACT).count();
     Kernel::new("prepare", count, move || {
-        let forces = &world.buffers.forces;
-        let input = PrepareInput {
-            slop: 0.0005,
-            bodies: &world.bodies,
-            colliders: &world.colliders.all,
-            summaries: &world.colliders.summaries,
-            poses: &world.colliders.poses,
-            contacts: &world.contacts.all,
-            pairs: &world.broad.pairs,
-            motion: &forces.motion,
-            inverse_inertia: &forces.inverse_inertia,
-            real: crate::config::tuning::TOUCH_DISTANCE,
-            near: 0.02,
-            ahead: usize::MAX,
-            lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
-            static_slip_speed: 0.01,
-            order: crate::config::Order::default(),
-            tree_slots: &crate::constraint::TreeSlots::default(),
-            tweaks: &[],
-            per_point: false,
-            friction: true,
-            scale: crate::narrow_phase::Scale {
-                summaries: &world.colliders.summaries,
-                motion: &forces.motion,
-                mass: &world.bodies.mass,
-                dynamic: world.bodies.dynamic(),
-                gain: 1.0,
-                unit: 1.0,
-            },
-        };
+        let input = world.prepare_input(1.0 / 60.0, usize::MAX);
         prepare(&Workers::alone(), &input, &mut rows, &mut scratch, &mut Allowances::ENDLESS.clone());
         black_box(&mut rows);
     })

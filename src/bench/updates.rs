@@ -2,7 +2,7 @@
 
 use super::Kernel;
 use crate::broad_phase::kernels::Tree;
-use crate::broad_phase::{Aabb, BroadPhase, Mover, Pair, Rules};
+use crate::broad_phase::{Aabb, BroadPhase, Mover, Pair, PairMemory, Rules};
 use crate::config::Continuous;
 use crate::memory::Allowances;
 use crate::threads::Workers;
@@ -73,8 +73,9 @@ impl Crowd {
         let rules = Rules { may_collide: &|_, _| true, order: &|i, j| (i.min(j), i.max(j)), missing: &|_| 0 };
         self.broad.start_movers();
         self.broad.place_movers(&self.movers, MARGIN);
-        let mut allowance = Allowances::ENDLESS;
-        self.broad.update_within(&Workers::alone(), &rules, &mut self.removed, (&mut allowance, &mut |_| 0));
+        let allowances = &mut Allowances::ENDLESS.clone();
+        let mut memory = PairMemory { allowances, give_up: &mut |_| 0 };
+        self.broad.update_within(&Workers::alone(), &rules, &mut self.removed, &mut memory);
     }
 }
 

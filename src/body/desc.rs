@@ -48,7 +48,7 @@ pub struct BodyDesc {
     pub continuous: Continuous,
     /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their
     /// own place is later: what is solved later wins. Default none.
-    pub raised: Option<RowGroup>,
+    pub solved_after: Option<RowGroup>,
     /// Whether it may fall asleep, and its island with it. Default true.
     pub can_sleep: bool,
     /// Free for the caller.
@@ -69,7 +69,7 @@ impl Default for BodyDesc {
             lock_translation: [false; 3],
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
-            raised: None,
+            solved_after: None,
             can_sleep: true,
             user_data: 0,
         }
@@ -115,8 +115,8 @@ impl BodyDesc {
     }
 
     /// Rows right after those of a group, if that is later.
-    pub fn raised(mut self, above: RowGroup) -> Self {
-        self.raised = Some(above);
+    pub fn solved_after(mut self, above: RowGroup) -> Self {
+        self.solved_after = Some(above);
         self
     }
 

@@ -4,7 +4,7 @@
 //! by side take hardly longer than one.
 
 use crate::config::tuning::{FREE_TURN_PART, FREE_TURN_PARTS};
-use crate::lanes::f64x4;
+use crate::lanes::{Quat as LaneQuat, Vec3 as LaneVec3, f64x4};
 use crate::math::Quat;
 use glam::{DQuat, DVec3, Vec3};
 use std::array::from_fn;
@@ -80,16 +80,16 @@ impl FreeTurn {
         let (inertia, spin) = (vector(|turn| turn.inertia), vector(|turn| turn.spin));
         let [x, y, z] = vector(|turn| turn.rotation.xyz());
         let turn = unit4([x, y, z, f64x4::from(lanes.map(|turn| f64::from(turn.rotation.w)))]);
-        let local = rotate(conjugate(turn), spin);
+        let local: [f64x4; 3] = quat(turn).conjugate().rotate(spin.into()).into();
         let momentum: [f64x4; 3] = from_fn(|k| inertia[k] * local[k]);
         let mut four = Four { turn, momentum };
         four.tumble(&tops);
         // The part of the rotation about the angular momentum, which stays constant.
         let time = f64x4::from(from_fn(|lane| tops[lane].across * f64::from(lanes[lane].time)));
-        let precession = rotate(turn, momentum).map(|component| component * time);
-        let (sine, cosine) = half_turn(dot(precession, precession));
-        let [x, y, z] = precession.map(|component| component * sine);
-        four.turn = compose([x, y, z, cosine], four.turn);
+        let precession = quat(turn).rotate(momentum.into()) * time;
+        let (sine, cosine) = half_turn(precession.length_squared());
+        let LaneQuat { v, w } = LaneQuat { v: precession * sine, w: cosine }.compose(quat(four.turn));
+        four.turn = [v.x, v.y, v.z, w];
         for lane in (0..turns.len()).filter(|&lane| tops[lane].is_short) {
             let at = |all: [f64x4; 3]| DVec3::from_array(all.map(|lanes| lanes.as_array()[lane]));
             let mut free = four.take(lane);
@@ -98,11 +98,11 @@ impl FreeTurn {
         }
         // Rounding turned the momentum by next to nothing, and must not change its length either.
         let turn = unit4(four.turn).map(|component| component.to_array().map(|component| component as f32));
-        let length = (dot(momentum, momentum)
-            / dot(four.momentum, four.momentum).max(f64x4::splat(f64::MIN_POSITIVE)))
-        .sqrt();
-        let local = from_fn(|k| four.momentum[k] * length / inertia[k]);
-        let spin = rotate(unit4(turn.map(|component| f64x4::from(component.map(f64::from)))), local);
+        let squared = |momentum: [f64x4; 3]| LaneVec3::from(momentum).length_squared();
+        let length = (squared(momentum) / squared(four.momentum).max(f64x4::splat(f64::MIN_POSITIVE))).sqrt();
+        let local: [f64x4; 3] = from_fn(|k| four.momentum[k] * length / inertia[k]);
+        let wide = unit4(turn.map(|component| f64x4::from(component.map(f64::from))));
+        let spin: [f64x4; 3] = quat(wide).rotate(local.into()).into();
         from_fn(|lane| {
             let at = |k: usize| tops[lane].uncycled(k);
             let (turn, spin) = (turn.map(|turn| turn[lane]), spin.map(|spin| spin.as_array()[lane] as f32));
@@ -112,37 +112,13 @@ impl FreeTurn {
     }
 }
 
-fn dot(a: [f64x4; 3], b: [f64x4; 3]) -> f64x4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64x4; 3], b: [f64x4; 3]) -> [f64x4; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 fn unit4(q: [f64x4; 4]) -> [f64x4; 4] {
     let one = f64x4::splat(1.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
     q.map(|component| component * one)
 }
 
-fn conjugate([x, y, z, w]: [f64x4; 4]) -> [f64x4; 4] {
-    [-x, -y, -z, w]
-}
-
-/// A vector turned by unit quaternions.
-fn rotate([x, y, z, w]: [f64x4; 4], v: [f64x4; 3]) -> [f64x4; 3] {
-    let axis = [x, y, z];
-    let twice = cross(axis, v).map(|component| component + component);
-    let across = cross(axis, twice);
-    from_fn(|k| v[k] + w * twice[k] + across[k])
-}
-
-/// Turned by `b`, then by `a`.
-fn compose(a: [f64x4; 4], b: [f64x4; 4]) -> [f64x4; 4] {
-    let [v, u] = [[a[0], a[1], a[2]], [b[0], b[1], b[2]]];
-    let across = cross(v, u);
-    let [x, y, z] = from_fn(|k| a[3] * u[k] + b[3] * v[k] + across[k]);
-    [x, y, z, a[3] * b[3] - dot(v, u)]
+fn quat([x, y, z, w]: [f64x4; 4]) -> LaneQuat<f64x4> {
+    LaneQuat { v: LaneVec3::new(x, y, z), w }
 }
 
 /// How a body is turned, and its angular momentum as seen from it.

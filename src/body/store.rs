@@ -54,7 +54,7 @@ pub(crate) struct Traits {
     /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
     pub(crate) locks: u8,
     /// Which rows its own come after.
-    pub(crate) raised: Option<RowGroup>,
+    pub(crate) solved_after: Option<RowGroup>,
     /// It never sleeps.
     pub(crate) sleepless: bool,
     /// It takes part in nothing.
@@ -162,8 +162,8 @@ pub(crate) struct Bodies {
     /// Forces that were applied since the column of them was made, and steps since the last.
     pub(crate) pushes: u32,
     pub(crate) unpushed: u32,
-    /// How many are raised above each group.
-    raised: [u32; Order::LEN],
+    /// How many bodies have rows that are solved right after each group.
+    solved_after: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
     parts: [u32; 3],
     /// How many of those behind what moves are disabled, and not asleep.
@@ -336,7 +336,7 @@ impl Bodies {
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&ColliderList, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
-        self.count_traits((body.kind, &body.mass, &body.traits), 1);
+        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         let handle = self.slots.insert(last);
         self.push_row(handle.0, &body);
         if !self.force.is_empty() {
@@ -365,7 +365,7 @@ impl Bodies {
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) {
         let i = index as usize;
         let (mass, traits) = (self.mass[i], self.traits[i]);
-        self.count_traits((self.kind[i], &mass, &traits), -1);
+        self.count_traits(self.kind[i], &mass, &traits, -1);
         self.disabled -= u32::from(self.is_set_aside(index));
         let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
@@ -442,25 +442,25 @@ impl Bodies {
         }
     }
 
-    /// Raises a body's rows above a group, or no longer.
-    pub(crate) fn raise(&mut self, index: usize, above: Option<RowGroup>) {
-        let old = std::mem::replace(&mut self.traits[index].raised, above);
-        self.count_raised(old, -1);
-        self.count_raised(above, 1);
+    /// Has a body's rows solved right after a group, or in their own place.
+    pub(crate) fn set_solved_after(&mut self, index: usize, above: Option<RowGroup>) {
+        let old = std::mem::replace(&mut self.traits[index].solved_after, above);
+        self.count_solved_after(old, -1);
+        self.count_solved_after(above, 1);
     }
 
-    /// Whether any body is raised.
-    pub(crate) fn any_raised(&self) -> bool {
-        self.raised.iter().any(|&count| count > 0)
+    /// Whether any body names a group to be solved after.
+    pub(crate) fn any_solved_after(&self) -> bool {
+        self.solved_after.iter().any(|&count| count > 0)
     }
 
-    /// How many bodies are raised.
-    pub(crate) fn raised_count(&self) -> u32 {
-        self.raised.iter().sum()
+    /// How many bodies do.
+    pub(crate) fn solved_after_count(&self) -> u32 {
+        self.solved_after.iter().sum()
     }
 
     /// Counts what a body that comes (1) or goes (-1) requires of steps.
-    fn count_traits(&mut self, (kind, mass, traits): (BodyKind, &Mass, &Traits), change: i32) {
+    fn count_traits(&mut self, kind: BodyKind, mass: &Mass, traits: &Traits, change: i32) {
         let add = |count: &mut u32, set: bool| {
             if set {
                 *count = count.wrapping_add_signed(change);
@@ -469,7 +469,7 @@ impl Bodies {
         add(&mut self.locked, traits.locks != 0);
         add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != Continuous::Discrete);
         add(&mut self.uneven, is_uneven(mass, traits));
-        self.count_raised(traits.raised, change);
+        self.count_solved_after(traits.solved_after, change);
     }
 
     /// Replaces what moves a body's mass.
@@ -508,16 +508,16 @@ impl Bodies {
         }
     }
 
-    fn count_raised(&mut self, above: Option<RowGroup>, change: i32) {
+    fn count_solved_after(&mut self, above: Option<RowGroup>, change: i32) {
         if let Some(above) = above {
-            let count = &mut self.raised[above as usize];
+            let count = &mut self.solved_after[above as usize];
             *count = count.wrapping_add_signed(change);
         }
     }
 
-    /// The groups that bodies are raised above.
-    pub(crate) fn raises(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
-        Order::default().0.into_iter().filter(|&above| self.raised[above as usize] > 0)
+    /// The groups that bodies name to be solved after.
+    pub(crate) fn solved_after_groups(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
+        Order::default().0.into_iter().filter(|&above| self.solved_after[above as usize] > 0)
     }
 
     fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&ColliderList, u32)) {
@@ -562,13 +562,13 @@ impl Bodies {
         for_each_column!(self as [&mut], column => column.clear());
         self.force.clear();
         self.rest.clear();
-        (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
+        (self.locked, self.solved_after, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
         (self.continuous, self.uneven, self.compounds, self.disabled) = (0, 0, 0, 0);
     }
 
     /// Appends a body whose slot is known, without a place in the parts of the columns.
     pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
-        self.count_traits((body.kind, &body.mass, &body.traits), 1);
+        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
         self.push_row(slot, &body);
         let index = self.len() - 1;

@@ -98,18 +98,24 @@ pub(crate) struct Rules<'a> {
     pub(crate) missing: &'a dyn Fn(usize) -> usize,
 }
 
-/// Has others give up so many bytes, if they can; says how many it were.
-pub(crate) type GiveUp<'a> = &'a mut dyn FnMut(usize) -> usize;
+/// Memory for pairs.
+pub(crate) struct PairMemory<'a> {
+    pub(crate) allowances: &'a mut Allowances,
+    /// Releases so many bytes that others no longer need, if it can; returns how many.
+    pub(crate) give_up: &'a mut dyn FnMut(usize) -> usize,
+}
+
+impl PairMemory<'_> {
+    /// Has others release memory; says whether they did.
+    fn make_room(&mut self, bytes: usize) -> bool {
+        let freed = (self.give_up)(bytes);
+        self.allowances.within(Category::Rows, |allowance| allowance.give(freed));
+        freed > 0
+    }
+}
 
 /// Bytes that blocks may want for a pair that they found no place for: lists are as long in all of them.
 const LOST: usize = 256;
-
-/// Has others make room; says whether they made any.
-fn make_room(bytes: usize, allowances: &mut Allowances, give: GiveUp<'_>) -> bool {
-    let freed = give(bytes);
-    allowances.within(Category::Rows, |allowance| allowance.give(freed));
-    freed > 0
-}
 
 /// The colliders of what a block found.
 fn pair_of(&(a, b): &(u32, u32)) -> (u32, u32) {
@@ -186,23 +192,24 @@ impl BroadPhase {
         &mut self,
         workers: &Workers,
         rules: &Rules,
-        (allowances, give): (&mut Allowances, GiveUp<'_>),
+        memory: &mut PairMemory<'_>,
     ) -> (u32, u32) {
         let wanted = self.changed.len().div_ceil(BLOCK);
         // A budget is shared out among all that want something of it.
-        let wave = if allowances.is_endless() { WAVE } else { wanted };
-        let count = allowances
+        let wave = if memory.allowances.is_endless() { WAVE } else { wanted };
+        let count = memory
+            .allowances
             .within(Category::BroadPhase, |allowance| self.grow_blocks(wanted.min(wave), allowance));
         let shed = if count < wanted.min(wave) { self.changed.len() - count * BLOCK } else { 0 };
         let (mut shed, before) = (shed as u32, self.pairs.len());
         let end = if shed > 0 { count } else { wanted };
         for first in (0..end).step_by(count.max(1)) {
             let count = count.min(end - first);
-            let mut lost = self.search_within(workers, first, count, rules, allowances);
-            if lost > 0 && make_room(LOST * lost as usize, allowances, give) {
-                lost = self.search_within(workers, first, count, rules, allowances);
+            let mut lost = self.search_within(workers, first, count, rules, memory.allowances);
+            if lost > 0 && memory.make_room(LOST * lost as usize) {
+                lost = self.search_within(workers, first, count, rules, memory.allowances);
             }
-            shed += lost + self.take_in(count, rules, (allowances, give));
+            shed += lost + self.take_in(count, rules, memory);
         }
         ((self.pairs.len() - before) as u32, shed)
     }
@@ -248,22 +255,17 @@ impl BroadPhase {
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
-    fn take_in(
-        &mut self,
-        count: usize,
-        rules: &Rules,
-        (allowances, give): (&mut Allowances, GiveUp<'_>),
-    ) -> u32 {
+    fn take_in(&mut self, count: usize, rules: &Rules, memory: &mut PairMemory<'_>) -> u32 {
         let found: usize = self.blocks.all[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
-        if !allowances.is_endless() {
-            let mut most = self.most_pairs(before + found, rules, allowances);
+        if !memory.allowances.is_endless() {
+            let mut most = self.most_pairs(before + found, rules, memory.allowances);
             if most < before + found {
                 let bytes = self.missing(before + found) + (rules.missing)(before + found);
-                if make_room(bytes.saturating_sub(allowances.whole()), allowances, give) {
-                    most = self.most_pairs(before + found, rules, allowances);
+                if memory.make_room(bytes.saturating_sub(memory.allowances.whole())) {
+                    most = self.most_pairs(before + found, rules, memory.allowances);
                 }
             }
             let granted = most.saturating_sub(before);
@@ -274,7 +276,7 @@ impl BroadPhase {
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
             let missing = self.missing(most);
-            allowances.within(Category::BroadPhase, |allowance| allowance.take(missing));
+            memory.allowances.within(Category::BroadPhase, |allowance| allowance.take(missing));
             self.reserve_total(most);
         }
         let mut shed = 0;

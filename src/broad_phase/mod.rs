@@ -30,12 +30,12 @@ use aabb::LARGEST;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::{Allowance, Allowances, Buffer, Category, buffers, bytes_of};
+use crate::memory::{Allowance, Buffer, Category, buffers, bytes_of};
 use crate::shape::ColliderSummary;
 use crate::threads::Workers;
 use bvh::{NONE, Tree};
 use find::{Block, Blocks, Change};
-pub(crate) use find::{GiveUp, Rules, STACK};
+pub(crate) use find::{PairMemory, Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::SearchSet;
 use pairs::PairTable;
@@ -288,7 +288,8 @@ impl BroadPhase {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
         self.start_movers();
         self.place_movers(movers, margin);
-        self.update_within(workers, &rules, removed, (&mut Allowances::ENDLESS.clone(), &mut |_| 0))
+        let allowances = &mut crate::memory::Allowances::ENDLESS.clone();
+        self.update_within(workers, &rules, removed, &mut PairMemory { allowances, give_up: &mut |_| 0 })
     }
 
     /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as
@@ -299,7 +300,7 @@ impl BroadPhase {
         workers: &Workers,
         rules: &Rules,
         removed: &mut Vec<Pair>,
-        (allowances, give): (&mut Allowances, GiveUp<'_>),
+        memory: &mut PairMemory<'_>,
     ) -> BroadStats {
         let built = self.fit_trees();
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
@@ -309,11 +310,11 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        allowances.within(Category::BroadPhase, |allowance| {
+        memory.allowances.within(Category::BroadPhase, |allowance| {
             self.keep_pairs(workers, rules.may_collide, removed, allowance)
         });
         stats.removed = (removed.len() - before) as u32;
-        (stats.added, stats.shed) = self.find_pairs(workers, rules, (allowances, give));
+        (stats.added, stats.shed) = self.find_pairs(workers, rules, memory);
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;

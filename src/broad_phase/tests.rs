@@ -1,25 +1,10 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
 use super::*;
+use crate::random::Random;
 use crate::threads::{Helpers, with_workers};
 use glam::{DVec3, vec3};
 use std::collections::{BTreeMap, BTreeSet};
-
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn vector(&mut self, size: f32) -> Vec3 {
-        let mut r = || (self.unit() * 2.0 - 1.0) * size;
-        vec3(r(), r(), r())
-    }
-    fn below(&mut self, n: usize) -> usize {
-        ((self.unit() * n as f32) as usize).min(n - 1)
-    }
-}
 
 /// A body of a test scene: a box that moves and bounces off the scene's edge.
 #[derive(Clone, Copy)]
@@ -61,8 +46,8 @@ impl Scene {
 
     fn add(&mut self, c: u32) {
         let r = &mut self.random;
-        let at = self.centre + r.vector(self.size);
-        let half = r.vector(0.5).abs() + 0.05;
+        let at = self.centre + r.cube() * self.size;
+        let half = (r.cube() * 0.5).abs() + 0.05;
         let moves = r.unit() < 0.7;
         let speed = [0.0, 0.02, 0.1, 2.0, 30.0][r.below(5)];
         let aabb = match (moves, r.below(30)) {
@@ -74,7 +59,7 @@ impl Scene {
         let mover = Mover {
             collider: c,
             aabb,
-            motion: r.vector(speed),
+            motion: r.cube() * speed,
             spin: [0.0, 0.01, 0.3][r.below(3)],
             mode: [Continuous::Discrete, Continuous::Segment, Continuous::Segment, Continuous::Volume]
                 [r.below(4)],

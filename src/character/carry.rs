@@ -1,4 +1,4 @@
-//! Moving ground: a mover moves with the point of the ground that it stood on.
+//! Moving ground: a character moves with the point of the ground that it stood on.
 
 use super::shape::Shape;
 use super::slide::Slide;
@@ -9,8 +9,8 @@ use crate::query::QueryFilter;
 use crate::world::World;
 use glam::{DQuat, DVec3};
 
-/// Where a mover is on the body that it stands on. Poses rather than velocities give the body's actual motion
-/// since then, with its rotation, whether the world was stepped before or after.
+/// Where a character is on the body that it stands on. Poses rather than velocities give the body's actual
+/// motion since then, with its rotation, whether the world was stepped before or after.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Carrier {
     pub(super) body: BodyHandle,
@@ -38,7 +38,7 @@ impl Carrier {
     }
 }
 
-/// Carries a mover along, as far as obstacles allow. Returns its new position and rotation [rad].
+/// Carries a character along, as far as obstacles allow. Returns its new position and rotation [rad].
 pub(super) fn carry(
     shape: &Shape<'_>,
     carrier: Option<Carrier>,

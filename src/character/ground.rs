@@ -1,4 +1,4 @@
-//! The ground under a mover, and how the mover stays on it.
+//! The ground under a character, and how the character stays on it.
 
 use super::planes::Planes;
 use super::report::Ground;
@@ -9,8 +9,8 @@ use crate::query::ShapeHit;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Looks for ground down to `reach` [m] and lowers the mover onto it. If there is none, `at` is unchanged. It
-/// stands on an edge if the ground beyond is no more than `step` [m] lower.
+/// Looks for ground down to `reach` [m] and lowers the character onto it. If there is none, `at` is
+/// unchanged. It stands on an edge if the ground beyond is no more than `step` [m] lower.
 pub(super) fn settle(
     shape: &Shape<'_>,
     at: &mut DVec3,
@@ -46,7 +46,8 @@ pub(super) fn settle(
     Ok(None)
 }
 
-/// Whether surfaces that are too steep one by one hold the mover together, like the two sides of a gutter.
+/// Whether surfaces that are too steep one by one hold the character together, like the two sides of a
+/// gutter.
 fn is_wedged(shape: &Shape<'_>, at: DVec3, first: &ShapeHit) -> Result<bool, Error> {
     let mut planes = Planes::default();
     planes.add(first.normal.as_dvec3().normalize());

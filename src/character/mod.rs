@@ -1,8 +1,8 @@
 //! A capsule that walks: collide and slide, steps, slopes, moving ground.
 //!
-//! A mover is not a body. It queries a world (`src/query/`) and moves its own position, so that any number of
-//! them may walk at the same time through `&World`. All casts use the capsule enlarged by its skin; rounding
-//! and moving bodies cause overlap of the skin, which is resolved at the start of the next walk.
+//! A character is not a body. It queries a world (`src/query/`) and moves its own position, so that any
+//! number of them may walk at the same time through `&World`. All casts use the capsule enlarged by its skin;
+//! rounding and moving bodies cause overlap of the skin, which is resolved at the start of the next walk.
 //!
 //! One walk: the ground carries it ([`carry`]), overlapping bodies push it out ([`overlap`]), it slides along
 //! obstacles ([`slide`]) and over steps ([`step`]), and settles on the ground ([`ground`]).
@@ -22,8 +22,8 @@ mod step;
 #[doc = include_str!("../../docs/characters.md")]
 struct Docs;
 
-pub use report::{Ground, MoverHit, MoverReport};
-pub use settings::MoverSettings;
+pub use report::{CharacterHit, CharacterReport, Ground};
+pub use settings::CharacterSettings;
 
 use crate::body::BodyKind;
 use crate::error::Error;
@@ -41,42 +41,42 @@ use slide::Slide;
 ///
 /// ```
 /// use backstop::glam::{DVec3, Vec3};
-/// use backstop::{BodyDesc, Geometry, Mover, MoverSettings, QueryFilter, Settings, ShapeDesc, World};
+/// use backstop::{BodyDesc, Geometry, Character, CharacterSettings, QueryFilter, Settings, ShapeDesc, World};
 ///
 /// # fn main() -> Result<(), backstop::Error> {
 /// let mut world = World::new(Settings::default())?;
 /// world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
-/// let mut mover = Mover::new(MoverSettings::default(), DVec3::Y)?;
+/// let mut character = Character::new(CharacterSettings::default(), DVec3::Y)?;
 /// let (mut velocity, dt) = (Vec3::ZERO, 1.0 / 60.0);
 /// for _ in 0..120 {
 ///     world.step(dt)?;
 ///     // What the player wants, and gravity; to jump is a velocity upwards.
 ///     velocity = Vec3::new(3.0, velocity.y - 9.81 * dt, 0.0);
-///     let report = mover.walk(&world, &QueryFilter::new(), velocity, dt)?;
+///     let report = character.walk(&world, &QueryFilter::new(), velocity, dt)?;
 ///     velocity = report.velocity;
 ///     report.push(&mut world)?;
 /// }
-/// assert!(mover.ground().is_some() && (mover.position().x - 6.0).abs() < 1e-4);
+/// assert!(character.ground().is_some() && (character.position().x - 6.0).abs() < 1e-4);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mover {
-    settings: MoverSettings,
+pub struct Character {
+    settings: CharacterSettings,
     position: DVec3,
     ground: Option<Ground>,
     carrier: Option<Carrier>,
 }
 
-impl Mover {
-    /// A mover whose capsule has its middle at a point [m]. It stands on nothing until it walks.
+impl Character {
+    /// A character whose capsule has its middle at a point [m]. It stands on nothing until it walks.
     ///
     /// # Errors
     /// If a setting is out of range, or the point is not finite.
-    pub fn new(settings: MoverSettings, position: DVec3) -> Result<Mover, Error> {
+    pub fn new(settings: CharacterSettings, position: DVec3) -> Result<Character, Error> {
         settings.validate()?;
         crate::limits::position(position)?;
-        Ok(Mover { settings, position, ground: None, carrier: None })
+        Ok(Character { settings, position, ground: None, carrier: None })
     }
 
     /// Where the middle of the capsule is [m].
@@ -84,7 +84,7 @@ impl Mover {
         self.position
     }
 
-    /// Where the ground is under a mover that stands on level ground [m]: a skin below the capsule.
+    /// Where the ground is under a character that stands on level ground [m]: a skin below the capsule.
     pub fn feet(&self) -> DVec3 {
         let s = &self.settings;
         self.position - s.up.as_dvec3() * f64::from(s.half_height + s.radius + s.skin)
@@ -96,16 +96,16 @@ impl Mover {
     }
 
     /// Its settings.
-    pub fn settings(&self) -> &MoverSettings {
+    pub fn settings(&self) -> &CharacterSettings {
         &self.settings
     }
 
     /// Replaces the settings: to crouch, to grow. Its middle stays where it is; whether there is room for it
-    /// `overlap_any` tells, with [`Mover::capsule`].
+    /// `overlap_any` tells, with [`Character::capsule`].
     ///
     /// # Errors
     /// If a setting is out of range.
-    pub fn set_settings(&mut self, settings: MoverSettings) -> Result<(), Error> {
+    pub fn set_settings(&mut self, settings: CharacterSettings) -> Result<(), Error> {
         settings.validate()?;
         self.settings = settings;
         Ok(())
@@ -133,7 +133,7 @@ impl Mover {
     /// On ground the velocity is relative to it; in the air it is that in the world. On ground the downward
     /// part has no effect, slopes do not change the horizontal motion, and any upward velocity leaves the
     /// ground and keeps the ground's velocity. Gravity is the caller's: add it to the velocity in every call,
-    /// and hand [`MoverReport::velocity`] back in.
+    /// and hand [`CharacterReport::velocity`] back in.
     ///
     /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect.
     /// It is a shape cast, so it passes through nothing at any speed. Bodies that moved into it since the
@@ -141,19 +141,19 @@ impl Mover {
     /// the same world gives the same bits.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the mover is as it was.
+    /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the character is as it was.
     pub fn walk(
         &mut self,
         world: &World,
         filter: &QueryFilter<'_>,
         velocity: Vec3,
         dt: f32,
-    ) -> Result<MoverReport, Error> {
+    ) -> Result<CharacterReport, Error> {
         crate::limits::speed("velocity", velocity)?;
         let time = f64::from(crate::limits::step(dt)?);
         let settings = self.settings;
         let shape = Shape::new(world, &settings, filter);
-        let mut report = MoverReport::default();
+        let mut report = CharacterReport::default();
 
         let (carried, turned) = carry(&shape, self.carrier, self.position, settings.iterations)?;
         let (start, overlap) = push_out(&shape, carried)?;
@@ -163,7 +163,7 @@ impl Mover {
         let below = old_ground.map_or(Ok(Vec3::ZERO), |g| velocity_at(world, g.body, g.point))?;
         let (rise, across) = shape.split(velocity.as_dvec3());
         let walks = self.ground.filter(|_| rise <= 0.0);
-        // A walking mover was carried by the ground already; a jumping one keeps the ground's velocity.
+        // A walking character was carried by the ground already; a jumping one keeps the ground's velocity.
         let own = if walks.is_some() { across } else { velocity.as_dvec3() + below.as_dvec3() };
         let (rise, across) = shape.split(own);
         let mut slide = Slide::new(start, across * time, rise * time);
@@ -208,17 +208,17 @@ impl Mover {
     }
 
     /// An obstacle that was run into with a velocity.
-    fn meet(&self, world: &World, hit: &ShapeHit, velocity: Vec3, dt: f32) -> MoverHit {
+    fn meet(&self, world: &World, hit: &ShapeHit, velocity: Vec3, dt: f32) -> CharacterHit {
         let &ShapeHit { body, shape, point, normal, .. } = hit;
         let mut impulse = Vec3::ZERO;
         if world.kind(body) == Ok(BodyKind::Dynamic)
             && let (Ok(mass), Ok(theirs)) = (world.mass(body), velocity_at(world, body, point))
         {
-            // As in an impact of two free bodies, within the mover's strength.
+            // As in an impact of two free bodies, within the character's strength.
             let closing = -normal.dot(velocity - theirs);
             let both = self.settings.mass * mass / (self.settings.mass + mass);
             impulse = -normal * (closing.max(0.0) * both).min(self.settings.strength * dt);
         }
-        MoverHit { body, shape, point, normal, impulse }
+        CharacterHit { body, shape, point, normal, impulse }
     }
 }

@@ -1,8 +1,8 @@
-//! The obstacles that a mover touches, as planes that its path must not enter.
+//! The obstacles that a character touches, as planes that its path must not enter.
 
 use glam::DVec3;
 
-/// The most planes: a mover does not touch more at once in any relevant way.
+/// The most planes: a character does not touch more at once in any relevant way.
 const MAX_PLANES: usize = 12;
 
 /// Directions `d` with `n · d >= 0` for all of some normals: a cone.

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 /// Hits that a report keeps.
 pub(super) const MAX_HITS: usize = 8;
 
-/// What a mover stands on.
+/// What a character stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Whose shape it is.
@@ -24,31 +24,31 @@ pub struct Ground {
     pub velocity: Vec3,
 }
 
-/// An obstacle that a mover ran into.
+/// An obstacle that a character ran into.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MoverHit {
+pub struct CharacterHit {
     /// Whose shape it is.
     pub body: BodyHandle,
     /// Which shape.
     pub shape: ShapeHandle,
     /// Where, in the world [m].
     pub point: DVec3,
-    /// Unit, from the obstacle towards the mover.
+    /// Unit, from the obstacle towards the character.
     pub normal: Vec3,
-    /// Impulse of the push on a dynamic body, zero for others [N s]; [`MoverReport::push`] applies it.
+    /// Impulse of the push on a dynamic body, zero for others [N s]; [`CharacterReport::push`] applies it.
     pub impulse: Vec3,
 }
 
 /// The result of a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MoverReport {
+pub struct CharacterReport {
     /// The whole displacement [m].
     pub moved: Vec3,
     /// The part of it by moving ground [m].
     pub carried: Vec3,
     /// By how much the ground turned about `up` meanwhile [rad]: for the direction that a character looks in.
     pub turned: f32,
-    /// The part of it out of bodies that had moved into the mover [m].
+    /// The part of it out of bodies that had moved into the character [m].
     pub pushed_out: Vec3,
     /// How far steps were climbed [m].
     pub stepped: f32,
@@ -58,18 +58,18 @@ pub struct MoverReport {
     pub velocity: Vec3,
     /// Remaining overlap of the capsule, without its skin [m]; above zero only if it is squeezed.
     pub overlap: f32,
-    /// Impulse of the mover's weight on ground that can move [N s].
+    /// Impulse of the character's weight on ground that can move [N s].
     pub(super) weight: Vec3,
-    pub(super) hits: [Option<MoverHit>; MAX_HITS],
+    pub(super) hits: [Option<CharacterHit>; MAX_HITS],
 }
 
-impl MoverReport {
+impl CharacterReport {
     /// What it ran into, in order, up to eight of them.
-    pub fn hits(&self) -> impl Iterator<Item = &MoverHit> {
+    pub fn hits(&self) -> impl Iterator<Item = &CharacterHit> {
         self.hits.iter().flatten()
     }
 
-    pub(super) fn hit(&mut self, hit: MoverHit) {
+    pub(super) fn hit(&mut self, hit: CharacterHit) {
         let free = self.hits.iter_mut().find(|h| h.as_ref().is_none_or(|h| h.shape == hit.shape));
         if let Some(place) = free
             && place.is_none()
@@ -78,7 +78,7 @@ impl MoverReport {
         }
     }
 
-    /// Pushes the dynamic bodies that the mover ran into, and its weight on the one that it stands on.
+    /// Pushes the dynamic bodies that the character ran into, and its weight on the one that it stands on.
     ///
     /// # Errors
     /// If one of the bodies was removed since.

@@ -1,4 +1,4 @@
-//! What a mover is and may do.
+//! What a character is and may do.
 
 use crate::error::{Error, finite3, positive, within};
 use glam::Vec3;
@@ -6,7 +6,7 @@ use glam::Vec3;
 /// A capsule that walks: its size, and what it may climb, push and stand on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
-pub struct MoverSettings {
+pub struct CharacterSettings {
     /// Radius of the capsule, above zero [m]. Default 0.3.
     pub radius: f32,
     /// Half the distance between the centres of its two balls, at least zero [m]. Default 0.6: 1.8 m tall.
@@ -20,7 +20,7 @@ pub struct MoverSettings {
     /// The highest step to climb, at least zero [m]. The round bottom gets over edges lower than
     /// `(radius + skin) * (1 - cos(max_slope))` all the same. Default 0.3.
     pub step_height: f32,
-    /// A walking mover stays on ground that drops by up to this [m], at least zero. Default 0.3.
+    /// A walking character stays on ground that drops by up to this [m], at least zero. Default 0.3.
     pub snap: f32,
     /// Obstacles that a walk may slide along, 1..=64; the rest of the path is dropped. Default 8.
     pub iterations: u32,
@@ -32,9 +32,9 @@ pub struct MoverSettings {
     pub strength: f32,
 }
 
-impl Default for MoverSettings {
+impl Default for CharacterSettings {
     fn default() -> Self {
-        MoverSettings {
+        CharacterSettings {
             radius: 0.3,
             half_height: 0.6,
             skin: 0.02,
@@ -49,25 +49,25 @@ impl Default for MoverSettings {
     }
 }
 
-impl MoverSettings {
+impl CharacterSettings {
     /// Checks every range.
     ///
     /// # Errors
     /// Names the first that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         let most = 1e6;
-        positive("mover radius", self.radius)?;
-        within("mover radius", self.radius, 0.0, most, "at most 1e6")?;
-        within("mover half height", self.half_height, 0.0, most, "in 0..=1e6")?;
-        positive("mover skin", self.skin)?;
-        within("mover skin", self.skin, 0.0, self.radius, "at most the radius")?;
-        within("mover slope", self.max_slope, 0.0, 1.57, "in 0..=1.57")?;
-        within("mover step height", self.step_height, 0.0, most, "in 0..=1e6")?;
-        within("mover snap", self.snap, 0.0, most, "in 0..=1e6")?;
-        within("mover iterations", self.iterations as f32, 1.0, 64.0, "in 1..=64")?;
-        finite3("mover up", self.up)?;
-        within("mover up", self.up.length(), 0.999, 1.001, "a unit vector")?;
-        within("mover mass", self.mass, 0.0, f32::MAX, "at least zero")?;
-        within("mover strength", self.strength, 0.0, f32::MAX, "at least zero").map(drop)
+        positive("character radius", self.radius)?;
+        within("character radius", self.radius, 0.0, most, "at most 1e6")?;
+        within("character half height", self.half_height, 0.0, most, "in 0..=1e6")?;
+        positive("character skin", self.skin)?;
+        within("character skin", self.skin, 0.0, self.radius, "at most the radius")?;
+        within("character slope", self.max_slope, 0.0, 1.57, "in 0..=1.57")?;
+        within("character step height", self.step_height, 0.0, most, "in 0..=1e6")?;
+        within("character snap", self.snap, 0.0, most, "in 0..=1e6")?;
+        within("character iterations", self.iterations as f32, 1.0, 64.0, "in 1..=64")?;
+        finite3("character up", self.up)?;
+        within("character up", self.up.length(), 0.999, 1.001, "a unit vector")?;
+        within("character mass", self.mass, 0.0, f32::MAX, "at least zero")?;
+        within("character strength", self.strength, 0.0, f32::MAX, "at least zero").map(drop)
     }
 }

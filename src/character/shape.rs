@@ -1,6 +1,6 @@
 //! The capsule in the world: its casts, and which surfaces it can stand on.
 
-use super::settings::MoverSettings;
+use super::settings::CharacterSettings;
 use crate::error::Error;
 use crate::math::Quat;
 use crate::query::{QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
@@ -18,7 +18,7 @@ pub(super) fn upright(up: Vec3) -> Quat {
     }
 }
 
-/// A mover's capsule with its skin, in a world.
+/// A character's capsule with its skin, in a world.
 pub(super) struct Shape<'a> {
     pub(super) world: &'a World,
     pub(super) filter: QueryFilter<'a>,
@@ -36,7 +36,7 @@ pub(super) struct Shape<'a> {
 }
 
 impl<'a> Shape<'a> {
-    pub(super) fn new(world: &'a World, settings: &MoverSettings, filter: &QueryFilter<'a>) -> Shape<'a> {
+    pub(super) fn new(world: &'a World, settings: &CharacterSettings, filter: &QueryFilter<'a>) -> Shape<'a> {
         let up = settings.up.normalize();
         let radius = settings.radius + settings.skin;
         Shape {

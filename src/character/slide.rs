@@ -1,7 +1,7 @@
 //! Collide and slide: straight to the first obstacle, then along it, and so on to the end of the path.
 //!
 //! Obstacles are remembered as planes, and the rest of the desired displacement is clipped against all of
-//! them at once (`planes.rs`), so that a mover stops in a corner without jitter.
+//! them at once (`planes.rs`), so that a character stops in a corner without jitter.
 
 use super::planes::Planes;
 use super::shape::Shape;
@@ -71,7 +71,8 @@ impl Slide {
         self.planes.clip(across + up * rise)
     }
 
-    /// A mover can't climb a steep slope by running or jumping at it, nor hang on it by pressing against it.
+    /// A character can't climb a steep slope by running or jumping at it, nor hang on it by pressing against
+    /// it.
     fn fly(&self, across: DVec3, rise: DVec3) -> DVec3 {
         self.planes.clip(self.steep.clip(across) + rise)
     }

@@ -58,15 +58,15 @@ impl Order {
         Order(groups)
     }
 
-    /// The position of rows of a group: its own, or right after another group that they are raised above, if
-    /// that is later. Rows raised above the same group keep their order.
-    pub(crate) fn place(self, group: RowGroup, raised: Option<RowGroup>) -> Place {
+    /// The position of rows of a group: its own, or right after the group `solved_after`, if that is
+    /// later. Rows that are solved after the same group keep their order.
+    pub(crate) fn place(self, group: RowGroup, solved_after: Option<RowGroup>) -> Place {
         let own = self.rank(group);
-        let after = raised.map_or(0, |above| 2 * self.rank(above) + 1);
+        let after = solved_after.map_or(0, |above| 2 * self.rank(above) + 1);
         Place(((2 * own).max(after) * self.0.len() + own) as u8)
     }
 
-    /// The group above which rows of two bodies are raised.
+    /// The group after which rows of two bodies are solved: the later one.
     pub(crate) fn higher(self, a: Option<RowGroup>, b: Option<RowGroup>) -> Option<RowGroup> {
         [a, b].into_iter().flatten().max_by_key(|group| self.rank(*group))
     }

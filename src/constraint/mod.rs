@@ -10,9 +10,9 @@ mod tweak;
 pub(crate) use articulation::close::Closing;
 pub(crate) use articulation::contacts::guard;
 pub(crate) use articulation::slots::{TreeRef, TreeSlot, TreeSlots};
-pub(crate) use contact::batch::{Batch, BatchRef};
+pub(crate) use contact::batch::Batch;
 pub(crate) use contact::expect::lend;
-pub(crate) use contact::friction::{FrictionRow, FrictionView};
+pub(crate) use contact::friction::FrictionRow;
 pub(crate) use contact::impact_friction::solve_impact_friction;
 pub(crate) use contact::prepare::{PrepareInput, prepare};
 #[cfg(feature = "lab")]

@@ -4,7 +4,7 @@ use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::body::{Pose, exp_map};
 use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP, TOUCH_DISTANCE};
 use crate::math::Quat;
-use crate::narrow_phase::{Contact, NO_CONTACT, Point, Relative, Support, distance};
+use crate::narrow_phase::{ContactRef, NO_CONTACT, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry, Kind};
 use crate::world::World;
 use glam::{DVec3, Vec3};
@@ -13,14 +13,14 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = &world.contacts.all[slot as usize];
+            let contact = world.contacts.at(slot);
             draw_contact(world, contact, options, out);
             slot = contact.next;
         }
     }
 }
 
-fn draw_contact(world: &World, contact: &Contact, options: &DrawOptions, out: &mut dyn DebugDraw) {
+fn draw_contact(world: &World, contact: ContactRef<'_>, options: &DrawOptions, out: &mut dyn DebugDraw) {
     let now = relative(world, contact);
     let unit = world.settings.length_unit;
     let palette = &options.palette;
@@ -60,7 +60,7 @@ fn draw_contact(world: &World, contact: &Contact, options: &DrawOptions, out: &m
 }
 
 /// Pose of the second shape in the frame of the first, now.
-fn relative(world: &World, contact: &Contact) -> Relative {
+fn relative(world: &World, contact: ContactRef<'_>) -> Relative {
     let [a, b] = [contact.a, contact.b].map(|c| world.collider_pose(c));
     let back = a.rotation.conjugate();
     Relative { position: back * (b.position - a.position).as_vec3(), rotation: back * b.rotation }
@@ -77,7 +77,7 @@ struct Place {
 }
 
 /// A point that was found at the poses of the start of a step.
-fn at_start(world: &World, contact: &Contact, point: &Point, gap: f32, now: &Relative) -> Place {
+fn at_start(world: &World, contact: ContactRef<'_>, point: &Point, gap: f32, now: &Relative) -> Place {
     let a = world.collider_pose(contact.a);
     if is_round(world, contact) {
         // The point does not rotate with a rolling shape.
@@ -94,7 +94,7 @@ fn at_start(world: &World, contact: &Contact, point: &Point, gap: f32, now: &Rel
 }
 
 /// Whether the first shape touches with a round side.
-fn is_round(world: &World, contact: &Contact) -> bool {
+fn is_round(world: &World, contact: ContactRef<'_>) -> bool {
     match world.colliders.all[contact.a as usize].kind {
         Kind::Sphere | Kind::Capsule => true,
         Kind::Cylinder => contact.count < 3,
@@ -104,7 +104,7 @@ fn is_round(world: &World, contact: &Contact) -> bool {
 
 /// A point that was found at a first touch within the step. Its separation was extrapolated back from there
 /// along the predicted motion, to first order; here it is carried forward along the actual motion.
-fn ahead(world: &World, contact: &Contact, point: &Point) -> Place {
+fn ahead(world: &World, contact: ContactRef<'_>, point: &Point) -> Place {
     let [a, b] = [contact.a, contact.b].map(|c| Way::of(world, c));
     let normal = a.shape * contact.normal;
     let arm_a = a.lever + a.shape * point.position;
@@ -162,7 +162,7 @@ fn turn_between(from: Quat, to: Quat) -> Vec3 {
 }
 
 /// Whether two shapes are further apart than a limit [m].
-fn are_apart(world: &World, contact: &Contact, now: &Relative, limit: f32) -> bool {
+fn are_apart(world: &World, contact: ContactRef<'_>, now: &Relative, limit: f32) -> bool {
     let [a, b] = [contact.a, contact.b].map(|c| &world.colliders.all[c as usize]);
     // A plane, mesh or height field is the second of a pair.
     let Some(convex) = Support::of(a) else { return false };

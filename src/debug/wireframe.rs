@@ -13,10 +13,10 @@ const GRID: u32 = 20;
 /// The lines that show a shape, in its own frame [m]. Their ends are on its surface; between them a line is a
 /// chord of what is round.
 ///
-/// `window`: low and high corner of the box that is wanted, in the same frame. Of a mesh or height field only
-/// the edges of triangles whose boxes meet it are drawn, an edge once for each of them; of a plane, which has
-/// no end, the part that is in it, or 20 m around its origin if there is none. All other shapes come as a
-/// whole.
+/// `window`: low and high corner of the box that is wanted, in the same frame. A mesh or height field
+/// shows only the edges of triangles whose boxes meet the window, an edge once for each of them; a plane,
+/// which has no end, the part in the window, or 20 m around its origin if there is none. All other shapes are
+/// drawn as a whole.
 pub fn wireframe(geometry: &Geometry, window: Option<(Vec3, Vec3)>, line: &mut dyn FnMut(Vec3, Vec3)) {
     match geometry {
         Geometry::Sphere { radius } => {

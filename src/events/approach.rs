@@ -3,7 +3,7 @@
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
 use crate::handle::BodyHandle;
-use crate::narrow_phase::{Contact, Point};
+use crate::narrow_phase::{ContactRef, Point};
 use glam::{DVec3, Vec3};
 
 /// Bodies and colliders at the start of the step, and the accelerations of the bodies.
@@ -16,20 +16,29 @@ pub(crate) struct StartOfStep<'a> {
     pub(crate) dt: f32,
 }
 
+/// How two bodies approach each other at a contact point before anything is solved, where they are at the
+/// start of the step.
+pub(crate) struct Approach {
+    /// Unit, from a to b, in the world.
+    pub(crate) normal: Vec3,
+    pub(crate) position: DVec3,
+    /// Along the normal [m/s].
+    pub(crate) speed: f32,
+}
+
 impl StartOfStep<'_> {
     /// The body of a collider.
     pub(crate) fn body_of(&self, collider: u32) -> BodyHandle {
         self.bodies.handle(self.colliders.summaries[collider as usize].body as usize)
     }
 
-    /// Normal in the world, from a to b, position, and approach speed of a contact point before anything was
-    /// solved, with bodies as at the start of the step.
-    pub(crate) fn impact(&self, contact: &Contact, point: &Point) -> (Vec3, DVec3, f32) {
+    /// How the bodies approach each other at a contact point.
+    pub(crate) fn approach(&self, contact: ContactRef<'_>, point: &Point) -> Approach {
         let shape = &self.colliders.poses[contact.a as usize];
         let normal = shape.rotation * contact.normal;
         let at = shape.position + (shape.rotation * point.position).as_dvec3();
         let [a, b] = [contact.a, contact.b].map(|c| self.speed_before(c, at, contact.fraction));
-        (normal, at, -normal.dot(b - a))
+        Approach { normal, position: at, speed: -normal.dot(b - a) }
     }
 
     /// Velocity of a point of a collider's body at the start of the step, plus what acceleration adds until a

@@ -1,10 +1,10 @@
 //! Begins, ends and hits, after the rows are solved and before bodies move.
 
-use super::{ContactEnd, ContactEvent, Events, StartOfStep, push};
+use super::{Approach, ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::TOUCH_DISTANCE;
-use crate::narrow_phase::{Contact, Contacts, NO_CONTACT, Point};
+use crate::narrow_phase::{ContactRef, Contacts, NO_CONTACT, Point};
 
 /// Input of contact events.
 pub(crate) struct Touching<'a> {
@@ -31,10 +31,10 @@ impl Touching<'_> {
     fn record_pair(&self, pair: &mut Pair, events: &mut Events) {
         let real = TOUCH_DISTANCE * self.settings.length_unit;
         let most = self.settings.event_capacity as usize;
-        let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
+        let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, ContactRef<'_>, &Point)>);
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = &self.contacts.all[slot as usize];
+            let contact = self.contacts.at(slot);
             let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;
             for point in contact.points() {
@@ -53,27 +53,27 @@ impl Touching<'_> {
         let shapes = [pair.a, pair.b].map(|c| self.start.colliders.handle(c));
         if pair.touching && !touches {
             let end = ContactEnd { shapes: [shapes[0].min(shapes[1]), shapes[0].max(shapes[1])] };
-            push(&mut events.ends, end, most, (&mut events.allowance, &mut events.lost));
+            push(&mut events.ends, end, most, &mut events.allowance, &mut events.lost);
         }
         pair.touching = touches;
         let Some((_, contact, point)) = worst else { return };
-        let (normal, at, approach_speed) = self.start.impact(contact, point);
+        let Approach { normal, position, speed: approach_speed } = self.start.approach(contact, point);
         let hit = impulse > 0.0 && approach_speed >= self.settings.hit_speed * self.settings.length_unit;
         if !(began || hit) {
             return;
         }
         let bodies = [pair.a, pair.b].map(|c| self.start.body_of(c));
-        let mut event = ContactEvent { shapes, bodies, point: at, normal, approach_speed, impulse };
+        let mut event = ContactEvent { shapes, bodies, point: position, normal, approach_speed, impulse };
         if shapes[0] > shapes[1] {
             event.shapes.reverse();
             event.bodies.reverse();
             event.normal = -normal;
         }
         if began {
-            push(&mut events.begins, event, most, (&mut events.allowance, &mut events.lost));
+            push(&mut events.begins, event, most, &mut events.allowance, &mut events.lost);
         }
         if hit {
-            push(&mut events.hits, event, most, (&mut events.allowance, &mut events.lost));
+            push(&mut events.hits, event, most, &mut events.allowance, &mut events.lost);
         }
     }
 }

@@ -13,7 +13,7 @@ mod sensors;
 #[doc = include_str!("../../docs/events.md")]
 struct Docs;
 
-pub(crate) use approach::StartOfStep;
+pub(crate) use approach::{Approach, StartOfStep};
 pub(crate) use contacts::Touching;
 pub(crate) use sensors::Sensing;
 
@@ -155,9 +155,9 @@ impl Events {
         *lost += std::mem::take(missed);
         for (a, b, sensor) in gone.drain(..) {
             if sensor {
-                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, (allowance, lost));
+                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, allowance, lost);
             } else {
-                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, (allowance, lost));
+                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, allowance, lost);
             }
         }
         self.begins.sort_by_key(|event| event.shapes);
@@ -169,7 +169,7 @@ impl Events {
     }
 }
 
-fn push<T>(events: &mut Vec<T>, event: T, most: usize, (allowance, lost): (&mut Allowance, &mut u32)) {
+fn push<T>(events: &mut Vec<T>, event: T, most: usize, allowance: &mut Allowance, lost: &mut u32) {
     if events.len() >= most || !allowance.push(events, event) {
         *lost += 1;
     }

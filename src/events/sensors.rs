@@ -38,12 +38,12 @@ impl Sensing<'_> {
             let inside = self.meet(pair, true).is_some();
             if pair.touching {
                 if !inside {
-                    push(&mut events.left, event(1.0), most, (&mut events.allowance, &mut events.lost));
+                    push(&mut events.left, event(1.0), most, &mut events.allowance, &mut events.lost);
                 }
             } else if let Some(fraction) = self.meet(pair, false).or(inside.then_some(1.0)) {
-                push(&mut events.entered, event(fraction), most, (&mut events.allowance, &mut events.lost));
+                push(&mut events.entered, event(fraction), most, &mut events.allowance, &mut events.lost);
                 if !inside {
-                    push(&mut events.left, event(1.0), most, (&mut events.allowance, &mut events.lost));
+                    push(&mut events.left, event(1.0), most, &mut events.allowance, &mut events.lost);
                 }
             }
             pair.touching = inside;

@@ -50,16 +50,21 @@ pub(crate) struct Buffers {
     cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
+/// What the buffers are for.
+pub(crate) struct Content {
+    pub(crate) movers: usize,
+    pub(crate) dynamic: usize,
+    /// Whether some bodies may be joined.
+    pub(crate) joined: bool,
+    /// Whether some may leave their predicted paths.
+    pub(crate) may_leave_path: bool,
+}
+
 // Not by `buffers!`: some are behind locks, and some exist only in some scenes.
 impl Buffers {
-    /// Calls `f` with each buffer and the capacity that it needs for so many movable bodies and dynamic ones;
-    /// whether some of them may be joined, and whether some may leave their predicted paths.
-    pub(crate) fn each(
-        &mut self,
-        (movers, dynamic): (usize, usize),
-        (joined, may_leave_path): (bool, bool),
-        f: &mut dyn FnMut(&mut dyn Buffer, usize),
-    ) {
+    /// Calls `f` with each buffer and the capacity that it needs.
+    pub(crate) fn each(&mut self, content: &Content, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        let Content { movers, dynamic, joined, may_leave_path } = *content;
         if joined && let Ok(cut) = self.cut.get_mut() {
             // Cut by static geometry, and by another body.
             f(cut, 2 * dynamic);
@@ -118,8 +123,10 @@ enum Beside {
 fn mark_beside(
     beside: &mut Vec<Beside>,
     fast: u32,
-    (movers, dynamic): (usize, usize),
-    (pairs, colliders): (&[Pair], &[ColliderSummary]),
+    movers: usize,
+    dynamic: usize,
+    pairs: &[Pair],
+    colliders: &[ColliderSummary],
     missed: impl Fn(usize, usize) -> bool,
 ) {
     beside.clear();
@@ -188,20 +195,23 @@ pub(crate) fn finish(
         joints: input.joints,
         slots: &slots,
     };
-    let (mut held, mut stopped, any_off_path) = move_all(workers, &guard, &mut input, buffers);
-    mend_all(&guard, &mut input, buffers, any_off_path, (&mut held, &mut stopped));
+    let mut moved = move_all(workers, &guard, &mut input, buffers);
+    mend_all(&guard, &mut input, buffers, &mut moved);
     input.bodies.slot = slots;
-    (held, stopped)
+    (moved.held, moved.stopped)
 }
 
-/// Moves each body independently, in blocks. Also returns whether some are off their predicted path; these
-/// stay where they were.
-fn move_all(
-    workers: &Workers<'_>,
-    guard: &Guard<'_>,
-    input: &mut Input<'_>,
-    buffers: &mut Buffers,
-) -> (Counts, Vec<u32>, bool) {
+/// What came of moving all bodies.
+struct Moved {
+    held: Counts,
+    /// Bodies that were put back to where they were, at rest.
+    stopped: Vec<u32>,
+    /// Whether some are off their predicted path: these stay where they were until they are settled.
+    any_off_path: bool,
+}
+
+/// Moves each body independently, in blocks.
+fn move_all(workers: &Workers<'_>, guard: &Guard<'_>, input: &mut Input<'_>, buffers: &mut Buffers) -> Moved {
     let Input { bodies, colliders, broad, forces, narrow, impacts, delta, joint_rows, .. } = input;
     let (movers, dynamic, unit) = (bodies.movers(), bodies.dynamic(), input.settings.length_unit);
     let blocks = movers.div_ceil(BLOCK);
@@ -211,7 +221,7 @@ fn move_all(
     }
     clear.resize(if input.continuous { dynamic } else { 0 }, Clear::default());
     let (summaries, touching) = (&colliders.summaries, TOUCH_DISTANCE * unit);
-    mark_beside(beside, input.fast, (movers, dynamic), (&broad.pairs, summaries), |pair, body| {
+    mark_beside(beside, input.fast, movers, dynamic, &broad.pairs, summaries, |pair, body| {
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
@@ -250,32 +260,26 @@ fn move_all(
     workers.run(blocks, &|block| moving.move_block(block));
     let held = Counts { cut: moving.cuts.into_inner(), lifted: moving.lifts.into_inner(), settled: 0 };
     let stopped = moving.stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
-    (held, stopped, moving.any_off_path.into_inner())
+    Moved { held, stopped, any_off_path: moving.any_off_path.into_inner() }
 }
 
 /// The part for one thread, if the guard is on: bodies off their predicted path, bodies that would pass
 /// through each other, trees of joints whose paths were cut, and bodies that a kinematic one overran.
-fn mend_all(
-    guard: &Guard<'_>,
-    input: &mut Input<'_>,
-    buffers: &mut Buffers,
-    any_off_path: bool,
-    (held, stopped): (&mut Counts, &mut Vec<u32>),
-) {
+fn mend_all(guard: &Guard<'_>, input: &mut Input<'_>, buffers: &mut Buffers, moved: &mut Moved) {
     let Buffers { stacks, settling, cut, .. } = buffers;
     let Some(Ok(mut stack)) = stacks.first().map(|stack| stack.lock()) else { return };
     let Input { bodies, broad, forces, impacts, delta, rows, joint_rows, settings, dt, .. } = input;
     let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
-    if any_off_path {
+    if moved.any_off_path {
         let may_grow = settings.budget.is_none();
         let mut tools = Tools { stack: &mut stack, scratch: settling, may_grow };
-        settle_off_path(guard, &mut tools, bodies, (delta, &forces.acceleration), settings, (held, stopped));
+        settle_off_path(guard, &mut tools, bodies, delta, &forces.acceleration, settings, moved);
     }
     let Ok(cut) = cut.get_mut() else { return };
     if guard.cuts {
         let tree_slots = &joint_rows.tree_slots;
         let mut movers = Movers { bodies, delta, impacts, tree_slots, cut, stack: &mut stack };
-        held.cut += guard.hold_movers(&broad.pairs, &mut movers);
+        moved.held.cut += guard.hold_movers(&broad.pairs, &mut movers);
     }
     if !cut.is_empty() {
         let closing = closing(settings);
@@ -283,6 +287,6 @@ fn mend_all(
         cut.clear();
     }
     if movers > dynamic && guard.cuts {
-        held.cut += guard.hold_kinematic(&broad.pairs, bodies, &mut stack, *dt);
+        moved.held.cut += guard.hold_kinematic(&broad.pairs, bodies, &mut stack, *dt);
     }
 }

@@ -74,7 +74,7 @@ impl Moving<'_> {
             let (pose, d) = unsafe { (self.pose.get(i), self.delta.get(i)) };
             let (rotation, spin, inertia) =
                 (pose.rotation, self.prediction.start[i].angular, self.mass[i].inertia);
-            (d.pad0 == 0.0).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
+            (!d.is_touched()).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
         }));
         for i in first..end {
             // SAFETY: each body is in one block.
@@ -104,7 +104,7 @@ impl Moving<'_> {
         let precesses = self.turn(&mut body, turned, stack);
         let Some(moved) = self.moved(&mut body, precesses, slot, stack) else {
             // It stays where it was until it is settled.
-            body.delta.pad0 = OFF_PATH;
+            body.delta.set_off_path();
             self.any_off_path.store(true, Ordering::Relaxed);
             return;
         };
@@ -131,7 +131,7 @@ impl Moving<'_> {
     fn turn(&self, body: &mut Body<'_>, turned: &Turned, stack: &mut Vec<u32>) -> bool {
         let Body { index: i, pose, velocity, delta: d, own } = body;
         let (i, own) = (*i, *own);
-        if d.pad0 == 0.0 && self.turns_freely(i) {
+        if !d.is_touched() && self.turns_freely(i) {
             let before = pose.rotation;
             (pose.rotation, velocity.angular) = turned.of_place(i % BLOCK);
             return self.beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
@@ -149,7 +149,7 @@ impl Moving<'_> {
         }
         let mut turned = (exp_map(d.angular) * pose.rotation).normalize();
         // Bodies of trees that conserve energy turned with their angular momentum, substep by substep.
-        let carried = d.pad1 != 0.0;
+        let carried = d.is_turned();
         if self.uneven
             && i < self.dynamic
             && !carried
@@ -185,7 +185,7 @@ impl Moving<'_> {
     ) -> Option<Vec3> {
         let Body { index: i, pose, velocity, delta: d, own } = body;
         let (i, own, guard) = (*i, *own, self.guard);
-        let touched = d.pad0 != 0.0;
+        let touched = d.is_touched();
         let mut moved = d.linear;
         // An untouched body followed the path that the broad phase and the narrow phase checked.
         let alone =
@@ -274,10 +274,6 @@ impl Prediction<'_> {
         })
     }
 }
-
-// Sentinel: in the first pad of a displacement.
-/// Marks a stray, where others have whether they were touched.
-pub(super) const OFF_PATH: f32 = -1.0;
 
 /// Puts a body back to where it was, at rest. A kinematic one keeps its velocity, which the caller sets.
 #[cold]

@@ -18,9 +18,6 @@ use crate::narrow_phase::segment_hits;
 use crate::solver::ImpactBody;
 use glam::Vec3;
 
-// Sentinel: in the first pad of a displacement.
-/// In `pad0` of a body's displacement: it was moved out of another's way.
-const MOVED: f32 = 2.0;
 /// Number of passes over fast pairs: a body that is moved aside may get in the way of another.
 const PASSES: usize = 8;
 /// From this pass on, bodies go back to where they were: nothing in between helped.
@@ -79,7 +76,7 @@ impl Guard<'_> {
                 };
                 held += 1;
                 let (one, other, mut passing) = found;
-                if [i, k].iter().any(|&i| movers.delta[i].pad0 == MOVED) {
+                if [i, k].iter().any(|&i| movers.delta[i].was_moved_aside()) {
                     // A body that is led along one may be led into another, and back.
                     passing.lift = None;
                 }
@@ -145,7 +142,7 @@ impl Guard<'_> {
                     }
                 }
             }
-            delta[i].pad0 = MOVED;
+            delta[i].set_moved_aside();
         }
         // A body that an impact threw there bounces again in the next step.
         if impacts.bounced(i) || impacts.bounced(k) {

@@ -15,9 +15,10 @@
 //!
 //! Bodies that went as predicted need none of it: their paths were checked before the rows were made.
 
+use super::Moved;
 use super::ends::ends_of;
-use super::guard::{Counts, Guard, Held};
-use super::moving::{OFF_PATH, is_in_range, stop_body};
+use super::guard::{Guard, Held};
+use super::moving::{is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{SearchSet, aabb_of};
 use crate::config::Settings;
@@ -82,12 +83,13 @@ pub(super) fn settle_off_path(
     guard: &Guard<'_>,
     tools: &mut Tools<'_>,
     bodies: &mut Bodies,
-    (delta, acceleration): (&[Record], &[Record]),
+    delta: &[Record],
+    acceleration: &[Record],
     settings: &Settings,
-    (held, stopped): (&mut Counts, &mut Vec<u32>),
+    moved: &mut Moved,
 ) {
     let slop = settings.slop * settings.length_unit;
-    for i in (0..bodies.dynamic()).filter(|&i| delta[i].pad0 == OFF_PATH) {
+    for i in (0..bodies.dynamic()).filter(|&i| delta[i].is_off_path()) {
         let own = bodies.colliders[i].as_slice();
         let body = Settling {
             own,
@@ -99,11 +101,11 @@ pub(super) fn settle_off_path(
         let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
         let start = *pose;
         let settled = body.settle(guard, tools, pose, delta[i].linear, velocity);
-        held.cut += u32::from(settled.cut);
-        held.settled += u32::from(settled.moved);
+        moved.held.cut += u32::from(settled.cut);
+        moved.held.settled += u32::from(settled.moved);
         if !is_in_range(pose) || !velocity.is_within(MAX_LEFT_SPEED) {
             stop_body(pose, velocity, start, true);
-            stopped.push(i as u32);
+            moved.stopped.push(i as u32);
         }
     }
 }
@@ -272,7 +274,7 @@ impl Settling<'_> {
                     return;
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
-                let overlap = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
+                let overlap = self.overlap(shape, &here, still, at, scratch, *may_grow);
                 if let Some((depth, into)) = overlap {
                     may_cross = true;
                     note(depth, here.rotation * -into);
@@ -292,9 +294,12 @@ impl Settling<'_> {
     /// certainly in nothing, or no deeper in a mesh than it may stay.
     fn overlap(
         &self,
-        (shape, here): (&Collider, &Pose),
-        (still, at): (&Collider, &Pose),
-        (scratch, may_grow): (&mut Scratch, bool),
+        shape: &Collider,
+        here: &Pose,
+        still: &Collider,
+        at: &Pose,
+        scratch: &mut Scratch,
+        may_grow: bool,
     ) -> Option<(f32, Vec3)> {
         let back = here.rotation.conjugate();
         let rel = Relative {

@@ -102,19 +102,39 @@ pub enum Spring {
     },
 }
 
+/// A spring as its rows take it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coefficients {
+    pub(crate) stiffness: f32,
+    pub(crate) damping: f32,
+    /// Whether both are per effective mass.
+    pub(crate) per_mass: bool,
+}
+
+impl Coefficients {
+    /// Those of a row whose effective mass is one over `mobility` [1/kg or 1/(kg m²)].
+    pub(crate) fn with_mobility(self, mobility: f32) -> Coefficients {
+        let by = if self.per_mass { mobility } else { 1.0 };
+        Coefficients { stiffness: self.stiffness / by, damping: self.damping / by, per_mass: false }
+    }
+}
+
 impl Spring {
     // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.
     pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
 
-    /// Stiffness and damping, and whether they are per effective mass.
-    pub(crate) fn coefficients(self) -> (f32, f32, bool) {
+    pub(crate) fn coefficients(self) -> Coefficients {
         match self {
-            Spring::Coefficients { stiffness, damping } => (stiffness, damping, false),
-            Spring::Acceleration { stiffness, damping } => (stiffness, damping, true),
+            Spring::Coefficients { stiffness, damping } => {
+                Coefficients { stiffness, damping, per_mass: false }
+            }
+            Spring::Acceleration { stiffness, damping } => {
+                Coefficients { stiffness, damping, per_mass: true }
+            }
             Spring::Frequency { hertz, ratio } => {
                 let omega = std::f32::consts::TAU * hertz;
-                (omega * omega, 2.0 * ratio * omega, true)
+                Coefficients { stiffness: omega * omega, damping: 2.0 * ratio * omega, per_mass: true }
             }
         }
     }
@@ -268,8 +288,8 @@ pub struct JointDesc {
     /// The joint breaks above this torque [N m]. Default infinity.
     pub break_torque: f32,
     /// Has its rows solved right after those of this group, unless their own place is later: what is solved
-    /// later wins. A tree of joints is raised as a whole. Default none.
-    pub raised: Option<RowGroup>,
+    /// later wins. A tree of joints goes as a whole. Default none.
+    pub solved_after: Option<RowGroup>,
     /// The caller's own.
     pub user_data: u64,
 }
@@ -285,7 +305,7 @@ impl JointDesc {
             collide: false,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
-            raised: None,
+            solved_after: None,
             user_data: 0,
         }
     }
@@ -357,8 +377,8 @@ impl JointDesc {
     }
 
     /// Rows right after those of a group, if that is later.
-    pub fn raised(mut self, above: RowGroup) -> JointDesc {
-        self.raised = Some(above);
+    pub fn solved_after(mut self, above: RowGroup) -> JointDesc {
+        self.solved_after = Some(above);
         self
     }
 

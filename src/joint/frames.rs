@@ -71,12 +71,12 @@ impl Placed {
         }
     }
 
-    /// The direction of a displacement of zero, which has none of its own: a distance that has a least one
-    /// opens all the same.
+    /// A direction for rows whose displacement is zero and so has none: a distance with a lower limit has to
+    /// open in some direction.
     pub(crate) fn aside(&self, axes: Axes) -> Vec3 {
         let axis = match axes {
             Axes::All => Axis::X,
-            // Across it.
+            // Across the axis.
             Axes::One(axis) | Axes::Around(axis) => Axis::ALL[(axis as usize + 1) % 3],
         };
         self.axis(0, axis)
@@ -92,7 +92,7 @@ mod tests {
 
     fn turned_by(axis: Vec3, angle: f32) -> Placed {
         let at = |rotation| Pose { position: DVec3::ZERO, rotation };
-        // The first is turned too: it is the relative rotation that counts.
+        // The first frame is rotated too: only the relative rotation counts.
         let first = exp_map(Vec3::new(0.3, -1.0, 0.8));
         let second = first * exp_map(axis * angle);
         Placed::new([&at(first), &at(second)], &[JointFrame::default(); 2])
@@ -116,7 +116,7 @@ mod tests {
                 }
             }
         }
-        // Further than half a turn is less than half a turn the other way.
+        // More than half a turn is less than half a turn in the other direction.
         assert!((turned_by(Vec3::X, 4.0).twist(Axis::X) - (4.0 - 2.0 * PI)).abs() < 1e-5);
     }
 }

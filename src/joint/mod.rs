@@ -10,6 +10,7 @@ mod ragdoll;
 mod save;
 mod store;
 
+pub(crate) use desc::Coefficients;
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub(crate) use frames::{JointFrame, Placed};
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};

@@ -83,7 +83,7 @@ impl Joints {
                 out.extend_from_slice(&words::<4>(rotation.to_array()));
             }
             out.extend(joint.strength.map(f32::to_bits));
-            out.push(u32::from(joint.collide) | group_code(joint.raised) << 8);
+            out.push(u32::from(joint.collide) | group_code(joint.solved_after) << 8);
             out.extend_from_slice(&words::<2>(joint.user_data));
             out.extend(joint.next);
         }
@@ -176,7 +176,7 @@ fn nothing_between(bodies: [u32; 2]) -> Joint {
         frames: [JointFrame::default(); 2],
         strength: [f32::INFINITY; 2],
         collide: false,
-        raised: None,
+        solved_after: None,
         user_data: 0,
         force: Vec3::ZERO,
         torque: Vec3::ZERO,
@@ -229,7 +229,7 @@ impl JointRecords {
                 joint.strength = from.record::<_, 2>()?;
                 let flags = from.one()?;
                 joint.collide = flags & 1 != 0;
-                joint.raised = group_of(flags >> 8)?;
+                joint.solved_after = group_of(flags >> 8)?;
                 joint.user_data = from.long()?;
                 joint.next = from.record::<_, 2>()?;
                 let dynamic = bodies.map(&is_dynamic);

@@ -21,7 +21,7 @@ pub(crate) struct Joint {
     pub(crate) strength: [f32; 2],
     pub(crate) collide: bool,
     /// Which rows its own come after.
-    pub(crate) raised: Option<RowGroup>,
+    pub(crate) solved_after: Option<RowGroup>,
     pub(crate) user_data: u64,
     /// On the second body, in the last substep [N], [N m].
     pub(crate) force: Vec3,
@@ -225,7 +225,7 @@ impl Joints {
             frames,
             strength: [desc.break_force, desc.break_torque],
             collide: desc.collide,
-            raised: desc.raised,
+            solved_after: desc.solved_after,
             user_data: desc.user_data,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
@@ -346,7 +346,7 @@ impl Joints {
             let (kind, spring) = match row.kind {
                 RowKind::Limit { .. } => (0, false),
                 RowKind::Yielding { .. } => (0, true),
-                RowKind::Drive { spring, .. } => (1, spring.coefficients().0 > 0.0),
+                RowKind::Drive { spring, .. } => (1, spring.coefficients().stiffness > 0.0),
             };
             counts[kind] += 1;
             counts[2] += u32::from(spring);
@@ -354,9 +354,9 @@ impl Joints {
         counts
     }
 
-    /// How many are raised.
-    pub(crate) fn raised(&self) -> u32 {
-        self.all.iter().filter(|joint| joint.is_there() && joint.raised.is_some()).count() as u32
+    /// How many name a group to be solved after.
+    pub(crate) fn solved_after(&self) -> u32 {
+        self.all.iter().filter(|joint| joint.is_there() && joint.solved_after.is_some()).count() as u32
     }
 
     /// How many can break.
@@ -485,10 +485,9 @@ impl Row {
     /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
     /// spring.
     pub(crate) fn drives_hinge(&self) -> bool {
-        let per_mass = |spring: Spring| spring.coefficients().2;
         self.motion == Motion::Angular
             && self.is_guided()
-            && matches!(self.kind, RowKind::Drive { spring, .. } if !per_mass(spring))
+            && matches!(self.kind, RowKind::Drive { spring, .. } if !spring.coefficients().per_mass)
     }
 
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a

@@ -3,7 +3,7 @@
 use super::ModeBody;
 use crate::lanes::Record;
 use crate::math::Quat;
-use crate::narrow_phase::{Contact, MAX_POINTS, NO_CONTACT};
+use crate::narrow_phase::{ContactMut, ContactRef, MAX_POINTS, NO_CONTACT};
 use crate::world::World;
 use glam::{DQuat, DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ impl Bearing {
 
     /// Matches each point of a contact with the nearest point that is not matched yet. Keys do not do: when
     /// the other box's face becomes the reference, a contact has the same points under other keys.
-    fn same(&self, contact: &Contact) -> [Option<usize>; MAX_POINTS] {
+    fn same(&self, contact: ContactRef<'_>) -> [Option<usize>; MAX_POINTS] {
         let mut same = [None; MAX_POINTS];
         let mut free: Vec<usize> = (0..self.places.len()).collect();
         for (same, point) in same.iter_mut().zip(contact.points()).filter(|(_, p)| p.impulse > 0.0) {
@@ -43,13 +43,13 @@ impl Bearing {
 }
 
 /// Calls `visit` for each contact, in the order of pairs.
-fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
+fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut ContactMut<'_>)) {
     let World { broad, contacts, .. } = world;
     for pair in &broad.pairs {
         let (mut slot, mut nth) = (pair.contact, 0);
         while slot != NO_CONTACT {
-            let contact = &mut contacts.all[slot as usize];
-            visit((contact.a, contact.b, nth), contact);
+            let mut contact = contacts.at_mut(slot);
+            visit((contact.a, contact.b, nth), &mut contact);
             (slot, nth) = (contact.next, nth + 1);
         }
     }
@@ -98,7 +98,7 @@ impl Layout {
         let mut contacts = BTreeMap::new();
         let mut end = BODY * bodies;
         each_contact(world, |name, contact| {
-            let bears = contact.points().iter().filter(|p| p.impulse > 0.0);
+            let bears = contact.as_ref().points().iter().filter(|p| p.impulse > 0.0);
             let places: Vec<Vec3> = bears.map(|p| p.position).collect();
             if !places.is_empty() {
                 let bearing = Bearing { first: end, places };
@@ -127,13 +127,13 @@ impl Layout {
     fn each_impulse(&self, world: &mut World, mut visit: impl FnMut(usize, f64, f64, &mut f32)) -> usize {
         let (mut met, mut changed) = (0, 0);
         each_contact(world, |name, contact| {
-            let bears = contact.points().iter().filter(|p| p.impulse > 0.0).count();
+            let bears = contact.as_ref().points().iter().filter(|p| p.impulse > 0.0).count();
             let Some(bearing) = self.contacts.get(&name) else {
                 changed += bears;
                 return;
             };
-            let same = bearing.same(contact);
-            for (point, same) in contact.points.iter_mut().zip(same) {
+            let same = bearing.same(contact.as_ref());
+            for (point, same) in contact.points_mut().iter_mut().zip(same) {
                 let Some(at) = same else { continue };
                 let at = bearing.first + at;
                 // Contacts push.

@@ -14,6 +14,11 @@ pub(crate) struct Record {
     pub(crate) pad1: f32,
 }
 
+// Sentinel: in the first pad of a displacement, where rows and bounces leave numbers of at least zero.
+const OFF_PATH: f32 = -1.0;
+// Sentinel: as above; no other step of `finish` writes it.
+const MOVED_ASIDE: f32 = 2.0;
+
 /// What the pads say of a displacement.
 impl Record {
     /// Whether something acted on the body in the step: it may not be where it was predicted.
@@ -33,6 +38,29 @@ impl Record {
         self.pad0 = self.pad0.max(0.5);
     }
 
+    /// The motion crossed something or left the predicted path: the body is settled once all others have
+    /// moved.
+    #[inline(always)]
+    pub(crate) fn set_off_path(&mut self) {
+        self.pad0 = OFF_PATH;
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_off_path(&self) -> bool {
+        self.pad0 == OFF_PATH
+    }
+
+    /// The body was moved out of the way of another one.
+    #[inline(always)]
+    pub(crate) fn set_moved_aside(&mut self) {
+        self.pad0 = MOVED_ASIDE;
+    }
+
+    #[inline(always)]
+    pub(crate) fn was_moved_aside(&self) -> bool {
+        self.pad0 == MOVED_ASIDE
+    }
+
     /// Whether the body has been turned by its displacement already, and its inertia with it.
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
@@ -42,6 +70,12 @@ impl Record {
     #[inline(always)]
     pub(crate) fn set_turned(&mut self) {
         self.pad1 = 1.0;
+    }
+
+    /// A predicted displacement, with the angle by which the body turns [rad]: it bounds how far points get.
+    #[inline(always)]
+    pub(crate) fn predicted(linear: glam::Vec3, angular: glam::Vec3, angle: f32) -> Record {
+        Record { linear, angular, pad0: 0.0, pad1: angle }
     }
 
     /// Angle by which the body turns, in a predicted displacement [rad].
@@ -155,20 +189,37 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
 }
 
 /// The 8x8 transpose, as four of four.
+///
+/// Functions that are always inlined, and not closures, `map` or `array::from_fn`, which are not: the solver
+/// does this four times a batch.
 #[cfg(not(target_feature = "avx"))]
 #[inline(always)]
 pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
     use super::f32x4;
+    use bytemuck::must_cast;
 
-    let halves = rows.map(|r| -> [f32x4; 2] { bytemuck::must_cast(r) });
-    let quarter = |r: usize, h: usize| {
-        f32x4::transpose([halves[r][h], halves[r + 1][h], halves[r + 2][h], halves[r + 3][h]])
-    };
-    let (a, b, c, d) = (quarter(0, 0), quarter(0, 1), quarter(4, 0), quarter(4, 1));
-    std::array::from_fn(|i| {
-        let pair: [f32x4; 2] = if i < 4 { [a[i], c[i]] } else { [b[i - 4], d[i - 4]] };
-        bytemuck::must_cast(pair)
-    })
+    #[inline(always)]
+    fn four([a, b, c, d]: [f32x8; 4]) -> [[f32x4; 4]; 2] {
+        let ([a0, a1], [b0, b1]): ([f32x4; 2], [f32x4; 2]) = (must_cast(a), must_cast(b));
+        let ([c0, c1], [d0, d1]): ([f32x4; 2], [f32x4; 2]) = (must_cast(c), must_cast(d));
+        [f32x4::transpose([a0, b0, c0, d0]), f32x4::transpose([a1, b1, c1, d1])]
+    }
+    #[inline(always)]
+    fn join(low: f32x4, high: f32x4) -> f32x8 {
+        must_cast([low, high])
+    }
+    let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
+    let ([a, b], [c, d]) = (four([r0, r1, r2, r3]), four([r4, r5, r6, r7]));
+    [
+        join(a[0], c[0]),
+        join(a[1], c[1]),
+        join(a[2], c[2]),
+        join(a[3], c[3]),
+        join(b[0], d[0]),
+        join(b[1], d[1]),
+        join(b[2], d[2]),
+        join(b[3], d[3]),
+    ]
 }
 
 #[cfg(test)]

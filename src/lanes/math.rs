@@ -3,6 +3,13 @@
 use super::Lanes;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
+/// What vectors and rotations are computed with: lanes of `f32`, and of `f64`.
+pub(crate) trait Arithmetic:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+}
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>> Arithmetic for T {}
+
 /// A vector per lane.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
@@ -12,11 +19,30 @@ pub(crate) struct Vec3<L> {
     pub(crate) z: L,
 }
 
-impl<L: Lanes> Vec3<L> {
+impl<L: Arithmetic> Vec3<L> {
     #[inline(always)]
     pub(crate) fn new(x: L, y: L, z: L) -> Self {
         Vec3 { x, y, z }
     }
+    #[inline(always)]
+    pub(crate) fn dot(self, o: Self) -> L {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+    #[inline(always)]
+    pub(crate) fn cross(self, o: Self) -> Self {
+        Vec3 {
+            x: self.y * o.z - self.z * o.y,
+            y: self.z * o.x - self.x * o.z,
+            z: self.x * o.y - self.y * o.x,
+        }
+    }
+    #[inline(always)]
+    pub(crate) fn length_squared(self) -> L {
+        self.dot(self)
+    }
+}
+
+impl<L: Lanes> Vec3<L> {
     #[inline(always)]
     pub(crate) fn zero() -> Self {
         Self::splat(glam::Vec3::ZERO)
@@ -35,18 +61,6 @@ impl<L: Lanes> Vec3<L> {
         glam::Vec3::new(self.x.lane(i), self.y.lane(i), self.z.lane(i))
     }
     #[inline(always)]
-    pub(crate) fn dot(self, o: Self) -> L {
-        self.x * o.x + self.y * o.y + self.z * o.z
-    }
-    #[inline(always)]
-    pub(crate) fn cross(self, o: Self) -> Self {
-        Vec3 {
-            x: self.y * o.z - self.z * o.y,
-            y: self.z * o.x - self.x * o.z,
-            z: self.x * o.y - self.y * o.x,
-        }
-    }
-    #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         Vec3 { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
@@ -57,10 +71,6 @@ impl<L: Lanes> Vec3<L> {
     #[inline(always)]
     pub(crate) fn max(self, o: Self) -> Self {
         Vec3 { x: self.x.max(o.x), y: self.y.max(o.y), z: self.z.max(o.z) }
-    }
-    #[inline(always)]
-    pub(crate) fn length_squared(self) -> L {
-        self.dot(self)
     }
     #[inline(always)]
     pub(crate) fn length(self) -> L {
@@ -89,41 +99,53 @@ impl<L: Lanes> Vec3<L> {
     }
 }
 
-impl<L: Lanes> Add for Vec3<L> {
+impl<L> From<[L; 3]> for Vec3<L> {
+    #[inline(always)]
+    fn from([x, y, z]: [L; 3]) -> Self {
+        Vec3 { x, y, z }
+    }
+}
+impl<L> From<Vec3<L>> for [L; 3] {
+    #[inline(always)]
+    fn from(v: Vec3<L>) -> Self {
+        [v.x, v.y, v.z]
+    }
+}
+impl<L: Arithmetic> Add for Vec3<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         Vec3 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
     }
 }
-impl<L: Lanes> Sub for Vec3<L> {
+impl<L: Arithmetic> Sub for Vec3<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
         Vec3 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
     }
 }
-impl<L: Lanes> Neg for Vec3<L> {
+impl<L: Arithmetic> Neg for Vec3<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         Vec3 { x: -self.x, y: -self.y, z: -self.z }
     }
 }
-impl<L: Lanes> Mul<L> for Vec3<L> {
+impl<L: Arithmetic> Mul<L> for Vec3<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: L) -> Self {
         Vec3 { x: self.x * s, y: self.y * s, z: self.z * s }
     }
 }
-impl<L: Lanes> AddAssign for Vec3<L> {
+impl<L: Arithmetic> AddAssign for Vec3<L> {
     #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
-impl<L: Lanes> SubAssign for Vec3<L> {
+impl<L: Arithmetic> SubAssign for Vec3<L> {
     #[inline(always)]
     fn sub_assign(&mut self, o: Self) {
         *self = *self - o;
@@ -137,15 +159,7 @@ pub(crate) struct Quat<L> {
     pub(crate) w: L,
 }
 
-impl<L: Lanes> Quat<L> {
-    /// Lane `i` from `f(i)`.
-    #[inline(always)]
-    pub(crate) fn from_fn(f: impl Fn(usize) -> crate::math::Quat) -> Self {
-        Quat {
-            v: Vec3::new(L::from_fn(|i| f(i).x), L::from_fn(|i| f(i).y), L::from_fn(|i| f(i).z)),
-            w: L::from_fn(|i| f(i).w),
-        }
-    }
+impl<L: Arithmetic> Quat<L> {
     #[inline(always)]
     pub(crate) fn conjugate(self) -> Self {
         Quat { v: -self.v, w: self.w }
@@ -160,6 +174,17 @@ impl<L: Lanes> Quat<L> {
         let t = self.v.cross(p);
         let t = t + t;
         p + t * self.w + self.v.cross(t)
+    }
+}
+
+impl<L: Lanes> Quat<L> {
+    /// Lane `i` from `f(i)`.
+    #[inline(always)]
+    pub(crate) fn from_fn(f: impl Fn(usize) -> crate::math::Quat) -> Self {
+        Quat {
+            v: Vec3::new(L::from_fn(|i| f(i).x), L::from_fn(|i| f(i).y), L::from_fn(|i| f(i).z)),
+            w: L::from_fn(|i| f(i).w),
+        }
     }
     #[inline(always)]
     pub(crate) fn to_matrix(self) -> Mat3<L> {

@@ -21,10 +21,11 @@ const PART: usize = 8;
 const SMALL: usize = 1 << 14;
 const LARGE: usize = 1 << 18;
 
-/// How many elements a buffer should have place for that has it for `before` and needs it for `len`.
-fn generous<T>(before: usize, len: usize) -> usize {
-    let least = if size_of::<T>() > 1024 { 1 } else { 4 };
-    let more = match before.saturating_mul(size_of::<T>()) {
+/// How many elements of `size` bytes a buffer should have place for that has it for `before` and needs it for
+/// `len`.
+fn generous(before: usize, len: usize, size: usize) -> usize {
+    let least = if size > 1024 { 1 } else { 4 };
+    let more = match before.saturating_mul(size) {
         ..SMALL => before.max(least),
         SMALL..LARGE => before / 4,
         _ => before / 8,
@@ -85,19 +86,21 @@ impl Allowance {
         if len <= buffer.capacity() { len } else { self.grow(buffer, len, usize::MAX) }
     }
 
-    #[cold]
-    fn grow<T>(&mut self, buffer: &mut Vec<T>, len: usize, most: usize) -> usize {
-        let (size, before) = (size_of::<T>().max(1), buffer.capacity());
-        let generous = generous::<T>(before, len).min(most.max(len));
-        if self.is_endless() {
-            buffer.reserve_exact(generous - buffer.len());
-            return len;
-        }
-        let to = if (generous - before).saturating_mul(size) <= self.left / PART {
+    /// For how many elements of `size` bytes buffers should have place that have it for `before`, need it for
+    /// `len` and never for more than `most`; fewer than `len` only if the room doesn't suffice.
+    pub(crate) fn planned(&self, before: usize, len: usize, size: usize, most: usize) -> usize {
+        let generous = generous(before, len, size).min(most.max(len));
+        if self.is_endless() || (generous - before).saturating_mul(size) <= self.left / PART {
             generous
         } else {
             len.min(before + self.left / size)
-        };
+        }
+    }
+
+    #[cold]
+    fn grow<T>(&mut self, buffer: &mut Vec<T>, len: usize, most: usize) -> usize {
+        let (size, before) = (size_of::<T>().max(1), buffer.capacity());
+        let to = self.planned(before, len, size, most);
         if to > before {
             buffer.reserve_exact(to - buffer.len());
             self.take((buffer.capacity() - before) * size);

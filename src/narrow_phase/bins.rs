@@ -6,8 +6,8 @@ use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
 use crate::memory::{Allowance, buffers};
-use crate::narrow_phase::contacts::contact::Contact;
 use crate::narrow_phase::contacts::found::BlockOutput;
+use crate::narrow_phase::contacts::store::SharedContacts;
 use crate::narrow_phase::pairs::box_box::box_box;
 use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
 use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -16,7 +16,7 @@ use crate::narrow_phase::pairs::sphere_box::sphere_box;
 use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
 use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::shape::{ColliderSummary, Kind};
-use crate::threads::{Shared, per_block};
+use crate::threads::per_block;
 
 /// A shape pair, as a small number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,10 +61,16 @@ impl Bin {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) bin: Bin,
+    /// Contacts that get a manifold that they have no place for, and pairs that have to be looked at again
+    /// because there is no place for that manifold.
+    pub(crate) grown: u8,
+    pub(crate) crowded: u8,
+    /// The most of the former.
+    pub(crate) growth: u8,
     /// Range in the order.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Start and capacity of its new contacts.
+    /// Start and capacity of its new contacts and of those that grow.
     pub(crate) fresh: u32,
     pub(crate) place: u32,
     /// Most and present number of new contacts between two bodies that can be pushed, and of others.
@@ -78,6 +84,20 @@ pub(crate) struct Block {
     pub(crate) ghosts: u32,
     /// Points shed for lack of memory.
     pub(crate) shed: u32,
+}
+
+impl Block {
+    /// Manifolds in its part of the new contacts.
+    pub(crate) fn found(&self) -> usize {
+        (self.used[0] + self.used[1]) as usize + usize::from(self.grown)
+    }
+
+    /// Of so many of its contacts, those that may get more points than they have.
+    pub(crate) fn growing(&self, contacts: u32) -> u32 {
+        const SPHERE: u8 = Kind::Sphere as u8;
+        let kinds = [self.bin.0 / KINDS, self.bin.0 % KINDS];
+        if self.bin.0 < TAPERED_CAPSULES.0 && kinds.contains(&SPHERE) { 0 } else { contacts }
+    }
 }
 
 /// Pairs in the order of their bins.
@@ -123,6 +143,32 @@ impl Bins {
         }
     }
 
+    /// Leaves only what has to be looked at again in some blocks that ran. Returns the first such block, or
+    /// the end.
+    pub(crate) fn repeat(&mut self, ran: std::ops::Range<usize>, is_crowded: &dyn Fn(u32) -> bool) -> usize {
+        let Bins { order, blocks } = self;
+        let mut first = ran.end;
+        for (index, block) in ran.clone().zip(&mut blocks[ran]) {
+            let own = &mut order[block.start as usize..block.end as usize];
+            // In their order, for the first in place of the others.
+            let mut crowded = 0;
+            for i in 0..own.len() {
+                if block.crowded > 0 && is_crowded(own[i]) {
+                    own.swap(crowded, i);
+                    crowded += 1;
+                }
+            }
+            if crowded > 0 {
+                first = first.min(index);
+            }
+            block.end = block.start + crowded as u32;
+            (block.place, block.quota, block.used) = (crowded as u32, [0; 2], [0; 2]);
+            block.growth = crowded as u8;
+            (block.grown, block.crowded, block.emptied, block.shed) = (0, 0, 0, 0);
+        }
+        first
+    }
+
     /// Each bin may end with a block that is not full.
     fn most_blocks(pairs: usize) -> usize {
         pairs / BLOCK as usize + COUNT.min(pairs)
@@ -160,7 +206,7 @@ pub(crate) fn run_bin(
     order: &[u32],
     input: &Input<'_>,
     pairs: &[Pair],
-    contacts: &Shared<'_, Contact>,
+    contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
     if let Some(kernel) = kernel_of(bin) {

@@ -13,9 +13,10 @@ use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Allowances, Category, Slab, buffers};
 use crate::narrow_phase::contacts::admit::RowSpace;
-use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
-use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, FoundContacts};
-use crate::narrow_phase::contacts::manifold::MAX_POINTS;
+use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
+use crate::narrow_phase::contacts::found::{CLEAR, CROWDED, EMPTIED, FoundContacts};
+use crate::narrow_phase::contacts::manifold::{MAX_POINTS, most_points};
+use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
 use crate::narrow_phase::contacts::weight::Scale;
 use crate::shape::{Collider, ColliderSummary, Kind};
 use crate::threads::{Shared, Workers, per_block};
@@ -62,6 +63,13 @@ impl Input<'_> {
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
+    }
+
+    /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
+    /// may have later: what was admitted hardly ever asks for memory again.
+    pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
+        let kind = |c: u32| self.summaries[c as usize].kind;
+        if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }
     }
 
     /// Whether a pair only reports what is in a sensor.
@@ -188,6 +196,7 @@ pub(crate) fn collide(
 ) -> NarrowStats {
     // The broad phase takes in pairs only if there is memory for this.
     allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.bin_of, pairs.len()));
+    contacts.keep_rooms(!allowances.is_endless());
     place(workers, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
     allowances.within(Category::Scratch, |allowance| bins.sort(bin_of, EMPTIED, allowance));
@@ -196,7 +205,7 @@ pub(crate) fn collide(
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, pairs, input, (allowances, &mut space.slab));
+    found.plan(bins, (pairs, contacts), input, (allowances, &mut space.slab));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
         let last =
@@ -204,7 +213,7 @@ pub(crate) fn collide(
         run_blocks(workers, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
         stats.shed +=
             found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (allowances, space));
-        first = last;
+        first = bins.repeat(first..last, &|pair| bin_of[pair as usize] == CROWDED);
         if first == end {
             break;
         }
@@ -226,7 +235,7 @@ fn run_blocks(
     contacts: &mut Contacts,
     (found, slab): (&mut FoundContacts, &mut Slab),
 ) {
-    let all = Shared::new(&mut contacts.all);
+    let all = contacts.share();
     let state = Shared::new(bin_of);
     let Bins { order, blocks } = bins;
     let blocks = &mut blocks[wave];
@@ -256,7 +265,7 @@ fn place(
     scratch.bin_of.clear();
     scratch.bin_of.resize(pairs.len(), 0);
     let bin_of = Shared::new(&mut scratch.bin_of);
-    let all = Shared::new(&mut contacts.all);
+    let all = contacts.share();
     workers.run(pairs.len().div_ceil(BLOCK), &|block| {
         let end = ((block + 1) * BLOCK).min(pairs.len());
         for first in (block * BLOCK..end).step_by(8) {
@@ -350,12 +359,13 @@ pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
 ///
 /// # Safety
 /// No other thread may access the contacts of this pair.
-unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
+unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedContacts<'_>) -> bool {
     if pair.contact == NO_CONTACT || input.recycle < 0.0 {
         return false;
     }
     // SAFETY: by the contract.
-    let first = unsafe { all.read(pair.contact as usize) };
+    let first = unsafe { all.at(pair.contact) };
+    let first = first.as_ref();
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
@@ -369,7 +379,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if pair.fast && !(first.bears() > 0.0 && is_slow(input, pair, limit)) {
         return false;
     }
-    let moved = moved_past(&first, &(now.position - first.found_at.position), limit);
+    let moved = moved_past(first, &(now.position - first.found_at.position), limit);
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
     let d = now.rotation * first.found_at.rotation.conjugate();
     let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
@@ -383,7 +393,8 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
         // SAFETY: by the contract.
-        let contact = unsafe { all.read(slot as usize) };
+        let contact = unsafe { all.at(slot) };
+        let contact = contact.as_ref();
         nearest = nearest.min(contact.nearest(now));
         bears |= contact.bears() > 0.0;
         slot = contact.next;
@@ -397,7 +408,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
         // SAFETY: by the contract.
-        let contact = unsafe { all.get(slot as usize) };
+        let mut contact = unsafe { all.at(slot) };
         contact.follow(now, input.poses[pair.a as usize].rotation);
         slot = contact.next;
     }
@@ -415,7 +426,7 @@ fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
 /// Square of how far `b` moved past `a` since their contact was found [m²]. Sinking along the normal, within
 /// a few times the limit, keeps the arms: a stack that lands on itself keeps its contacts, and with them the
 /// place to return to.
-fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
+fn moved_past(contact: ContactRef<'_>, moved: &glam::Vec3, limit: f32) -> f32 {
     let along = contact.normal.dot(*moved);
     let sinks =
         contact.count as usize == MAX_POINTS && contact.next == NO_CONTACT && along.abs() < FACE_SINK * limit;

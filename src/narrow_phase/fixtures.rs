@@ -2,52 +2,22 @@
 
 use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
+use crate::random::Random;
 use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
 use glam::{DQuat, DVec3, Vec3};
 use std::sync::Arc;
 
-/// Numbers from a seed (SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
-
 impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    pub(crate) fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
-    }
-    pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * ((self.bits() >> 40) as f32 / (1 << 24) as f32)
-    }
-    /// Evenly in magnitude.
-    pub(crate) fn log_range(&mut self, low: f32, high: f32) -> f32 {
-        libm::expf(self.range(libm::logf(low), libm::logf(high)))
-    }
-    pub(crate) fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
-    }
-    pub(crate) fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.cube();
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    pub(crate) fn rotation(&mut self) -> Quat {
-        let (v, w) = (self.cube(), self.range(0.01, 1.0));
-        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
+    /// Any rotation, not evenly.
+    pub(crate) fn turn(&mut self) -> Quat {
+        self.rotation().into()
     }
     /// The way of a body that begins so far from the origin and goes as far [m], and turns by up to so much
     /// about each axis [rad].
     pub(crate) fn body(&mut self, far: f32, turns: f32) -> BodyPath {
         BodyPath {
             centre: (self.direction() * far).as_dvec3(),
-            rotation: self.rotation(),
+            rotation: self.turn(),
             displacement: self.direction() * far,
             spin: self.cube() * turns,
         }
@@ -63,9 +33,9 @@ impl Random {
             0 => Quat::IDENTITY,
             1 => {
                 let h = std::f32::consts::FRAC_1_SQRT_2;
-                [Quat::from_xyzw(h, 0.0, 0.0, h), Quat::from_xyzw(0.0, 0.0, h, h)][self.below(2) as usize]
+                [Quat::from_xyzw(h, 0.0, 0.0, h), Quat::from_xyzw(0.0, 0.0, h, h)][self.below(2)]
             }
-            _ => self.rotation(),
+            _ => self.turn(),
         }
     }
     /// A convex shape of about this size.

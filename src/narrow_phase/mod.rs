@@ -19,12 +19,13 @@ pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
-pub(crate) use contacts::contact::{Contact, Contacts, NO_CONTACT, Point, UNKNOWN_LOAD};
+pub(crate) use contacts::contact::{Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
-pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint, most_points};
+pub(crate) use contacts::store::{ContactCount, Contacts, SharedContacts};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};
 pub(crate) use convex::collide_convex;
-pub(crate) use convex::gjk::{CoreGap, core_gap, distance};
+pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
@@ -34,7 +35,7 @@ pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedro
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]
 pub(crate) mod kernels {
-    pub(crate) use super::fixtures::{Random, collider};
+    pub(crate) use super::fixtures::collider;
     pub(crate) use super::pairs::box_box::box_box;
     pub(crate) use super::pairs::capsule_box::{capsule_box, tapered_capsule_box};
     pub(crate) use super::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};

@@ -54,8 +54,10 @@ use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
 use super::collide::{Approach, Input, MatchLimits};
-use super::contacts::contact::{Contact, NO_CONTACT};
-use super::contacts::found::{BlockOutput, MeshBlock};
+use super::contacts::contact::{FoundAt, NO_CONTACT};
+use super::contacts::found::{BlockOutput, Growth};
+use super::contacts::of_meshes::MeshBlock;
+use super::contacts::store::SharedContacts;
 use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
@@ -64,7 +66,6 @@ use crate::config::Continuous;
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
 use crate::shape::{Collider, Kind};
-use crate::threads::Shared;
 use std::cell::OnceCell;
 
 /// A pair of the step, where its shapes are and how they move.
@@ -176,11 +177,11 @@ struct Chosen {
 pub(super) fn finish_convex(
     state: &PairState<'_>,
     raw: RawManifold,
-    contacts: &Shared<'_, Contact>,
+    contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
     let &PairState { input, pair, rel, .. } = state;
-    let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
+    let (nearest, casts) = (raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation)), out.casts());
     let mut chosen = Chosen { raw, fraction: 0.0, missed: false };
     if state.follows_motion() && nearest > 0.0 && raw.count > 0 {
         choose_apart(state, nearest, &mut chosen, out);
@@ -202,7 +203,9 @@ pub(super) fn finish_convex(
             (chosen.raw, chosen.fraction) = (middle, 0.5);
         }
     }
-    store(state, &chosen, nearest, contacts, out);
+    if !store(state, &chosen, nearest, contacts, out) {
+        out.set_casts(casts);
+    }
 }
 
 /// Chooses for a pair that is apart by `nearest` at the start: the rest of the first table.
@@ -238,15 +241,16 @@ fn look_on_path(
     hit.or_else(|| if is_volume { manifold_at_closest_pass(input, pair) } else { None })
 }
 
-/// Hands the manifold of a convex pair to its contact.
+/// Hands the manifold of a convex pair to its contact. Returns false if the pair has to be looked at again
+/// because the contact has no place for its points.
 #[inline(always)]
 fn store(
     state: &PairState<'_>,
     chosen: &Chosen,
     nearest: f32,
-    contacts: &Shared<'_, Contact>,
+    contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
-) {
+) -> bool {
     let &PairState { input, pair, index, rel, .. } = state;
     if !state.has_contact() {
         if chosen.raw.count > 0 {
@@ -254,20 +258,28 @@ fn store(
         } else if chosen.missed {
             out.clear(index);
         }
-        return;
+        return true;
     }
     // SAFETY: the contact is this pair's, and this block has the pair.
-    let contact = unsafe { contacts.get(pair.contact as usize) };
+    let mut contact = unsafe { contacts.at(pair.contact) };
+    let mut raw = chosen.raw;
+    let growth = (raw.count as usize > contact.room()).then(|| out.grow(index, raw, chosen.fraction));
+    match growth {
+        Some(Growth::Again) => return false,
+        Some(Growth::Cut) => out.count_shed(raw.keep(contact.room())),
+        Some(Growth::Later) | None => {}
+    }
     if contact.pushed && nearest > GHOST_GAP * input.margin {
         out.count_ghost();
     }
     if chosen.raw.count == 0 {
         out.empty(index);
-    } else {
+    } else if !matches!(growth, Some(Growth::Later)) {
         let frame = input.poses[pair.a as usize].rotation;
-        contact.renew(&chosen.raw, (*rel, frame), MatchLimits::of(input, pair));
-        contact.fraction = chosen.fraction;
+        let at = FoundAt { pose: *rel, frame, fraction: chosen.fraction };
+        contact.renew(&raw, at, MatchLimits::of(input, pair));
     }
+    true
 }
 
 /// A look at a convex shape and a mesh or height field.
@@ -290,7 +302,7 @@ struct Tally {
 }
 
 /// Finds the manifolds of a convex shape and a mesh or height field, by the third table.
-pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>, out: &mut BlockOutput<'_>) {
+pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &SharedContacts<'_>, out: &mut BlockOutput<'_>) {
     let &PairState { pair, index, .. } = state;
     let look = MeshLook::new(state);
     let Some(block) = out.mesh.as_deref_mut() else {
@@ -326,7 +338,7 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
     }
     if state.has_contact() {
         // SAFETY: the contact is this pair's, and this block has the pair.
-        let contact = unsafe { contacts.get(pair.contact as usize) };
+        let contact = unsafe { contacts.at(pair.contact) };
         if contact.pushed && tally.nearest > GHOST_GAP * state.input.margin {
             out.count_ghost();
         }

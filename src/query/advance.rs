@@ -3,11 +3,11 @@
 //!
 //! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich,
 //! 1996) with the separating direction of GJK is Newton's method from the safe side: it converges in a few
-//! steps, and never steps too far. It is `narrow_phase/cast.rs` without rotation, and with the touching
-//! points.
+//! steps, and never steps too far. It differs from the search of `narrow_phase/cast` in what counts
+//! as a touch and in what it answers (docs/decisions/advancement.md).
 
 use super::penetration::{Depth, depth};
-use crate::narrow_phase::{CoreGap, Simplex, Support, SupportPose, core_gap};
+use crate::narrow_phase::{Accuracy, CoreGap, Simplex, Support, SupportPose, core_gap};
 use glam::DVec3;
 
 /// Steps until a search gives up and calls it a touch. Paths that graze take the most, about twenty.
@@ -53,7 +53,8 @@ pub(super) fn first_touch(
     let mut t = 0.0;
     let mut found = None;
     for step in 0..MAX_STEPS {
-        let gap = core_gap(a, b, &pose, hint, &mut simplex, (0.1 * course.tolerance, 1e-3));
+        let accuracy = Accuracy { absolute: 0.1 * course.tolerance, relative: 1e-3 };
+        let gap = core_gap(a, b, &pose, hint, &mut simplex, accuracy);
         if step == 0 && (gap.overlap || gap.upper <= radii) {
             return overlap(a, b, &pose, &gap, course);
         }
@@ -99,7 +100,8 @@ pub(super) fn overlap(
 /// Whether two shapes overlap or touch.
 pub(super) fn overlaps(a: &Support, b: &Support, pose: &SupportPose, hint: DVec3) -> bool {
     let radii = a.radius + b.radius;
-    let gap = core_gap(a, b, pose, hint, &mut Simplex::empty(), (1e-9, 1e-6));
+    let accuracy = Accuracy { absolute: 1e-9, relative: 1e-6 };
+    let gap = core_gap(a, b, pose, hint, &mut Simplex::empty(), accuracy);
     gap.overlap || gap.upper <= radii
 }
 

@@ -87,7 +87,9 @@ impl World {
     #[inline]
     pub(super) fn along<'a>(
         &'a self,
-        (from, path, half): (DVec3, Vec3, Vec3),
+        from: DVec3,
+        path: Vec3,
+        half: Vec3,
         filter: &QueryFilter<'_>,
         most: f32,
         mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,

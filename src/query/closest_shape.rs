@@ -1,6 +1,6 @@
 //! The point of a shape that is nearest to a point, in the shape's frame; exact, in `f64`.
 
-use crate::narrow_phase::{Simplex, Support, SupportPose, core_gap, off_triangle};
+use crate::narrow_phase::{Accuracy, Simplex, Support, SupportPose, core_gap, off_triangle};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{DMat3, DVec3};
 
@@ -146,7 +146,14 @@ fn hull(shape: &Collider, at: DVec3) -> Option<Nearest> {
     let shape = Support::of(shape)?;
     // The hull in the frame of the point.
     let pose = SupportPose { rotation: DMat3::IDENTITY, position: -at };
-    let gap = core_gap(&Support::point(), &shape, &pose, -at, &mut Simplex::empty(), (0.0, 1e-9));
+    let gap = core_gap(
+        &Support::point(),
+        &shape,
+        &pose,
+        -at,
+        &mut Simplex::empty(),
+        Accuracy { absolute: 0.0, relative: 1e-9 },
+    );
     // A point on the surface has the normal of the face that it is on.
     let on = || {
         let above = |(n, offset): &&(glam::Vec3, f32)| n.as_dvec3().dot(at) - f64::from(*offset);

@@ -81,7 +81,7 @@ impl World {
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(&Candidate<'a>) -> bool,
     ) -> Result<(), Error> {
-        self.along((probe.position, Vec3::ZERO, probe.half), filter, 1.0, |candidate, most| {
+        self.along(probe.position, Vec3::ZERO, probe.half, filter, 1.0, |candidate, most| {
             if meets(probe, candidate) && !f(candidate) { -1.0 } else { most }
         })
     }

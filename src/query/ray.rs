@@ -158,7 +158,7 @@ impl World {
         any: bool,
         mut f: impl FnMut(&Candidate<'a>, &Met, f32) -> f32,
     ) -> Result<(), Error> {
-        self.along((ray.from, ray.path, Vec3::ZERO), filter, 1.0, |candidate, most| {
+        self.along(ray.from, ray.path, Vec3::ZERO, filter, 1.0, |candidate, most| {
             match meet(candidate, ray, most, any) {
                 Some(met) if met.fraction <= most && !(met.inside && filter.skip_inside) => {
                     f(candidate, &met, most)

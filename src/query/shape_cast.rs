@@ -178,7 +178,7 @@ impl World {
         mut f: impl FnMut(&Candidate<'a>, &Found, f32) -> f32,
     ) -> Result<(), Error> {
         let local = probe.local(path);
-        self.along((probe.position, path, probe.half), filter, 1.0, |candidate, most| {
+        self.along(probe.position, path, probe.half, filter, 1.0, |candidate, most| {
             let course = Course {
                 path: local,
                 tolerance: probe.tolerance(candidate.shape),

@@ -7,8 +7,9 @@ use super::closest_shape::{holds, nearest};
 use super::penetration::depth;
 use super::*;
 use crate::math::Quat;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth as inside_by, gap_along};
-use crate::narrow_phase::{Relative, Simplex, Support, SupportPose, core_gap, distance};
+use crate::narrow_phase::fixtures::{CONVEX, collider, depth as inside_by, gap_along};
+use crate::narrow_phase::{Accuracy, Relative, Simplex, Support, SupportPose, core_gap, distance};
+use crate::random::Random;
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use crate::{BodyDesc, Settings, ShapeDesc, World};
 use glam::{DMat3, DVec3, Vec2, Vec3};
@@ -51,10 +52,10 @@ pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
         };
         desc = desc.at(centre + random.cube().as_dvec3() * 15.0).rotated(random.rotation_or_aligned());
         for _ in 0..1 + random.below(3) {
-            let kind = CONVEX[random.below(5) as usize];
+            let kind = CONVEX[random.below(5)];
             let mut shape = ShapeDesc::new(random.shape(kind, 1.0).geometry);
             shape.position = random.cube();
-            shape.rotation = random.rotation().into();
+            shape.rotation = random.turn().into();
             desc = desc.with_shape(shape);
         }
         world.add_body(&desc).unwrap();
@@ -96,7 +97,7 @@ fn trees_find_what_all_shapes_one_by_one_do() {
                             0 => world.remove_body(body).unwrap(),
                             _ => {
                                 let to = centre + random.cube().as_dvec3() * 15.0;
-                                world.set_pose(body, to, random.rotation().into()).unwrap();
+                                world.set_pose(body, to, random.turn().into()).unwrap();
                             }
                         }
                     }
@@ -249,7 +250,14 @@ fn the_way_out_of_an_overlap_is_the_shortest() {
         let (sa, sb) = (Support::of(&a).unwrap(), Support::of(&b).unwrap());
         let turn = rotation.as_dquat().normalize();
         let pose = SupportPose { rotation: DMat3::from_quat(turn), position: position.as_dvec3() };
-        let gap = core_gap(&sa, &sb, &pose, pose.position, &mut Simplex::empty(), (1e-9, 1e-6));
+        let gap = core_gap(
+            &sa,
+            &sb,
+            &pose,
+            pose.position,
+            &mut Simplex::empty(),
+            Accuracy { absolute: 1e-9, relative: 1e-6 },
+        );
         if !gap.overlap && gap.upper > sa.radius + sb.radius {
             continue;
         }

@@ -58,13 +58,13 @@ calls! {
     ApplyImpulse "apply_impulse" (BodyHandle, Vec3, DVec3),
     SetGravityScale "set_gravity_scale" (BodyHandle, f32),
     SetContinuous "set_continuous" (BodyHandle, Continuous),
-    RaiseBody "raise_body" (BodyHandle, Option<RowGroup>),
+    SolveBodyAfter "solve_body_after" (BodyHandle, Option<RowGroup>),
     SetMass "set_mass" (BodyHandle, MassProperties),
     AddJoint "add_joint" (JointDesc),
     AddJoints "add_joints" (Vec<JointDesc>),
     RemoveJoint "remove_joint" (JointHandle),
     SetJoint "set_joint" (JointHandle, Vec<Limit>, Vec<Drive>),
-    RaiseJoint "raise_joint" (JointHandle, Option<RowGroup>),
+    SolveJointAfter "solve_joint_after" (JointHandle, Option<RowGroup>),
     Wake "wake" (BodyHandle),
     SendToSleep "send_to_sleep" (BodyHandle),
     SetCanSleep "set_can_sleep" (BodyHandle, bool),
@@ -96,7 +96,7 @@ impl Call {
             Change::ApplyImpulse(body, impulse, point) => Call::ApplyImpulse(body, impulse, point),
             Change::SetGravityScale(body, scale) => Call::SetGravityScale(body, scale),
             Change::SetContinuous(body, mode) => Call::SetContinuous(body, mode),
-            Change::RaiseBody(body, above) => Call::RaiseBody(body, above),
+            Change::SolveBodyAfter(body, above) => Call::SolveBodyAfter(body, above),
             Change::SetMass(body, mass) => Call::SetMass(body, mass),
             Change::AddJoint(desc) => Call::AddJoint(desc.clone()),
             Change::AddJoints(descs) => Call::AddJoints(descs.to_vec()),
@@ -104,7 +104,7 @@ impl Call {
             Change::SetJoint(joint, limits, drives) => {
                 Call::SetJoint(joint, limits.to_vec(), drives.to_vec())
             }
-            Change::RaiseJoint(joint, above) => Call::RaiseJoint(joint, above),
+            Change::SolveJointAfter(joint, above) => Call::SolveJointAfter(joint, above),
             Change::Wake(body) => Call::Wake(body),
             Change::SendToSleep(body) => Call::SendToSleep(body),
             Change::SetCanSleep(body, can_sleep) => Call::SetCanSleep(body, can_sleep),
@@ -122,7 +122,7 @@ impl Call {
             | Call::ApplyImpulse(body, ..)
             | Call::SetGravityScale(body, ..)
             | Call::SetContinuous(body, ..)
-            | Call::RaiseBody(body, ..)
+            | Call::SolveBodyAfter(body, ..)
             | Call::SetMass(body, ..)
             | Call::Wake(body)
             | Call::SendToSleep(body)
@@ -145,7 +145,7 @@ pub(crate) struct Body {
     gravity_scale: f32,
     locks: [[bool; 3]; 2],
     continuous: Continuous,
-    raised: Option<RowGroup>,
+    solved_after: Option<RowGroup>,
     can_sleep: bool,
     user_data: u64,
 }
@@ -165,7 +165,7 @@ impl Body {
             lock_translation,
             lock_rotation,
             continuous,
-            raised,
+            solved_after,
             can_sleep,
             user_data,
         } = *desc;
@@ -179,7 +179,7 @@ impl Body {
             gravity_scale,
             locks: [lock_translation, lock_rotation],
             continuous,
-            raised,
+            solved_after,
             can_sleep,
             user_data,
         }
@@ -198,7 +198,7 @@ impl Body {
             lock_translation: self.locks[0],
             lock_rotation: self.locks[1],
             continuous: self.continuous,
-            raised: self.raised,
+            solved_after: self.solved_after,
             can_sleep: self.can_sleep,
             user_data: self.user_data,
         }

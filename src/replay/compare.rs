@@ -71,7 +71,9 @@ pub(super) type Names = BTreeMap<u32, (u32, String)>;
 
 /// What differs between a step as recorded and as seen; `awake`: the recorded slots.
 pub(super) fn compare(
-    (step, record, awake): (u64, &StepRecord, &[u32]),
+    step: u64,
+    record: &StepRecord,
+    awake: &[u32],
     seen: &Seen,
     world: &World,
     names: &Names,

@@ -257,8 +257,7 @@ impl<R: Read> Replay<R> {
         }
         self.steps += 1;
         let Some(tape) = tape(&self.world) else { return Ok(Progress::Same) };
-        let recorded = (self.steps, record, &self.awake[..]);
-        Ok(match compare(recorded, &tape.seen, &self.world, &self.names) {
+        Ok(match compare(self.steps, record, &self.awake, &tape.seen, &self.world, &self.names) {
             Some(divergence) => Progress::Diverged(Box::new(divergence)),
             None => Progress::Same,
         })
@@ -332,7 +331,7 @@ impl<R: Read> Replay<R> {
             Call::ApplyImpulse(body, impulse, point) => self.world.apply_impulse(body, impulse, point)?,
             Call::SetGravityScale(body, scale) => self.world.set_gravity_scale(body, scale)?,
             Call::SetContinuous(body, mode) => self.world.set_continuous(body, mode)?,
-            Call::RaiseBody(body, above) => self.world.raise_body(body, above)?,
+            Call::SolveBodyAfter(body, above) => self.world.solve_body_after(body, above)?,
             Call::SetMass(body, mass) => self.world.set_mass(body, mass)?,
             Call::AddJoint(desc) => {
                 self.allow(0, 1)?;
@@ -344,7 +343,7 @@ impl<R: Read> Replay<R> {
             }
             Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
             Call::SetJoint(joint, limits, drives) => self.world.set_joint(joint, &limits, &drives)?,
-            Call::RaiseJoint(joint, above) => self.world.raise_joint(joint, above)?,
+            Call::SolveJointAfter(joint, above) => self.world.solve_joint_after(joint, above)?,
             Call::Wake(body) => self.world.wake(body)?,
             Call::SendToSleep(body) => self.world.send_to_sleep(body)?,
             Call::SetCanSleep(body, can_sleep) => self.world.set_can_sleep(body, can_sleep)?,

@@ -177,8 +177,8 @@ fn start(world: &World, index: usize, hash: &mut Hash) {
     hash.vectors(mass.inertia, mass.inverse_inertia);
     hash.pair(mass.inverse.to_bits(), traits.gravity_scale.to_bits());
     let flags = [traits.locks, traits.continuous as u8, traits.sleepless.into()];
-    let raised = traits.raised.map_or(0, |above| above as u32 + 1);
-    hash.pair(raised, flags.iter().fold(0, |all, &flag| all << 8 | u32::from(flag)));
+    let solved_after = traits.solved_after.map_or(0, |above| above as u32 + 1);
+    hash.pair(solved_after, flags.iter().fold(0, |all, &flag| all << 8 | u32::from(flag)));
     // A zero force equals none that was ever applied.
     let force = bodies.force.get(index).copied().unwrap_or_default();
     hash.vectors(force.linear, force.angular);
@@ -213,7 +213,7 @@ fn narrow(world: &World, hash: &mut Hash) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = &world.contacts.all[slot as usize];
+            let contact = world.contacts.at(slot);
             slot = contact.next;
             hash.pair(contact.a, contact.b);
             hash.pair(contact.count.into(), contact.fraction.to_bits());

@@ -172,8 +172,8 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 2.0).with_spring(spring);
     let joint = world.add_joint(&JointDesc::new(bodies, frames).with_limit(limit).with_drive(drive)).unwrap();
     world.set_joint(joint, &[limit], &[drive]).unwrap();
-    world.raise_joint(joint, Some(RowGroup::Contacts)).unwrap();
-    world.raise_body(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
+    world.solve_joint_after(joint, Some(RowGroup::Contacts)).unwrap();
+    world.solve_body_after(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
     world.set_settings(Settings { budget: Budget::total(1 << 24), ..Settings::default() }).unwrap();
     world.set_origin(DVec3::X).unwrap();
     world.set_material(shape, Material::default()).unwrap();

@@ -72,6 +72,15 @@ mod tests {
     }
 
     #[test]
+    fn the_numbers_are_those_of_tests() {
+        let (mut random, mut rng) = (crate::random::Random(7), Rng::new(7));
+        for _ in 0..10 {
+            assert_eq!(random.bits(), rng.next());
+            assert_eq!(random.range(2.0, 3.0), rng.range(2.0, 3.0));
+        }
+    }
+
+    #[test]
     fn directions_and_rotations_have_unit_length() {
         let mut rng = Rng::new(1);
         for _ in 0..1000 {

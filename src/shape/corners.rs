@@ -49,8 +49,8 @@ impl Corners {
     }
 }
 
-/// Whether a segment is all on one side of a triangle's plane, and further than `reach` from it [m]. Of a
-/// triangle without area no plane is known.
+/// Whether a segment is all on one side of a triangle's plane, and further than `reach` from it [m]. A
+/// triangle without area has no plane.
 #[inline(always)]
 pub(crate) fn beyond<L: Lanes>([a, b, c]: [LaneVec3<L>; 3], from: Vec3, to: Vec3, reach: f32) -> L::Mask {
     let (one, other) = (b - a, c - a);
@@ -67,7 +67,7 @@ pub(crate) fn beyond<L: Lanes>([a, b, c]: [LaneVec3<L>; 3], from: Vec3, to: Vec3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::mesh::testing::Random;
+    use crate::random::Random;
     use glam::DVec3;
 
     /// By the same question in `f64`: how far the nearer end is from the plane, if both are on one side of

@@ -171,16 +171,16 @@ mod tests {
         for centre in [DVec3::ZERO, dvec3(1e6 + 0.3, -1e6, 12_345.678)] {
             let (mut hits, mut misses) = (0, 0);
             for i in 0..if cfg!(miri) { 200 } else { 40_000 } {
-                let from = centre + random.cube(5.0).as_dvec3() * 1.000_000_1;
-                let mut path = random.cube([0.0, 1.0, 10.0, 100.0][i % 4]);
+                let from = centre + (random.cube() * 5.0).as_dvec3() * 1.000_000_1;
+                let mut path = random.cube() * [0.0, 1.0, 10.0, 100.0][i % 4];
                 if i % 8 == 1 {
                     path.y = 0.0;
                     path.z = -0.0;
                 }
-                let middle = (from + (path * random.unit()).as_dvec3()).as_vec3() + random.cube(3.0);
-                let size = random.cube([0.0, 0.1, 5.0][i % 3]).abs();
+                let middle = (from + (path * random.unit()).as_dvec3()).as_vec3() + random.cube() * 3.0;
+                let size = (random.cube() * [0.0, 0.1, 5.0][i % 3]).abs();
                 let bounds = Aabb { min: middle - size, max: middle + size };
-                let half = random.cube([0.0, 1.0][i / 4 % 2]).abs();
+                let half = (random.cube() * [0.0, 1.0][i / 4 % 2]).abs();
                 let slabs = Slabs::<f32>::new(from, path, half);
                 let (min, max) = (Vec3::splat(bounds.min), Vec3::splat(bounds.max));
                 let entry = slabs.enter(&min, &max, 1.0);

@@ -34,6 +34,27 @@ pub(crate) struct Groups {
     island: Vec<u32>,
 }
 
+/// What joins bodies to islands: touching pairs, and joints.
+#[derive(Clone, Copy)]
+pub(crate) struct Ties<'a> {
+    pub(crate) bodies: &'a Bodies,
+    pub(crate) summaries: &'a [ColliderSummary],
+    pub(crate) pairs: &'a [Pair],
+    pub(crate) contacts: &'a Contacts,
+    pub(crate) joints: &'a Joints,
+    /// Separation up to which a contact touches [m].
+    pub(crate) touching: f32,
+}
+
+/// How long bodies count as having been at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RestTime {
+    /// As long as they were.
+    Measured,
+    /// For ever, if they may sleep: their island falls asleep at once.
+    Endless,
+}
+
 buffers! { Groups { each(dynamic: usize) { parent(dynamic), rest(dynamic), island(dynamic) } } }
 
 impl Groups {
@@ -52,26 +73,19 @@ impl Groups {
     }
 
     /// Finds the islands of all awake bodies.
-    fn find(
-        &mut self,
-        bodies: &Bodies,
-        summaries: &[ColliderSummary],
-        pairs: &[Pair],
-        contacts: &Contacts,
-        joints: &Joints,
-        (real, at_once): (f32, bool),
-    ) {
+    fn find(&mut self, ties: &Ties<'_>, rest: RestTime) {
+        let Ties { bodies, summaries, pairs, contacts, joints, touching } = *ties;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         self.parent.clear();
         self.parent.extend(0..dynamic);
         self.rest.clear();
         // If sleeping is off, there are none.
         self.rest.extend((0..dynamic as usize).map(|i| bodies.rest.get(i).copied().unwrap_or(0.0)));
-        for (i, rest) in self.rest.iter_mut().enumerate() {
+        for (i, time) in self.rest.iter_mut().enumerate() {
             if bodies.traits[i].sleepless {
-                *rest = 0.0;
-            } else if at_once {
-                *rest = f32::MAX;
+                *time = 0.0;
+            } else if rest == RestTime::Endless {
+                *time = f32::MAX;
             }
         }
         let link = |this: &mut Groups, i: u32, k: u32| {
@@ -85,7 +99,7 @@ impl Groups {
             }
         };
         for pair in pairs.iter().filter(|pair| pair.contact != NO_CONTACT || pair.touching) {
-            if pair.touching || touches(contacts, pair, real) {
+            if pair.touching || touches(contacts, pair, touching) {
                 link(self, summaries[pair.a as usize].body, summaries[pair.b as usize].body);
             }
         }
@@ -113,7 +127,7 @@ impl Groups {
 pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
-        let contact = &contacts.all[slot as usize];
+        let contact = contacts.at(slot);
         if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
             return true;
         }
@@ -171,16 +185,9 @@ impl Sleep {
     }
 
     /// For each body, the number of a dynamic body's island, for display; `u32::MAX` for other bodies.
-    pub(crate) fn numbers(
-        &self,
-        (bodies, summaries): (&Bodies, &[ColliderSummary]),
-        pairs: &[Pair],
-        contacts: &Contacts,
-        joints: &Joints,
-        unit: f32,
-    ) -> Vec<u32> {
-        let mut groups = Groups::default();
-        groups.find(bodies, summaries, pairs, contacts, joints, (TOUCH_DISTANCE * unit, false));
+    pub(crate) fn numbers(&self, ties: &Ties<'_>) -> Vec<u32> {
+        let (mut groups, bodies) = (Groups::default(), ties.bodies);
+        groups.find(ties, RestTime::Measured);
         let slot_of = |i: usize| {
             if i < bodies.dynamic() {
                 return bodies.slot[groups.of(i as u32) as usize];
@@ -201,17 +208,18 @@ impl Islands<'_> {
     }
 
     /// Puts the island of an awake dynamic body to sleep, if all of it may. Islands must have been found with
-    /// `at_once`.
+    /// [`RestTime::Endless`].
     pub(crate) fn send(&mut self, index: u32, events: &mut Events, allowance: Allowance) {
         let root = self.sleep.groups.of(index);
         self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, allowance);
     }
 
-    /// Finds the islands of all awake bodies. `at_once`: bodies that may sleep count as at rest for ever.
-    pub(crate) fn find(&mut self, at_once: bool) {
-        let real = TOUCH_DISTANCE * self.unit;
+    /// Finds the islands of all awake bodies.
+    pub(crate) fn find(&mut self, rest: RestTime) {
+        let touching = TOUCH_DISTANCE * self.unit;
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
-        sleep.groups.find(bodies, &colliders.summaries, &broad.pairs, contacts, joints, (real, at_once));
+        let (summaries, pairs) = (&colliders.summaries, &broad.pairs);
+        sleep.groups.find(&Ties { bodies, summaries, pairs, contacts, joints, touching }, rest);
     }
 
     /// Puts islands to sleep for which `tired` returns true, by their root and how long all of them have been

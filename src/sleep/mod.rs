@@ -9,7 +9,7 @@ mod islands;
 mod save;
 mod wake;
 
-pub(crate) use islands::{Groups, count_rest};
+pub(crate) use islands::{Groups, RestTime, Ties, count_rest};
 pub(crate) use save::{SavedSleep, SleepLists};
 
 use crate::body::{Bodies, Colliders};

@@ -1,11 +1,12 @@
 //! Snapshots as bytes, for a file or the network: little-endian, with a version and a checksum.
 
 use super::Snapshot;
+use super::checksum::hash;
 use super::geometry::Known;
 use super::part::Part;
 use super::view::{HEAD, Head, MAGIC, VERSION};
 use crate::error::Error;
-use crate::words::{Reader, broken, hash, words};
+use crate::words::{Reader, broken, words};
 use std::sync::Arc;
 
 fn halves(long: u64) -> [u32; 2] {

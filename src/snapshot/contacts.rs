@@ -7,7 +7,7 @@
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
-use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NO_CONTACT, Point, UNKNOWN_LOAD};
+use crate::narrow_phase::{Contact, ContactRef, Contacts, MAX_POINTS, NO_CONTACT, Point, UNKNOWN_LOAD};
 use crate::shape::{ColliderSummary, Kind};
 use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
@@ -83,7 +83,7 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
 
 /// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in
 /// `collide.rs`.
-fn may_be_kept(first: &Contact, summaries: &[ColliderSummary]) -> bool {
+fn may_be_kept(first: ContactRef<'_>, summaries: &[ColliderSummary]) -> bool {
     let rolls = |c: u32| matches!(summaries[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
 }
@@ -97,12 +97,9 @@ pub(super) fn save_contacts<'a>(
 ) -> u32 {
     let mut count = 0;
     for pair in pairs.filter(|pair| pair.contact != NO_CONTACT) {
-        let kept = may_be_kept(&contacts.all[pair.contact as usize], summaries);
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = &contacts.all[slot as usize];
+        let kept = may_be_kept(contacts.at(pair.contact), summaries);
+        for contact in contacts.chain(pair.contact) {
             save_contact(contact, kept, out);
-            slot = contact.next;
             count += 1;
         }
     }
@@ -178,7 +175,7 @@ impl Line {
     }
 }
 
-fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
+fn save_contact(contact: ContactRef<'_>, kept: bool, out: &mut Vec<u32>) {
     let mut line = Line { all: [0; MAX_CONTACT_WORDS], len: 1, flags: u32::from(contact.count) };
     let points = contact.points();
     line.flag(PUSHED, contact.pushed);
@@ -278,26 +275,30 @@ impl<'a> SavedPairs<'a> {
         }
     }
 
-    /// Calls `each` with every pair, whose contacts are in `contacts` by then.
+    /// Calls `each` with every pair, whose contacts are added to `contacts` by then, each with place for at
+    /// least `room` points of its two colliders.
     pub(super) fn restore(
         &self,
         contacts: &mut Contacts,
-        count: usize,
+        room: &dyn Fn(u32, u32) -> usize,
         mut each: impl FnMut(Pair),
     ) -> Result<(), Error> {
-        contacts.reset(count);
         let mut from = Reader(self.contacts);
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
             let (fast, touching) = (flags & FAST != 0, flags & HEARD != 0);
             let mut pair = Pair { a, b, contact: NO_CONTACT, fast, touching };
             if flags & TOUCHED != 0 {
-                pair.contact = contacts.all.len() as u32;
-                while read_contact(&mut from, (a, b), &mut contacts.all)? {
-                    let next = contacts.all.len() as u32;
-                    if let Some(last) = contacts.all.last_mut() {
-                        last.next = next;
+                let (mut last, mut more) = (NO_CONTACT, true);
+                while more {
+                    let read = read_contact(&mut from, (a, b))?;
+                    let slot = contacts.restore(&read.contact, room(a, b));
+                    if last == NO_CONTACT {
+                        pair.contact = slot;
+                    } else {
+                        contacts.at_mut(last).next = slot;
                     }
+                    (last, more) = (slot, read.more);
                 }
             }
             each(pair);
@@ -305,10 +306,25 @@ impl<'a> SavedPairs<'a> {
         Ok(())
     }
 
+    /// The number of points that all contacts have place for, if each has one for at least `room` of its two
+    /// colliders.
+    pub(super) fn places(&self, room: &dyn Fn(u32, u32) -> usize) -> usize {
+        let (mut from, mut points) = (Reader(self.contacts), 0);
+        for i in (0..self.len()).filter(|&i| byte(self.flags, i) & TOUCHED != 0) {
+            let (a, b) = self.pair(i);
+            while let Ok(read) = read_contact(&mut from, (a, b)) {
+                points += room(a, b).max(read.contact.count.max(1).into());
+                if !read.more {
+                    break;
+                }
+            }
+        }
+        points
+    }
+
     /// Whether all pairs are some that `may` be, each once, and all contacts are whole: so many of them.
     pub(super) fn check(&self, count: usize, may: impl Fn(usize, u32, u32) -> bool) -> Result<(), Error> {
         let mut from = Reader(self.contacts);
-        let mut one = Vec::with_capacity(1);
         let (mut found, mut known) = (0, Vec::with_capacity(self.len()));
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
@@ -318,12 +334,10 @@ impl<'a> SavedPairs<'a> {
             known.push((a, b));
             let mut more = flags & TOUCHED != 0;
             while more {
-                one.clear();
-                more = read_contact(&mut from, (a, b), &mut one)?;
+                let read = read_contact(&mut from, (a, b))?;
+                check_contact(read.contact.as_ref())?;
                 found += 1;
-                for contact in &one {
-                    check_contact(contact)?;
-                }
+                more = read.more;
             }
         }
         known.sort_unstable();
@@ -332,7 +346,7 @@ impl<'a> SavedPairs<'a> {
     }
 }
 
-fn check_contact(contact: &Contact) -> Result<(), Error> {
+fn check_contact(contact: ContactRef<'_>) -> Result<(), Error> {
     all_loads(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
     all_loads(&words::<4>(contact.mean_friction.to_array()))?;
     all_loads(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
@@ -361,8 +375,15 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     contact.points().iter().try_for_each(loads)
 }
 
-/// Appends the next contact; says whether another of the same pair follows.
-fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>) -> Result<bool, Error> {
+/// A contact of a snapshot.
+struct Read {
+    contact: Contact,
+    /// Another of the same pair follows.
+    more: bool,
+}
+
+/// Reads the next contact.
+fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error> {
     let flags = from.one()?;
     let count = (flags & 7) as usize;
     if count > MAX_POINTS {
@@ -435,6 +456,5 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
             point.mean_force = f32::from_bits(from.one()?);
         }
     }
-    to.push(contact);
-    Ok(flags & MORE != 0)
+    Ok(Read { contact, more: flags & MORE != 0 })
 }

@@ -1,9 +1,10 @@
 //! Geometry by reference: shapes of a few numbers are written, shared geometry is named by its index in a
 //! table.
 
+use super::checksum::hash;
 use crate::error::Error;
 use crate::shape::Geometry;
-use crate::words::{broken, hash, words};
+use crate::words::{broken, words};
 use crate::world::World;
 use std::sync::Arc;
 

@@ -7,6 +7,7 @@
 
 mod bytes;
 mod check;
+mod checksum;
 mod contacts;
 mod geometry;
 mod part;

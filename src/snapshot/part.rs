@@ -4,6 +4,7 @@
 //! There are two parts, so that the level is not written anew when a bullet is added or removed: *fixed* has
 //! static bodies, with their tree; *moving* has everything else, with joints and the lists of free handles.
 
+use super::checksum::hash;
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
 use crate::body::{BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
@@ -14,7 +15,7 @@ use crate::lanes::Record;
 use crate::limits;
 use crate::math::Quat;
 use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
-use crate::words::{Reader, broken, hash, words};
+use crate::words::{Reader, broken, words};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 use std::sync::OnceLock;
@@ -113,7 +114,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
         traits.continuous as u32,
         u32::from(traits.sleepless) | u32::from(traits.disabled) << 1,
         u32::from(details.mass_from_shapes),
-        group_code(traits.raised),
+        group_code(traits.solved_after),
         u32::from(traits.locks) & 15,
         u32::from(traits.locks) >> 4,
     ];
@@ -315,7 +316,7 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         gravity_scale,
         continuous: mode_of(part(1))?,
         locks: (part(5) | (part(6) & 3) << 4) as u8,
-        raised: group_of(part(4))?,
+        solved_after: group_of(part(4))?,
         sleepless: part(2) & 1 != 0,
         disabled: part(2) >> 1 & 1 != 0,
     };

@@ -10,6 +10,8 @@ use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::math::Quat;
+use crate::narrow_phase::{ContactCount, most_points};
+use crate::shape::Kind;
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
@@ -30,7 +32,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let brings = brought(&view, records.as_ref());
+    let brings = brought(world, &view, records.as_ref());
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -83,39 +85,62 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
-/// The memory that the snapshot needs.
-fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
+/// The memory that the snapshot needs; that of contacts only if the world has a budget.
+fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
-        let slots = (records.bodies.count, records.colliders.count);
-        let mut new = Replacement::new(slots, &records.joints, shapes.map(|c| &c.collider.geometry));
+        let (bodies, colliders) = (records.bodies.count, records.colliders.count);
+        let geometries = shapes.map(|c| &c.collider.geometry);
+        let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| c.collider.kind);
             new.add(record.body.kind, &record.body.traits, kinds);
         }
         new
     });
+    let contacts = if world.settings.budget.is_none() {
+        ContactCount::default()
+    } else {
+        let kinds = kinds(world, records);
+        let room = |a: u32, b: u32| most_points(kinds[a as usize], kinds[b as usize]);
+        ContactCount { contacts: counts.contacts as usize, points: view.pairs.places(&room) }
+    };
     Brings {
         settings: &view.settings,
         pairs: (counts.pairs + counts.sleeping_pairs) as usize,
         sleeping_pairs: counts.sleeping_pairs as usize,
-        contacts: counts.contacts as usize,
+        contacts,
         forced: counts.has(FORCE),
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
     }
 }
 
+/// The kinds of all colliders, as they will be: those of the world, or of the records that replace them.
+fn kinds(world: &World, records: Option<&Records>) -> Vec<Kind> {
+    let Some(records) = records else {
+        return world.colliders.summaries.iter().map(|summary| summary.kind).collect();
+    };
+    let mut kinds = vec![Kind::Sphere; records.colliders.count];
+    let all = records.moving.iter().chain(&records.fixed).flat_map(|record| &record.colliders);
+    all.for_each(|c| kinds[c.index as usize] = c.collider.kind);
+    kinds
+}
+
 /// Pairs, first those of the step and then those that islands keep, and all contacts.
 fn read_pairs(world: &mut World, view: &View<'_>) {
-    let World { broad, contacts, sleep, .. } = world;
+    let World { broad, contacts, sleep, colliders, settings, .. } = world;
+    contacts.clear();
+    contacts.keep_rooms(!settings.budget.is_none());
+    let kind = |c: u32| colliders.summaries[c as usize].kind;
+    let room = |a: u32, b: u32| if settings.budget.is_none() { 0 } else { most_points(kind(a), kind(b)) };
     broad.pairs.clear();
     let mut islands = view.sleep.islands_of_pairs();
     let mut left = view.counts.pairs;
     broad.pairs.reserve(left as usize);
-    let read = view.pairs.restore(contacts, view.counts.contacts as usize, |pair| {
+    let read = view.pairs.restore(contacts, &room, |pair| {
         if left > 0 {
             left -= 1;
             broad.pairs.push(pair);

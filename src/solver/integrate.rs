@@ -1,14 +1,22 @@
 //! Velocities and displacements of all movable bodies over a substep.
 
-use super::{BLOCK, BOTH, LINEAR, PAD};
 use crate::config::Settings;
 use crate::config::tuning::{FOLLOWED_TURN, SWIFT_DISTANCE};
 use crate::constraint::JointStage;
 use crate::constraint::contact::row::Motion;
 use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
 use crate::limits::MAX_LEFT_SPEED;
-use crate::threads::Workers;
+use crate::threads::{Workers, per_block};
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Bodies in a block of work.
+const BLOCK: usize = per_block(256, 1);
+
+/// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the
+/// first pad.
+const LINEAR: u32 = 0b0000_0111;
+const BOTH: u32 = 0b0111_0111;
+const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Velocities above which a body moves or turns further in a substep than the rows of joints account for.
 #[derive(Clone, Copy)]

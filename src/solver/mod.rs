@@ -6,16 +6,19 @@
 
 mod impact_body;
 mod integrate;
-mod pass;
+mod joint_passes;
+mod parameters;
 mod store;
 mod substep;
 
 use crate::body::Bodies;
 use crate::config::Settings;
-use crate::config::tuning::JOINT_OPEN;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::contact::row::Motion;
-use crate::constraint::{Closing, JointRows, JointViews, Restitution, Rows, Views, usual_substep};
+use crate::constraint::contact::row::{Motion, Pass, solve as solve_batch, warm_start};
+use crate::constraint::{
+    Group, JointRows, JointViews, Restitution, Rows, TouchInput, Views, guard, solve_impact_friction,
+    usual_substep, with_batch,
+};
 use crate::forces::Forces;
 use crate::lanes::Record;
 use crate::memory::buffers;
@@ -23,7 +26,11 @@ use crate::shape::Collider;
 use crate::threads::{Shared, Workers, per_block};
 pub(crate) use impact_body::ImpactBody;
 use integrate::{FastLimit, Integrator};
-use pass::{JointBatches, PassParameters, Passes};
+use joint_passes::JointBatches;
+pub(crate) use joint_passes::closing;
+use parameters::PassParameters;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) use store::store;
 use substep::{BodyData, Context, Substeps};
 
@@ -85,9 +92,6 @@ pub(crate) struct SolverInput<'a> {
     pub(crate) witness: Option<&'a mut dyn Witness>,
 }
 
-/// Bodies in a block of work.
-const BLOCK: usize = per_block(256, 1);
-
 /// Solves the rows over a step. Returns whether all velocities stayed in range.
 pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
     let SolverInput { settings, dt, bodies, forces, joints, restitution, state, .. } = input;
@@ -106,27 +110,23 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         delta: &Shared::new(&mut state.delta),
         base: &Shared::new(&mut state.base),
     };
+    let passes = Passes {
+        workers,
+        parameters: PassParameters::new(settings, state.usual_h, h),
+        has_friction: input.rows.has_friction(),
+        contacts: input.rows.views(),
+        joints: JointBatches { stages: &joint_stages, views: joints.views() },
+        motion: &motion,
+    };
+    let fast = FastLimit::new(settings, &joint_stages, h);
+    let integrator = Integrator { workers, motion: &motion, movers, dynamic, h, fast };
     let mut substeps = Substeps {
         context: Context {
             settings,
             dt,
             h,
-            passes: Passes {
-                workers,
-                parameters: PassParameters::new(settings, state.usual_h, h),
-                has_friction: input.rows.has_friction(),
-                batches: input.rows.views(),
-                joints: JointBatches { stages: &joint_stages, views: joints.views() },
-                motion: &motion,
-            },
-            integrator: Integrator {
-                workers,
-                motion: &motion,
-                movers,
-                dynamic,
-                h,
-                fast: FastLimit::new(settings, &joint_stages, h),
-            },
+            passes: &passes,
+            integrator: &integrator,
             velocities,
             bodies: BodyData {
                 pose: &bodies.pose,
@@ -145,7 +145,24 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
     };
     let mut in_range = true;
     for substep in 0..settings.substeps {
-        in_range &= substeps.run(substep);
+        substeps.solve_impacts(substep);
+        let check = substeps.integrate_velocities(substep);
+        if substep == 0 {
+            passes.run(PassKind::WarmStart);
+        }
+        passes.predict_trees();
+        for _ in 0..settings.iterations {
+            passes.run(PassKind::Solve);
+        }
+        let check = substeps.hold_back(check);
+        in_range &= substeps.integrate_displacements();
+        substeps.advance_impacts_and_trees();
+        // If friction of what pushed before it touched shifts much load, points share it in one more pass.
+        let potential_points_push = passes.run(PassKind::Relax);
+        if potential_points_push && substeps.solve_impact_friction() {
+            passes.run(PassKind::Relax);
+        }
+        substeps.end(check);
     }
     substeps.release_standing_bodies();
     joints.nets = nets;
@@ -153,13 +170,107 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
     in_range
 }
 
-/// How far the joints of trees may be open.
-pub(crate) fn closing(settings: &Settings) -> Closing {
-    Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
+/// The operation of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PassKind {
+    WarmStart,
+    Solve,
+    Relax,
+    /// Solves the friction of contacts that pushed before they touched.
+    ImpactFriction,
 }
 
-/// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the
-/// first pad.
-const LINEAR: u32 = 0b0000_0111;
-const BOTH: u32 = 0b0111_0111;
-const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+/// Runs passes over the rows of a step, on several threads.
+struct Passes<'a> {
+    workers: &'a Workers<'a>,
+    parameters: PassParameters,
+    has_friction: bool,
+    contacts: Views<'a>,
+    joints: JointBatches<'a>,
+    motion: &'a Motion<'a, 'a>,
+}
+
+impl Passes<'_> {
+    /// A pass over all rows, in the order of their importance. For [`PassKind::Relax`], returns whether
+    /// potential points push; for [`PassKind::ImpactFriction`], whether it shifts loads.
+    fn run(&self, kind: PassKind) -> bool {
+        let Passes { workers, contacts: ref batches, motion, .. } = *self;
+        let found = AtomicBool::new(false);
+        let touches = TouchInput { contacts: batches, pass: &self.contact_pass(Group::Static, kind) };
+        let mut joints = self.joints.stages;
+        for stage in batches.stages {
+            if !joints.is_empty() {
+                let before = joints.partition_point(|joint| joint.place < stage.place);
+                self.run_joints(kind, &joints[..before], &touches);
+                joints = &joints[before..];
+            }
+            let (group, pass) = (stage.group, self.contact_pass(stage.group, kind));
+            let one = |index: usize| {
+                let of = batches.schedule[index];
+                let in_tree = of.in_tree && kind != PassKind::WarmStart;
+                // SAFETY: each batch is in the schedule once; no dynamic body is twice in a stage, unless the
+                // stage is serial, and then one thread has all of it.
+                let found_one = unsafe {
+                    with_batch!(batches, group, of, |batch, friction| {
+                        if kind == PassKind::ImpactFriction {
+                            solve_impact_friction(batch, friction, of, group, motion, &pass)
+                        } else if in_tree && batch.b.is_empty() {
+                            guard(batch, motion, &pass)
+                        } else {
+                            // Without friction a kernel of its own.
+                            let rows = if group.is_potential() { None } else { friction.touching(of) };
+                            match (kind, rows) {
+                                (PassKind::WarmStart, Some(f)) => {
+                                    warm_start::<_, _, _, true>(batch, Some(f), motion.velocity);
+                                    false
+                                }
+                                (PassKind::WarmStart, None) => {
+                                    warm_start::<_, _, _, false>(batch, None, motion.velocity);
+                                    false
+                                }
+                                (_, Some(f)) => solve_batch::<_, _, _, true>(batch, Some(f), motion, &pass),
+                                (_, None) => solve_batch::<_, _, _, false>(batch, None, motion, &pass),
+                            }
+                        }
+                    })
+                };
+                if found_one {
+                    found.store(true, Ordering::Relaxed);
+                }
+            };
+            share_out(workers, stage.start as usize..stage.end as usize, stage.serial, &one);
+        }
+        self.run_joints(kind, joints, &touches);
+        found.into_inner()
+    }
+
+    fn contact_pass(&self, group: Group, kind: PassKind) -> Pass<'_> {
+        let parameters = &self.parameters;
+        Pass {
+            inverse_h: parameters.inverse_h,
+            softness: if group.is_static() { parameters.fixed } else { parameters.dynamic },
+            push_speed: parameters.push_speed,
+            load_shift_speed: parameters.load_shift_speed,
+            touch_distance: parameters.touch_distance,
+            friction_box: parameters.friction_box,
+            relax: kind == PassKind::Relax,
+            surfaces: self.contacts.surfaces,
+        }
+    }
+}
+
+/// Batches in a block of work: the smallest piece of a colour that threads share out.
+const BLOCK: usize = per_block(8, 1);
+
+/// Works through the batches of a stage: in blocks on several threads, unless they must be solved in order.
+#[inline(always)]
+fn share_out(workers: &Workers<'_>, batches: Range<usize>, serial: bool, one: &(impl Fn(usize) + Sync)) {
+    if serial || batches.len() <= BLOCK {
+        batches.for_each(one);
+        return;
+    }
+    workers.run(batches.len().div_ceil(BLOCK), &|block| {
+        let first = batches.start + block * BLOCK;
+        (first..(first + BLOCK).min(batches.end)).for_each(one);
+    });
+}

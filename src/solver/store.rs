@@ -3,8 +3,8 @@
 use crate::constraint::contact::row::{Motion, disable_lanes, store as store_batch};
 use crate::constraint::{Batch, FrictionRow, Rows, Stage, StepLengths, Views, with_batch};
 use crate::lanes::GatherLanes;
-use crate::narrow_phase::{Contact, Point};
-use crate::threads::{Shared, Workers, per_block};
+use crate::narrow_phase::{ContactMut, Point, SharedContacts};
+use crate::threads::{Workers, per_block};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Batches in a block of work.
@@ -58,7 +58,7 @@ pub(crate) fn store(
     rows: &mut Rows,
     dt: f32,
     lengths: StepLengths,
-    contacts: &Shared<'_, Contact>,
+    contacts: &SharedContacts<'_>,
 ) -> Stored {
     let (pushed, unknown) = (AtomicU32::new(0), AtomicBool::new(false));
     let views = rows.views();
@@ -105,32 +105,32 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
     potential: bool,
     dt: f32,
     lengths: StepLengths,
-    contacts: &Shared<'_, Contact>,
+    contacts: &SharedContacts<'_>,
 ) -> Stored {
     let (mut stored, has_friction) = (Stored::default(), friction.is_some());
     store_batch(batch, friction, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch. If its points are solved separately, these are in
         // different stages, or in a serial one.
-        let contact = unsafe { contacts.get(part.slot()) };
+        let mut contact = unsafe { contacts.at(part.slot() as u32) };
         let pushed = potential && peak > 0.0;
         let friction = if has_friction { contact.frame.conjugate() * friction } else { glam::Vec3::ZERO };
         // If points are solved separately, another one may have pushed already.
         stored.pushed += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
-            store_in_point(&mut contact.points[point], impulses[0], lengths);
+            store_in_point(&mut contact.points_mut()[point], impulses[0], lengths);
             contact.pushed |= pushed;
             contact.friction += friction;
-            forget_unsound(contact);
+            forget_unsound(&mut contact);
             return;
         }
         if part.is_cut() {
-            let (solved, mut impulses) = (part.points(contact), impulses.iter());
-            for (i, point) in contact.points[..contact.count as usize].iter_mut().enumerate() {
+            let (solved, mut impulses) = (part.points(contact.as_ref()), impulses.iter());
+            for (i, point) in contact.points_mut().iter_mut().enumerate() {
                 let impulse = if solved >> i & 1 != 0 { impulses.next() } else { None };
                 store_in_point(point, impulse.copied().unwrap_or(0.0), lengths);
             }
         } else {
-            for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
+            for (point, &impulse) in contact.points_mut().iter_mut().zip(impulses) {
                 store_in_point(point, impulse, lengths);
             }
         }
@@ -138,14 +138,14 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         (contact.friction, contact.twist) = (friction, twist);
         contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist));
         stored.unknown_load |= contact.bear(dt, lengths.now());
-        forget_unsound(contact);
+        forget_unsound(&mut contact);
     });
     stored
 }
 
 /// The loads of the heaviest bodies at the greatest speeds may overflow, even if these bodies are stopped.
-fn forget_unsound(contact: &mut Contact) {
-    if !contact.has_sound_loads() {
+fn forget_unsound(contact: &mut ContactMut<'_>) {
+    if !contact.as_ref().has_sound_loads() {
         contact.forget_loads();
     }
 }

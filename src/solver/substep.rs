@@ -1,9 +1,8 @@
-//! The order of a substep: impacts, velocities, rows, displacements, relaxing.
+//! What happens in a substep before, between and after the passes over its rows.
 
 use super::integrate::{Integrator, WarmStart};
-use super::pass::{PassKind, Passes};
 use super::store::{add_impulses, disable};
-use super::{Witness, closing};
+use super::{PassKind, Passes, Witness, closing};
 use crate::body::{ColliderList, Mass, Pose, Traits};
 use crate::config::Settings;
 use crate::config::tuning::BOUNCE_TOGETHER;
@@ -28,8 +27,8 @@ pub(super) struct Context<'a> {
     /// Step and substep [s].
     pub(super) dt: f32,
     pub(super) h: f32,
-    pub(super) passes: Passes<'a>,
-    pub(super) integrator: Integrator<'a>,
+    pub(super) passes: &'a Passes<'a>,
+    pub(super) integrator: &'a Integrator<'a>,
     /// Number of velocities: those of movable bodies, and one for all static bodies if there are any.
     pub(super) velocities: usize,
     pub(super) bodies: BodyData<'a>,
@@ -79,12 +78,12 @@ impl Context<'_> {
 
 /// Whether the energy of joint nets is checked in a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum NetCheck {
+pub(super) enum NetCheck {
     Off,
     On,
 }
 
-/// The substeps of a step.
+/// The substeps of a step, apart from the passes over rows.
 pub(super) struct Substeps<'a> {
     pub(super) context: Context<'a>,
     pub(super) forces: &'a mut Forces,
@@ -95,29 +94,9 @@ pub(super) struct Substeps<'a> {
 }
 
 impl Substeps<'_> {
-    /// Returns whether all velocities are in range.
-    #[inline(always)]
-    pub(super) fn run(&mut self, substep: u32) -> bool {
-        self.solve_impacts(substep);
-        let mut check = self.integrate_velocities(substep);
-        self.solve_rows(substep);
-        check = self.hold_back_nets(check);
-        let in_range = self.context.integrator.displacements(&self.forces.acceleration);
-        self.advance_impacts_and_trees();
-        self.relax();
-        self.end_nets(check);
-        if let Some(witness) = self.witness.as_deref_mut() {
-            witness.substep(&self.context.passes.batches, &self.context.passes.joints.views);
-        }
-        if !self.impulses.is_empty() {
-            add_impulses(&self.context.passes.batches, self.impulses);
-        }
-        in_range
-    }
-
     /// Solves the impacts of the substep at their times, before the rows.
     #[inline(always)]
-    fn solve_impacts(&mut self, substep: u32) {
+    pub(super) fn solve_impacts(&mut self, substep: u32) {
         if self.restitution.is_empty() {
             return;
         }
@@ -125,7 +104,7 @@ impl Substeps<'_> {
         self.meet_impacts(substep);
         if self.restitution.standing().len() > standing {
             let Context { passes, .. } = &self.context;
-            disable(&passes.batches, passes.motion, &|body| self.restitution.stands(body));
+            disable(&passes.contacts, passes.motion, &|body| self.restitution.stands(body));
             // SAFETY: between stages this thread is alone.
             let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
             self.restitution.standing().iter().for_each(|&i| base[i as usize] = velocity[i as usize]);
@@ -170,7 +149,7 @@ impl Substeps<'_> {
     /// Adds gravity, forces and, from the second substep on, the warm start to velocities. If bodies are
     /// fast, begins to check nets.
     #[inline(always)]
-    fn integrate_velocities(&mut self, substep: u32) -> NetCheck {
+    pub(super) fn integrate_velocities(&mut self, substep: u32) -> NetCheck {
         let acceleration = &self.forces.acceleration;
         if let Some(witness) = self.witness.as_deref_mut() {
             witness.pull(acceleration, self.context.h);
@@ -184,26 +163,12 @@ impl Substeps<'_> {
         NetCheck::Off
     }
 
-    /// Applies the impulses of the last step, in the first substep, and iterates over the rows.
-    #[inline(always)]
-    fn solve_rows(&mut self, substep: u32) {
-        let Context { passes, settings, .. } = &self.context;
-        if substep == 0 {
-            passes.run(PassKind::WarmStart);
-        }
-        if passes.joints.exist() {
-            passes.predict();
-        }
-        for _ in 0..settings.iterations {
-            passes.run(PassKind::Solve);
-        }
-        self.outside_rows(|this| this.limit_crowd());
-    }
-
-    /// Limits the energy with which nets of joints move. Returns whether they are checked: bodies may have
+    /// Limits the speed of bodies that overlap several others, and the energy with which nets of joints
+    /// move. Returns whether they are checked: bodies may have
     /// become fast by others, or by a spring.
     #[inline(always)]
-    fn hold_back_nets(&mut self, mut check: NetCheck) -> NetCheck {
+    pub(super) fn hold_back(&mut self, mut check: NetCheck) -> NetCheck {
+        self.outside_rows(|this| this.limit_crowd());
         if self.context.passes.joints.exist() && self.context.integrator.any_fast() && check == NetCheck::Off
         {
             self.begin_nets();
@@ -219,10 +184,16 @@ impl Substeps<'_> {
         check
     }
 
+    /// Moves bodies on by the substep. Returns whether all velocities are in range.
+    #[inline(always)]
+    pub(super) fn integrate_displacements(&self) -> bool {
+        self.context.integrator.displacements(&self.forces.acceleration)
+    }
+
     /// Gives bodies the velocities after their last impacts; closes joints, and moves trees that conserve
     /// energy.
     #[inline(always)]
-    fn advance_impacts_and_trees(&mut self) {
+    pub(super) fn advance_impacts_and_trees(&mut self) {
         self.outside_rows(|this| {
             let Context { passes, settings, h, .. } = &this.context;
             if !this.restitution.is_empty() {
@@ -236,24 +207,21 @@ impl Substeps<'_> {
         });
     }
 
-    /// Removes from velocities what pushing overlap apart added to them. Contacts that pushed before they
-    /// touched get their friction now; if that shifts much load, the points share it in one more pass.
+    /// Gives contacts that pushed before they touched their friction, after rows have relaxed. Returns
+    /// whether that shifts much load.
     #[inline(always)]
-    fn relax(&mut self) {
-        let potential_points_push = self.context.passes.run(PassKind::Relax);
-        if potential_points_push && self.context.passes.has_friction {
-            let mut shifts_loads = false;
+    pub(super) fn solve_impact_friction(&mut self) -> bool {
+        let mut shifts_loads = false;
+        if self.context.passes.has_friction {
             self.outside_rows(|this| shifts_loads = this.context.passes.run(PassKind::ImpactFriction));
-            if shifts_loads {
-                self.context.passes.run(PassKind::Relax);
-            }
         }
+        shifts_loads
     }
 
-    /// Limits the energy of nets, and the speed of bodies that overlap several others, at the end of the
-    /// substep.
+    /// Ends the substep: limits the energy of nets, and the speed of bodies that overlap several others;
+    /// records impulses.
     #[inline(always)]
-    fn end_nets(&mut self, check: NetCheck) {
+    pub(super) fn end(&mut self, check: NetCheck) {
         self.outside_rows(|this| {
             match check {
                 NetCheck::On => this.nets.end(&this.context.net_input(&this.forces.acceleration)),
@@ -261,6 +229,12 @@ impl Substeps<'_> {
             }
             this.limit_crowd();
         });
+        if let Some(witness) = self.witness.as_deref_mut() {
+            witness.substep(&self.context.passes.contacts, &self.context.passes.joints.views);
+        }
+        if !self.impulses.is_empty() {
+            add_impulses(&self.context.passes.contacts, self.impulses);
+        }
     }
 
     /// Lets bodies that stood after an impact move on, at the end of the step.
@@ -278,7 +252,7 @@ impl Substeps<'_> {
         let fast = integrator.fast;
         self.nets.begin(
             &self.context.net_input(&self.forces.acceleration),
-            &passes.batches,
+            &passes.contacts,
             integrator.dynamic,
             &|velocity| fast.is_exceeded_by(velocity),
         );

@@ -33,11 +33,13 @@ pub(super) struct PointLoad {
 /// level axes are balanced: horizontal forces are left to friction.
 pub(super) fn distribute(
     points: &mut [PointLoad],
-    (force, moment): (Vec3, Vec3),
-    (up, axes): (Vec3, (Vec3, Vec3)),
+    force: Vec3,
+    moment: Vec3,
+    up: Vec3,
+    level_axes: [Vec3; 2],
 ) {
     let reach = points.iter().fold(f32::MIN_POSITIVE, |reach, p| reach.max(p.arm.length()));
-    let level = |v: Vec3| Vec3::new(0.0, v.dot(axes.0), v.dot(axes.1)) / reach;
+    let level = |v: Vec3| Vec3::new(0.0, v.dot(level_axes[0]), v.dot(level_axes[1])) / reach;
     for point in points.iter_mut() {
         point.row = level(point.arm.cross(point.normal)) + Vec3::X * point.normal.dot(up);
     }
@@ -77,7 +79,7 @@ mod tests {
             ..PointLoad::default()
         };
         let mut points: Vec<PointLoad> = at.iter().map(point).collect();
-        distribute(&mut points, (Vec3::Y * force, moment), (Vec3::Y, (Vec3::X, Vec3::Z)));
+        distribute(&mut points, Vec3::Y * force, moment, Vec3::Y, [Vec3::X, Vec3::Z]);
         points.iter().map(|p| p.force).collect()
     }
 

@@ -17,7 +17,7 @@ use crate::config::tuning::REST_STEPS_OF_FALL;
 use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Category, buffers, bytes_of};
-use crate::narrow_phase::{Contact, Contacts};
+use crate::narrow_phase::{ContactMut, ContactRef, Contacts};
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
 
@@ -126,14 +126,15 @@ impl Statics {
         &mut self,
         structure: &mut Structure<'_>,
         settings: &Settings,
-        (dt, h): (f32, f32),
+        dt: f32,
+        h: f32,
         allowances: &mut Allowances,
     ) {
         let gravity = settings.gravity.length();
         if gravity == 0.0 || !settings.warm_starting {
             return;
         }
-        let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.all.capacity());
+        let (dynamic, contacts) = (structure.bodies.dynamic(), structure.contacts.capacity().contacts);
         self.wait = self.wait.saturating_sub(1);
         // Reserved in every step: an estimate in a scene that settled long ago must not be the first to
         // allocate.
@@ -164,7 +165,7 @@ impl Structure<'_> {
     /// Passes the load of each supported body to the new contacts below it.
     fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, allowance: &mut Allowance) {
         let Statics { places, burdens, by_height, supports, points, .. } = statics;
-        let axes = rest.up.any_orthonormal_pair();
+        let axes = rest.up.any_orthonormal_pair().into();
         for &place in by_height.iter().rev() {
             let Burden { body, first, count, supported, force, moment } = burdens[place as usize];
             if !supported {
@@ -177,7 +178,7 @@ impl Structure<'_> {
                 if !is_supported(support.lower, places, burdens) {
                     continue;
                 }
-                let contact = &self.contacts.all[support.contact as usize];
+                let contact = self.contacts.at(support.contact);
                 let origin = (self.colliders.poses[contact.a as usize].position - centre).as_vec3();
                 for (i, point) in contact.points().iter().enumerate() {
                     let load = PointLoad {
@@ -193,14 +194,14 @@ impl Structure<'_> {
                     }
                 }
             }
-            distribute(points, (-force, -moment), (rest.up, axes));
+            distribute(points, -force, -moment, rest.up, axes);
             for point in points.iter() {
                 let Some(&lower) = places.get(point.lower as usize) else { continue };
                 let to = self.bodies.pose[point.lower as usize].position;
                 burdens[lower as usize].add(point.normal * -point.force, (centre - to).as_vec3() + point.arm);
             }
             for forces in points.chunk_by(|x, y| x.contact == y.contact) {
-                assume(&mut self.contacts.all[forces[0].contact as usize], forces, rest.h);
+                assume(&mut self.contacts.at_mut(forces[0].contact), forces, rest.h);
             }
         }
     }
@@ -216,7 +217,7 @@ impl Burden {
 
 impl Support {
     /// The direction in which it pushes the supported body.
-    fn upwards(&self, contact: &Contact) -> Vec3 {
+    fn upwards(&self, contact: ContactRef<'_>) -> Vec3 {
         contact.frame * contact.normal * if self.is_a { -1.0 } else { 1.0 }
     }
 }
@@ -236,20 +237,20 @@ fn point_velocity(bodies: &Bodies, body: usize, at: DVec3) -> Vec3 {
 
 /// Starts a contact with the estimated forces of its points. `h`: length of the substep in which its impulses
 /// act [s].
-fn assume(contact: &mut Contact, forces: &[PointLoad], h: f32) {
+fn assume(contact: &mut ContactMut<'_>, forces: &[PointLoad], h: f32) {
     let load: f32 = forces.iter().map(|p| p.force).sum();
     if load > 0.0 {
-        contact.points.iter_mut().for_each(|point| point.share = 0.0);
+        contact.points_mut().iter_mut().for_each(|point| point.share = 0.0);
         for &PointLoad { point, force, .. } in forces {
-            contact.points[point as usize].share = force / load;
+            contact.points_mut()[point as usize].share = force / load;
         }
     }
-    let borne = contact.bears() / h;
+    let borne = contact.as_ref().bears() / h;
     contact.expect(load, borne);
     if borne < load {
         let missing = (load - borne) / load;
         for &PointLoad { point, force, .. } in forces {
-            contact.points[point as usize].impulse += force * missing * h;
+            contact.points_mut()[point as usize].impulse += force * missing * h;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Burden, NOWHERE, Rest, Statics, Structure, Support, is_supported, point_velocity};
 use crate::config::tuning::STEEPEST_SUPPORT;
-use crate::narrow_phase::{Contact, NO_CONTACT};
+use crate::narrow_phase::NO_CONTACT;
 use glam::Vec3;
 
 impl Structure<'_> {
@@ -16,7 +16,7 @@ impl Structure<'_> {
             let mut slot = pair.contact;
             while slot != NO_CONTACT {
                 let index = slot;
-                let contact = &mut self.contacts.all[slot as usize];
+                let contact = self.contacts.at(slot);
                 slot = contact.next;
                 if !contact.touches_anew(rest.touching) {
                     continue;
@@ -51,7 +51,7 @@ impl Structure<'_> {
                     supports.push(Support { upper, lower, contact: index, number, is_a: upper == a });
                 } else {
                     // Nothing rests on it; its load, possibly of an impact, does not last.
-                    contact.expect(0.0, 0.0);
+                    self.contacts.at_mut(index).expect(0.0, 0.0);
                 }
             }
         }
@@ -98,7 +98,7 @@ impl Structure<'_> {
             }
             let mut slot = pair.contact;
             while slot != NO_CONTACT {
-                let contact: &Contact = &self.contacts.all[slot as usize];
+                let contact = self.contacts.at(slot);
                 slot = contact.next;
                 let normal = contact.frame * contact.normal;
                 let steep = normal.dot(rest.up);

@@ -71,7 +71,7 @@ impl World {
 
     /// Reserves the impulses of contacts, if a shape asks for events.
     pub(crate) fn reserve_impulses(&mut self) {
-        let wanted = if self.needs.events > 0 { self.contacts.all.len() } else { 0 };
+        let wanted = if self.needs.events > 0 { self.contacts.slots() } else { 0 };
         self.events.impulses.clear();
         if wanted > 0 {
             self.refresh_event_allowance();

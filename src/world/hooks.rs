@@ -3,9 +3,9 @@
 use super::World;
 use crate::constraint::Tweak;
 use crate::error::{Error, within};
-use crate::events::StartOfStep;
+use crate::events::{Approach, StartOfStep};
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::narrow_phase::{Contact, NO_CONTACT};
+use crate::narrow_phase::{ContactRef, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
 /// Callbacks on contacts, for [`World::step_with`](crate::World::step_with).
@@ -31,7 +31,7 @@ impl ContactHooks for NoHooks {
 #[derive(Debug)]
 pub struct ContactHook<'a> {
     world: &'a World,
-    contact: &'a Contact,
+    contact: ContactRef<'a>,
     tweak: Tweak,
     vetoed: bool,
 }
@@ -72,7 +72,7 @@ impl ContactHook<'_> {
 
     /// Approach speed of the two at the point where it is greatest [m/s]; negative if they separate.
     pub fn approach_speed(&self) -> f32 {
-        let speed = |p| self.start().impact(self.contact, p).2;
+        let speed = |p| self.start().approach(self.contact, p).speed;
         self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
     }
 
@@ -81,8 +81,8 @@ impl ContactHook<'_> {
     pub fn estimated_impulse(&self) -> f32 {
         let start = self.start();
         let one = |p| {
-            let (normal, at, speed) = start.impact(self.contact, p);
-            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, at, normal)).sum();
+            let Approach { normal, position, speed } = start.approach(self.contact, p);
+            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, position, normal)).sum();
             if mobility > 0.0 { speed.max(0.0) / mobility } else { 0.0 }
         };
         self.contact.points().iter().map(one).fold(0.0, f32::max)
@@ -158,7 +158,7 @@ impl World {
         let mut tweaks = std::mem::take(&mut self.events.tweaks);
         let mut vetoed = std::mem::take(&mut self.events.vetoed);
         tweaks.clear();
-        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.all.len());
+        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.slots());
         tweaks.resize(granted, Tweak::NONE);
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
@@ -172,7 +172,7 @@ impl World {
             }
             let (mut slot, mut passes) = (pair.contact, false);
             while slot != NO_CONTACT {
-                let contact = &self.contacts.all[slot as usize];
+                let contact = self.contacts.at(slot);
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
@@ -197,7 +197,7 @@ impl World {
             if listed {
                 let mut slot = pair.contact;
                 while slot != NO_CONTACT {
-                    let contact = &mut self.contacts.all[slot as usize];
+                    let mut contact = self.contacts.at_mut(slot);
                     (contact.count, contact.pushed) = (0, false);
                     slot = contact.next;
                 }

@@ -3,11 +3,12 @@
 use super::{Buffers, Change, World};
 use crate::body::BodyKind;
 use crate::broad_phase::Aabb;
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::error::Error;
 use crate::events::Events;
 use crate::handle::BodyHandle;
 use crate::memory::{Allowance, Category};
-use crate::sleep::{Islands, count_rest};
+use crate::sleep::{Islands, RestTime, Ties, count_rest};
 use crate::threads::Workers;
 
 impl World {
@@ -108,7 +109,7 @@ impl World {
         }
         let tired = count_rest(workers, &mut self.bodies, &self.colliders.summaries, &self.settings, dt);
         if self.sleep.is_due(tired) {
-            self.split_islands().0.find(false);
+            self.split_islands().0.find(RestTime::Measured);
             let (time, allowance) = (self.settings.sleep_time, self.room_to_sleep());
             let (mut islands, _, events) = self.split_islands();
             islands.send_tired(time, events, allowance);
@@ -116,7 +117,7 @@ impl World {
     }
 
     fn send_island_to_sleep(&mut self, index: u32) {
-        self.split_islands().0.find(true);
+        self.split_islands().0.find(RestTime::Endless);
         let allowance = self.room_to_sleep();
         let (mut islands, _, events) = self.split_islands();
         islands.send(index, events, allowance);
@@ -132,8 +133,14 @@ impl World {
 
     /// For each body, the number of a dynamic body's island, for display; `u32::MAX` for other bodies.
     pub(crate) fn islands(&self) -> Vec<u32> {
-        let World { bodies, colliders, broad, contacts, joints, sleep, settings, .. } = self;
-        sleep.numbers((bodies, &colliders.summaries), &broad.pairs, contacts, joints, settings.length_unit)
+        self.sleep.numbers(&Ties {
+            bodies: &self.bodies,
+            summaries: &self.colliders.summaries,
+            pairs: &self.broad.pairs,
+            contacts: &self.contacts,
+            joints: &self.joints,
+            touching: TOUCH_DISTANCE * self.settings.length_unit,
+        })
     }
 
     fn split_islands(&mut self) -> (Islands<'_>, &mut Buffers, &mut Events) {

@@ -145,7 +145,7 @@ fn a_sweep_that_was_stopped_goes_on() {
     // Complete: the same words, times included.
     assert_eq!(document(&arguments), again);
 
-    // Of other steps it is another sweep.
+    // With other steps it is another sweep.
     refused(&format!("{arguments} --seconds 0.3"), "cannot be used multiple times");
     refused(&format!("trade tower_2 --quick --seconds 0.3 --results {results}"), "it is of another sweep");
     std::fs::write(&results, "nonsense\n").expect("results");

@@ -78,7 +78,7 @@ fn pictures_have_their_size_show_something_and_are_the_same_each_time() {
     };
     let (once, again) = (run("once"), run("again"));
     let names: Vec<_> = once.iter().filter_map(|p| p.file_name()?.to_str()).collect();
-    // Of the start, and after three and six steps.
+    // At the start, and after three and six steps.
     assert_eq!(names, ["frame-00000.png", "frame-00001.png", "frame-00002.png"]);
     for (a, b) in once.iter().zip(&again) {
         assert_eq!(std::fs::read(a).expect("a picture"), std::fs::read(b).expect("a picture"));

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 pub(crate) mod data;
 pub(crate) mod piles;
+#[path = "../../src/random.rs"]
 pub(crate) mod random;
 pub(crate) mod snapshots;
 

@@ -132,7 +132,7 @@ impl Pile {
 pub(crate) struct Overlaps {
     world: World,
     snapshot: Snapshot,
-    /// Of all looks [m].
+    /// Sum over all looks [m].
     pub(crate) sum: f64,
 }
 

@@ -180,7 +180,7 @@ fn block_comment_end(chars: &[char], from: usize) -> usize {
     chars.len()
 }
 
-/// Of a string that begins with a quote.
+/// End of a string that begins with a quote.
 fn string_end(chars: &[char], from: usize) -> usize {
     let mut i = from + 1;
     while i < chars.len() && chars[i] != '"' {

@@ -307,8 +307,8 @@ fn sweep(seeds: std::ops::Range<u64>) -> usize {
     gained.count()
 }
 
-/// Of nets of any joints one in fifty still gains, by stiff springs and by axes that are locked one by one
-/// (docs/joints.md); before energy was looked at it was one in five. All stay finite.
+/// One in fifty nets of any joints still gains energy, by stiff springs and by axes that are locked one by
+/// one (docs/joints.md); before energy was looked at it was one in five. All stay finite.
 #[test]
 fn nets_of_all_kinds_stay_finite_and_few_gain() {
     let gained = sweep(0..60);

@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 /// Substeps and iterations: small steps, and sequential impulses.
 const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
-/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. Of other
-/// engines, measured with the same figures, 190 to 500 mm and 3 to 50 mm.
+/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. In
+/// other engines the same figures open by 190 to 500 mm and by 3 to 50 mm.
 const WIDEST: f64 = 0.050;
 const AT_REST: f64 = 0.003;
 
@@ -49,7 +49,7 @@ struct Fall {
     gaps: Vec<f64>,
     /// Widest gap of each figure after the step in which it first hits something [m].
     impacts: Vec<f64>,
-    /// Of centres, and of cores.
+    /// How far centres and cores went astray.
     centres: Vec<Astray>,
     cores: Vec<Astray>,
     /// How often the guard held a body.
@@ -192,7 +192,7 @@ const FIGURES: usize = 4;
 enum Walls {
     /// Triangles without thickness.
     Mesh,
-    /// Of a thickness [m].
+    /// Boxes of a thickness [m].
     Boxes(f32),
 }
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 const EXACT: [&str; 8] =
     ["lemke", "dantzig", "keller", "murty", "block-pivoting", "newton-min", "newton-fb", "path"];
 
-/// Of problems with one solution.
+/// Problems with one solution, and the solution.
 const KNOWN: [(&str, &[f64]); 6] = [
     ("lcp_CPS_2", &[0.0, 1.0, 3.0]),
     ("lcp_CPS_4", &[2.0, 2.0, 2.0, 92.0]),

@@ -59,7 +59,7 @@ fn exact_blocks_solve_a_stack_out_of_its_velocities() {
     reaches(&problem, "gs-cone", &[(10, 6e-4), (100, 1e-15)]);
 }
 
-/// Of the 608 that plain sweeps need for 1e-6 (docs/methods.md).
+/// Plain sweeps need 608 for 1e-6 (docs/methods.md).
 #[test]
 fn conjugate_gradients_need_a_quarter_of_the_sweeps() {
     let Some(tower) = contacts(KAPLAS) else { return };

@@ -410,7 +410,8 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
         refused("dt", w, |w| w.step(dt).map(drop));
         refused("dt", w, |w| w.move_kinematic(body, DVec3::ZERO, Quat::IDENTITY, dt));
     }
-    // Each is allowed, the sum is not. Of the impulse it is the arm: 1e9 N s at 1e8 m on a cube of a ton.
+    // Each is allowed, the sum is not. The impulse is too large by its arm: 1e9 N s at 1e8 m on a cube of a
+    // ton.
     refused("force", w, |w| w.add_force(body, Vec3::X * 1.1e18, Vec3::ZERO));
     w.add_force(body, Vec3::X * 0.9e18, Vec3::X * 0.9e18).unwrap();
     refused("sum of forces", w, |w| w.add_force(body, Vec3::X * 0.9e18, Vec3::ZERO));

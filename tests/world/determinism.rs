@@ -126,7 +126,7 @@ fn joints_after(steps: u32, threads: usize) -> u64 {
     let figure = Skeleton { friction: 1.0, ..Skeleton::humanoid() };
     for i in 0..20 {
         let at = DVec3::new(f64::from(i % 4) * 1.2 - 2.0, 3.0 + f64::from(i), f64::from(i % 5) - 2.0);
-        // Of no sine that a platform may have in its own way.
+        // Not by a sine, which platforms compute differently.
         let turn = unit([0.1 * i as f32, 0.7, 0.3, 1.0]);
         figure.add_to(&mut world, at, turn, Vec3::NEG_Y * 10.0).unwrap();
     }

@@ -192,7 +192,7 @@ fn every_crossing_of_a_sensor_is_reported_once() {
                     1 => Geometry::Cylinder { half_height: 0.005, radius_bottom: 90.0, radius_top: 90.0 },
                     _ => Geometry::cuboid(0.02, 50.0, 50.0),
                 };
-                // Of a cylinder the axis is y.
+                // The axis of a cylinder is y.
                 let turn = if i % 3 == 1 { Quat::from_rotation_z(-1.570_796_4) } else { Quat::IDENTITY };
                 let desc = BodyDesc::fixed().at(DVec3::X * x).rotated(turn);
                 let body = world.add_body(&desc.with_shape(ShapeDesc::new(geometry).sensing())).unwrap();
@@ -323,7 +323,7 @@ impl IntoBody for ShapeDesc {
 /// Lets through whoever is below, or comes from there.
 struct OneWay {
     platform: ShapeHandle,
-    /// Of who stands on it, over the platform's own [m].
+    /// Height of what stands on it above the platform itself [m].
     height: f64,
 }
 

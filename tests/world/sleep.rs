@@ -94,7 +94,7 @@ fn a_ball_wakes_the_stack_that_it_hits_and_no_other() {
     assert!(asleep(&world, &one));
 }
 
-/// Of a cube that sleeps as of one that does not: an impact is solved with both awake.
+/// An impact with a cube that sleeps is solved with both awake, as with one that does not sleep.
 #[test]
 fn an_impact_is_that_of_bodies_that_are_awake() {
     let hit = |sleeping: bool, speed: f32| {

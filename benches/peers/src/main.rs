@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// An engine with a scene in it.
 trait Engine {
     fn step(&mut self, dt: f32);
-    /// Of a body by its index in the scene.
+    /// State of a body, by its index in the scene.
     fn state(&self, body: usize) -> State;
 }
 

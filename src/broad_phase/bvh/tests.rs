@@ -74,7 +74,7 @@ fn an_ordered_walk_finds_the_same_as_a_list() {
     let mut random = Random(9);
     let boxes: Vec<Aabb> = (0..3000)
         .map(|_| {
-            let (at, half) = (random.cube(50.0), random.cube(1.0).abs());
+            let (at, half) = (random.cube() * 50.0, random.cube().abs());
             Aabb { min: at - half, max: at + half }
         })
         .collect();
@@ -82,7 +82,7 @@ fn an_ordered_walk_finds_the_same_as_a_list() {
     let mut tree = Tree::default();
     tree.add(&ids, |c| boxes[c as usize], |_, _| {});
     for _ in 0..300 {
-        let (from, path) = (random.cube(60.0).as_dvec3(), random.cube(100.0));
+        let (from, path) = ((random.cube() * 60.0).as_dvec3(), random.cube() * 100.0);
         let slabs = Slabs::<f32x4>::new(from, path, glam::Vec3::ZERO);
         let one = Slabs::<f32>::new(from, path, glam::Vec3::ZERO);
         let of = |c: u32| {

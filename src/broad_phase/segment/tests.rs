@@ -2,17 +2,8 @@ use super::*;
 use crate::config::Continuous;
 use crate::lanes::Mask;
 use crate::lanes::{f32x4, f32x8};
+use crate::random::Random;
 use glam::{DVec3, vec3};
-
-fn random(seed: &mut u64) -> f32 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 40) as f32 / (1u64 << 24) as f32
-}
-
-fn vector(seed: &mut u64, size: f32) -> glam::Vec3 {
-    let mut r = || (random(seed) * 2.0 - 1.0) * size;
-    vec3(r(), r(), r())
-}
 
 fn mover(min: glam::Vec3, max: glam::Vec3, motion: glam::Vec3, spin: f32) -> Mover {
     Mover { collider: 0, aabb: Aabb { min, max }, motion, spin, mode: Continuous::Segment }
@@ -20,19 +11,19 @@ fn mover(min: glam::Vec3, max: glam::Vec3, motion: glam::Vec3, spin: f32) -> Mov
 
 /// Paths of lengths 0 to 100 m near boxes of 0 to 5 m, all about `centre`; every eighth along an axis.
 fn cases(count: usize, centre: glam::Vec3) -> Vec<(Path, Aabb)> {
-    let mut seed = 11;
+    let mut random = Random(11);
     (0..count)
         .map(|i| {
-            let start = centre + vector(&mut seed, 5.0);
-            let half = vector(&mut seed, 0.5).abs();
-            let mut motion = vector(&mut seed, [0.0, 1.0, 10.0, 100.0][i % 4]);
+            let start = centre + random.cube() * 5.0;
+            let half = (random.cube() * 0.5).abs();
+            let mut motion = random.cube() * [0.0, 1.0, 10.0, 100.0][i % 4];
             if i % 8 == 1 {
                 motion.y = 0.0;
                 motion.z = 0.0;
             }
-            let path = Path::new(&mover(start - half, start + half, motion, random(&mut seed) * 0.1), 0.05);
-            let middle = start + motion * random(&mut seed) + vector(&mut seed, 4.0);
-            let half = vector(&mut seed, [0.0, 0.1, 5.0][i % 3]).abs();
+            let path = Path::new(&mover(start - half, start + half, motion, random.unit() * 0.1), 0.05);
+            let middle = start + motion * random.unit() + random.cube() * 4.0;
+            let half = (random.cube() * [0.0, 0.1, 5.0][i % 3]).abs();
             (path, Aabb { min: middle - half, max: middle + half })
         })
         .collect()

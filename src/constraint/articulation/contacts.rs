@@ -36,19 +36,30 @@ pub(crate) enum Request<'a> {
     Stop(&'a Closing),
 }
 
-impl Views<'_> {
-    /// Solves the contacts of one body in each of up to eight trees.
+/// Widths in which trees are solved: eight at a time, or one.
+pub(crate) trait TreeLanes: GatherLanes {
+    /// Solves the contacts of one body in each tree of a batch.
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
-    pub(crate) unsafe fn solve_tree_contacts(
-        &self,
+    unsafe fn solve_contacts(
+        views: &Views<'_>,
         contacts: &TreeContacts,
         request: Request<'_>,
-        body: &mut TreeBody<'_, f32x8>,
+        body: &mut TreeBody<'_, Self>,
+        motion: &Motion<'_, '_>,
+    );
+}
+
+impl TreeLanes for f32x8 {
+    unsafe fn solve_contacts(
+        views: &Views<'_>,
+        contacts: &TreeContacts,
+        request: Request<'_>,
+        body: &mut TreeBody<'_, Self>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, lanes) = (contacts.batch.index as usize, &self.one.lanes);
+        let (i, lanes) = (contacts.batch.index as usize, &views.one.lanes);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             let friction = if contacts.potential { None } else { lanes.friction.touching(contacts.batch) };
@@ -60,19 +71,17 @@ impl Views<'_> {
             }
         }
     }
+}
 
-    /// Solves the contacts of one body of one tree.
-    ///
-    /// # Safety
-    /// As for [`Views::solve_tree_contacts`].
-    pub(crate) unsafe fn solve_single_tree_contacts(
-        &self,
+impl TreeLanes for f32 {
+    unsafe fn solve_contacts(
+        views: &Views<'_>,
         contacts: &TreeContacts,
         request: Request<'_>,
-        body: &mut TreeBody<'_, f32>,
+        body: &mut TreeBody<'_, Self>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, single) = (contacts.batch.index as usize, &self.one.single);
+        let (i, single) = (contacts.batch.index as usize, &views.one.single);
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
             let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };

@@ -96,7 +96,7 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
     #[inline(always)]
     pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
         // A branch instead of masks for all: few scenes have a locked body.
-        if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
+        if self.locks == [0; 2] { [p; 2] } else { [unlocked(self.locks[0], p), unlocked(self.locks[1], p)] }
     }
 
     /// By how much an impulse at point `i` changes the normal velocity at point `k`, and vice versa [1/kg];

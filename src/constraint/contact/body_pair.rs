@@ -21,6 +21,22 @@ pub(crate) struct Written<'a> {
     pub(crate) lanes: u32,
 }
 
+impl Written<'_> {
+    /// # Safety
+    /// A body that may be written is in no other lane, and no other thread works on it in this stage.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "several arrays by lane")]
+    unsafe fn write<L: GatherLanes>(self, linear: Vec3<L>, angular: Vec3<L>, records: &Shared<'_, Record>) {
+        let out = scatter(linear, angular);
+        for lane in 0..L::N {
+            if self.lanes >> lane & 1 != 0 {
+                // SAFETY: by the contract.
+                unsafe { *records.get(self.index[lane] as usize) = out[lane] };
+            }
+        }
+    }
+}
+
 /// Velocities, or displacements, of the two bodies of each lane.
 pub(crate) struct BodyPair<L> {
     pub(crate) va: Vec3<L>,
@@ -90,18 +106,12 @@ impl<L: GatherLanes> BodyPair<L> {
         b: Option<Written<'_>>,
         records: &Shared<'_, Record>,
     ) {
-        let write = |linear, angular, Written { index, lanes }: Written<'_>| {
-            let out = scatter(linear, angular);
-            for lane in 0..L::N {
-                if lanes >> lane & 1 != 0 {
-                    // SAFETY: a lane that may be written has its body alone in this stage.
-                    unsafe { *records.get(index[lane] as usize) = out[lane] };
-                }
+        // SAFETY: by the contract.
+        unsafe {
+            a.write(self.va, self.wa, records);
+            if let Some(b) = b {
+                b.write(self.vb, self.wb, records);
             }
-        };
-        write(self.va, self.wa, a);
-        if let Some(b) = b {
-            write(self.vb, self.wb, b);
         }
     }
 

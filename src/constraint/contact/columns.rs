@@ -7,7 +7,7 @@ use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
-use crate::narrow_phase::{Contact, MAX_POINTS, Point};
+use crate::narrow_phase::{ContactRef, Point};
 use crate::shape::{Collider, EVENTS};
 
 /// A column of eight lanes for each number. Inert lanes are zero.
@@ -48,20 +48,22 @@ fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
     }
 }
 
+#[inline(always)]
 pub(super) fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
     Vec3::new(L::load(&columns[0]), L::load(&columns[1]), L::load(&columns[2]))
 }
 
+#[inline(always)]
 pub(super) fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
-    let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| L::load(&c[i]));
-    Sym3 { xx, yy, zz, xy, xz, yz }
+    let (xx, yy, zz) = (L::load(&c[0]), L::load(&c[1]), L::load(&c[2]));
+    Sym3 { xx, yy, zz, xy: L::load(&c[3]), xz: L::load(&c[4]), yz: L::load(&c[5]) }
 }
 
 /// A contact, or some of its points, to be entered into a lane.
 struct Entry<'a> {
     lane: usize,
     part: Part,
-    contact: &'a Contact,
+    contact: ContactRef<'a>,
     shape_a: &'a Collider,
     shape_b: &'a Collider,
     /// The bodies of the lane. `a` is one that can be pushed; `swap`: it is the contact's `b`.
@@ -117,7 +119,7 @@ impl<const P: usize> Columns<P> {
         let dynamic = input.bodies.dynamic() as u32;
         let mut first = 0;
         for (place, &part) in parts.iter().enumerate() {
-            let contact = &input.contacts[part.slot()];
+            let contact = input.contacts.at(part.slot() as u32);
             let (shape_a, shape_b) =
                 (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
             let swap = shape_a.body >= dynamic;
@@ -209,7 +211,8 @@ impl<const P: usize> Columns<P> {
         // If some points were left out, the others bear their loads.
         let (mut load, mut missing) = (1.0, 0.0);
         if part.is_cut() {
-            let kept = |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points[i])).sum::<f32>();
+            let kept =
+                |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points()[i])).sum::<f32>();
             let all: f32 = contact.points().iter().map(carried).sum();
             let (own, share) = (kept(&carried), kept(&|p| p.share));
             if own > 0.0 {
@@ -221,7 +224,7 @@ impl<const P: usize> Columns<P> {
         }
         let thinnest = shape_a.thickness().min(shape_b.thickness());
         [self.rest[lane], self.reach[lane]] = contact.spring(input.slop.min(THIN_SLOP * thinnest));
-        for (i, point) in ones(points).map(|i| &contact.points[i % MAX_POINTS]).enumerate().take(P) {
+        for (i, point) in ones(points).map(|i| &contact.points()[i]).enumerate().take(P) {
             put3(&mut self.position[i], lane, point.position);
             self.separation[i][lane] = point.separation;
             let borne = carried(point);
@@ -237,7 +240,7 @@ impl<const P: usize> Columns<P> {
         let &Entry { lane, part, contact, .. } = entry;
         let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
         let share =
-            part.only().map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
+            part.only().map_or(1.0, |p| if total > 0.0 { contact.points()[p].impulse / total } else { 0.0 });
         let carried = input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction);
         put3(&mut self.friction, lane, carried.truncate() * share);
         self.twist[lane] = carried.w;

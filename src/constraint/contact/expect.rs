@@ -2,19 +2,21 @@
 
 use super::batch::BatchRef;
 use super::rows::Rows;
+use crate::config::FrictionModel;
 use crate::constraint::schedule::arrange::PrepareScratch;
 use crate::narrow_phase::{RowCost, RowSpace};
 
 /// Bytes per lane of full batches, and the memory of the last step's batches, which is returned before the
-/// next are made. `lists`: bytes that other lists need for each contact, and have reserved. `per_point`: each
-/// point has rows of its own.
+/// next are made. `lists`: bytes that other lists need for each contact, and have reserved. `friction`:
+/// some material has any.
 pub(crate) fn lend(
     rows: &mut Rows,
     scratch: &PrepareScratch,
-    (friction, per_point): (bool, bool),
+    friction: bool,
+    model: FrictionModel,
     lists: (usize, usize),
 ) -> RowSpace {
-    let mut cost = RowCost { per_point, ..RowCost::default() };
+    let mut cost = RowCost { per_point: model == FrictionModel::Point, ..RowCost::default() };
     for (sizes, lanes) in Rows::SIZES.iter().zip(&mut cost.lanes) {
         for (potential, lanes) in lanes.iter_mut().enumerate() {
             let of_friction = if friction { sizes[5 + 2 * potential] } else { 0 };

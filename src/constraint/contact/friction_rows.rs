@@ -1,6 +1,6 @@
 //! Friction of a manifold that touches: two rows along the surface, and one against twist.
 
-use super::batch::{Batch, PointRow};
+use super::batch::Batch;
 use super::body_pair::BodyPair;
 use super::friction::FrictionRow;
 use super::row::{FrictionResponse, Pass, Response};
@@ -38,7 +38,7 @@ pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Res
     let some = |size: L| size.gt(L::zero());
     let slide = share(size, bound, slides, slide_mass, (u1 * p + u2 * q) / size);
     let turn = share(twist_size, twist_bound, spins, twist_mass, spin * f.twist / twist_size);
-    let new = [p, q].map(|x| L::select(some(size), x * slide, x));
+    let new = [L::select(some(size), p * slide, p), L::select(some(size), q * slide, q)];
     let twist = L::select(some(twist_size), f.twist * turn, f.twist);
     push(batch, f, FrictionImpulse { along: new, twist }, v, response);
 }
@@ -107,8 +107,11 @@ fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
     pass: &Pass<'_>,
 ) -> L {
     let real = L::splat(pass.touch_distance);
-    let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
-    batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient
+    let mut load = L::zero();
+    for point in &batch.points {
+        load += L::select(point.separation.le(real), point.impulse, L::zero());
+    }
+    load * f.coefficient
 }
 
 /// Which friction is at its bound.
@@ -131,10 +134,12 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
     let old = f.impulse;
     let mut slides = L::zero().gt(L::zero());
-    let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
+    // Here and below spelled out: a closure for `map`, or for both, is not always inlined.
+    let [m11, m12, m22] = tangential;
+    let mut new = [old[0] - (m11 * u1 + m12 * u2), old[1] - (m12 * u1 + m22 * u2)];
     if pass.friction_box {
         slides = new[0].abs().gt(limit) | new[1].abs().gt(limit);
-        new = new.map(|x| x.clamp(-limit, limit));
+        new = [new[0].clamp(-limit, limit), new[1].clamp(-limit, limit)];
     } else {
         // A sticking lane takes the impulse that stops it. A sliding one has friction against its motion: the
         // sticking impulse, cut to the cone, would point elsewhere unless the mass is the same in all
@@ -145,7 +150,7 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
             let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
             let scale = L::select(length.gt(limit), limit / length, L::one());
             slides = length.gt(limit);
-            new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
+            new = [L::select(sticks, new[0], slid[0] * scale), L::select(sticks, new[1], slid[1] * scale)];
         }
     }
     let bound = limit * f.radius;

@@ -75,8 +75,11 @@ pub(crate) fn potential_load<L: Lanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
     real: f32,
 ) -> (L, Vec3<L>) {
-    batch.points.iter().fold((L::zero(), Vec3::zero()), |(sum, arm), point| {
+    let (mut sum, mut arm) = (L::zero(), Vec3::zero());
+    for point in &batch.points {
         let load = L::select(point.separation.le(L::splat(real)), L::zero(), point.impulse);
-        (sum + load, arm + point.arm_a * load)
-    })
+        sum += load;
+        arm += point.arm_a * load;
+    }
+    (sum, arm)
 }

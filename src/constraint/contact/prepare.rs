@@ -15,7 +15,7 @@ use crate::constraint::schedule::part::Part;
 use crate::constraint::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
-use crate::narrow_phase::{Contact, Scale};
+use crate::narrow_phase::{Contacts, Scale};
 use crate::shape::{Collider, ColliderSummary};
 use crate::threads::{Shared, Workers, per_block};
 
@@ -25,7 +25,7 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
-    pub(crate) contacts: &'a [Contact],
+    pub(crate) contacts: &'a Contacts,
     pub(crate) pairs: &'a [Pair],
     /// Predicted displacement of each body that can move.
     pub(crate) motion: &'a [Record],
@@ -122,7 +122,7 @@ fn fill_all(
     });
 }
 
-/// Bodies and points of a batch in lanes, while its rows are made of them.
+/// Bodies of a batch in lanes, while its rows are made of them.
 struct Geometry<'a, L, const P: usize> {
     columns: &'a Columns<P>,
     /// Rotation from the contacts' frames to the world, and a sign that is negative in lanes with swapped
@@ -132,6 +132,10 @@ struct Geometry<'a, L, const P: usize> {
     normal: Vec3<L>,
     inverse_mass: [L; 2],
     inverse_inertia: [Sym3<L>; 2],
+}
+
+/// Points of a batch in lanes, while its rows are made of them.
+struct Points<L, const P: usize> {
     /// From the bodies to each point.
     arms_a: [Vec3<L>; P],
     arms_b: [Vec3<L>; P],
@@ -167,8 +171,9 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
-    let [x, y, z, w] = [0, 1, 2, 3].map(|i| L::load(&columns.rotation[i]));
-    let turn = crate::lanes::Quat { v: Vec3::new(x, y, z), w }.to_matrix();
+    let [x, y, z, w] = &columns.rotation;
+    let v = Vec3::new(L::load(x), L::load(y), L::load(z));
+    let turn = crate::lanes::Quat { v, w: L::load(w) }.to_matrix();
     let sign = L::load(&columns.sign);
     let n = turn.mul(vec3(&columns.normal)) * sign;
     let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
@@ -184,27 +189,24 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     } else {
         (L::zero(), Sym3::default())
     };
-    let mut geometry = Geometry {
+    let geometry = Geometry {
         columns: &columns,
         turn,
         sign,
         normal: n,
         inverse_mass: [ma, mb],
         inverse_inertia: [ia, ib],
-        arms_a: [Vec3::zero(); P],
-        arms_b: [Vec3::zero(); P],
-        present: [L::zero(); P],
     };
-    fill_points(batch, &mut geometry);
+    let points = fill_points(batch, &geometry);
     let count = match friction {
         FrictionToFill::None => return,
-        _ => geometry.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
+        _ => points.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
     };
     let share = L::one() / count;
     let mean = |of: &[Vec3<L>; P]| {
-        of.iter().zip(&geometry.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
+        of.iter().zip(&points.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
     };
-    let (fa, fb) = (mean(&geometry.arms_a), mean(&geometry.arms_b));
+    let (fa, fb) = (mean(&points.arms_a), mean(&points.arms_b));
     match friction {
         FrictionToFill::None => {}
         FrictionToFill::Impact(f) => {
@@ -213,7 +215,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         }
         FrictionToFill::Touching(f) => {
             (f.arm_a, f.arm_b) = (fa, [fb; B]);
-            let arms = geometry.arms_a.iter().zip(&geometry.present);
+            let arms = points.arms_a.iter().zip(&points.present);
             f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
             fill_friction(f, &geometry, fb);
             choose_coefficient(batch, f, &geometry, fb, surface, input);
@@ -221,41 +223,44 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     }
 }
 
-/// Fills the normal rows, and the couplings of their points.
+/// Fills the normal rows, and the couplings of their points. Returns the points.
 #[inline(always)]
 fn fill_points<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,
-    geometry: &mut Geometry<'_, L, P>,
-) {
+    geometry: &Geometry<'_, L, P>,
+) -> Points<L, P> {
     let (columns, turn, n) = (geometry.columns, geometry.turn, geometry.normal);
     let ([ma, mb], [ia, ib]) = (geometry.inverse_mass, geometry.inverse_inertia);
     let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     let along = geometry.linear(n, n, ma + mb);
     let (mut turned_a, mut turned_b) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
-    let mut arms_b = [Vec3::<L>::zero(); P];
+    let mut normal_arms_b = [Vec3::<L>::zero(); P];
+    let zero = [Vec3::zero(); P];
+    let mut points = Points { arms_a: zero, arms_b: zero, present: [L::zero(); P] };
     for i in 0..P {
-        geometry.present[i] = L::load(&columns.present[i]);
+        points.present[i] = L::load(&columns.present[i]);
         let ra = turn.mul(vec3(&columns.position[i])) + origin;
         let rb = ra + to_b;
-        (geometry.arms_a[i], geometry.arms_b[i]) = (ra, rb);
+        (points.arms_a[i], points.arms_b[i]) = (ra, rb);
         let (arm_a, arm_b) = (ra.cross(n), rb.cross(n));
         (turned_a[i], turned_b[i]) = (ia.mul(arm_a), ib.mul(arm_b));
         let k = along + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
-        let possible = geometry.present[i].gt(L::zero()) & k.gt((ma + mb) * L::splat(GONE));
+        let possible = points.present[i].gt(L::zero()) & k.gt((ma + mb) * L::splat(GONE));
         let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, [arm_b; B]);
-        arms_b[i] = arm_b;
+        normal_arms_b[i] = arm_b;
         (point.separation, point.now) = (s, s);
         point.mass = L::select(possible, L::one() / k, L::zero());
         point.stiffness = k;
         point.lasting = L::load(&columns.lasting[i]);
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
-        for (k, other_b) in arms_b.iter().enumerate().take(i) {
+        for (k, other_b) in normal_arms_b.iter().enumerate().take(i) {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + other_b.dot(turned_b[i]);
             batch.couple(k, i, along + both);
         }
     }
+    points
 }
 
 /// Fills the rows along the surface and against twist; the arms are set already. `fb`: the arm of body `b`,
@@ -290,7 +295,8 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
     f.twist_by = [n.dot(ia1) + n.dot(ib1), n.dot(ia2) + n.dot(ib2)];
     let old = geometry.turn.mul(vec3(&columns.friction)) * geometry.sign;
-    f.impulse = [old.dot(t1), old.dot(t2)].map(|x| L::select(possible, x, L::zero()));
+    let kept = |x: L| L::select(possible, x, L::zero());
+    f.impulse = [kept(old.dot(t1)), kept(old.dot(t2))];
     f.twist = L::load(&columns.twist);
 }
 

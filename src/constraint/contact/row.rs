@@ -235,8 +235,8 @@ pub(crate) fn sweep<
         return false;
     }
     rows.solve(batch, response);
-    let (sum, ta, tb) = rows.store::<B, FRICTION>(batch);
-    response.apply(batch, v, batch.normal * sum, ta, tb);
+    let ImpulseChange { sum, moment_a, moment_b } = rows.store::<B, FRICTION>(batch);
+    response.apply(batch, v, batch.normal * sum, moment_a, moment_b);
     if FRICTION
         && pass.relax
         && let Some((f, which)) = slid
@@ -244,6 +244,14 @@ pub(crate) fn sweep<
         follow_load(batch, f, which, v, pass, response);
     }
     true
+}
+
+/// By how much a pass changed the impulses along the normal: all of them [N s], and their moments about each
+/// body's centre of mass.
+struct ImpulseChange<L> {
+    sum: L,
+    moment_a: Vec3<L>,
+    moment_b: Vec3<L>,
 }
 
 /// The normal rows of a batch while they are solved.
@@ -346,10 +354,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     /// both bodies.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
-    fn store<const B: usize, const FRICTION: bool>(
-        &self,
-        batch: &mut Batch<L, P, B>,
-    ) -> (L, Vec3<L>, Vec3<L>) {
+    fn store<const B: usize, const FRICTION: bool>(&self, batch: &mut Batch<L, P, B>) -> ImpulseChange<L> {
         let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
         for i in 0..P {
             let change = self.impulse[i] - batch.points[i].impulse;
@@ -363,7 +368,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
                 tb += batch.points[i].arm_b[0] * change;
             }
         }
-        (sum, ta, tb)
+        ImpulseChange { sum, moment_a: ta, moment_b: tb }
     }
 
     /// The one impulse that, applied at every point that bears load or closes, leaves them no velocity error

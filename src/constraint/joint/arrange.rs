@@ -153,8 +153,8 @@ impl JointRows {
         let body =
             |joint: u32, side: usize| bodies.slots.dense(joints.all[joint as usize].bodies[side]) as usize;
         let solved_after = |joint: u32| {
-            let of_body = |side: usize| bodies.traits[body(joint, side)].raised;
-            order.higher(joints.all[joint as usize].raised, order.higher(of_body(0), of_body(1)))
+            let of_body = |side: usize| bodies.traits[body(joint, side)].solved_after;
+            order.higher(joints.all[joint as usize].solved_after, order.higher(of_body(0), of_body(1)))
         };
         let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
         let place = |joint: u32, group: RowGroup| order.place(group, solved_after(joint));
@@ -271,7 +271,7 @@ impl JointRows {
         let (slots, dynamic) = (&mut self.tree_slots, input.bodies.dynamic());
         let mut put = |loops: bool, place: Place, slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
-            let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].raised);
+            let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].solved_after);
             let first = of_body(RowGroup::StaticContacts).min(of_body(RowGroup::PotentialStaticContacts));
             if first > place && !loops {
                 if slots.is_empty() {

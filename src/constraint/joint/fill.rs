@@ -12,7 +12,7 @@ use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
+use crate::joint::{Axes, Axis, Coefficients, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
 
@@ -63,13 +63,7 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
 pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = PointBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-        put(&mut batch.arm[0], lane, at.arm[0]);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        put(&mut batch.apart, lane, at.apart);
+        place_point(batch, lane, owner, input);
     }
     close(&mut batch.ends);
     (batch.arm_now, batch.apart_now) = (batch.arm, batch.apart);
@@ -77,27 +71,38 @@ pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u3
     batch.mass = inverse(&mobility(&batch.ends, &batch.arm));
 }
 
+pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+    *batch = LineBatch::default();
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let LockKind::Line(axis) = input.joints.locks[owner as usize].kind else { continue };
+        let at = place_point(&mut batch.point, lane, owner, input);
+        put(&mut batch.axis, lane, at.axis(0, axis));
+    }
+    close(&mut batch.point.ends);
+    batch.begin();
+}
+
+/// Puts the points of a lock, and the impulse of the last step on them, into a lane.
+fn place_point<L: GatherLanes>(
+    batch: &mut PointBatch<L>,
+    lane: usize,
+    owner: u32,
+    input: &JointInput<'_>,
+) -> Placed {
+    let lock = &input.joints.locks[owner as usize];
+    let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+    put(&mut batch.impulse, lane, lock.impulse * input.warm);
+    put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+    put(&mut batch.arm[0], lane, at.arm[0]);
+    put(&mut batch.arm[1], lane, at.arm[1]);
+    put(&mut batch.apart, lane, at.apart);
+    at
+}
+
 pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
     let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
     let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
     Sym3 { xx, yy, zz, xy, xz, yz }
-}
-
-pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = LineBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let LockKind::Line(axis) = lock.kind else { continue };
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-        put(&mut batch.axis, lane, at.axis(0, axis));
-        put(&mut batch.arm[0], lane, at.arm[0]);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        put(&mut batch.apart, lane, at.apart);
-    }
-    close(&mut batch.ends);
-    batch.begin();
 }
 
 fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
@@ -197,11 +202,8 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         };
         let drive = matches!(row.kind, RowKind::Drive { .. });
         if let Some(spring) = spring {
-            let (mut k, mut c, per_mass) = spring.coefficients();
-            if per_mass {
-                (k, c) = (k / mobility, c / mobility);
-            }
-            let Some([pull, give, speed]) = implicit((k, c), target, h) else { continue };
+            let spring = spring.coefficients().with_mobility(mobility);
+            let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
             batch.pull.set_lane(lane, pull);
             batch.give.set_lane(lane, give);
             batch.speed.set_lane(lane, speed);
@@ -362,7 +364,8 @@ pub(crate) fn fill_tree<L: GatherLanes>(
 
 /// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
 /// impulse, and the requested speed beside that; none if there is neither.
-fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
+fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
+    let (k, c) = (spring.stiffness, spring.damping);
     let d = h * k + c;
     if d == f32::INFINITY {
         return Some([0.0, 0.0, target]);
@@ -383,9 +386,8 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
         let off = at.twist(axis) - position;
         // Whole turns don't matter.
         let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
-        let (k, c, _) = spring.coefficients();
         // Without spring and damper it does nothing.
-        let some = implicit((k, c), velocity, input.h);
+        let some = implicit(&spring.coefficients(), velocity, input.h);
         let [pull, give, speed] = some.unwrap_or_default();
         let max_force = if some.is_some() { max_force } else { 0.0 };
         motor.off.set_lane(lane, off * sign);

@@ -81,6 +81,20 @@ pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sy
     sum
 }
 
+impl<L: GatherLanes> PointBatch<L> {
+    /// Applies the impulse against a velocity of the second point relative to the first.
+    #[inline(always)]
+    pub(super) fn stop(&mut self, v: &mut BodyPair<L>, slip: Vec3<L>) {
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(slip);
+        let (ta, tb) = (ra.cross(p), rb.cross(p));
+        self.impulse += p;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(v, p, ta, tb);
+    }
+}
+
 impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     const IS_LOCK: bool = true;
     const SLIDES: bool = false;
@@ -120,12 +134,7 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
             self.moment = moment;
         }
         let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
-        let p = -self.mass.mul(slip);
-        let (ta, tb) = (ra.cross(p), rb.cross(p));
-        self.impulse += p;
-        self.moment[0] += ta;
-        self.moment[1] += tb;
-        self.ends.apply(v, p, ta, tb);
+        self.stop(v, slip);
     }
 
     #[inline(always)]

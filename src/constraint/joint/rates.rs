@@ -149,27 +149,25 @@ impl<L: GatherLanes> Watched for PointBatch<L> {
 
 impl<L: GatherLanes> Watched for LineBatch<L> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
-        self.ends.each(&mut |_, link| f(link));
+        self.point.links(f);
     }
     fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
         let left = |lane: usize, v| {
-            let (slip, of) = slip(v, self.arm_now.map(|arm| arm.lane(lane)));
+            let (slip, of) = slip(v, self.point.arm_now.map(|arm| arm.lane(lane)));
             let axis = self.axis_now.lane(lane).normalize_or_zero();
             (slip - axis * axis.dot(slip), of)
         };
-        self.ends.unsolved(motion, &left, f);
+        self.point.ends.unsolved(motion, &left, f);
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
-        let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.lasting]);
-        clear(lanes, self.moment.each_mut());
+        self.point.forget(of);
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
-            let arms = turn_of_arms(v, self.arm_now.map(|arm| arm.lane(lane)));
+            let arms = turn_of_arms(v, self.point.arm_now.map(|arm| arm.lane(lane)));
             arms.max(v[0].angular.cross(self.axis_now.lane(lane)).length())
         };
-        self.ends.too_fast(motion, h, &turn, f);
+        self.point.ends.too_fast(motion, h, &turn, f);
     }
 }
 

@@ -4,8 +4,8 @@ use super::arrange::{JointRows, JointStage};
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
 use crate::constraint::articulation::close::Closing;
-use crate::constraint::articulation::contacts::{Request, TreeBody};
-use crate::constraint::articulation::slots::{TreeContacts, TreeRef};
+use crate::constraint::articulation::contacts::{Request, TreeLanes};
+use crate::constraint::articulation::slots::TreeRef;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::{Motion, Pass};
 use crate::constraint::contact::rows::Views;
@@ -23,6 +23,19 @@ pub(crate) struct JointViews<'a> {
 pub(crate) struct TouchInput<'a> {
     pub(crate) contacts: &'a Views<'a>,
     pub(crate) pass: &'a Pass<'a>,
+}
+
+/// Calls a method of a batch of eight trees, or of a single one.
+macro_rules! on_trees {
+    ($views:ident, $single:expr, $i:expr, $trees:ident => $call:expr) => {
+        if $single {
+            let $trees = $views.single_trees.get($i);
+            $call
+        } else {
+            let $trees = $views.trees.get($i);
+            $call
+        }
+    };
 }
 
 impl JointRows {
@@ -53,22 +66,12 @@ impl JointRows {
             if stage.kind != JointType::Tree {
                 return views.tables.step(stage, i, motion, pass);
             }
-            match (stage.single, pass) {
-                (false, None) => views.trees.get(i).warm_start(motion),
-                (false, Some(pass)) => {
-                    let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32x8>| {
-                        contacts.solve_tree_contacts(batch, Request::Solve(contact_pass), body, motion)
-                    };
-                    views.trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
-                }
-                (true, None) => views.single_trees.get(i).warm_start(motion),
-                (true, Some(pass)) => {
-                    let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32>| {
-                        contacts.solve_single_tree_contacts(batch, Request::Solve(contact_pass), body, motion)
-                    };
-                    views.single_trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
-                }
-            }
+            on_trees!(views, stage.single, i, trees => match pass {
+                None => trees.warm_start(motion),
+                Some(pass) => trees.solve(motion, pass, contacts.tree_contacts, |batch, body| {
+                    TreeLanes::solve_contacts(contacts, batch, Request::Solve(contact_pass), body, motion)
+                }),
+            });
         }
     }
 
@@ -98,13 +101,7 @@ impl JointRows {
         pass: &JointPass,
     ) {
         // SAFETY: by the contract.
-        unsafe {
-            if tree.is_single() {
-                views.single_trees.get(tree.index()).predict(motion, pass);
-            } else {
-                views.trees.get(tree.index()).predict(motion, pass);
-            }
-        }
+        unsafe { on_trees!(views, tree.is_single(), tree.index(), trees => trees.predict(motion, pass)) }
     }
 
     /// Moves the bodies of trees that conserve energy on by a substep, and closes open joints of all trees.
@@ -120,25 +117,11 @@ impl JointRows {
     ) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
-            if tree.is_single() {
-                views.single_trees.get(tree.index()).go(
-                    motion,
-                    closing,
-                    contacts.tree_contacts,
-                    |batch, request, body| {
-                        contacts.solve_single_tree_contacts(batch, request, body, motion);
-                    },
-                );
-            } else {
-                views.trees.get(tree.index()).go(
-                    motion,
-                    closing,
-                    contacts.tree_contacts,
-                    |batch, request, body| {
-                        contacts.solve_tree_contacts(batch, request, body, motion);
-                    },
-                );
-            }
+            on_trees!(views, tree.is_single(), tree.index(), trees => {
+                trees.go(motion, closing, contacts.tree_contacts, |batch, request, body| {
+                    TreeLanes::solve_contacts(contacts, batch, request, body, motion)
+                })
+            });
         }
     }
 
@@ -155,25 +138,11 @@ impl JointRows {
     ) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
-            if tree.is_single() {
-                views.single_trees.get(tree.index()).close(
-                    motion,
-                    closing,
-                    contacts.tree_contacts,
-                    |batch, request, body| {
-                        contacts.solve_single_tree_contacts(batch, request, body, motion);
-                    },
-                );
-            } else {
-                views.trees.get(tree.index()).close(
-                    motion,
-                    closing,
-                    contacts.tree_contacts,
-                    |batch, request, body| {
-                        contacts.solve_tree_contacts(batch, request, body, motion);
-                    },
-                );
-            }
+            on_trees!(views, tree.is_single(), tree.index(), trees => {
+                trees.close(motion, closing, contacts.tree_contacts, |batch, request, body| {
+                    TreeLanes::solve_contacts(contacts, batch, request, body, motion)
+                })
+            });
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::constraint::{Tweak, tweak_of};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::Allowance;
-use crate::narrow_phase::Contact;
+use crate::narrow_phase::{Contacts, NO_CONTACT};
 use crate::shape::Collider;
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ pub(crate) struct FindInput<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) poses: &'a [Pose],
     pub(crate) pairs: &'a [Pair],
-    pub(crate) contacts: &'a [Contact],
+    pub(crate) contacts: &'a Contacts,
     pub(crate) joints: &'a Joints,
     /// Predicted motion of each body that can move.
     pub(crate) motion: &'a [Record],
@@ -140,7 +140,7 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut 
 /// Calls `f` with the points of a pair that have restitution, until it returns false.
 fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
     let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
-    if pair.contact == crate::narrow_phase::NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
+    if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
     let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);
@@ -150,7 +150,8 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     }
     let friction = x.friction_with(y);
     let mut slot = pair.contact;
-    while let Some(contact) = input.contacts.get(slot as usize) {
+    while slot != NO_CONTACT {
+        let contact = input.contacts.at(slot);
         let tweak = tweak_of(input.tweaks, slot as usize);
         let (restitution, friction) = (tweak.restitution_or(restitution), tweak.friction_or(friction).1);
         let shape = &input.poses[contact.a as usize];

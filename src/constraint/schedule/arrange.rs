@@ -14,7 +14,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{Contact, NO_CONTACT, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Weight};
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -121,7 +121,7 @@ pub(crate) fn arrange(
         return prepared;
     }
     // Maximum number of stages.
-    scratch.keys.reset(input.order, input.bodies.raises());
+    scratch.keys.reset(input.order, input.bodies.solved_after_groups());
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
     let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
@@ -162,12 +162,12 @@ fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
     parts
 }
 
-pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
+pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, ContactRef<'a>)) {
     let dynamic = input.bodies.dynamic();
     for pair in input.pairs {
         let mut slot = if pair.is_idle(input.summaries, dynamic) { NO_CONTACT } else { pair.contact };
         while slot != NO_CONTACT {
-            let contact = &input.contacts[slot as usize];
+            let contact = input.contacts.at(slot);
             if contact.count > 0 {
                 f(slot, contact);
             }
@@ -176,7 +176,7 @@ pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, 
     }
 }
 
-pub(super) fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
+pub(super) fn group_of(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> Group {
     let movers = input.bodies.movers();
     let still = |c: u32| input.summaries[c as usize].body as usize >= movers;
     let potential = contact.points().iter().all(|p| p.separation > input.real);
@@ -247,7 +247,11 @@ impl PrepareScratch {
     fn note_ahead(&mut self, input: &PrepareInput<'_>, ahead: &[[usize; 4]; 2]) {
         let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
         let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
-        self.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
+        let contacts = ahead
+            .iter()
+            .enumerate()
+            .map(|(i, n)| n * ContactCount { contacts: 1, points: i % MAX_POINTS + 1 }.bytes());
+        self.ahead = (contacts.sum(), rows);
         // The maximum of both together, which the limit of continuous collision bounds.
         let (now, most) = (self.ahead, &mut self.most_ahead);
         if now.0 + now.1 > most.0 + most.1 {
@@ -269,7 +273,7 @@ fn sort(
     crowd.clear();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
-    keys.reset(input.order, input.bodies.raises());
+    keys.reset(input.order, input.bodies.solved_after_groups());
     let (movers, any_solved_after) = (input.bodies.movers(), keys.any_solved_after());
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
@@ -296,7 +300,7 @@ fn sort(
             ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
         }
         let solved_after = if any_solved_after {
-            let own = |body: usize| input.bodies.traits[body].raised;
+            let own = |body: usize| input.bodies.traits[body].solved_after;
             input.order.higher(own(a), own(b))
         } else {
             None
@@ -342,7 +346,7 @@ pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
 
 /// The tree slot of the body of a contact with static geometry.
 fn tree_slot_of(input: &PrepareInput<'_>, part: Part) -> Option<TreeSlot> {
-    let contact = &input.contacts[part.slot()];
+    let contact = input.contacts.at(part.slot() as u32);
     let body = |c: u32| input.summaries[c as usize].body as usize;
     input.tree_slots.of(body(contact.a).min(body(contact.b)))
 }
@@ -400,7 +404,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         for batch_of in in_tree.chunk_by(|a, b| place(a) == place(b)) {
             let most = batch_of
                 .iter()
-                .map(|part| part.points(&input.contacts[part.slot()]).count_ones())
+                .map(|part| part.points(input.contacts.at(part.slot() as u32)).count_ones())
                 .max()
                 .unwrap_or(1);
             let Some((tree, node)) = place(&batch_of[0]) else { continue };

@@ -4,7 +4,7 @@
 use super::arrange::{ahead_lanes, each_contact, group_of};
 use super::order::Group;
 use crate::constraint::contact::prepare::PrepareInput;
-use crate::narrow_phase::{Contact, Threshold, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, Threshold, Weight};
 
 /// The savings where memory does not suffice for all, beginning with what is missed least. All savings of one
 /// kind come before any of the next.
@@ -59,7 +59,7 @@ impl Thrift {
 
     /// The points of a contact that keep their rows, a bit each. To be called for all contacts, always in the
     /// same order.
-    pub(super) fn points(&mut self, contact: &Contact, weight: Weight) -> u32 {
+    pub(super) fn points(&mut self, contact: ContactRef<'_>, weight: Weight) -> u32 {
         let all = (1 << contact.count) - 1;
         if !weight.is_needed() {
             return if self.idle.keeps(weight) { all } else { 0 };
@@ -93,7 +93,10 @@ impl Ahead {
         }
         let whole = Ahead {
             left: [input.ahead, 0],
-            cost: ahead_lanes(input).map(|side| side.map(|lane| lane.div_ceil(8) + size_of::<Contact>())),
+            cost: ahead_lanes(input).map(|side| {
+                let contact = |points: usize| ContactCount { contacts: 1, points }.bytes();
+                std::array::from_fn(|i| side[i].div_ceil(8) + contact(i + 1))
+            }),
         };
         let mut of_static = 0;
         each_contact(input, |_, contact| {
@@ -106,12 +109,12 @@ impl Ahead {
         Ahead { left: [input.ahead - of_static, of_static], ..whole }
     }
 
-    fn cost(&self, contact: &Contact, group: Group) -> usize {
+    fn cost(&self, contact: ContactRef<'_>, group: Group) -> usize {
         self.cost[usize::from(group.is_static())][contact.count as usize - 1]
     }
 
     /// Whether enough is left for a contact of a group; subtracts it if so.
-    pub(super) fn admits(&mut self, contact: &Contact, group: Group) -> bool {
+    pub(super) fn admits(&mut self, contact: ContactRef<'_>, group: Group) -> bool {
         let cost = self.cost(contact, group);
         let left = &mut self.left[usize::from(group.is_static())];
         let rest = left.checked_sub(cost);
@@ -121,6 +124,6 @@ impl Ahead {
 }
 
 /// Whether only continuous collision looks for its points.
-pub(super) fn is_ahead(input: &PrepareInput<'_>, contact: &Contact) -> bool {
+pub(super) fn is_ahead(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
     contact.points().iter().all(|p| p.separation > input.near)
 }

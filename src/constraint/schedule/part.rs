@@ -1,6 +1,6 @@
 //! The unit of scheduling: a contact, or some of its points, in a lane of a batch.
 
-use crate::narrow_phase::Contact;
+use crate::narrow_phase::ContactRef;
 
 /// A contact, or some of its points, in a lane of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Part {
         self.0 & Self::APART == 0 && self.0 >> Self::POINTS != 0
     }
     /// Its points, a bit each.
-    pub(crate) fn points(self, contact: &Contact) -> u32 {
+    pub(crate) fn points(self, contact: ContactRef<'_>) -> u32 {
         let own = self.0 >> Self::POINTS;
         if own == 0 { (1 << contact.count) - 1 } else { own }
     }

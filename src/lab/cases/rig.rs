@@ -91,8 +91,8 @@ impl Rig {
     }
 }
 
-/// A surface with Coulomb's coefficient of friction and Newton's restitution. Of two surfaces the one with
-/// less friction counts.
+/// A surface with Coulomb's coefficient of friction and Newton's restitution. Where two surfaces
+/// meet, the one with less friction counts.
 pub(super) fn surface(friction: f64, restitution: f64) -> Material {
     let material = Material::default().with_friction(friction as f32).with_restitution(restitution as f32);
     Material { friction_combine: Combine::Minimum, ..material }

@@ -85,8 +85,8 @@ fn slow(moving: &mut Moving<'_>, laws: &[usize], left: f64, offsets: &[f64], imp
 }
 
 /// Level of each body: the number of bodies between it and an immovable one, along contacts and joints; the
-/// maximum for bodies without support. Of two touching bodies, the one that gravity presses onto the other is
-/// the higher.
+/// maximum for bodies without support. The higher of two touching bodies is the one that gravity presses
+/// onto the other.
 fn levels(system: &System, step: &Step<'_>, blocks: &[Block]) -> Vec<usize> {
     let mut levels: Vec<usize> =
         system.bodies.iter().map(|body| if body.dynamic { usize::MAX } else { 0 }).collect();

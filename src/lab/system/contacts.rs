@@ -10,7 +10,7 @@ impl System {
     }
 
     fn take_contact(&mut self, world: &World, lane: &ContactLane) {
-        let contact = &world.contacts.all[lane.part.slot()];
+        let contact = world.contacts.at(lane.part.slot() as u32);
         let [x, y] = [contact.a, contact.b].map(|c| &world.colliders.all[c as usize]);
         let tweak = tweak_of(&world.events.tweaks, lane.part.slot());
         let restitution = tweak.restitution_or(x.material.restitution_with(&y.material));

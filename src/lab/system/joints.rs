@@ -257,9 +257,9 @@ impl Joined {
     /// Implicit coefficients of a spring and a damper over the whole step: target speed per displacement,
     /// compliance, and the additional target speed.
     fn implicit(&self, row: &JointRow, spring: Spring, target: f64) -> [f64; 3] {
-        let (k, c, per_mass) = spring.coefficients();
-        let (mut k, mut c) = (f64::from(k), f64::from(c));
-        if per_mass {
+        let spring = spring.coefficients();
+        let (mut k, mut c) = (f64::from(spring.stiffness), f64::from(spring.damping));
+        if spring.per_mass {
             let row = &row.row;
             let side = |i: usize| {
                 row.linear[i].length_squared() * self.mobility[i]

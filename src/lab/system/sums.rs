@@ -26,7 +26,7 @@ impl Sums {
     pub(in crate::lab) fn new(world: &World, system: &System) -> Sums {
         Sums {
             contacts: vec![0.0; system.contact_rows()],
-            impacts: vec![0.0; world.contacts.all.len()],
+            impacts: vec![0.0; world.contacts.slots()],
             locks: vec![DVec3::ZERO; world.joints.locks.len()],
             rows: vec![([0.0; 2], [DVec3::ZERO; 2]); world.joints.rows.len()],
             given: vec![[DVec3::ZERO; 2]; system.bodies.len()],

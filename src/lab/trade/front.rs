@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 /// The Pareto front of points (cost, error): points for which no other is cheaper without a greater error,
-/// the cheapest first. Of equal points only the first is included; points that are not finite are never.
+/// the cheapest first. Only the first of equal points is included, and no point that is not finite.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut all: Vec<usize> = (0..points.len()).filter(|&i| is_finite(&points[i])).collect();
     all.sort_by(|&i, &j| by_cost(&points[i], &points[j]).then(i.cmp(&j)));

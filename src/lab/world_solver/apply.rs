@@ -215,9 +215,12 @@ impl Found {
             // By friction of points that touched within this step.
             system.bodies[i].given = [0, 1].map(|k| end[k] - explained[k]);
             let way = moving.map(|v| v * system.dt);
-            world.buffers.solver.delta[i] = record(&way, 1.0);
+            let delta = &mut world.buffers.solver.delta[i];
+            *delta = record(&way);
+            delta.set_touched();
             let velocity = &mut world.bodies.velocity[i];
-            *velocity = Record { pad0: velocity.pad0, pad1: velocity.pad1, ..record(end, 0.0) };
+            let Record { linear, angular, .. } = record(end);
+            (velocity.linear, velocity.angular) = (linear, angular);
             world.buffers.restitution.forget(i);
         }
     }
@@ -236,8 +239,8 @@ fn is_finite(velocities: &[Velocity]) -> bool {
     velocities.iter().flatten().all(|v| v.is_finite() && v.abs().max_element() <= most)
 }
 
-fn record([linear, angular]: &Velocity, touched: f32) -> Record {
-    Record { linear: linear.as_vec3(), pad0: touched, angular: angular.as_vec3(), pad1: 0.0 }
+fn record([linear, angular]: &Velocity) -> Record {
+    Record { linear: linear.as_vec3(), angular: angular.as_vec3(), ..Record::default() }
 }
 
 /// Writes the method's impulses into contacts, for warm starting and for events; a substep has its share.

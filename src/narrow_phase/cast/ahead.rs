@@ -14,7 +14,7 @@ use crate::config::Start;
 use crate::config::tuning::{NO_GAP, PLANE_TURN};
 use crate::math::Quat;
 use crate::narrow_phase::collide::Input;
-use crate::narrow_phase::contacts::found::MeshBlock;
+use crate::narrow_phase::contacts::of_meshes::MeshBlock;
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::support::Support;

@@ -335,7 +335,7 @@ impl<'a> Search<'a> {
             let height = if from.0 > 0.0 { sweep.gap_along(&from.1, down) } else { height };
             if height > if from.0 > 0.0 { tolerance } else { resting.max(tolerance) } {
                 // The plane is touched before the triangle, and mostly at a point of the triangle.
-                let (t, placed) = sweep.reach_plane(from, height, down, limit)?;
+                let (t, placed) = sweep.reach_plane(from.0, from.1, height, down, limit)?;
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);
                 let inside = |i: usize| {
@@ -351,7 +351,7 @@ impl<'a> Search<'a> {
         let (t, placed) = from;
         let mut simplex = Simplex::empty();
         let gap = sweep.gap(&placed, &mut simplex);
-        if t == 0.0 && gap.0 <= resting {
+        if t == 0.0 && gap.lower <= resting {
             return None;
         }
         sweep.touch_after(t, placed, gap, simplex, limit)

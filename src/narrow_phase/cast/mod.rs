@@ -14,6 +14,8 @@
 //!   their linear interpolation less the sagitta u (1 - u)/2 |w|² r. One more pair of support points then
 //!   buys a step of the order of sqrt(gap), not gap.
 //!
+//! Casts of queries, which don't turn, have a search of their own (docs/decisions/advancement.md).
+//!
 //! The radius of a ball, a capsule or a fillet does not count as extent: turning it changes nothing.
 
 pub(crate) mod ahead;
@@ -24,7 +26,7 @@ pub(crate) mod path;
 pub(crate) mod spin;
 pub(crate) mod sweep;
 
-use crate::narrow_phase::convex::gjk::core_gap;
+use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
 use crate::narrow_phase::convex::support::{Pose, Support};
 use crate::shape::Collider;
@@ -111,6 +113,15 @@ pub(super) struct Placed {
     pub(super) offset: DVec3,
 }
 
+/// How far two shapes are apart at one moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    /// A lower bound of the distance [m].
+    pub(super) lower: f64,
+    /// Direction from a to b along which it holds.
+    pub(super) normal: DVec3,
+}
+
 /// A box that moves along a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxPath {
@@ -154,16 +165,17 @@ impl<'a> Sweep<'a> {
         &self,
         mut t: f64,
         mut placed: Placed,
-        (mut gap, mut normal): (f64, DVec3),
+        start: Gap,
         mut simplex: Simplex,
         limit: f64,
     ) -> Option<Touch> {
+        let Gap { lower: mut gap, mut normal } = start;
         // Steps end short of the tolerance, so that the last one is not the limit of infinitely many.
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
         for step in 0..MAX_STEPS {
             if step > 0 {
-                (gap, normal) = self.gap(&placed, &mut simplex);
+                Gap { lower: gap, normal } = self.gap(&placed, &mut simplex);
             }
             if gap <= self.tolerance {
                 return Some(touch(t, normal));
@@ -201,7 +213,8 @@ impl<'a> Sweep<'a> {
     /// with the plane `gap` away along `normal`. `None` if it reaches the plane no sooner than `limit`.
     pub(super) fn reach_plane(
         &self,
-        (mut t, mut placed): (f64, Placed),
+        mut t: f64,
+        mut placed: Placed,
         mut gap: f64,
         normal: DVec3,
         limit: f64,
@@ -315,17 +328,17 @@ impl<'a> Sweep<'a> {
         self.turn_b.lever - self.turn_a.lever - self.start - self.displacement * t
     }
 
-    /// A lower bound of the distance, and the direction from a to b along which it holds.
-    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> (f64, DVec3) {
+    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> Gap {
         let Other::Convex(b) = &self.b else {
             let normal = -placed.rotation_b.y_axis;
-            return (self.gap_along(placed, normal), normal);
+            return Gap { lower: self.gap_along(placed, normal), normal };
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
-        let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, (0.1 * self.tolerance, 1e-3));
+        let accuracy = Accuracy { absolute: 0.1 * self.tolerance, relative: 1e-3 };
+        let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, accuracy);
         let radii = self.a.radius + b.radius;
-        (found.lower - radii, placed.rotation_a * found.normal)
+        Gap { lower: found.lower - radii, normal: placed.rotation_a * found.normal }
     }
 
     /// The gap along a direction.

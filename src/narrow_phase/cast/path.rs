@@ -110,7 +110,8 @@ mod tests {
     use crate::narrow_phase::cast::motion::BodyPath;
     use crate::narrow_phase::cast::{Other, Sweep, tolerance};
     use crate::narrow_phase::convex::support::Support;
-    use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+    use crate::narrow_phase::fixtures::{CONVEX, collider};
+    use crate::random::Random;
     use crate::shape::Geometry;
 
     /// What the exact search finds to be touched is never passed over, and at no time a shape leaves its box.
@@ -121,7 +122,7 @@ mod tests {
         for i in 0..if cfg!(miri) { 5 } else { 2000 } {
             let mut a = random.shape(CONVEX[i % 5], 1.0);
             if i % 2 == 0 {
-                (a.position, a.rotation) = (random.cube(), random.rotation());
+                (a.position, a.rotation) = (random.cube(), random.turn());
             }
             let b = collider(Geometry::Plane);
             let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));

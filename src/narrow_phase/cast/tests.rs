@@ -1,7 +1,8 @@
-use super::super::fixtures::{CONVEX, Random, collider};
+use super::super::fixtures::{CONVEX, collider};
 use super::*;
 use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
+use crate::random::Random;
 use crate::shape::{Geometry, Kind};
 
 fn path(centre: DVec3, displacement: Vec3) -> BodyPath {
@@ -29,7 +30,14 @@ fn distance_at(a: &Collider, b: &Collider, (pa, pb): (&BodyPath, &BodyPath), t: 
     }
     let pose = Pose { rotation: DMat3::from_quat(ra.conjugate() * rb), position: ra.conjugate() * (xb - xa) };
     let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
-    let gap = core_gap(&a, &b, &pose, DVec3::ZERO, &mut Simplex::empty(), (0.0, 1e-9));
+    let gap = core_gap(
+        &a,
+        &b,
+        &pose,
+        DVec3::ZERO,
+        &mut Simplex::empty(),
+        Accuracy { absolute: 0.0, relative: 1e-9 },
+    );
     (if gap.overlap { 0.0 } else { gap.upper }) - a.radius - b.radius
 }
 
@@ -76,7 +84,7 @@ fn casts_agree_with_small_steps() {
         for shape in [&mut a, &mut b] {
             if random.below(3) == 0 {
                 shape.position = random.cube() * shape.radius;
-                shape.rotation = random.rotation();
+                shape.rotation = random.turn();
             }
         }
         let reach = a.radius + b.radius + a.position.length() + b.position.length();
@@ -241,7 +249,7 @@ fn the_pose_of_the_touch_is_the_kernels_pose() {
         a.position = random.cube();
         let body = |random: &mut Random| BodyPath {
             centre: random.cube().as_dvec3() * 4.0,
-            rotation: random.rotation(),
+            rotation: random.turn(),
             displacement: random.cube() * 4.0,
             spin: random.cube() * 3.0,
         };
@@ -257,7 +265,7 @@ fn the_pose_of_the_touch_is_the_kernels_pose() {
             &pose,
             DVec3::ZERO,
             &mut Simplex::empty(),
-            (0.0, 1e-9),
+            Accuracy { absolute: 0.0, relative: 1e-9 },
         );
         let expected = distance_at(&a, &b, (&paths.0, &paths.1), f64::from(t));
         assert!((found.upper - expected).abs() < 3e-6, "{} {expected}", found.upper);
@@ -282,7 +290,7 @@ fn time_of_a_cast() {
                 let from = random.direction() * 4.0;
                 let mut pa = path(from.as_dvec3(), (random.cube() - from) * 2.0);
                 pa.spin = random.direction() * spin;
-                pa.rotation = random.rotation();
+                pa.rotation = random.turn();
                 let motion = Motion::new(&a, &pa, &b, &still(DVec3::ZERO));
                 (a, b, motion)
             })

@@ -5,8 +5,9 @@
 //! that is too much for all, old and new ones compete, and the lightest are shed ([`Weight`]): a contact that
 //! is found late may be the one that bears a pile.
 
-use super::contact::Contact;
+use super::contact::ContactRef;
 use super::manifold::RawManifold;
+use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
 use crate::memory::{Allowances, Category, Slab};
 
@@ -37,23 +38,26 @@ pub(crate) struct Kind {
     /// The contact does not touch yet.
     pub(crate) potential: bool,
     pub(crate) points: usize,
+    /// For how many points it has place.
+    pub(crate) room: usize,
     /// The points that the contact can't do without.
     pub(crate) needed: usize,
 }
 
 impl Kind {
-    pub(crate) fn of(contact: &Contact, is_static: bool, real: f32) -> Kind {
+    pub(crate) fn of(contact: ContactRef<'_>, room: usize, is_static: bool, real: f32) -> Kind {
         let needed = contact.needed().count_ones() as usize;
         let potential = contact.points().iter().all(|p| p.separation > real);
-        Kind { is_static, potential, points: contact.count as usize, needed }
+        Kind { is_static, potential, points: contact.count as usize, room, needed }
     }
 
-    pub(crate) fn of_new(raw: &RawManifold, is_static: bool, real: f32) -> Kind {
+    pub(crate) fn of_new(raw: &RawManifold, room: usize, is_static: bool, real: f32) -> Kind {
         let within = |most: f32| raw.points().iter().filter(|p| p.separation <= most).count();
         Kind {
             is_static,
             potential: within(real) == 0,
             points: raw.count as usize,
+            room: room.max(raw.count as usize),
             needed: within(0.0).max(1),
         }
     }
@@ -66,21 +70,55 @@ impl RowCost {
     }
 }
 
-/// Contacts by weight, and the bytes of their rows: with all points, and with those that they need.
+/// Contacts by weight with their points, and the bytes of their rows: with all points, and with those that
+/// they need.
 pub(crate) struct Census {
     counts: [u32; Weight::COUNT],
+    points: [u32; Weight::COUNT],
     rows: [[u32; Weight::COUNT]; 2],
-    /// Contacts that stay whatever they weigh.
-    fixed: (u32, [usize; 2]),
+    fixed: Fixed,
+}
+
+/// Contacts that stay whatever they weigh.
+#[derive(Default)]
+struct Fixed {
+    all: ContactCount,
+    rows: [usize; 2],
+}
+
+/// Some contacts, and the bytes of their rows.
+#[derive(Clone, Copy)]
+struct Load {
+    all: ContactCount,
+    rows: usize,
+}
+
+impl Load {
+    fn and(self, other: Load) -> Load {
+        Load { all: self.all + other.all, rows: self.rows + other.rows }
+    }
+
+    /// So many of its contacts, if they are alike.
+    fn part(self, contacts: usize) -> Load {
+        let share = |of: usize| contacts * (of / self.all.contacts.max(1));
+        let points = (contacts * self.all.points).div_ceil(self.all.contacts.max(1));
+        Load { all: ContactCount { contacts, points }, rows: share(self.rows) }
+    }
 }
 
 impl Census {
     pub(crate) fn new() -> Census {
-        Census { counts: [0; Weight::COUNT], rows: [[0; Weight::COUNT]; 2], fixed: (0, [0; 2]) }
+        Census {
+            counts: [0; Weight::COUNT],
+            points: [0; Weight::COUNT],
+            rows: [[0; Weight::COUNT]; 2],
+            fixed: Fixed::default(),
+        }
     }
 
     pub(crate) fn add(&mut self, weight: Weight, kind: Kind, cost: &RowCost) {
         self.counts[weight.index()] += 1;
+        self.points[weight.index()] += kind.room as u32;
         for (rows, points) in self.rows.iter_mut().zip([kind.points, kind.needed]) {
             rows[weight.index()] += cost.of(kind, points) as u32;
         }
@@ -88,16 +126,27 @@ impl Census {
 
     /// Adds a contact that stays.
     pub(crate) fn add_fixed(&mut self, kind: Kind, cost: &RowCost) {
-        self.fixed.0 += 1;
-        for (rows, points) in self.fixed.1.iter_mut().zip([kind.points, kind.needed]) {
+        self.fixed.all = self.fixed.all + ContactCount { contacts: 1, points: kind.room };
+        for (rows, points) in self.fixed.rows.iter_mut().zip([kind.points, kind.needed]) {
             *rows += cost.of(kind, points);
         }
     }
 
-    /// The number of contacts, and the bytes of their rows, from a weight on.
-    fn above(&self, from: Weight, rows: usize) -> (usize, usize) {
+    /// Contacts from a weight on. `rows`: 0 with all points, 1 with those that they need.
+    fn above(&self, from: Weight, rows: usize) -> Load {
         let sum = |of: &[u32]| of[from.index()..].iter().map(|&n| n as usize).sum::<usize>();
-        (self.fixed.0 as usize + sum(&self.counts), self.fixed.1[rows] + sum(&self.rows[rows]))
+        let all = ContactCount { contacts: sum(&self.counts), points: sum(&self.points) };
+        self.fixed(rows).and(Load { all, rows: sum(&self.rows[rows]) })
+    }
+
+    fn fixed(&self, rows: usize) -> Load {
+        Load { all: self.fixed.all, rows: self.fixed.rows[rows] }
+    }
+
+    /// Contacts of one weight.
+    fn at(&self, index: usize, rows: usize) -> Load {
+        let all = ContactCount { contacts: self.counts[index] as usize, points: self.points[index] as usize };
+        Load { all, rows: self.rows[rows][index] as usize }
     }
 }
 
@@ -123,10 +172,10 @@ fn loose(contacts: usize, rows: usize) -> usize {
 /// The memory for contacts and their rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Means {
-    /// The most contacts, by their own limit.
-    pub(crate) slots: usize,
-    /// Bytes of a contact.
-    pub(crate) each: usize,
+    /// For how many contacts and points there is memory.
+    pub(crate) held: ContactCount,
+    /// The most bytes of contacts, by their own limit.
+    pub(crate) contacts: usize,
     /// The most bytes of both together.
     pub(crate) whole: usize,
     /// The most bytes of rows, by their own limit.
@@ -134,22 +183,22 @@ pub(crate) struct Means {
 }
 
 impl Means {
-    pub(crate) fn new(allowances: &Allowances, space: &RowSpace, (capacity, each): (usize, usize)) -> Means {
+    pub(crate) fn new(allowances: &Allowances, space: &RowSpace, contacts: &Contacts) -> Means {
         let reserved = space.slab.bytes(0).1 + space.cost.reserved;
-        let add = usize::saturating_add;
+        let (held, add) = (contacts.capacity(), usize::saturating_add);
         Means {
-            slots: add(capacity, allowances.own(Category::Manifolds) / each),
-            each,
-            whole: add(allowances.whole(), capacity * each + reserved),
+            held,
+            contacts: add(held.bytes(), allowances.own(Category::Manifolds)),
+            whole: add(allowances.whole(), held.bytes() + reserved),
             rows: add(allowances.own(Category::Rows), reserved),
         }
     }
 
-    /// Whether so many contacts fit with so many bytes of rows. Rows can't take from contacts what their own
-    /// limit denies them.
-    fn hold(&self, (contacts, rows): (usize, usize)) -> bool {
-        contacts <= self.slots
-            && contacts * self.each + (rows + loose(contacts, rows)).min(self.rows) <= self.whole
+    /// Whether contacts fit with their rows. Rows can't take from contacts what their own limit denies them.
+    fn hold(&self, Load { all, rows }: Load) -> bool {
+        // Memory for headers is not memory for points.
+        all.max(self.held).bytes() <= self.contacts
+            && all.bytes() + (rows + loose(all.contacts, rows)).min(self.rows) <= self.whole
     }
 
     /// Decides which contacts of a census stay. Those that nothing approaches are shed first; if there is
@@ -157,30 +206,29 @@ impl Means {
     pub(crate) fn admit(&self, census: &Census) -> Admitted {
         let all = census.above(Weight::default(), 0);
         if self.hold(all) {
-            return Admitted { floor: Threshold::ALL, rows: all.1 };
+            return Admitted { floor: Threshold::ALL, rows: all.rows };
         }
         let rows = usize::from(!self.hold(census.above(Weight::NEEDED, 0)));
-        let fixed = (census.fixed.0 as usize, census.fixed.1[rows]);
+        let fixed = census.fixed(rows);
         if !self.hold(fixed) {
-            let each = fixed.1 / fixed.0;
-            let fits = |n: &usize| self.hold((*n, n * each));
-            let stay = (0..fixed.0).rev().find(fits).unwrap_or(0);
-            return Admitted { floor: Threshold::new(Weight::COUNT, 0), rows: stay * each };
+            let fits = |n: &usize| self.hold(fixed.part(*n));
+            let stay = (0..fixed.all.contacts).rev().find(fits).unwrap_or(0);
+            return Admitted { floor: Threshold::new(Weight::COUNT, 0), rows: fixed.part(stay).rows };
         }
         let lowest = if rows == 0 { Weight::default() } else { Weight::NEEDED };
-        let (mut contacts, mut bytes) = fixed;
+        let mut sum = fixed;
         for index in (lowest.index()..Weight::COUNT).rev() {
-            let (count, of_rows) = (census.counts[index] as usize, census.rows[rows][index] as usize);
-            if self.hold((contacts + count, bytes + of_rows)) {
-                (contacts, bytes) = (contacts + count, bytes + of_rows);
+            let more = census.at(index, rows);
+            if self.hold(sum.and(more)) {
+                sum = sum.and(more);
                 continue;
             }
-            let each = of_rows / count.max(1);
-            let fits = |n: &usize| self.hold((contacts + n, bytes + n * each));
-            let stay = (0..count).rev().find(fits).unwrap_or(0);
-            return Admitted { floor: Threshold::new(index, stay as u32), rows: bytes + stay * each };
+            let fits = |n: &usize| self.hold(sum.and(more.part(*n)));
+            let stay = (0..more.all.contacts).rev().find(fits).unwrap_or(0);
+            let rows = sum.and(more.part(stay)).rows;
+            return Admitted { floor: Threshold::new(index, stay as u32), rows };
         }
-        Admitted { floor: if rows == 0 { Threshold::ALL } else { Threshold::NEEDED }, rows: bytes }
+        Admitted { floor: if rows == 0 { Threshold::ALL } else { Threshold::NEEDED }, rows: sum.rows }
     }
 }
 
@@ -190,28 +238,31 @@ mod tests {
 
     const COST: RowCost =
         RowCost { lanes: [[[100, 150, 180, 200]; 2]; 2], lists: 0, reserved: 0, per_point: false };
-    const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, needed: 1 };
+    const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, room: 4, needed: 1 };
 
     fn staying(whole: usize, census: &Census, weights: &[Weight]) -> Vec<bool> {
-        let means = Means { slots: usize::MAX, each: 200, whole, rows: usize::MAX };
+        let held = ContactCount::default();
+        let means = Means { held, contacts: usize::MAX, whole, rows: usize::MAX };
         let mut floor = means.admit(census).floor;
         weights.iter().map(|w| floor.keeps(*w)).collect()
     }
 
-    /// Two that nothing approaches, and two that are needed, of four points each: 440 bytes, or 320 with the
-    /// point that is needed.
+    /// Two that nothing approaches, and two that are needed, of four points each. Rows and empty lanes take
+    /// 240 bytes, or 120 with the point that is needed.
     #[test]
     fn first_go_those_that_nothing_approaches_then_points_then_the_lightest() {
         let weights = [10, 20, 600, 700].map(Weight::nth);
         let mut census = Census::new();
         weights.iter().for_each(|w| census.add(*w, FOUR, &COST));
+        let contact = ContactCount { contacts: 1, points: 4 }.bytes();
+        let (all, needed) = (contact + 240, contact + 120);
         for (whole, expected) in [
-            (1760, [true; 4]),
-            (1759, [false, true, true, true]),
-            (880, [false, false, true, true]),
-            (640, [false, false, true, true]),
-            (639, [false, false, false, true]),
-            (319, [false; 4]),
+            (4 * all, [true; 4]),
+            (4 * all - 1, [false, true, true, true]),
+            (2 * all, [false, false, true, true]),
+            (2 * needed, [false, false, true, true]),
+            (2 * needed - 1, [false, false, false, true]),
+            (needed - 1, [false; 4]),
         ] {
             assert_eq!(staying(whole, &census, &weights), expected, "{whole}");
         }

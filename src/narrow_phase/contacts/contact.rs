@@ -1,17 +1,20 @@
 //! Contacts: manifolds that last while their pair does, with the impulses of the last step.
+//!
+//! A contact is a header and one to four points. The store keeps them in columns of their own
+//! ([`Contacts`](super::store::Contacts)); what works on a contact sees both through [`ContactRef`] or
+//! [`ContactMut`], wherever they are.
 
 use super::manifold::{MAX_POINTS, RawManifold};
-use crate::broad_phase::Pair;
 use crate::config::tuning::{KEPT_CONTACT_TURN, LOAD_BAND, LOAD_TIME, SPRING_GAP};
 use crate::limits::MAX_LOAD;
 use crate::math::Quat;
-use crate::memory::{Allowance, Buffer, bytes_of};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
 use glam::{Vec3, Vec4};
+use std::ops::{Deref, DerefMut};
 
 // Sentinel: no load was estimated.
-/// [`Contact::static_load`] of a contact whose load was not estimated yet.
+/// [`Header::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 
 /// No contact.
@@ -30,7 +33,7 @@ pub(crate) struct Point {
     pub(crate) impulse: f32,
     /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
     pub(crate) mean_force: f32,
-    /// Its share of [`Contact::lasting_force`]: by statics, or the same at each point.
+    /// Its share of [`Header::lasting_force`]: by statics, or the same at each point.
     pub(crate) share: f32,
     pub(crate) key: u32,
 }
@@ -42,9 +45,9 @@ impl Point {
     }
 }
 
-/// A manifold of a pair of colliders.
+/// A manifold of a pair of colliders, without its points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Contact {
+pub(crate) struct Header {
     pub(crate) a: u32,
     pub(crate) b: u32,
     /// Next contact of the same pair (meshes have several), or [`NO_CONTACT`].
@@ -57,7 +60,6 @@ pub(crate) struct Contact {
     pub(crate) fraction: f32,
     /// Unit, from `a` to `b`, in the frame of shape `a`.
     pub(crate) normal: Vec3,
-    pub(crate) points: [Point; MAX_POINTS],
     /// Friction impulse of the last substep, in the frame of shape `a` [N s].
     pub(crate) friction: Vec3,
     /// Impulse against twist about the normal [N m s].
@@ -79,9 +81,70 @@ pub(crate) struct Contact {
     pub(crate) frame: Quat,
 }
 
+/// A contact that is not in the store: a new one, or a copy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub(crate) header: Header,
+    /// The first [`Header::count`] are its points.
+    pub(crate) points: [Point; MAX_POINTS],
+}
+
+/// A contact, to be read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactRef<'a> {
+    header: &'a Header,
+    points: &'a [Point],
+}
+
+/// A contact, to be written.
+#[derive(Debug)]
+pub(crate) struct ContactMut<'a> {
+    header: &'a mut Header,
+    /// There may be place for more than it has.
+    points: &'a mut [Point],
+}
+
+impl Deref for Contact {
+    type Target = Header;
+    #[inline(always)]
+    fn deref(&self) -> &Header {
+        &self.header
+    }
+}
+
+impl DerefMut for Contact {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Header {
+        &mut self.header
+    }
+}
+
+impl Deref for ContactRef<'_> {
+    type Target = Header;
+    #[inline(always)]
+    fn deref(&self) -> &Header {
+        self.header
+    }
+}
+
+impl Deref for ContactMut<'_> {
+    type Target = Header;
+    #[inline(always)]
+    fn deref(&self) -> &Header {
+        self.header
+    }
+}
+
+impl DerefMut for ContactMut<'_> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Header {
+        self.header
+    }
+}
+
 impl Contact {
     pub(crate) fn new(a: u32, b: u32) -> Self {
-        Contact {
+        let header = Header {
             a,
             b,
             next: NO_CONTACT,
@@ -89,7 +152,6 @@ impl Contact {
             pushed: false,
             fraction: 0.0,
             normal: Vec3::Y,
-            points: [Point::default(); MAX_POINTS],
             friction: Vec3::ZERO,
             twist: 0.0,
             mean_friction: Vec4::ZERO,
@@ -98,50 +160,177 @@ impl Contact {
             static_load: UNKNOWN_LOAD,
             found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
             frame: Quat::IDENTITY,
-        }
+        };
+        Contact { header, points: [Point::default(); MAX_POINTS] }
     }
 
-    pub(crate) fn points(&self) -> &[Point] {
-        &self.points[..self.count as usize]
+    /// A new contact with the points of a manifold and no impulses.
+    pub(crate) fn found(a: u32, b: u32, raw: &RawManifold, at: FoundAt) -> Self {
+        let mut contact = Contact::new(a, b);
+        contact.as_mut().take(raw, at);
+        contact
     }
 
-    /// Takes a new manifold and keeps the impulses of matching points: by key, else by position.
-    pub(crate) fn renew(
-        &mut self,
-        raw: &RawManifold,
-        (found_at, frame): (Relative, Quat),
-        same: MatchLimits,
-    ) {
-        let old = *self;
-        self.take(raw, found_at, frame);
-        if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
-            (self.friction, self.twist) = (Vec3::ZERO, 0.0);
-            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
-            return;
-        }
-        self.inherit(&old, same);
+    #[inline(always)]
+    pub(crate) fn as_ref(&self) -> ContactRef<'_> {
+        ContactRef::new(&self.header, &self.points)
     }
 
-    /// Whether it touches and statics has not estimated its load yet. `real`: largest separation that counts
-    /// as touching [m].
-    pub(crate) fn touches_anew(&self, real: f32) -> bool {
-        self.is_unknown() && self.points().iter().any(|p| p.separation <= real)
+    pub(crate) fn as_mut(&mut self) -> ContactMut<'_> {
+        ContactMut::new(&mut self.header, &mut self.points)
     }
+}
 
+/// How a manifold was found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FoundAt {
+    /// Pose of `b` in `a`.
+    pub(crate) pose: Relative,
+    /// Rotation of shape `a`.
+    pub(crate) frame: Quat,
+    /// Fraction of the step.
+    pub(crate) fraction: f32,
+}
+
+impl Header {
     /// The share of each point if all bear the same.
     pub(crate) fn even_share(&self) -> f32 {
         1.0 / f32::from(self.count.max(1))
     }
 
+    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most
+    /// [m].
+    ///
+    /// If the load is known, springs act at any depth, and over a gap too: a lean smaller than the gap would
+    /// not be taken back. Otherwise only overlap beyond the slop is pushed apart, and rows are rigid above
+    /// it: bodies that slide, roll or land meet no spring, which could press them through something thin.
+    pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
+        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, SPRING_GAP * slop] }
+    }
+
+    /// Whether statics has not estimated its load yet.
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.static_load == UNKNOWN_LOAD
+    }
+}
+
+impl<'a> ContactRef<'a> {
+    /// `points`: at least as many as the header counts.
+    #[inline(always)]
+    pub(crate) fn new(header: &'a Header, points: &'a [Point]) -> ContactRef<'a> {
+        ContactRef { header, points: &points[..header.count as usize] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn points(self) -> &'a [Point] {
+        self.points
+    }
+
+    /// A copy that is not in the store.
+    pub(crate) fn to_owned(self) -> Contact {
+        let mut points = [Point::default(); MAX_POINTS];
+        points.iter_mut().zip(self.points).for_each(|(to, from)| *to = *from);
+        Contact { header: *self.header, points }
+    }
+
+    /// Whether it touches and statics has not estimated its load yet. `real`: largest separation that counts
+    /// as touching [m].
+    pub(crate) fn touches_anew(self, real: f32) -> bool {
+        self.is_unknown() && self.points.iter().any(|p| p.separation <= real)
+    }
+
+    /// Whether all values carried to the next step are finite and in range.
+    pub(crate) fn has_sound_loads(self) -> bool {
+        let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
+        let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
+        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
+        // The sum of NaN is NaN. No branch for each value: this runs for every contact in every step.
+        let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
+        sum <= MAX_LOAD
+    }
+
+    /// The points that the contact can't do without, one bit each: those that bear or touch, or the nearest.
+    pub(crate) fn needed(self) -> u32 {
+        let bits = |needs: &dyn Fn(&Point) -> bool| {
+            self.points.iter().enumerate().map(|(i, p)| u32::from(needs(p)) << i).sum::<u32>()
+        };
+        let needed = bits(&|p| p.impulse > 0.0 || p.separation <= 0.0);
+        if needed != 0 {
+            return needed;
+        }
+        let nearest = self.points.iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        bits(&|p| p.separation == nearest).max(1)
+    }
+
+    /// Sum of the normal impulses [N s].
+    #[inline(always)]
+    pub(crate) fn bears(self) -> f32 {
+        self.points.iter().map(|p| p.impulse).sum()
+    }
+
+    /// The least separation once the bodies have moved [m].
+    #[inline(always)]
+    pub(crate) fn nearest(self, now: &Relative) -> f32 {
+        self.separations(now)[..self.points.len()].iter().fold(f32::INFINITY, |s, &x| s.min(x))
+    }
+
+    /// The separation of each of its points once the bodies have moved [m].
+    #[inline(always)]
+    pub(crate) fn separations(self, now: &Relative) -> [f32; MAX_POINTS] {
+        let turn = now.rotation * self.found_at.rotation.conjugate();
+        let mut separations = [0.0; MAX_POINTS];
+        for (separation, point) in separations.iter_mut().zip(self.points) {
+            let on_b = now.position + turn * (point.position - self.found_at.position);
+            *separation = point.found + self.normal.dot(on_b - point.position);
+        }
+        separations
+    }
+}
+
+impl<'a> ContactMut<'a> {
+    /// `points`: its place, of at least as many as the header counts.
+    #[inline(always)]
+    pub(crate) fn new(header: &'a mut Header, points: &'a mut [Point]) -> ContactMut<'a> {
+        ContactMut { header, points }
+    }
+
+    #[inline(always)]
+    pub(crate) fn as_ref(&self) -> ContactRef<'_> {
+        ContactRef::new(self.header, self.points)
+    }
+
+    #[inline(always)]
+    pub(crate) fn points_mut(&mut self) -> &mut [Point] {
+        &mut self.points[..self.header.count as usize]
+    }
+
+    /// For how many points there is place.
+    #[inline(always)]
+    pub(crate) fn room(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Takes a new manifold, for which there is place, and keeps the impulses of matching points: by key,
+    /// else by position.
+    pub(crate) fn renew(&mut self, raw: &RawManifold, at: FoundAt, same: MatchLimits) {
+        let old = self.as_ref().to_owned();
+        self.take(raw, at);
+        if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
+            (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
+            return;
+        }
+        self.inherit(old.as_ref(), same);
+    }
+
     /// Sets the points without impulses.
-    pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative, frame: Quat) {
+    fn take(&mut self, raw: &RawManifold, FoundAt { pose, frame, fraction }: FoundAt) {
         self.count = raw.count as u8;
         self.normal = raw.normal;
-        (self.found_at, self.frame) = (found_at, frame);
-        self.fraction = 0.0;
+        (self.found_at, self.frame, self.fraction) = (pose, frame, fraction);
         self.pushed = false;
         let share = self.even_share();
-        for (point, new) in self.points.iter_mut().zip(raw.points()) {
+        for (point, new) in self.points_mut().iter_mut().zip(raw.points()) {
             *point = Point {
                 position: new.position,
                 separation: new.separation,
@@ -158,7 +347,7 @@ impl Contact {
     ///
     /// The load of points that are gone is shared evenly among new ones: a shape that slides over triangles
     /// rests on other points from step to step, and would sink each time into what bore it.
-    pub(crate) fn inherit(&mut self, old: &Contact, MatchLimits { near, slides }: MatchLimits) {
+    pub(crate) fn inherit(&mut self, old: ContactRef<'_>, MatchLimits { near, slides }: MatchLimits) {
         let moved = self.found_at.position - old.found_at.position;
         let past = moved - self.normal * self.normal.dot(moved);
         if past.length_squared() > slides * slides {
@@ -169,9 +358,8 @@ impl Contact {
                 (old.lasting_force, old.rest, old.static_load);
         }
         let (mut used, mut fresh) = (0u32, 0u32);
-        let count = self.count as usize;
-        for (k, point) in self.points[..count].iter_mut().enumerate() {
-            let same = old.points().iter().position(|o| o.key == point.key);
+        for (k, point) in self.points_mut().iter_mut().enumerate() {
+            let same = old.points.iter().position(|o| o.key == point.key);
             let same = same.filter(|i| used >> i & 1 == 0);
             if let Some(i) = same {
                 used |= 1 << i;
@@ -180,11 +368,11 @@ impl Contact {
                 fresh |= 1 << k;
             }
         }
-        for (k, point) in self.points[..count].iter_mut().enumerate() {
+        for (k, point) in self.points_mut().iter_mut().enumerate() {
             if fresh >> k & 1 == 0 {
                 continue;
             }
-            let close = (0..old.count as usize)
+            let close = (0..old.points.len())
                 .filter(|i| used >> i & 1 == 0)
                 .map(|i| (i, old.points[i].position.distance_squared(point.position)))
                 .filter(|&(_, d)| d < near * near)
@@ -196,13 +384,13 @@ impl Contact {
             }
         }
         let mut rest = Point::default();
-        for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
+        for (_, point) in old.points.iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
             rest.impulse += point.impulse;
             rest.mean_force += point.mean_force;
             rest.share += point.share;
         }
         let share = 1.0 / fresh.count_ones().max(1) as f32;
-        for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
+        for (_, point) in self.points_mut().iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
             point.impulse = rest.impulse * share;
             point.mean_force = rest.mean_force * share;
             point.share = rest.share * share;
@@ -217,7 +405,7 @@ impl Contact {
     /// it followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)`
     /// and pump it, wherever several manifolds bear a body.
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
-        let load = self.bears() / h;
+        let load = self.as_ref().bears() / h;
         let near = |force: f32| (force - load).abs() <= LOAD_BAND * load;
         if self.lasting_force > load * (1.0 + LOAD_BAND) {
             // At once, or it would push.
@@ -234,63 +422,20 @@ impl Contact {
         load > 0.0 && self.is_unknown()
     }
 
-    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most
-    /// [m].
-    ///
-    /// If the load is known, springs act at any depth, and over a gap too: a lean smaller than the gap would
-    /// not be taken back. Otherwise only overlap beyond the slop is pushed apart, and rows are rigid above
-    /// it: bodies that slide, roll or land meet no spring, which could press them through something thin.
-    pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
-        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, SPRING_GAP * slop] }
-    }
-
-    /// Whether all values carried to the next step are finite and in range.
-    pub(crate) fn has_sound_loads(&self) -> bool {
-        let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
-        let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
-        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
-        // The sum of NaN is NaN. No branch for each value: this runs for every contact in every step.
-        let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
-        sum <= MAX_LOAD
-    }
-
     /// Begins the next step as if nothing had been borne.
     pub(crate) fn forget_loads(&mut self) {
         let share = self.even_share();
         let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
-        self.points.iter_mut().for_each(forget);
+        self.points_mut().iter_mut().for_each(forget);
         self.mean_friction = glam::Vec4::ZERO;
         (self.friction, self.twist) = (Vec3::ZERO, 0.0);
         (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
     }
 
-    /// The points that the contact can't do without, one bit each: those that bear or touch, or the nearest.
-    pub(crate) fn needed(&self) -> u32 {
-        let bits = |needs: &dyn Fn(&Point) -> bool| {
-            self.points().iter().enumerate().map(|(i, p)| u32::from(needs(p)) << i).sum::<u32>()
-        };
-        let needed = bits(&|p| p.impulse > 0.0 || p.separation <= 0.0);
-        if needed != 0 {
-            return needed;
-        }
-        let nearest = self.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
-        bits(&|p| p.separation == nearest).max(1)
-    }
-
-    /// Sum of the normal impulses [N s].
-    pub(crate) fn bears(&self) -> f32 {
-        self.points().iter().map(|p| p.impulse).sum()
-    }
-
-    /// Whether statics has not estimated its load yet.
-    pub(crate) fn is_unknown(&self) -> bool {
-        self.static_load == UNKNOWN_LOAD
-    }
-
     /// Takes an estimate of the load of a contact that bears so much [N].
     pub(crate) fn expect(&mut self, load: f32, borne: f32) {
         // The bodies rest where they are now: lifting them would throw them.
-        let sum: f32 = self.points().iter().map(|p| p.separation).sum();
+        let sum: f32 = self.as_ref().points.iter().map(|p| p.separation).sum();
         self.rest = (sum / f32::from(self.count)).min(0.0);
         (self.lasting_force, self.static_load) = (load.max(borne), load);
     }
@@ -298,172 +443,24 @@ impl Contact {
     /// Lets the points share all of the lasting force: evenly, if statics did not say how.
     fn share_all(&mut self) {
         let even = self.even_share();
-        let sum: f32 = self.points().iter().map(|p| p.share).sum();
+        let sum: f32 = self.as_ref().points.iter().map(|p| p.share).sum();
         let known = sum > 0.0 && !self.is_unknown();
-        for point in &mut self.points[..self.count as usize] {
+        for point in self.points_mut() {
             point.share = if known { point.share / sum } else { even };
         }
     }
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
+    #[inline(always)]
     pub(crate) fn follow(&mut self, now: &Relative, frame: Quat) {
-        let separation = self.separations(now);
+        let separations = self.as_ref().separations(now);
         let turned = frame * self.frame.conjugate();
         if turned.xyz().length_squared() > 0.25 * KEPT_CONTACT_TURN * KEPT_CONTACT_TURN {
             self.frame = frame;
         }
-        for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
+        for (point, separation) in self.points_mut().iter_mut().zip(separations) {
             point.separation = separation;
         }
         self.pushed = false;
-    }
-
-    /// The least separation once the bodies have moved [m].
-    pub(crate) fn nearest(&self, now: &Relative) -> f32 {
-        self.separations(now)[..self.count as usize].iter().fold(f32::INFINITY, |s, &x| s.min(x))
-    }
-
-    pub(crate) fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
-        let turn = now.rotation * self.found_at.rotation.conjugate();
-        self.points.map(|point| {
-            let on_b = now.position + turn * (point.position - self.found_at.position);
-            point.found + self.normal.dot(on_b - point.position)
-        })
-    }
-}
-
-/// All contacts, with holes that are used again.
-#[derive(Debug, Default)]
-pub(crate) struct Contacts {
-    pub(crate) all: Vec<Contact>,
-    free: Vec<u32>,
-}
-
-impl Contacts {
-    /// Bytes of a slot, which may become free one day.
-    const EACH: usize = size_of::<Contact>() + size_of::<u32>();
-
-    /// Slots missing for so many more contacts.
-    fn lacking(&self, more: usize) -> usize {
-        more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len())
-    }
-
-    /// [`Contacts::missing`] in bytes.
-    pub(crate) fn missing_for(&self, more: usize) -> usize {
-        self.lacking(more) * Self::EACH
-    }
-
-    /// For how many there is place, and the bytes of one.
-    pub(crate) fn place(&self) -> (usize, usize) {
-        (self.all.capacity().min(self.free.capacity()), Self::EACH)
-    }
-
-    /// Number of contacts.
-    pub(crate) fn live(&self) -> usize {
-        self.all.len() - self.free.len()
-    }
-
-    /// Reserves slots for so many more, as far as memory allows; returns how many.
-    pub(crate) fn reserve(&mut self, more: usize, allowance: &mut Allowance) -> usize {
-        let missing = self.lacking(more);
-        if missing > 0 && !allowance.is_endless() {
-            let granted = missing.min(allowance.left() / Self::EACH);
-            let capacity = self.all.capacity() + granted;
-            allowance.within(1, |allowance| allowance.fit(&mut self.all, capacity));
-            let slots = self.all.capacity();
-            allowance.fit(&mut self.free, slots);
-        } else if missing > 0 {
-            let wanted = self.all.len() + more - self.free.len();
-            allowance.fit(&mut self.all, wanted);
-        }
-        if allowance.is_endless() && self.free.capacity() < self.all.capacity() {
-            self.free.reserve_exact(self.all.capacity() - self.free.len());
-        }
-        self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
-    }
-
-    /// Calls `f` with each buffer and the place that it needs for so many.
-    pub(crate) fn each(&mut self, contacts: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.all, contacts);
-        // Each may become free one day.
-        f(&mut self.free, contacts);
-    }
-
-    /// Bytes that are lacking for so many.
-    pub(crate) fn missing(&self, contacts: usize) -> usize {
-        self.all.missing(contacts) + self.free.missing(contacts)
-    }
-
-    /// Inserts a contact where [`Contacts::reserve`] reserved a slot, or returns [`NO_CONTACT`].
-    pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
-        if let Some(slot) = self.free.pop() {
-            self.all[slot as usize] = contact;
-            return slot;
-        }
-        if self.all.len() == self.all.capacity().min(self.free.capacity()) {
-            return NO_CONTACT;
-        }
-        self.all.push(contact);
-        self.all.len() as u32 - 1
-    }
-
-    /// [`Contacts::insert`] while there are fewer than so many.
-    pub(crate) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
-        if self.live() < most { self.insert(contact) } else { NO_CONTACT }
-    }
-
-    /// Calls `f` with each contact of these pairs, in their order.
-    pub(crate) fn for_each_of<'p>(
-        &mut self,
-        pairs: impl IntoIterator<Item = &'p Pair>,
-        mut f: impl FnMut(&Pair, &mut Contact),
-    ) {
-        for pair in pairs {
-            let mut slot = pair.contact;
-            while let Some(contact) = self.all.get_mut(slot as usize) {
-                f(pair, contact);
-                slot = contact.next;
-            }
-        }
-    }
-
-    /// Frees a contact and all that follow it.
-    pub(crate) fn remove_chain(&mut self, mut slot: u32) {
-        while slot != NO_CONTACT {
-            let contact = &mut self.all[slot as usize];
-            contact.count = 0;
-            let next = std::mem::replace(&mut contact.next, NO_CONTACT);
-            self.free.push(slot);
-            slot = next;
-        }
-    }
-
-    /// Removes all contacts and reserves slots for so many.
-    pub(crate) fn reset(&mut self, place: usize) {
-        self.all.clear();
-        self.free.clear();
-        self.each(place, &mut |buffer, len| buffer.reserve_total(len));
-    }
-
-    /// How many contacts a chain has.
-    pub(crate) fn count(&self, slot: u32) -> usize {
-        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NO_CONTACT);
-        std::iter::successors(Some(slot).filter(|&slot| slot != NO_CONTACT), next).count()
-    }
-
-    /// How many contacts of a chain pushed in the last step.
-    pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
-        let mut pushed = 0;
-        while slot != NO_CONTACT {
-            pushed += u32::from(self.all[slot as usize].pushed);
-            slot = self.all[slot as usize].next;
-        }
-        pushed
-    }
-
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (all, free) = (bytes_of(&self.all), bytes_of(&self.free));
-        (all.0 - self.free.len() * size_of::<Contact>() + free.0, all.1 + free.1)
     }
 }

@@ -4,97 +4,41 @@
 //! if its pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks.
 //! If the budget leaves too little memory, contacts with static geometry are kept longest.
 
-use super::admit::{Census, Kind as Taken, Means, RowSpace};
-use super::contact::{Contact, Contacts, NO_CONTACT};
-use super::weight::{Threshold, Weight};
+use super::admit::RowSpace;
+use super::contact::{Contact, FoundAt, NO_CONTACT};
+use super::of_meshes::{MeshBlock, commit_meshes};
+use super::store::{ContactCount, Contacts};
+use super::way::{Way, make_way, reserve};
+use super::weight::Weight;
 use crate::broad_phase::Pair;
-use crate::memory::{Allowance, Allowances, Buffer, Buffers, Category, Marks, Slab, bytes_of, even_out};
-use crate::narrow_phase::RawManifold;
+use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
-use crate::narrow_phase::mesh::MeshScratch;
-use crate::shape::Kind;
+use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
-/// A new contact, of a pair that had none.
+/// A new contact, of a pair that had none; or a manifold of more points than its contact has place for.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Fresh {
-    pair: u32,
+    pub(super) pair: u32,
     /// Fraction of the step at which it was found.
     fraction: f32,
-    raw: RawManifold,
+    pub(super) raw: RawManifold,
 }
 
 /// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
 
-/// The buffers of a block of mesh pairs.
-#[derive(Debug, Default)]
-pub(crate) struct MeshBlock {
-    /// Pairs that have manifolds, with their ranges in `many`.
-    looked: Vec<(u32, u32, u32)>,
-    many: Vec<(RawManifold, f32)>,
-    /// Manifolds of the pair at hand, from one call of a kernel.
-    pub(crate) raw: Vec<RawManifold>,
-    pub(crate) mesh: MeshScratch,
-}
-
-impl MeshBlock {
-    /// Number of manifolds so far.
-    pub(crate) fn count(&self) -> u32 {
-        self.many.len() as u32
-    }
-
-    /// Adds a manifold that was found at a fraction of the step.
-    pub(crate) fn add(&mut self, raw: RawManifold, fraction: f32) {
-        if !self.mesh.allowance.push(&mut self.many, (raw, fraction)) {
-            self.mesh.shed += raw.count;
-        }
-    }
-
-    /// Ends the work on a pair, whose manifolds are those from `start` on; returns whether it has any.
-    pub(crate) fn end(&mut self, pair: u32, start: u32) -> bool {
-        let end = self.count();
-        if end == start {
-            return false;
-        }
-        let listed = self.mesh.allowance.push(&mut self.looked, (pair, start, end));
-        if !listed {
-            let lost = self.many.drain(start as usize..);
-            self.mesh.shed += lost.map(|(raw, _)| raw.count).sum::<u32>();
-        }
-        listed
-    }
-
-    /// Manifolds beyond the contacts that their pair has already, pair by pair.
-    fn more<'a>(
-        &'a self,
-        pairs: &'a [Pair],
-        contacts: &'a Contacts,
-    ) -> impl Iterator<Item = (&'a [(RawManifold, f32)], &'a Pair)> + 'a {
-        self.looked.iter().map(|&(index, start, end)| {
-            let pair = &pairs[index as usize];
-            let old = contacts.count(pair.contact);
-            (&self.many[(start as usize + old).min(end as usize)..end as usize], pair)
-        })
-    }
-
-    fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.looked), bytes_of(&self.many), bytes_of(&self.raw), self.mesh.bytes()]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-}
-
-impl Buffers for MeshBlock {
-    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
-        f(&mut self.looked);
-        f(&mut self.many);
-        f(&mut self.raw);
-        self.mesh.each(f);
-    }
+/// What becomes of a manifold that its contact has no place for.
+pub(crate) enum Growth {
+    /// The contact gets it once it has been given a place.
+    Later,
+    /// The block has to look at the pair again: there is no place for the manifold until then.
+    Again,
+    /// The contact gets the points that it has place for.
+    Cut,
 }
 
 /// What a block writes, apart from the contacts that its pairs have already.
@@ -103,6 +47,8 @@ pub(crate) struct BlockOutput<'a> {
     pairs: &'a [Pair],
     block: &'a mut Block,
     state: &'a Shared<'a, u8>,
+    /// Whether it may have to look at pairs again.
+    repeats: bool,
     pub(crate) mesh: Option<&'a mut MeshBlock>,
 }
 
@@ -118,7 +64,7 @@ impl BlockOutput<'_> {
     ) {
         let block = &mut *self.block;
         let class = usize::from(input.is_static(pair));
-        let at = (block.used[0] + block.used[1]) as usize;
+        let at = block.found();
         if block.used[class] < block.quota[class]
             && let Some(place) = self.fresh.get_mut(at)
         {
@@ -144,6 +90,24 @@ impl BlockOutput<'_> {
         }
     }
 
+    /// Takes a manifold that the contact of its pair has no place for.
+    pub(crate) fn grow(&mut self, index: u32, raw: RawManifold, fraction: f32) -> Growth {
+        let block = &mut *self.block;
+        let at = block.found();
+        if let Some(place) = self.fresh.get_mut(at).filter(|_| block.grown < block.growth) {
+            *place = Fresh { pair: index, fraction, raw };
+            block.grown += 1;
+            return Growth::Later;
+        }
+        if !self.repeats {
+            return Growth::Cut;
+        }
+        // SAFETY: the pair is this block's.
+        unsafe { *self.state.get(index as usize) = CROWDED };
+        block.crowded += 1;
+        Growth::Again
+    }
+
     /// Removes a pair's contacts.
     pub(crate) fn empty(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
@@ -161,6 +125,12 @@ impl BlockOutput<'_> {
     pub(crate) fn count_casts(&mut self, casts: u32) {
         self.block.casts += casts;
     }
+    pub(crate) fn casts(&self) -> u32 {
+        self.block.casts
+    }
+    pub(crate) fn set_casts(&mut self, casts: u32) {
+        self.block.casts = casts;
+    }
     pub(crate) fn count_ghost(&mut self) {
         self.block.ghosts += 1;
     }
@@ -174,6 +144,7 @@ pub(crate) struct Places<'a> {
     fresh: Shared<'a, Fresh>,
     meshes: usize,
     mesh: Shared<'a, MeshBlock>,
+    repeats: bool,
 }
 
 impl Places<'_> {
@@ -192,7 +163,8 @@ impl Places<'_> {
         // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
         unsafe {
             let fresh = self.fresh.part(start..start + block.place as usize);
-            BlockOutput { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+            let mesh = is_mesh.then(|| self.mesh.get(own));
+            BlockOutput { fresh, pairs, state, repeats: self.repeats, mesh, block }
         }
     }
 }
@@ -201,6 +173,8 @@ impl Places<'_> {
 pub(crate) const EMPTIED: u8 = u8::MAX - 2;
 /// State of a pair that was found to be clear: see [`BlockOutput::clear`]. No bin has this number.
 pub(crate) const CLEAR: u8 = u8::MAX - 3;
+/// State of a pair that its block has to look at again: see [`BlockOutput::grow`]. No bin has this number.
+pub(crate) const CROWDED: u8 = u8::MAX - 4;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -239,7 +213,7 @@ impl FoundContacts {
     pub(crate) fn plan(
         &mut self,
         bins: &mut Bins,
-        pairs: &[Pair],
+        (pairs, contacts): (&[Pair], &Contacts),
         input: &Input<'_>,
         (allowances, slab): (&mut Allowances, &mut Slab),
     ) {
@@ -256,7 +230,7 @@ impl FoundContacts {
             };
             allowances.within(Category::Scratch, half);
         }
-        let (mut own, mut total) = (0, [0u32; 2]);
+        let (mut own, mut total, mut growing) = (0, [0u32; 2], 0);
         for block in &mut bins.blocks {
             if block.bin.is_mesh() {
                 block.mesh = own;
@@ -266,15 +240,25 @@ impl FoundContacts {
             let order = &bins.order[block.start as usize..block.end as usize];
             let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
             if endless {
-                block.place = new.count() as u32;
-                block.quota = [block.place; 2];
+                let new = new.count() as u32;
+                block.growth = block.growing(order.len() as u32 - new).div_ceil(GROWING) as u8;
+                block.place = new + u32::from(block.growth);
+                block.quota = [new; 2];
                 continue;
             }
             new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-            block.place = block.quota[0] + block.quota[1];
+            // Contacts that are older than the budget, and a few that outgrow what is usual for their kind.
+            let (mut older, mut others) = (0, 0);
+            let old = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact != NO_CONTACT);
+            for (pair, room) in old.map(|pair| (pair, contacts.room(pair.contact))) {
+                let is_older = room < input.room(pair, true);
+                older += u32::from(is_older);
+                others += u32::from(!is_older && room < MAX_POINTS);
+            }
+            block.growth = (older + block.growing(others).div_ceil(GROWING)) as u8;
+            growing += u32::from(block.growth);
+            total[0] += block.quota[0] + block.quota[1];
             total[1] += block.quota[1];
-            block.fresh = total[0];
-            total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
@@ -283,13 +267,25 @@ impl FoundContacts {
             self.place = 0;
             return;
         }
-        let wanted = total[0] as usize;
+        let wanted = (total[0] + growing) as usize;
         let part = |allowance: &mut Allowance| {
             allowance.within(4, |allowance| slab.reserve::<Fresh>(wanted, allowance))
         };
         self.place = allowances.within(Category::Rows, part);
         if self.place < wanted {
+            // Contacts that there are keep the points that they have place for.
+            bins.blocks.iter_mut().for_each(|block| block.growth = 0);
+            self.place = self.place.min(total[0] as usize);
+        }
+        if self.place < total[0] as usize {
             cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
+        } else {
+            let mut start = 0;
+            for block in bins.blocks.iter_mut().filter(|block| !block.bin.is_mesh()) {
+                block.place = block.quota[0] + block.quota[1] + u32::from(block.growth);
+                block.fresh = start;
+                start += block.place;
+            }
         }
     }
 
@@ -316,7 +312,8 @@ impl FoundContacts {
     pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
         let meshes = self.meshes.len();
         let fresh = if self.place > 0 { slab.alone(self.place) } else { &mut self.fresh };
-        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes) }
+        let repeats = self.share.is_endless();
+        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
     /// Gives slots to the contacts of some blocks, and with the last of them to those of mesh blocks. Returns
@@ -342,10 +339,14 @@ impl FoundContacts {
                 contacts.remove_chain(slot);
             }
         }
+        if blocks.iter().any(|block| block.grown > 0) {
+            let found = (blocks, self.place, &mut self.fresh);
+            shed += renew_grown(found, pairs, contacts, input, (allowances, space));
+        }
         let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
-        let mut of_meshes = 0;
+        let mut of_meshes = ContactCount::default();
         for block in &mut *meshes {
-            of_meshes += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
+            of_meshes = of_meshes + block.count_more(pairs, contacts);
             let used = self.share.left() - block.mesh.allowance.left();
             allowances.within(Category::Scratch, |allowance| allowance.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
@@ -353,9 +354,8 @@ impl FoundContacts {
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let mut way = Way::FREE;
         if allowances.is_endless() {
-            let found = blocks.iter().map(|block| (block.used[0] + block.used[1]) as usize).sum::<usize>();
-            allowances
-                .within(Category::Manifolds, |allowance| contacts.reserve(found + of_meshes, allowance));
+            let more = count(found_by(blocks, &self.fresh), |_| 0) + of_meshes;
+            allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
         } else {
             let found = (blocks, self.place, &*meshes);
             way = make_way(found, of_meshes, pairs, contacts, input, (allowances, space));
@@ -374,12 +374,11 @@ impl FoundContacts {
                 shed += found.raw.count;
                 continue;
             }
-            let mut contact = Contact::new(pair.a, pair.b);
-            let frame = input.poses[pair.a as usize].rotation;
-            contact.take(&found.raw, relative_pose(pair, input.poses), frame);
-            contact.fraction = found.fraction;
-            self.touching |= contact.touches_anew(input.touch_distance);
-            pair.contact = contacts.insert_within(contact, way.most);
+            let at = FoundAt::of(pair, input, found.fraction);
+            let contact = Contact::found(pair.a, pair.b, &found.raw, at);
+            self.touching |= contact.as_ref().touches_anew(input.touch_distance);
+            let room = input.room(pair, !allowances.is_endless());
+            pair.contact = contacts.insert_within(&contact, room, way.most);
             shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
@@ -395,85 +394,63 @@ impl FoundContacts {
     }
 }
 
-/// Which contacts may stay, and which new ones are taken in.
-struct Way {
-    /// The most contacts.
-    most: usize,
-    floor: Threshold,
-    /// Bytes left for rows.
-    of_rows: usize,
-    /// Points of contacts that were shed.
-    shed: u32,
-}
-
-impl Way {
-    /// All contacts.
-    const FREE: Way = Way { most: usize::MAX, floor: Threshold::ALL, of_rows: 0, shed: 0 };
-}
-
-/// Weighs existing contacts and those that blocks found, sheds those that are too light, and reserves slots
-/// for the others.
-fn make_way(
-    (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
-    of_meshes: usize,
-    pairs: &mut [Pair],
+/// Gives the contacts of some blocks places for the manifolds that they had none for, and then these. What
+/// was found about them is done with. Returns the number of points that got no place.
+fn renew_grown(
+    (blocks, place, fresh): (&[Block], usize, &mut Vec<Fresh>),
+    pairs: &[Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
     (allowances, space): (&mut Allowances, &mut RowSpace),
-) -> Way {
-    let cost = space.cost;
-    let mut census = Census::new();
-    for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
-        let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = &contacts.all[slot as usize];
-            let taken = Taken::of(contact, is_static, input.touch_distance);
-            match weight {
-                Some(weight) => census.add(weight, taken, &cost),
-                None => census.add_fixed(taken, &cost),
+) -> u32 {
+    let bounded = !allowances.is_endless();
+    let grown = |fresh: &[Fresh]| {
+        let grown = found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
+        let points = grown.map(|found| {
+            let pair = &pairs[found.pair as usize];
+            input.room(pair, bounded).max(found.raw.count as usize) - contacts.room(pair.contact)
+        });
+        ContactCount { contacts: 0, points: points.sum() }
+    };
+    let more = grown(if place > 0 { space.slab.alone(place) } else { fresh });
+    reserve(more, contacts, (place * FRESH_BYTES, 0), (allowances, space));
+    let fresh = if place > 0 { space.slab.alone(place) } else { fresh.as_mut_slice() };
+    let mut shed = 0;
+    for block in blocks.iter().filter(|block| block.grown > 0) {
+        for found in &mut fresh[block.fresh as usize..][..block.found()] {
+            let pair = &pairs[found.pair as usize];
+            if pair.contact != NO_CONTACT {
+                let wanted = input.room(pair, bounded).max(found.raw.count as usize);
+                let room = contacts.grow(pair.contact, wanted);
+                shed += found.raw.keep(room);
+                let at = FoundAt::of(pair, input, found.fraction);
+                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
+                found.raw.count = 0;
             }
-            slot = contact.next;
         }
     }
-    for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.touch_distance);
-        many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
+    shed
+}
+
+/// So many contacts, and the points of their places: of those that they have, but not fewer than `room` says.
+pub(super) fn count<'a>(
+    found: impl Iterator<Item = &'a Fresh>,
+    room: impl Fn(&Fresh) -> usize,
+) -> ContactCount {
+    let of = |found: &Fresh| ContactCount { contacts: 1, points: room(found).max(found.raw.count as usize) };
+    found.map(of).fold(ContactCount::default(), std::ops::Add::add)
+}
+
+impl FoundAt {
+    /// At the poses of the start of the step, for a manifold of a fraction of it.
+    pub(super) fn of(pair: &Pair, input: &Input<'_>, fraction: f32) -> FoundAt {
+        let frame = input.poses[pair.a as usize].rotation;
+        FoundAt { pose: relative_pose(pair, input.poses), frame, fraction }
     }
-    for found in found_by(blocks, space.slab.alone(place)) {
-        let pair = &pairs[found.pair as usize];
-        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
-        census.add(found.weight(pair, input), taken, &cost);
-    }
-    let admitted = Means::new(allowances, space, contacts.place()).admit(&census);
-    let mut floor = admitted.floor;
-    let shed = evict(&mut floor, pairs, contacts, input);
-    let mut ahead = floor;
-    let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
-    let more = found_by(blocks, space.slab.alone(place)).filter(stays).count() + of_meshes;
-    let reserved = space.slab.bytes(0).1 + cost.reserved;
-    let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
-    let left = |allowances: &Allowances| {
-        allowances.own(Category::Manifolds).min(allowances.whole().saturating_sub(of_rows))
-    };
-    let lacking = contacts.missing_for(more).saturating_sub(left(allowances));
-    if lacking > 0 {
-        // Rows have more memory than they will need, because there were fewer contacts, or these had more
-        // points.
-        let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
-        let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
-        allowances.within(Category::Rows, |allowance| allowance.give(space.slab.spare(to)));
-        space.slab.shrink(to);
-    }
-    let left = left(allowances);
-    let mut allowance = Allowance::new(left);
-    let place = contacts.reserve(more, &mut allowance);
-    allowances.within(Category::Manifolds, |all| all.take(left - allowance.left()));
-    Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
 }
 
 impl Fresh {
-    fn weight(&self, pair: &Pair, input: &Input<'_>) -> Weight {
+    pub(super) fn weight(&self, pair: &Pair, input: &Input<'_>) -> Weight {
         let nearest = self.raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
         let normal = input.poses[pair.a as usize].rotation * self.raw.normal;
         input.scale.weigh([pair.a, pair.b], normal, nearest, 0.0)
@@ -484,7 +461,7 @@ impl Fresh {
 fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
     let mut end = 0;
     for block in blocks {
-        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        let (start, used) = (block.fresh as usize, block.found());
         fresh.copy_within(start..start + used, end);
         block.fresh = end as u32;
         end += used;
@@ -492,20 +469,16 @@ fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
     end
 }
 
-/// What blocks found, in their order.
-fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
+/// What blocks found, in their order, apart from what is done with.
+pub(super) fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
     blocks.iter().flat_map(|block| {
-        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
-        &fresh[start..start + used]
+        let (start, used) = (block.fresh as usize, block.found());
+        fresh[start..start + used].iter().filter(|found| found.raw.count > 0)
     })
 }
 
-/// The weight of a pair's contact, if it has one. Contacts with meshes have none here: they are exchanged for
-/// new ones.
-fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
-    let of_mesh = matches!(input.summaries[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
-    (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
-}
+/// The part of a block's contacts that may outgrow their places at a time.
+const GROWING: u32 = 8;
 
 /// New contacts that are held at a time: enough for all in most steps. If a whole scene falls onto the ground
 /// at once, its blocks run in several waves.
@@ -531,70 +504,4 @@ fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
         (block.fresh, block.place) = (start, block.quota[0] + block.quota[1]);
         start += block.place;
     }
-}
-
-/// Frees the contacts that do not stay. Returns the number of points shed.
-fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
-    let mut shed = 0;
-    for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
-        if let Some(weight) = weight_of(pair, contacts, input)
-            && !floor.keeps(weight)
-        {
-            shed += u32::from(contacts.all[pair.contact as usize].count);
-            contacts.remove_chain(std::mem::replace(&mut pair.contact, NO_CONTACT));
-        }
-    }
-    shed
-}
-
-/// Exchanges the contacts of mesh pairs for new ones, which inherit what the old ones bore.
-fn commit_meshes(
-    block: &mut MeshBlock,
-    pairs: &mut [Pair],
-    (contacts, most): (&mut Contacts, usize),
-    (chain, touching): (&mut Vec<Contact>, &mut bool),
-    input: &Input<'_>,
-    allowance: &mut Allowance,
-) -> u32 {
-    let mut shed = 0;
-    for &(index, start, end) in &block.looked {
-        let pair = &mut pairs[index as usize];
-        let now = relative_pose(pair, input.poses);
-        chain.clear();
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            // The worst case is an impulse that is not inherited.
-            allowance.push(chain, contacts.all[slot as usize]);
-            slot = contacts.all[slot as usize].next;
-        }
-        contacts.remove_chain(pair.contact);
-        pair.contact = NO_CONTACT;
-        let mut last = NO_CONTACT;
-        for (raw, fraction) in &block.many[start as usize..end as usize] {
-            let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, now, input.poses[pair.a as usize].rotation);
-            contact.fraction = *fraction;
-            // The manifold of the last step whose normal is nearest.
-            let nearest =
-                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
-            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, MatchLimits::of(input, pair));
-                (contact.friction, contact.twist) = (old.friction, old.twist);
-                contact.mean_friction = old.mean_friction;
-            }
-            *touching |= contact.touches_anew(input.touch_distance);
-            let slot = contacts.insert_within(contact, most);
-            if slot == NO_CONTACT {
-                shed += raw.count;
-            } else if last == NO_CONTACT {
-                pair.contact = slot;
-            } else {
-                contacts.all[last as usize].next = slot;
-            }
-            last = if slot == NO_CONTACT { last } else { slot };
-        }
-    }
-    block.looked.clear();
-    block.many.clear();
-    shed
 }

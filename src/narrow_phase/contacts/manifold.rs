@@ -1,10 +1,22 @@
 //! Contact manifolds: what the kernels hand on.
 
+use crate::shape::Kind;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Most points of a manifold.
 pub(crate) const MAX_POINTS: usize = 4;
+
+/// The most points that a manifold of two shapes has, but for rare ones of capsules; zero for meshes and
+/// height fields, whose contacts are never renewed but exchanged.
+pub(crate) fn most_points(a: Kind, b: Kind) -> usize {
+    match [a, b] {
+        [Kind::Mesh | Kind::HeightField, _] | [_, Kind::Mesh | Kind::HeightField] => 0,
+        [Kind::Sphere, _] | [_, Kind::Sphere] => 1,
+        [Kind::Capsule, _] | [_, Kind::Capsule] => 2,
+        _ => MAX_POINTS,
+    }
+}
 
 /// A point of a manifold, in the frame of shape `a`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -31,6 +43,19 @@ pub(crate) struct RawManifold {
 impl RawManifold {
     pub(crate) fn points(&self) -> &[RawPoint] {
         &self.points[..self.count as usize]
+    }
+
+    /// Leaves out the points that are furthest apart until there are so many; returns how many it left out.
+    pub(crate) fn keep(&mut self, most: usize) -> u32 {
+        let before = self.count;
+        while self.count as usize > most {
+            let furthest = (0..self.count as usize)
+                .max_by(|&i, &k| self.points[i].separation.total_cmp(&self.points[k].separation));
+            let from = furthest.unwrap_or(0);
+            self.points[from..self.count as usize].rotate_left(1);
+            self.count -= 1;
+        }
+        before - self.count
     }
 
     /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.

@@ -7,7 +7,7 @@
 //! nothing approaches cost nothing. Contacts that keep a body from entering something static by more than a
 //! little weigh more than all others.
 
-use super::contact::Contact;
+use super::contact::ContactRef;
 use crate::body::Mass;
 use crate::config::tuning::{LASTING_LOAD_WEIGHT, OVERLAP_WEIGHT, STATIC_WEIGHT};
 use crate::lanes::Record;
@@ -91,7 +91,7 @@ impl Scale<'_> {
     }
 
     /// The weight of an existing contact.
-    pub(crate) fn of(&self, contact: &Contact) -> Weight {
+    pub(crate) fn of(&self, contact: ContactRef<'_>) -> Weight {
         let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
         self.weigh([contact.a, contact.b], contact.frame * contact.normal, nearest, contact.bears())
     }

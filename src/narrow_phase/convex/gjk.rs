@@ -37,7 +37,14 @@ pub(crate) fn distance(a: &Support, b: &Support, rel: &Relative, hint: Vec3) -> 
         rotation: DMat3::from_quat(rel.rotation.as_dquat().normalize()),
         position: rel.position.as_dvec3(),
     };
-    let gap = core_gap(a, b, &pose, hint.as_dvec3(), &mut Simplex::empty(), (0.0, 1e-7));
+    let gap = core_gap(
+        a,
+        b,
+        &pose,
+        hint.as_dvec3(),
+        &mut Simplex::empty(),
+        Accuracy { absolute: 0.0, relative: 1e-7 },
+    );
     let radii = a.radius + b.radius;
     Closest {
         distance: (if gap.overlap { -radii } else { gap.upper - radii }) as f32,
@@ -70,36 +77,54 @@ impl CoreGap {
     }
 }
 
-/// Searches until the bounds are within `accuracy` [m] of each other, or within the share `relative` of the
-/// distance of the surfaces. `simplex`: that of an earlier search of the same shapes, after which they may
-/// have moved, or empty; then the search begins along `hint`.
+/// How close the bounds of a distance have to be for a search to end: either suffices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accuracy {
+    /// [m]
+    pub(crate) absolute: f64,
+    /// Share of the distance of the surfaces.
+    pub(crate) relative: f64,
+}
+
+/// What a search begins with.
+enum Start {
+    /// A direction that is likely to be near the normal.
+    Guess(DVec3),
+    /// A direction that separates the shapes: it stays the normal unless a better one is found.
+    Separating(DVec3),
+}
+
+/// Searches for the distance of two cores. `simplex`: that of an earlier search of the same shapes, after
+/// which they may have moved, or empty; then the search begins along `hint`.
 pub(crate) fn core_gap(
     a: &Support,
     b: &Support,
     pose: &Pose,
     hint: DVec3,
     simplex: &mut Simplex,
-    limits: (f64, f64),
+    accuracy: Accuracy,
 ) -> CoreGap {
     let guess = [hint, pose.position].into_iter().find(|d| d.length_squared() > 0.0);
     let normal = guess.unwrap_or(DVec3::X).normalize_or(DVec3::X);
-    search(a, b, pose, (normal, false), simplex, limits)
+    search(a, b, pose, Start::Guess(normal), simplex, accuracy)
 }
 
 /// As [`core_gap`], for two shapes that the unit vector `normal` is known to separate: it stays the answer
 /// unless another one beats it by more than `accuracy` [m].
 pub(crate) fn gap_from(a: &Support, b: &Support, pose: &Pose, normal: DVec3, accuracy: f64) -> CoreGap {
-    search(a, b, pose, (normal, true), &mut Simplex::empty(), (accuracy, 0.0))
+    let accuracy = Accuracy { absolute: accuracy, relative: 0.0 };
+    search(a, b, pose, Start::Separating(normal), &mut Simplex::empty(), accuracy)
 }
 
 fn search(
     a: &Support,
     b: &Support,
     pose: &Pose,
-    (mut normal, separates): (DVec3, bool),
+    start: Start,
     simplex: &mut Simplex,
-    (accuracy, relative): (f64, f64),
+    accuracy: Accuracy,
 ) -> CoreGap {
+    let (Start::Guess(mut normal) | Start::Separating(mut normal)) = start;
     let radii = a.radius + b.radius;
     let to_b = pose.rotation.transpose();
     // The point of b - a that is nearest along `d`, with its parts on a and on b.
@@ -112,7 +137,7 @@ fn search(
     if simplex.count == 0 {
         let (first, on_a, on_b) = lowest(normal);
         simplex.push(first, on_a, on_b);
-        if separates {
+        if matches!(start, Start::Separating(_)) {
             lower = first.dot(normal);
         }
     }
@@ -136,7 +161,7 @@ fn search(
             (lower, normal) = (bound, direction);
         }
         size = size.max(point.length_squared());
-        let enough = (relative * (length - radii)).max(accuracy).max(1e-9 * size.sqrt());
+        let enough = (accuracy.relative * (length - radii)).max(accuracy.absolute).max(1e-9 * size.sqrt());
         if length - lower <= enough || simplex.contains(point) {
             break;
         }

@@ -79,8 +79,8 @@ impl<'a> Polytope<'a> {
         best
     }
 
-    /// The face whose normal is furthest along `direction`; of equals the first in its lane. Of a triangle
-    /// the front.
+    /// The face whose normal is furthest along `direction`; the first of its lane among equals. A
+    /// triangle answers with its front.
     pub(crate) fn face_towards(&self, direction: Vec3) -> usize {
         let d = LaneVec3::<f32x8>::splat(direction);
         let (mut most, mut chunk) = (f32x8::splat(f32::MIN), f32x8::zero());

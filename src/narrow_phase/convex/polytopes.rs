@@ -3,7 +3,9 @@
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
 use super::polytope::{Polytope, Pose};
-use super::sat::{EdgeAxis, EdgeSet, FaceAxis, Nearest, edge_axis, edges_in_reach, face_axis, nearest_edges};
+use super::sat::{
+    EdgeAxis, EdgeSet, FaceAxis, Nearest, Slab, edge_axis, edges_in_reach, face_axis, nearest_edges,
+};
 use crate::config::tuning::FACE_PREFERENCE;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use glam::Vec3;
@@ -111,26 +113,23 @@ impl<'a> FacePair<'a> {
         manifold_of(cloud, normal)
     }
 
-    /// The face's normal from a to b; along it all of `a` is below the second number, all of `b` above the
-    /// third.
     #[inline(always)]
-    fn slab(&self) -> (Vec3, f32, f32) {
+    fn slab(&self) -> Slab {
         let FaceAxis { face, separation } = self.face;
         if self.on_b {
             let n = -self.pose.direction(self.b.planes[face].0);
             let low = n.dot(self.pose.position) - self.b.planes[face].1;
-            (n, low - separation, low)
+            Slab { normal: n, high: low - separation, low }
         } else {
             let (n, offset) = self.a.planes[face];
-            (n, offset, offset + separation)
+            Slab { normal: n, high: offset, low: offset + separation }
         }
     }
 
     /// Edges of both that may be nearer to each other than `reach` [m].
     #[inline(always)]
     fn edges_in_reach(&self, reach: f32) -> (EdgeSet, EdgeSet) {
-        let (normal, high, low) = self.slab();
-        edges_in_reach(self.a, self.b, self.pose, &self.back, reach, normal, (high, low))
+        edges_in_reach(self.a, self.b, self.pose, &self.back, reach, &self.slab())
     }
 
     /// The manifold of two that overlap by all of their faces: of the face, or of two edges on whose axis
@@ -178,7 +177,7 @@ impl<'a> FacePair<'a> {
         let normal = match touching {
             Some(e) if nearest.distance < 1e-5 * self.size => e.normal,
             _ if nearest.distance > 0.0 => (q - p) / nearest.distance,
-            _ => self.slab().0,
+            _ => self.slab().normal,
         };
         self.by_edges(nearest.edges, normal, &mut Cloud::new())
     }

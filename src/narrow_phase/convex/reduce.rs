@@ -206,7 +206,7 @@ fn convex_hull(points: &mut [Seed], hull: &mut [Seed; MAX_CLOUD]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::narrow_phase::convex::testing::Random;
+    use crate::random::Random;
 
     fn area(points: &[Vec2]) -> f32 {
         let mut sorted: Vec<Seed> = points.iter().copied().zip(0..).collect();

@@ -118,16 +118,21 @@ fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> Edg
     set
 }
 
-/// Edges of both that can be nearer to the other than `reach`. `normal` (from a to b, in a's frame) has all
-/// of `a` below `high` and all of `b` above `low`.
+/// Along `normal` (from a to b, in a's frame) all of `a` is below `high` and all of `b` above `low`.
+pub(crate) struct Slab {
+    pub(crate) normal: Vec3,
+    pub(crate) high: f32,
+    pub(crate) low: f32,
+}
+
+/// Edges of both that can be nearer to the other than `reach`.
 pub(crate) fn edges_in_reach(
     a: &Polytope,
     b: &Polytope,
     b_in_a: &Pose,
     a_in_b: &Pose,
     reach: f32,
-    normal: Vec3,
-    (high, low): (f32, f32),
+    &Slab { normal, high, low }: &Slab,
 ) -> (EdgeSet, EdgeSet) {
     let around = |p: &Polytope, pose: &Pose| {
         let (centre, half) = ((p.min + p.max) * 0.5, (p.max - p.min) * 0.5);
@@ -267,8 +272,8 @@ pub(crate) struct Nearest {
     pub(crate) edges: [usize; 2],
 }
 
-/// The nearest points of all edges in reach. Of two polytopes that are apart these are the nearest points at
-/// all, unless one lies inside a face.
+/// The nearest points of all edges in reach. If the polytopes are apart, these are their nearest points,
+/// unless one lies inside a face.
 pub(crate) fn nearest_edges(
     a: &Polytope,
     b: &Polytope,

@@ -1,91 +1,16 @@
-//! What the tests of this folder share: seeded numbers, shapes, and a slow reference in f64.
+//! What the tests of this folder share: shapes, and a slow reference in f64.
 
 use super::*;
-use crate::math::Quat;
-use crate::shape::{ConvexHull, Filter, Geometry, Material};
+pub(crate) use crate::narrow_phase::fixtures::collider;
+use crate::narrow_phase::fixtures::furthest;
+pub(crate) use crate::random::Random;
+use crate::shape::{ConvexHull, Geometry};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// Numbers in 0..1 (SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
-impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    pub(crate) fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1 << 24) as f32
-    }
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-    pub(crate) fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-    pub(crate) fn sphere(&mut self) -> Vec3 {
-        loop {
-            let v = self.cube();
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    pub(crate) fn rotation(&mut self) -> Quat {
-        let (v, w) = (self.sphere(), self.unit() * 2.0 - 1.0);
-        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
-    }
-}
-
-pub(crate) fn collider(geometry: Geometry) -> Collider {
-    let (mut size, radius) = ([0.0; 4], reach(&geometry));
-    match &geometry {
-        Geometry::Sphere { radius } => size[0] = *radius,
-        Geometry::Capsule { half_height, radius_bottom, radius_top }
-        | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            size = [*half_height, *radius_bottom, *radius_top, 0.0];
-        }
-        Geometry::Box { half_extents: h } => size = [h.x, h.y, h.z, 0.0],
-        _ => {}
-    }
-    Collider {
-        kind: Kind::of(&geometry),
-        body: 0,
-        place: 0,
-        size,
-        position: Vec3::ZERO,
-        rotation: Quat::IDENTITY,
-        radius,
-        inner_radius: 0.0,
-        geometry,
-        material: Material::default(),
-        filter: Filter::default(),
-        density: 1.0,
-        flags: 0,
-        user_data: 0,
-    }
-}
-
-fn reach(geometry: &Geometry) -> f32 {
-    match geometry {
-        Geometry::Sphere { radius } => *radius,
-        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-            half_height + radius_bottom.max(*radius_top)
-        }
-        Geometry::Box { half_extents } => half_extents.length(),
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            half_height.hypot(radius_bottom.max(*radius_top))
-        }
-        Geometry::Hull(h) => h.vertices.iter().map(|v| v.length()).fold(0.0, f32::max),
-        _ => f32::INFINITY,
-    }
-}
-
 pub(crate) fn hull(random: &mut Random, points: usize) -> Geometry {
     let squash = random.cube().abs() * 0.6 + 0.4;
-    let points: Vec<Vec3> = (0..points).map(|_| random.sphere() * squash).collect();
+    let points: Vec<Vec3> = (0..points).map(|_| random.direction() * squash).collect();
     Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap()))
 }
 
@@ -114,20 +39,7 @@ pub(crate) fn shape(random: &mut Random, kind: Kind) -> Collider {
 
 /// Largest extent along a direction.
 pub(crate) fn extent(shape: &Collider, d: DVec3) -> f64 {
-    match &shape.geometry {
-        Geometry::Sphere { radius } => f64::from(*radius) * d.length(),
-        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-            let (h, l) = (f64::from(*half_height) * d.y, d.length());
-            (f64::from(*radius_bottom) * l - h).max(f64::from(*radius_top) * l + h)
-        }
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            let (h, l) = (f64::from(*half_height) * d.y, d.x.hypot(d.z));
-            (f64::from(*radius_bottom) * l - h).max(f64::from(*radius_top) * l + h)
-        }
-        Geometry::Box { half_extents } => half_extents.as_dvec3().dot(d.abs()),
-        Geometry::Hull(h) => h.vertices.iter().map(|v| v.as_dvec3().dot(d)).fold(f64::MIN, f64::max),
-        _ => f64::INFINITY,
-    }
+    furthest(shape, d).dot(d)
 }
 
 /// Two shapes with the pose of b in a's frame.

@@ -55,7 +55,7 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize) {
     let mut random = Random(seed);
     for round in 0..rounds {
         let (one, two) = (shape(&mut random, a), shape(&mut random, b));
-        let (direction, rotation) = (random.sphere(), random.rotation());
+        let (direction, rotation) = (random.direction(), random.turn());
         let rotation = if round % 5 == 4 { Quat::IDENTITY } else { rotation };
         let at = [-0.1, -0.02, -0.001, 0.002, 0.03][random.below(5)];
         // Bring them together until they are about that far apart.
@@ -121,10 +121,10 @@ fn the_nearest_vertex_of_a_splinter_is_found_at_any_distance() {
     let wall = collider(Geometry::cuboid(50.0, 50.0, 0.01));
     for round in 0..2000 {
         let size = Vec3::new(0.1, 0.02 + 0.08 * random.unit(), 0.01);
-        let points: Vec<Vec3> = (0..8 + random.below(20)).map(|_| random.sphere() * size).collect();
+        let points: Vec<Vec3> = (0..8 + random.below(20)).map(|_| random.direction() * size).collect();
         let splinter = collider(Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap())));
         let rotation =
-            if round % 2 == 0 { random.rotation() } else { Quat::from_rotation_x(0.2 * random.unit()) };
+            if round % 2 == 0 { random.turn() } else { Quat::from_rotation_x(0.2 * random.unit()) };
         let height = 0.5 * random.unit();
         let lowest = extent(&splinter, (rotation.conjugate() * Vec3::NEG_Z).as_dvec3());
         let position = Vec3::new(-45.0, 20.0, 0.01 + lowest as f32 + height);
@@ -188,7 +188,7 @@ fn identical_hulls_at_one_place_and_other_degenerate_poses_give_numbers() {
     for a in &thin {
         for b in &thin {
             for _ in 0..20 {
-                let rel = Relative { position: random.cube() * 0.5, rotation: random.rotation() };
+                let rel = Relative { position: random.cube() * 0.5, rotation: random.turn() };
                 let manifold = collide_convex(a, b, &rel, MARGIN);
                 assert!(manifold.normal.is_finite());
                 assert!(manifold.points().iter().all(|p| p.position.is_finite() && p.separation <= MARGIN));
@@ -274,7 +274,7 @@ fn a_triangle_pushes_back_to_the_side_that_the_centre_is_on() {
     for kind in KINDS {
         for _ in 0..200 {
             let one = shape(&mut random, kind);
-            let rotation = random.rotation();
+            let rotation = random.turn();
             // The centre is above the triangle, by up to the size of the shape.
             let height = 0.02 + random.unit();
             let local = |p: Vec3| rotation.conjugate() * (p - Vec3::Y * height);
@@ -300,7 +300,7 @@ fn a_triangle_pushes_back_to_the_side_that_the_centre_is_on() {
 fn a_pair_in_the_wrong_order_is_the_same_contact_seen_from_the_other() {
     let mut random = Random(3);
     let (one, two) = (shape(&mut random, Kind::Sphere), shape(&mut random, Kind::Hull));
-    let rotation = random.rotation();
+    let rotation = random.turn();
     let rel = Relative { position: Vec3::X * (one.radius + 0.3), rotation };
     let back = Relative { position: -(rotation.conjugate() * rel.position), rotation: rotation.conjugate() };
     let (forth, other) = (collide_convex(&one, &two, &rel, 2.0), collide_convex(&two, &one, &back, 2.0));
@@ -334,7 +334,7 @@ fn time_of_a_pair_in_shallow_contact() {
         for (name_b, b) in &shapes[i..] {
             let poses: Vec<Relative> = (0..64)
                 .map(|_| {
-                    let (direction, rotation) = (random.sphere(), random.rotation());
+                    let (direction, rotation) = (random.direction(), random.turn());
                     let mut far = a.radius + b.radius + 0.1;
                     for _ in 0..12 {
                         let rel = Relative { position: direction * far, rotation };

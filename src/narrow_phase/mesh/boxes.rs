@@ -159,6 +159,10 @@ struct Corner {
 
 /// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal,
 /// that are nearer than the margin.
+///
+/// Not by `convex::clip::clip_face`: three corners against a rectangle along the axes are four comparisons of
+/// coordinates, where that works out planes, and it walks eight edges at a time. And keys name corners of the
+/// box whichever triangle they are over, so that `merge` finds the same corner over two triangles.
 fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<RawPoint>) {
     let size = normal.abs();
     let w = if size.x >= size.y && size.x >= size.z {

@@ -8,7 +8,7 @@
 
 use super::Triangles;
 use super::hull_face::over_face;
-use super::hull_triangle::{ContactAxis, face_axis};
+use super::hull_triangle::{ContactAxis, Deepest, face_axis};
 use super::nearby::Ground;
 use super::patch::{Patches, Touch};
 use super::reach::Bounds;
@@ -20,7 +20,6 @@ use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
 use crate::narrow_phase::convex::sat::in_lanes;
 use crate::shape::ConvexHull;
-use glam::Vec3;
 
 /// The vertex of a hull that is furthest along each of eight directions, and how far [m].
 #[inline(always)]
@@ -84,13 +83,13 @@ pub(crate) fn touch(
         bits &= bits - 1;
         let touch = triangles.touch(lane, ground);
         let (face, margin) = (face[lane], margins[lane]);
-        let deepest = p.vertices[vertex[lane] as usize];
+        let deepest = Deepest { at: p.vertices[vertex[lane] as usize], separation: face };
         let first = patches.points.len();
         let over = |points: &mut Vec<RawPoint>| {
             let first = points.len();
-            over_face(p, &touch, (margin, size), points);
+            over_face(p, &touch, margin, size, points);
             if inside[lane] >= 0.0 {
-                add_deepest(deepest, face, &touch, size, (first, points));
+                add_deepest(&deepest, &touch, size, first, points);
             }
         };
         if clear >> lane & 1 != 0 {
@@ -102,12 +101,12 @@ pub(crate) fn touch(
         if by_hull.0 > margin {
             continue;
         }
-        let Some(contact) = ContactAxis::between(hull, &touch, by_hull, (face, margin), size) else {
+        let Some(contact) = ContactAxis::between(hull, &touch, by_hull, face, margin, size) else {
             continue;
         };
         let verdict = touch.judge(contact.normal, contact.apart, face, size);
         let own = |points: &mut Vec<RawPoint>| {
-            contact.points(p, &touch, (face, deepest), (margin, size), points);
+            contact.points(p, &touch, &deepest, margin, size, points);
         };
         let found = TriangleContact { normal: contact.normal, apart: contact.apart, face, margin, verdict };
         found.add(&touch, bounds, own, over, patches);
@@ -116,9 +115,10 @@ pub(crate) fn touch(
 
 /// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the
 /// face that is most level.
-fn add_deepest(at: Vec3, face: f32, touch: &Touch, size: f32, (first, points): (usize, &mut Vec<RawPoint>)) {
-    if points[first..].iter().all(|p| p.separation > face + FACE_PREFERENCE.1 * size) {
-        let position = at - touch.front * (0.5 * face);
-        points.extend(named(touch, &[RawPoint { position, separation: face, key: key(0, 0x7fff, 1) }]));
+fn add_deepest(deepest: &Deepest, touch: &Touch, size: f32, first: usize, points: &mut Vec<RawPoint>) {
+    let Deepest { at, separation } = *deepest;
+    if points[first..].iter().all(|p| p.separation > separation + FACE_PREFERENCE.1 * size) {
+        let position = at - touch.front * (0.5 * separation);
+        points.extend(named(touch, &[RawPoint { position, separation, key: key(0, 0x7fff, 1) }]));
     }
 }

@@ -30,7 +30,7 @@ const SIDE: u32 = 0x100;
 
 /// Adds the points of a hull's most level face that are over a triangle and nearer than the margin, along the
 /// triangle's normal.
-pub(crate) fn over_face(p: &Polytope, touch: &Touch, (margin, size): (f32, f32), points: &mut Vec<RawPoint>) {
+pub(crate) fn over_face(p: &Polytope, touch: &Touch, margin: f32, size: f32, points: &mut Vec<RawPoint>) {
     let front = touch.front;
     let offset = front.dot(touch.corners[0]);
     let face = p.face(p.face_towards(-front));

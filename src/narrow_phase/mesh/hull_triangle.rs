@@ -38,6 +38,13 @@ enum Feature {
     Level([usize; 2], [Vec3; 2]),
 }
 
+/// The vertex of a hull that is furthest below a triangle's plane.
+pub(crate) struct Deepest {
+    pub(crate) at: Vec3,
+    /// Its height over the plane [m].
+    pub(crate) separation: f32,
+}
+
 impl ContactAxis {
     /// `None` if they are further apart than the margin.
     ///
@@ -47,7 +54,8 @@ impl ContactAxis {
         hull: &ConvexHull,
         touch: &Touch,
         by_hull: (f32, usize),
-        (face, margin): (f32, f32),
+        face: f32,
+        margin: f32,
         size: f32,
     ) -> Option<ContactAxis> {
         let tolerance = FACE_PREFERENCE.1 * size;
@@ -93,14 +101,14 @@ impl ContactAxis {
         Some(ContactAxis { normal: (q - p) / distance, apart: distance, feature: Feature::Edges(edges) })
     }
 
-    /// Adds the points that are nearer than the margin along the normal. `deepest`: the hull's vertex that is
-    /// furthest below the triangle's plane, and how far over it.
+    /// Adds the points that are nearer than the margin along the normal.
     pub(crate) fn points(
         &self,
         p: &Polytope,
         touch: &Touch,
-        (face, deepest): (f32, Vec3),
-        (margin, size): (f32, f32),
+        deepest: &Deepest,
+        margin: f32,
+        size: f32,
         points: &mut Vec<RawPoint>,
     ) {
         let mut cloud = Cloud::new();
@@ -119,8 +127,9 @@ impl ContactAxis {
                 }
             }
             Feature::Triangle => {
-                let position = deepest - touch.front * (0.5 * face);
-                cloud.push(RawPoint { position, separation: face, key: key(0, 0x7fff, 1) });
+                let Deepest { at, separation } = *deepest;
+                let position = at - touch.front * (0.5 * separation);
+                cloud.push(RawPoint { position, separation, key: key(0, 0x7fff, 1) });
             }
             Feature::Level([one, two], [p, q]) => {
                 let separation = n.dot(q - p);

@@ -169,7 +169,8 @@ mod tests {
     use crate::narrow_phase::mesh::reach::Reach;
     use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
     use crate::narrow_phase::{RawPoint, Relative};
-    use crate::shape::mesh::testing::{Random, grid};
+    use crate::random::Random;
+    use crate::shape::mesh::testing::grid;
     use crate::shape::{Collider, Geometry, TriangleMesh};
     use glam::Vec3;
     use std::sync::Arc;

@@ -1,7 +1,8 @@
 use super::*;
 use crate::math::Quat;
 use crate::narrow_phase::convex::{collide_triangle, testing};
-use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
+use crate::random::Random;
+use crate::shape::mesh::testing::{bumpy, cuboid, grid, terrain};
 use crate::shape::{HeightField, Kind, TriangleMesh};
 use glam::Vec2;
 use std::sync::Arc;
@@ -33,7 +34,7 @@ fn collide(a: &Collider, b: &Collider, position: Vec3, rotation: Quat, margin: f
 }
 
 fn shapes() -> Vec<Collider> {
-    let mut random = testing::Random(3);
+    let mut random = Random(3);
     vec![
         testing::collider(Geometry::Sphere { radius: 0.3 }),
         testing::collider(Geometry::capsule(0.3, 0.2)),
@@ -54,7 +55,7 @@ fn a_flat_mesh_is_felt_as_a_plane_by_every_shape() {
                     0 => Quat::IDENTITY,
                     1 => Quat::from_rotation_y(random.range(-3.0, 3.0)),
                     2 => Quat::from_rotation_x(std::f32::consts::FRAC_PI_2),
-                    _ => random.rotation(),
+                    _ => random.turn(),
                 };
                 let plane = testing::extent(&shape, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32;
                 let gap = random.range(-0.01, 0.01);
@@ -211,7 +212,7 @@ fn a_shape_stuck_halfway_is_pushed_to_its_centres_side() {
     let mut random = Random(2);
     for shape in shapes() {
         for i in 0..100 {
-            let rotation = if i % 2 == 0 { Quat::IDENTITY } else { random.rotation() };
+            let rotation = if i % 2 == 0 { Quat::IDENTITY } else { random.turn() };
             let side = if i % 3 == 0 { -1.0 } else { 1.0 };
             let position = Vec3::new(0.1, side * random.range(0.005, 0.08), 0.07);
             let position = position - rotation * side_of(&shape);
@@ -232,7 +233,8 @@ fn a_shape_stuck_halfway_is_pushed_to_its_centres_side() {
 fn a_shape_is_pushed_to_the_side_of_its_centre_of_mass() {
     let ground = mesh(grid(16, 0.25, |_, _| 0.0));
     let cone = Geometry::Cylinder { half_height: 0.4, radius_bottom: 0.3, radius_top: 0.1 };
-    // Of a frustum: h (R² + 2 R r + 3 r²) / (4 (R² + R r + r²)) above its base, h = 0.8, R = 0.3, r = 0.1.
+    // Centre of mass of a frustum: h (R² + 2 R r + 3 r²) / (4 (R² + R r + r²)) above its base, h = 0.8,
+    // R = 0.3, r = 0.1.
     let above_base = 0.8 * (0.09 + 0.06 + 0.03) / (4.0 * (0.09 + 0.03 + 0.01));
     let mut shape = testing::collider(cone);
     shape.position = Vec3::new(0.0, 0.4 - above_base, 0.0);
@@ -279,7 +281,7 @@ fn what_touches_rough_ground_is_found() {
     let mut seen = 0;
     for shape in shapes() {
         for _ in 0..1500 {
-            let rotation = random.rotation();
+            let rotation = random.turn();
             let (x, z) = (random.range(-8.0, 8.0), random.range(-8.0, 8.0));
             let position = Vec3::new(x, bumpy(x, z) + random.range(0.1, 0.6), z);
             let back = rotation.conjugate();

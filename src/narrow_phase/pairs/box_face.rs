@@ -2,9 +2,9 @@
 //!
 //! The other face is clipped to the side planes of the reference face, and of the up to eight corners four
 //! are kept: the furthest in each of four directions, diagonal to the slope of the one face against the
-//! other. Of a rectangle those are its four corners, whichever way the slope goes; tilted about an edge, both
-//! of the lower ones and both of the upper ones. The deepest is kept in any case. Every corner that clipping
-//! can bring is offered to every lane: twelve, most of them invalid.
+//! other. A rectangle keeps its four corners, whichever way the slope goes; if it is tilted about an edge,
+//! these are the two lower and the two upper ones. The deepest is kept in any case. Every corner that
+//! clipping can bring is offered to every lane: twelve, most of them invalid.
 
 use super::box_box::{Boxes, Face};
 use super::lanes_io::{ManifoldLanes, pick};

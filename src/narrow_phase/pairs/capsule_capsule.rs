@@ -47,7 +47,7 @@ fn axes<L: Lanes>(p: &PairLanes<L>) -> (Axis<L>, Axis<L>) {
 }
 
 /// Places of the closest points of two axes (Ericson, *Real-Time Collision Detection*, 5.1.9, with centres
-/// and half lengths). Of parallel axes: at the upper end of their overlap.
+/// and half lengths). If the axes are parallel: at the upper end of their overlap.
 #[inline(always)]
 fn closest_on_segments<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> (L, L) {
     let w = b.centre - a.centre;

@@ -128,28 +128,13 @@ pub(crate) fn pick<L: Lanes>(is_1: L::Mask, is_2: L::Mask, values: [L; 3]) -> L 
 pub(crate) mod testing {
     use super::*;
     use crate::lanes::{f32x4, f32x8};
+    pub(crate) use crate::random::Random;
 
     pub(crate) type Pair = (Relative, [f32; 4], [f32; 4], f32);
 
-    /// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
-    pub(crate) struct Random(pub(crate) u64);
-
     impl Random {
-        pub(crate) fn unit(&mut self) -> f32 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = self.0;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
-        }
-        pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
-            low + (high - low) * self.unit()
-        }
-        pub(crate) fn vector(&mut self, size: f32) -> glam::Vec3 {
-            glam::vec3(self.range(-size, size), self.range(-size, size), self.range(-size, size))
-        }
         /// Any rotation; one in four is about y alone or none, so that features are parallel.
-        pub(crate) fn rotation(&mut self) -> crate::math::Quat {
+        pub(crate) fn rotation_or_parallel(&mut self) -> crate::math::Quat {
             let q = crate::math::Quat::from_xyzw(
                 self.range(-1.0, 1.0),
                 self.range(-1.0, 1.0),
@@ -164,7 +149,7 @@ pub(crate) mod testing {
             }
         }
         pub(crate) fn relative(&mut self, reach: f32) -> Relative {
-            Relative { position: self.vector(reach), rotation: self.rotation() }
+            Relative { position: self.cube() * reach, rotation: self.rotation_or_parallel() }
         }
         pub(crate) fn sizes(&mut self, low: f32, high: f32) -> [f32; 4] {
             std::array::from_fn(|_| self.range(low, high))

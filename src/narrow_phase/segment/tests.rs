@@ -1,7 +1,8 @@
 //! Tests of segments against shapes.
 
 use super::*;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth};
+use crate::narrow_phase::fixtures::{CONVEX, collider, depth};
+use crate::random::Random;
 
 fn hit(geometry: Geometry, from: Vec3, to: Vec3) -> Option<SegmentHit> {
     segment_hits(&collider(geometry), from, to)

@@ -1,9 +1,9 @@
 //! Streams of incoherent rays, from anywhere to anywhere, which a batch would cast one by one.
 
 use super::stream::RayStream;
-use crate::narrow_phase::fixtures::Random;
 use crate::query::tests::world;
 use crate::query::{QueryFilter, Ray, RayHit};
+use crate::random::Random;
 use crate::shape::RAYS;
 use glam::{DVec3, Vec3};
 

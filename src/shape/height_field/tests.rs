@@ -1,6 +1,7 @@
 use super::*;
+use crate::random::Random;
 use crate::shape::TriangleMesh;
-use crate::shape::mesh::testing::{Random, bumpy, grid};
+use crate::shape::mesh::testing::{bumpy, grid};
 
 fn field(columns: usize, rows: usize, cell: Vec2) -> HeightField {
     let heights = (0..columns * rows)

@@ -1,36 +1,7 @@
 use super::*;
+use crate::random::Random;
 
-/// Numbers in 0..1 (SplitMix64).
-pub(super) struct Random(pub(super) u64);
 impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1 << 24) as f32
-    }
-    fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-    fn sphere(&mut self) -> Vec3 {
-        loop {
-            let v = self.cube();
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    fn rotation(&mut self) -> crate::math::Quat {
-        let (a, b) = (self.sphere(), self.unit());
-        crate::math::Quat::from_xyzw(a.x, a.y, a.z, b).normalize()
-    }
-    fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
     fn ulp(&mut self, x: f32) -> f32 {
         match self.below(3) {
             0 => x.next_up(),
@@ -122,7 +93,7 @@ fn a_grid_of_points_in_a_cube_is_a_cube() {
             assert_eq!(counts(&built(&points)), (8, 12, 6));
             let mut random = Random(n as u64);
             for _ in 0..4 {
-                let (r, t) = (random.rotation(), random.cube() * scale * n as f32);
+                let (r, t) = (random.turn(), random.cube() * scale * n as f32);
                 let turned: Vec<Vec3> = points.iter().map(|&p| r * p + t).collect();
                 assert_eq!(counts(&built(&turned)), (8, 12, 6), "n {n} scale {scale}");
             }
@@ -138,7 +109,7 @@ fn random_hulls_are_closed_convex_polyhedra() {
         // Thin ones out of very few points may be flat by chance.
         let n = if matches!(round % 8, 2 | 3) { 12 } else { 4 } + random.below(60);
         let mut points: Vec<Vec3> = match round % 8 {
-            0 => (0..n).map(|_| random.sphere()).collect(),
+            0 => (0..n).map(|_| random.direction()).collect(),
             1 => (0..n).map(|_| random.cube()).collect(),
             2 => (0..n).map(|_| random.cube() * Vec3::new(1.0, 1e-4, 1.0)).collect(),
             3 => (0..n).map(|_| random.cube() * Vec3::new(1e-4, 1.0, 1e-4)).collect(),
@@ -154,9 +125,9 @@ fn random_hulls_are_closed_convex_polyhedra() {
                 .collect(),
             // Clusters around few points.
             6 => (0..n).map(|_| Random(random.below(12) as u64).cube() + random.cube() * 1e-5).collect(),
-            _ => (0..n).map(|_| random.sphere() * Vec3::new(1.0, 0.2, 3.0)).collect(),
+            _ => (0..n).map(|_| random.direction() * Vec3::new(1.0, 0.2, 3.0)).collect(),
         };
-        let (rotation, offset) = (random.rotation(), random.cube());
+        let (rotation, offset) = (random.turn(), random.cube());
         if random.below(2) == 0 {
             points.iter_mut().for_each(|p| *p = rotation * *p + offset);
         }
@@ -180,7 +151,7 @@ fn a_prism_with_many_sides_has_two_polygons_and_the_sides() {
     for sides in [3, 8, 31, 64, 128] {
         let mut random = Random(sides as u64);
         for _ in 0..10 {
-            let rotation = random.rotation();
+            let rotation = random.turn();
             let points: Vec<Vec3> = (0..2 * sides)
                 .map(|i| {
                     let angle = (i / 2) as f32 / sides as f32 * std::f32::consts::TAU;
@@ -197,7 +168,7 @@ fn a_prism_with_many_sides_has_two_polygons_and_the_sides() {
 fn flat_faces_with_noise_in_the_last_place_stay_one_face() {
     let mut random = Random(5);
     for _ in 0..200 {
-        let (rotation, size) = (random.rotation(), random.cube().abs() * 5.0 + 0.1);
+        let (rotation, size) = (random.turn(), random.cube().abs() * 5.0 + 0.1);
         // The corners, and points on all faces and edges.
         let mut points: Vec<Vec3> = (0..8)
             .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0)
@@ -219,11 +190,11 @@ fn flat_faces_with_noise_in_the_last_place_stay_one_face() {
 fn up_to_the_limit_every_vertex_is_kept_and_beyond_it_the_rest_is_near() {
     let mut random = Random(9);
     let most = ConvexHull::MAX_VERTICES;
-    let few: Vec<Vec3> = (0..most).map(|_| random.sphere()).collect();
+    let few: Vec<Vec3> = (0..most).map(|_| random.direction()).collect();
     let hull = built(&few);
     assert!(hull.vertices.len() > most - 5 && hull.left_out < 1e-6, "{}", hull.vertices.len());
 
-    let many: Vec<Vec3> = (0..100_000).map(|_| random.sphere()).collect();
+    let many: Vec<Vec3> = (0..100_000).map(|_| random.direction()).collect();
     let start = std::time::Instant::now();
     let hull = ConvexHull::new(&many).unwrap();
     let took = start.elapsed();
@@ -238,7 +209,7 @@ fn up_to_the_limit_every_vertex_is_kept_and_beyond_it_the_rest_is_near() {
 #[test]
 fn a_hundred_thousand_points_make_a_valid_hull() {
     let mut random = Random(21);
-    let rotation = random.rotation();
+    let rotation = random.turn();
     for kind in 0..4 {
         let points: Vec<Vec3> = (0..100_000)
             .map(|i| {
@@ -251,9 +222,11 @@ fn a_hundred_thousand_points_make_a_valid_hull() {
                         p = rotation * p;
                     }
                     // On a cylinder.
-                    2 => p = rotation * (random.sphere() * Vec3::new(1.0, 0.0, 1.0)).normalize().with_y(p.y),
+                    2 => {
+                        p = rotation * (random.direction() * Vec3::new(1.0, 0.0, 1.0)).normalize().with_y(p.y)
+                    }
                     // On a plate.
-                    _ => p = random.sphere() * Vec3::new(1.0, 1e-3, 1.0),
+                    _ => p = random.direction() * Vec3::new(1.0, 1e-3, 1.0),
                 }
                 p
             })
@@ -271,7 +244,7 @@ fn flat_sets_and_bad_numbers_are_refused_by_name() {
     let mut random = Random(3);
     assert!(refused(&[]).contains("four points"));
     for _ in 0..100 {
-        let (p, r) = (random.cube() * 100.0, random.rotation());
+        let (p, r) = (random.cube() * 100.0, random.turn());
         assert!(refused(&[p; 10]).contains("all equal"));
         let line: Vec<Vec3> = (0..10).map(|i| p + r * Vec3::X * i as f32).collect();
         assert!(refused(&line).contains("on a line"));

@@ -1,29 +1,8 @@
 use super::*;
+use crate::random::Random;
 use crate::shape::ConvexHull;
 use glam::Quat;
 use std::sync::Arc;
-
-/// Numbers in 0..1 (SplitMix64).
-struct Random(u64);
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-    fn cube(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-    fn rotation(&mut self) -> Quat {
-        let v = self.cube();
-        Quat::from_xyzw(v.x as f32, v.y as f32, v.z as f32, self.between(-1.0, 1.0) as f32).normalize()
-    }
-}
 
 fn close(a: MassProperties, b: MassProperties, relative: f32) {
     let size = b.inertia.x_axis.x.abs().max(b.inertia.y_axis.y.abs()).max(b.inertia.z_axis.z.abs());
@@ -95,9 +74,9 @@ fn limits_of_a_capsule_are_balls_and_the_capsule_of_one_radius() {
 fn any_solid_agrees_with_a_count_of_random_points() {
     let mut random = Random(4);
     for round in 0..6 {
-        let (h, a, b) = (random.between(0.2, 1.0), random.between(0.1, 0.8), random.between(0.1, 0.8));
+        let (h, a, b) = (random.range64(0.2, 1.0), random.range64(0.1, 0.8), random.range64(0.1, 0.8));
         let (half_height, radius_bottom, radius_top) = (h as f32, a as f32, b as f32);
-        let hull_points: Vec<Vec3> = (0..12).map(|_| random.cube().as_vec3()).collect();
+        let hull_points: Vec<Vec3> = (0..12).map(|_| random.cube64().as_vec3()).collect();
         let hull = Arc::new(ConvexHull::new(&hull_points).unwrap());
         let (geometry, inside): (Geometry, Box<dyn Fn(DVec3) -> bool>) = match round % 3 {
             0 => (
@@ -122,7 +101,7 @@ fn any_solid_agrees_with_a_count_of_random_points() {
         let (mut count, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
         let (n, side) = (60_000, 1.8);
         for _ in 0..n {
-            let p = random.cube() * side;
+            let p = random.cube64() * side;
             if inside(p) {
                 count += 1.0;
                 first += p;
@@ -148,8 +127,8 @@ fn any_solid_agrees_with_a_count_of_random_points() {
 fn a_hull_of_a_box_weighs_as_the_box_wherever_it_is() {
     let mut random = Random(8);
     for scale in [1e-3, 1.0, 300.0] {
-        let half = (random.cube().abs() + 0.1).as_vec3() * scale;
-        let (rotation, position) = (random.rotation(), random.cube().as_vec3() * scale);
+        let half = (random.cube64().abs() + 0.1).as_vec3() * scale;
+        let (rotation, position) = (random.rotation(), random.cube64().as_vec3() * scale);
         let corners: Vec<Vec3> = (0..8)
             .map(|i| {
                 let corner = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
@@ -182,7 +161,7 @@ fn parts_make_the_whole() {
 fn principal_axes_make_the_inertia_again() {
     let mut random = Random(11);
     for _ in 0..500 {
-        let half = (random.cube().abs() * random.cube().abs() + 0.01).as_vec3();
+        let half = (random.cube64().abs() * random.cube64().abs() + 0.01).as_vec3();
         let mass = MassProperties::of(&Geometry::Box { half_extents: half }, 1.0)
             .transformed(Vec3::ZERO, random.rotation());
         mass.validate().unwrap();
@@ -201,10 +180,10 @@ fn a_needle_in_any_direction_has_moments_that_hold() {
     for thin in [1e-2, 1e-3, 1e-4, 1e-6] {
         for _ in 0..50 {
             let needle = MassProperties::of(&Geometry::cuboid(thin, 1.0, thin), 1000.0)
-                .transformed(random.cube().as_vec3(), random.rotation());
+                .transformed(random.cube64().as_vec3(), random.rotation());
             needle.validate().unwrap();
             let plate = MassProperties::of(&Geometry::cuboid(1.0, thin, 1.0), 1000.0)
-                .transformed(random.cube().as_vec3(), random.rotation());
+                .transformed(random.cube64().as_vec3(), random.rotation());
             plate.validate().unwrap();
         }
     }

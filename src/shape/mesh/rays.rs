@@ -85,7 +85,8 @@ mod tests {
     use super::*;
     use crate::lanes::ones;
     use crate::lanes::{Mask, f32x8};
-    use crate::shape::mesh::testing::{Random, bumpy, terrain};
+    use crate::random::Random;
+    use crate::shape::mesh::testing::{bumpy, terrain};
     use crate::shape::{Corners, HeightField};
     use std::sync::Arc;
 

@@ -107,7 +107,7 @@ impl SegmentTest {
         (through & t.ge(zero) & t.le(drawn_out), t.min(one))
     }
 
-    /// Makes triangle `index` the nearest hit if it is. Of two at the same fraction the lower index counts.
+    /// Makes triangle `index` the nearest hit if it is. At the same fraction the lower index counts.
     #[inline]
     pub(crate) fn nearer(&self, index: u32, triangle: [Vec3; 3], nearest: &mut Option<(f32, u32)>) {
         if let Some(t) = self.hit(triangle)

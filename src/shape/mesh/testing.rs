@@ -1,31 +1,7 @@
-//! Meshes and numbers that tests share.
+//! Meshes that tests share.
 
 use super::*;
-
-/// SplitMix64.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * ((self.next() >> 40) as f32 / (1u64 << 24) as f32)
-    }
-    pub(crate) fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
-    }
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-    pub(crate) fn rotation(&mut self) -> crate::math::Quat {
-        let (v, w) = (self.cube(), self.range(-1.0, 1.0));
-        crate::math::Quat::from_xyzw(v.x, v.y, v.z, w + 1e-3).normalize()
-    }
-}
+pub(crate) use crate::random::Random;
 
 /// A box that winds outwards.
 pub(crate) fn cuboid(half: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {

@@ -185,16 +185,16 @@ impl World {
     }
 
     /// Has the rows of a body solved right after those of a group, or in their own place again; see
-    /// [`BodyDesc::raised`].
+    /// [`BodyDesc::solved_after`].
     ///
     /// # Errors
     /// If the handle is stale or the budget does not allow it.
-    pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+    pub fn solve_body_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
-        self.reserve_for_raised(above.is_some())?;
-        self.note(Change::RaiseBody(body, above));
+        self.reserve_for_solved_after(above.is_some())?;
+        self.note(Change::SolveBodyAfter(body, above));
         self.revise(index);
-        self.bodies.raise(index, above);
+        self.bodies.set_solved_after(index, above);
         self.joints.changed = true;
         Ok(())
     }
@@ -232,7 +232,7 @@ impl World {
                 gravity_scale: desc.gravity_scale,
                 continuous: desc.continuous,
                 locks,
-                raised: desc.raised,
+                solved_after: desc.solved_after,
                 sleepless: !desc.can_sleep,
                 disabled: false,
             },

@@ -114,15 +114,15 @@ impl World {
     }
 
     /// Has the rows of a joint solved right after those of a group, or in their own place again; see
-    /// [`JointDesc::raised`].
+    /// [`JointDesc::solved_after`].
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
+    pub fn solve_joint_after(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let slot = self.joint(joint)?;
-        self.note(Change::RaiseJoint(joint, above));
+        self.note(Change::SolveJointAfter(joint, above));
         self.revisions.moving += 1;
-        self.joints.all[slot as usize].raised = above;
+        self.joints.all[slot as usize].solved_after = above;
         self.joints.changed = true;
         Ok(())
     }

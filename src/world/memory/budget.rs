@@ -5,6 +5,7 @@ use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
+use crate::finish;
 use crate::joint::JointAdditions;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
@@ -18,7 +19,7 @@ pub(in crate::world) struct Counts {
     pub(in crate::world) movers: usize,
     pub(in crate::world) dynamic: usize,
     pub(in crate::world) colliders: Population,
-    pub(in crate::world) raised: bool,
+    pub(in crate::world) solved_after: bool,
     /// Whether there are joints, and meshes or height fields.
     pub(in crate::world) joined: bool,
     pub(in crate::world) meshed: bool,
@@ -144,7 +145,7 @@ impl World {
             more.movers += usize::from(moves);
             more.dynamic += usize::from(pushed);
             more.once.add(Category::Bodies, list_bytes(0, desc.shapes.len()));
-            more.raised |= desc.raised.is_some();
+            more.solved_after |= desc.solved_after.is_some();
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         more
@@ -167,12 +168,12 @@ impl World {
         self.reserve_for(more, true)
     }
 
-    /// Reserves the order of contacts of raised bodies.
-    pub(in crate::world) fn reserve_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+    /// Reserves sort keys for contacts of bodies that are solved after a group.
+    pub(in crate::world) fn reserve_for_solved_after(&mut self, solved_after: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        self.reserve_for(Counts { raised, ..Counts::default() }, false)
+        self.reserve_for(Counts { solved_after, ..Counts::default() }, false)
     }
 
     /// Creates the column of forces, which exists only once a force was applied.
@@ -315,7 +316,7 @@ impl World {
             forced: more.forced || !self.bodies.force.is_empty(),
             rests: more.rests || self.settings.sleeping || self.bodies.rests,
             meets: more.meets || self.settings.method.meets_impacts(),
-            raised: more.raised || self.bodies.raises().next().is_some(),
+            solved_after: more.solved_after || self.bodies.solved_after_groups().next().is_some(),
             assets: self.assets.list.len() + more.assets,
             ..more
         }
@@ -343,10 +344,12 @@ impl World {
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
         buffers.forces.each(n.movers, n.dynamic, &mut scratch);
         buffers.broad.each(n.movers, n.colliders.moving, &mut scratch);
-        buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
+        buffers.prepare.each(n.dynamic, n.solved_after, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
-        buffers.finish.each((n.movers, n.dynamic), (n.joined, may_leave_path), &mut scratch);
+        let content =
+            finish::Content { movers: n.movers, dynamic: n.dynamic, joined: n.joined, may_leave_path };
+        buffers.finish.each(&content, &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }

@@ -64,8 +64,8 @@ pub enum Feature {
     ContactHooks,
     /// The tree that queries traverse.
     Queries,
-    /// The order of raised contacts and joints.
-    RaisedOrder,
+    /// The order of contacts and joints that are solved after a group.
+    SolvedAfter,
 }
 
 impl Feature {
@@ -96,7 +96,7 @@ impl Feature {
         Feature::Sensors,
         Feature::ContactHooks,
         Feature::Queries,
-        Feature::RaisedOrder,
+        Feature::SolvedAfter,
     ];
 
     /// The name in reports and JSON.
@@ -146,7 +146,9 @@ impl Feature {
             Feature::Sensors => ("sensors", "sensors", "finish"),
             Feature::ContactHooks => ("contact_hooks", "shapes with contact hooks", "narrow"),
             Feature::Queries => ("queries", "1 while queries are asked", ""),
-            Feature::RaisedOrder => ("raised_order", "bodies and joints that are raised", "prepare"),
+            Feature::SolvedAfter => {
+                ("solved_after", "bodies and joints that are solved after a group", "prepare")
+            }
         }
     }
 }
@@ -305,9 +307,11 @@ impl World {
             Feature::Sensors => (needs.sensors, events()[1], Some(spent.sensors)),
             Feature::ContactHooks => (needs.hooks, events()[2], Some(spent.hooks)),
             Feature::Queries => (u32::from(self.now.is_kept()), self.now.bytes().1, None),
-            Feature::RaisedOrder => {
-                (bodies.raised_count() + joints.raised(), buffers.prepare.solved_after_bytes(), None)
-            }
+            Feature::SolvedAfter => (
+                bodies.solved_after_count() + joints.solved_after(),
+                buffers.prepare.solved_after_bytes(),
+                None,
+            ),
         };
         ModelPart { feature, count, bytes, time_us: time.filter(|_| count > 0) }
     }

@@ -58,7 +58,7 @@ impl Demand {
     const HOOKS: u8 = 8;
     const JOINTS: u8 = 16;
     const CONTINUOUS: u8 = 32;
-    const RAISED: u8 = 64;
+    const SOLVED_AFTER: u8 = 64;
     const ACCELERATION: u8 = 128;
 }
 
@@ -85,7 +85,7 @@ impl World {
             (self.needs.hooks > 0, Demand::HOOKS),
             (self.joints.count > 0 || !self.joints.broken.is_empty(), Demand::JOINTS),
             (self.is_continuous(), Demand::CONTINUOUS),
-            (self.bodies.any_raised(), Demand::RAISED),
+            (self.bodies.any_solved_after(), Demand::SOLVED_AFTER),
             (self.is_accelerated(), Demand::ACCELERATION),
         ];
         Demand(needed.iter().fold(0, |all, (is, part)| all | (u8::from(*is) * part)))
@@ -130,7 +130,7 @@ impl World {
             buffers.prepare.forget_ahead();
             self.broad.release_paths();
         }
-        if gone & Demand::RAISED != 0 {
+        if gone & Demand::SOLVED_AFTER != 0 {
             buffers.prepare.lower();
         }
         if gone & Demand::ACCELERATION != 0 {

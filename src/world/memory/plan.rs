@@ -6,7 +6,7 @@ use crate::config::Settings;
 use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
-use crate::narrow_phase::FRESH_BYTES;
+use crate::narrow_phase::{ContactCount, FRESH_BYTES};
 use crate::world::World;
 
 /// Maximum numbers of pairs, contacts and other content that varies from step to step.
@@ -59,7 +59,9 @@ impl World {
         bytes.add(Category::Scratch, narrow.missing_to_find(crowd.of_meshes));
         bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
         bytes.add(Category::Scratch, buffers.statics.missing(contacts));
-        let manifolds = empty.contacts.missing(contacts);
+        let points =
+            crowd.contacts.iter().flat_map(|side| side.iter().zip(1..)).map(|(n, points)| n * points);
+        let manifolds = empty.contacts.missing(ContactCount { contacts, points: points.sum() });
         // The last batches for each number of points are not full.
         let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));
         let stages = buffers.prepare.most_stages(settings.order);

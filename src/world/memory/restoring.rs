@@ -7,6 +7,7 @@ use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
+use crate::narrow_phase::ContactCount;
 use crate::shape::{Geometry, Kind};
 use crate::world::{Assets, World};
 
@@ -22,7 +23,7 @@ pub(crate) struct Brings<'a> {
     pub(crate) pairs: usize,
     /// Number of those pairs that sleeping islands keep.
     pub(crate) sleeping_pairs: usize,
-    pub(crate) contacts: usize,
+    pub(crate) contacts: ContactCount,
     pub(crate) forced: bool,
     pub(crate) rests: bool,
     /// `None` if bodies, shapes and joints stay as they are.
@@ -32,7 +33,8 @@ pub(crate) struct Brings<'a> {
 impl<'a> Replacement<'a> {
     /// `slots`: numbers of slots of bodies and of shapes.
     pub(crate) fn new(
-        (bodies, shapes): (usize, usize),
+        bodies: usize,
+        shapes: usize,
         joints: &'a JointRecords,
         geometry: impl Iterator<Item = &'a Geometry>,
     ) -> Replacement<'a> {
@@ -46,7 +48,7 @@ impl<'a> Replacement<'a> {
     pub(crate) fn add(&mut self, kind: BodyKind, traits: &Traits, shapes: impl Iterator<Item = Kind>) {
         let counts = &mut self.counts;
         counts.movers += usize::from(kind != BodyKind::Static);
-        counts.raised |= traits.raised.is_some();
+        counts.solved_after |= traits.solved_after.is_some();
         counts.dynamic += usize::from(kind == BodyKind::Dynamic && !traits.disabled);
         let (mut own, slots) = (0, counts.colliders.slots);
         for shape in shapes {

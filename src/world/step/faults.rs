@@ -4,6 +4,7 @@ use crate::constraint::Prepared;
 use crate::faults::{ATTEMPTS, culprits, pulled};
 use crate::forces::predict;
 use crate::handle::BodyHandle;
+use crate::solver;
 use crate::threads::Workers;
 use crate::world::World;
 
@@ -52,7 +53,10 @@ impl World {
             self.predict_all(workers, dt);
             self.reserve_impulses();
             prepared = self.prepare(workers, dt);
-            if !self.solve(workers, dt) {
+            self.measure_rows(dt);
+            let in_range = solver::solve(workers, self.solver_input(dt));
+            self.measure_solution();
+            if !in_range {
                 break;
             }
         }
@@ -79,7 +83,7 @@ impl World {
         let stands = |c: u32| frozen.contains(&summaries[c as usize].body);
         self.contacts.for_each_of(&self.broad.pairs, |pair, contact| {
             let stands = !frozen.is_empty() && (stands(pair.a) || stands(pair.b));
-            if stands || !contact.has_sound_loads() {
+            if stands || !contact.as_ref().has_sound_loads() {
                 contact.forget_loads();
             }
         });

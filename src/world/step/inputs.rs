@@ -2,6 +2,7 @@
 
 use super::stage::Part;
 use crate::body::{Bodies, Colliders};
+use crate::broad_phase::PairMemory;
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
 };
@@ -13,7 +14,7 @@ use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
 use crate::statics::Structure;
-use crate::threads::{Shared, Workers};
+use crate::threads::Workers;
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
 use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
@@ -35,8 +36,9 @@ impl World {
         let contacts = self.contacts.live();
         let mut give = |bytes: usize| rows.give_up(bytes, contacts);
         let missing = |pairs: usize| narrow.missing(pairs);
-        let (colliders, broad) = (&self.colliders.all, (&mut self.broad, buffers));
-        let stats = movers::find(workers, &input, colliders, broad, &missing, (&mut allowances, &mut give));
+        let mut memory = PairMemory { allowances: &mut allowances, give_up: &mut give };
+        let colliders = &self.colliders.all;
+        let stats = movers::find(workers, &input, colliders, &mut self.broad, buffers, &missing, &mut memory);
         did.add_broad(stats);
         did.ghosts += self.forget_pairs_that_ended();
     }
@@ -83,8 +85,8 @@ impl World {
             scale,
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
-        let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
-        let mut space = lend(rows, prepare, how, statics.lists());
+        let (friction, model) = (self.needs.friction > 0, self.settings.friction_model);
+        let mut space = lend(rows, prepare, friction, model, statics.lists());
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
         let stats = collide(workers, &input, pairs, contacts, narrow, (&mut allowances, &mut space));
         rows.take_back(space.slab);
@@ -103,7 +105,7 @@ impl World {
             contacts: &mut self.contacts,
             acceleration: &forces.acceleration,
         };
-        statics.estimate(&mut structure, &self.settings, (dt, h), &mut allowances);
+        statics.estimate(&mut structure, &self.settings, dt, h, &mut allowances);
     }
 
     /// Makes the rows of the step.
@@ -129,7 +131,7 @@ impl World {
             colliders: &self.colliders.all,
             poses: &self.colliders.poses,
             pairs: &self.broad.pairs,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             joints: &self.joints,
             motion: &forces.motion,
             acceleration: &forces.acceleration,
@@ -170,34 +172,39 @@ impl World {
     }
 
     fn prepare_contacts(&mut self, workers: &Workers<'_>, dt: f32, allowances: &mut Allowances) -> Prepared {
-        let unit = self.settings.length_unit;
-        let (ahead, lengths) = (self.room_ahead(allowances), self.lengths(dt));
+        let ahead = self.room_ahead(allowances);
+        let mut rows = std::mem::take(&mut self.buffers.rows);
+        let mut scratch = std::mem::take(&mut self.buffers.prepare);
+        let prepared = prepare(workers, &self.prepare_input(dt, ahead), &mut rows, &mut scratch, allowances);
+        (self.buffers.rows, self.buffers.prepare) = (rows, scratch);
+        prepared
+    }
 
-        let Buffers { forces, joints, rows, prepare: scratch, .. } = &mut self.buffers;
-        let scale = scale(&self.colliders, &self.bodies, forces, &self.settings, dt);
-        let input = PrepareInput {
+    /// What the rows of contacts are made from. `ahead`: bytes that those of continuous collision may take.
+    pub(crate) fn prepare_input(&self, dt: f32, ahead: usize) -> PrepareInput<'_> {
+        let (unit, forces) = (self.settings.length_unit, &self.buffers.forces);
+        PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
             summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
-            contacts: &self.contacts.all,
+            contacts: &self.contacts,
             pairs: &self.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
             real: TOUCH_DISTANCE * unit,
             near: 2.0 * CONTACT_MARGIN * unit,
             ahead,
-            lengths,
+            lengths: self.lengths(dt),
             static_slip_speed: STATIC_SLIP_SPEED * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
-            tree_slots: &joints.tree_slots,
+            tree_slots: &self.buffers.joints.tree_slots,
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
-            scale,
-        };
-        prepare(workers, &input, rows, scratch, allowances)
+            scale: scale(&self.colliders, &self.bodies, forces, &self.settings, dt),
+        }
     }
 
     fn fill_joints(&mut self, workers: &Workers<'_>, dt: f32) {
@@ -224,19 +231,14 @@ impl World {
         batches.fill(workers, &input);
     }
 
-    /// Solves the rows; returns whether all velocities stayed in range.
-    pub(crate) fn solve(&mut self, workers: &Workers<'_>, dt: f32) -> bool {
+    /// The rows of the step for the solver, and the bodies that they act on.
+    pub(crate) fn solver_input(&mut self, dt: f32) -> SolverInput<'_> {
         #[cfg(feature = "lab")]
-        let mut meter = self.meter.take();
-        #[cfg(feature = "lab")]
-        let witness = meter.as_deref_mut().map(|meter| {
-            meter.before_rows(self, dt);
-            meter as &mut dyn solver::Witness
-        });
+        let witness = self.meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
         #[cfg(not(feature = "lab"))]
         let witness = None;
         let buffers = &mut self.buffers;
-        let input = SolverInput {
+        SolverInput {
             settings: &self.settings,
             dt,
             bodies: &mut self.bodies,
@@ -249,14 +251,7 @@ impl World {
             crowd: &buffers.prepare.crowd,
             state: &mut buffers.solver,
             witness,
-        };
-        let sound = solver::solve(workers, input);
-        #[cfg(feature = "lab")]
-        if let Some(mut meter) = meter {
-            meter.after_rows(self);
-            self.meter = Some(meter);
         }
-        sound
     }
 
     /// Clears forces, which last for one step.
@@ -304,7 +299,7 @@ impl World {
             self.contacts.for_each_of(solved.clone(), |_, contact| contact.friction = glam::Vec3::ZERO);
         }
         let stored = {
-            let contacts = Shared::new(&mut self.contacts.all);
+            let contacts = self.contacts.share();
             solver::store(workers, rows, dt, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;

@@ -32,13 +32,13 @@ pub(crate) enum Change<'a> {
     ApplyImpulse(BodyHandle, Vec3, DVec3),
     SetGravityScale(BodyHandle, f32),
     SetContinuous(BodyHandle, Continuous),
-    RaiseBody(BodyHandle, Option<RowGroup>),
+    SolveBodyAfter(BodyHandle, Option<RowGroup>),
     SetMass(BodyHandle, MassProperties),
     AddJoint(&'a JointDesc),
     AddJoints(&'a [JointDesc]),
     RemoveJoint(JointHandle),
     SetJoint(JointHandle, &'a [Limit], &'a [Drive]),
-    RaiseJoint(JointHandle, Option<RowGroup>),
+    SolveJointAfter(JointHandle, Option<RowGroup>),
     Wake(BodyHandle),
     SendToSleep(BodyHandle),
     SetCanSleep(BodyHandle, bool),
@@ -119,6 +119,26 @@ impl World {
         if let Some(mut recorder) = self.recorder.take() {
             recorder.end_step(self, dt);
             self.recorder = Some(recorder);
+        }
+    }
+
+    /// Measures the rows of a step of `dt` seconds before they are solved.
+    #[inline]
+    pub(crate) fn measure_rows(&mut self, dt: f32) {
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = self.meter.take() {
+            meter.before_rows(self, dt);
+            self.meter = Some(meter);
+        }
+    }
+
+    /// Measures how accurately they were solved.
+    #[inline]
+    pub(crate) fn measure_solution(&mut self) {
+        #[cfg(feature = "lab")]
+        if let Some(mut meter) = self.meter.take() {
+            meter.after_rows(self);
+            self.meter = Some(meter);
         }
     }
 

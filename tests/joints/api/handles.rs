@@ -26,7 +26,7 @@ fn handles_go_stale_with_the_joint_with_either_body_and_when_it_breaks() {
             world.add_joint(&desc).unwrap()
         };
         let keep = join(&mut world, [ground, c], f32::INFINITY);
-        // Of two that fall side by side a joint bears nothing.
+        // A joint of two bodies that fall side by side bears nothing.
         let joint = if way == 3 {
             join(&mut world, [ground, b], 0.0)
         } else {

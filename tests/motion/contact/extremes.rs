@@ -25,7 +25,7 @@ struct Chain {
     bodies: Vec<BodyHandle>,
 }
 
-/// Of a link, between its joints [m].
+/// Length of a link, between its joints [m].
 const LINK: f64 = 0.4;
 
 /// How a chain lies when it is let go.

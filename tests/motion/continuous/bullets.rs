@@ -4,7 +4,7 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, ConvexHull, Geometry, Settings, ShapeDesc, World};
 use std::sync::Arc;
 
-/// Of bullets [m]: their radius, or half their width.
+/// Size of bullets [m]: their radius, or half their width.
 const SMALL: f32 = 0.0025;
 /// Half of the wall's thickness [m].
 const HALF_WALL: f32 = 0.0005;

@@ -70,9 +70,9 @@ fn what_stands_does_so_with_any_passes() {
     }
 }
 
-/// Of a hundredth of the size, in a world that knows, and at a hundred times the weight. Seen before: boxes
-/// tilted until their springs bore what differs between their points, and a crib, planks on edge and a
-/// pyramid fell.
+/// At a hundredth of the size, in a world whose length unit is as small, and at a hundred times the weight.
+/// Seen before: boxes tilted until their springs bore what differs between their points, and a crib, planks
+/// on edge and a pyramid fell.
 #[test]
 #[ignore = "takes a minute: `scripts/reliability rest`"]
 fn what_is_small_or_heavy_stands() {

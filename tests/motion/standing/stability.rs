@@ -140,6 +140,7 @@ nothing_grows! {
     in_a_wall: Standing::Wall { width: 6, height: 4 }, Settings::default(), 60.0;
     /// Seen before: 0.28/s.
     on_a_light_box: Standing::Light(1000.0), Settings::default(), 60.0;
-    /// Of a hundredth of the size, in a world that knows. Seen before: it fell within 15 s.
+    /// At a hundredth of the size, in a world whose length unit is as small. Seen before: it fell within 15
+    /// s.
     in_a_tower_of_centimetres: Standing::Tower(10), centimetres(), 60.0;
 }

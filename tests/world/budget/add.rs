@@ -89,7 +89,7 @@ fn each_category_refuses_what_it_has_no_place_for() {
     refuses(&mut world, Category::Meshes, |world| world.add_body(&terrain));
     refuses(&mut world, Category::Bodies, |world| world.add_force(bodies[0], Vec3::Y, Vec3::ZERO));
     refuses(&mut world, Category::Scratch, |world| {
-        world.raise_body(bodies[0], Some(RowGroup::StaticContacts))
+        world.solve_body_after(bodies[0], Some(RowGroup::StaticContacts))
     });
     let frames = world.frames_at([bodies[0], bodies[1]], DVec3::Y, Quat::IDENTITY).unwrap();
     let joint = JointDesc::ball([bodies[0], bodies[1]], frames);

@@ -492,14 +492,14 @@ fn a_tree_for_queries_is_there_while_somebody_asks() {
 }
 
 #[test]
-fn an_order_of_its_own_only_for_what_is_raised() {
+fn an_order_of_its_own_only_for_what_is_solved_after_a_group() {
     let (mut world, balls) = plain(settings());
-    world.raise_body(balls[0], Some(RowGroup::StaticContacts)).unwrap();
+    world.solve_body_after(balls[0], Some(RowGroup::StaticContacts)).unwrap();
     step(&mut world, 1);
-    present(&world, Feature::RaisedOrder, 1);
-    world.raise_body(balls[0], None).unwrap();
+    present(&world, Feature::SolvedAfter, 1);
+    world.solve_body_after(balls[0], None).unwrap();
     step(&mut world, 1);
-    absent(&world, Feature::RaisedOrder);
+    absent(&world, Feature::SolvedAfter);
 }
 
 #[test]

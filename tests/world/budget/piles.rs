@@ -50,6 +50,21 @@ fn overlaps_deepen_by_and_by() {
     }
 }
 
+/// A budget that a running world gets finds contacts with place for just the points that they have. They get
+/// place for more as they need it, and nothing is shed; nor is it once the budget is gone again.
+#[test]
+fn a_wide_budget_on_a_running_world_changes_nothing() {
+    let pile = Pile { of: Of::Mixed, ..PILE };
+    let mut worlds = [(); 2].map(|()| pile.world(backstop::Settings::default()));
+    for step in 0..240 {
+        let budget = if step / 40 % 2 == 1 { Budget::total(1 << 30) } else { Budget::NONE };
+        worlds[1].set_settings(backstop::Settings { budget, ..worlds[1].settings().clone() }).unwrap();
+        let shed = worlds.each_mut().map(|world| world.step(PILE.dt).unwrap().shed);
+        assert_eq!(shed, [0; 2], "{step}");
+    }
+    assert_eq!(worlds[0].hash(), worlds[1].hash());
+}
+
 /// What it takes from share to share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.
 #[test]
 #[ignore = "a table, of some minutes"]

@@ -26,14 +26,14 @@ fn nothing_is_too_fast_for_it() {
     }
     let mut random = Random(7);
     for speed in [20.0, 100.0, 1000.0, 1e5] {
-        let mut mover = standing(&world, DVec3::ZERO, MoverSettings::default());
+        let mut character = standing(&world, DVec3::ZERO, CharacterSettings::default());
         for _ in 0..200 {
             let wish = Vec3::new(random.signed(), random.signed(), random.signed()) * speed;
-            let report = walk(&mut mover, &world, wish);
-            let at = mover.feet();
+            let report = walk(&mut character, &world, wish);
+            let at = character.feet();
             let (side, top) = (at.x.abs().max(at.z.abs()), at.y + 1.82);
             assert!(side < 4.69 && at.y > -0.01 && top < 5.99, "{speed}: {at}");
-            assert!(!is_inside(&mover, &world) && report.overlap == 0.0);
+            assert!(!is_inside(&character, &world) && report.overlap == 0.0);
         }
     }
 }
@@ -65,12 +65,12 @@ fn crowd(random: &mut Random, moving: bool) -> World {
 }
 
 /// A place where it is in nothing.
-fn free_place(random: &mut Random, world: &World, settings: MoverSettings) -> Mover {
+fn free_place(random: &mut Random, world: &World, settings: CharacterSettings) -> Character {
     loop {
         let at = DVec3::new(f64::from(7.0 * random.signed()), 3.0, f64::from(7.0 * random.signed()));
-        let mover = mover_at(at, settings);
-        if !is_inside(&mover, world) {
-            return mover;
+        let character = character_at(at, settings);
+        if !is_inside(&character, world) {
+            return character;
         }
     }
 }
@@ -81,8 +81,8 @@ fn in_a_crowd_it_is_never_in_anything() {
     let mut stuck = 0;
     for round in 0..12 {
         let world = crowd(&mut random, false);
-        let settings = MoverSettings { radius: 0.25, half_height: 0.3, ..MoverSettings::default() };
-        let mut mover = free_place(&mut random, &world, settings);
+        let settings = CharacterSettings { radius: 0.25, half_height: 0.3, ..CharacterSettings::default() };
+        let mut character = free_place(&mut random, &world, settings);
         let mut last = Vec3::ZERO;
         let mut wish = Vec3::X;
         for step in 0..400 {
@@ -92,11 +92,11 @@ fn in_a_crowd_it_is_never_in_anything() {
                     last.y = 5.0;
                 }
             }
-            let before = mover.position();
-            let report = go(&mut mover, &world, wish, &mut last);
-            assert!(!is_inside(&mover, &world), "round {round}, step {step}: {report:?}");
+            let before = character.position();
+            let report = go(&mut character, &world, wish, &mut last);
+            assert!(!is_inside(&character, &world), "round {round}, step {step}: {report:?}");
             assert!(report.overlap == 0.0);
-            stuck += u32::from(mover.position() == before);
+            stuck += u32::from(character.position() == before);
         }
     }
     println!("stood still in {stuck} of 4800 steps");
@@ -108,16 +108,16 @@ fn among_what_moves_it_gets_out_again() {
     let (mut deep, mut all) = (0, 0);
     for _ in 0..6 {
         let mut world = crowd(&mut random, true);
-        let settings = MoverSettings { radius: 0.25, half_height: 0.3, ..MoverSettings::default() };
-        let mut mover = free_place(&mut random, &world, settings);
+        let settings = CharacterSettings { radius: 0.25, half_height: 0.3, ..CharacterSettings::default() };
+        let mut character = free_place(&mut random, &world, settings);
         let mut last = Vec3::ZERO;
         for _ in 0..300 {
             world.step(DT).unwrap();
             let wish = Vec3::new(random.signed(), 0.0, random.signed()) * 5.0;
-            let report = go(&mut mover, &world, wish, &mut last);
+            let report = go(&mut character, &world, wish, &mut last);
             // What it says is what is.
-            assert!(report.overlap > 0.0 || !is_inside(&mover, &world));
-            assert!(mover.feet().y > -0.5 && mover.position().is_finite());
+            assert!(report.overlap > 0.0 || !is_inside(&character, &world));
+            assert!(character.feet().y > -0.5 && character.position().is_finite());
             all += 1;
             deep += u32::from(report.overlap > 0.0);
         }
@@ -132,16 +132,16 @@ fn many_walk_at_once_and_as_one_by_one() {
     let world = crowd(&mut random, false);
     let run = |i: u64| {
         let mut random = Random(100 + i);
-        let mut mover = free_place(&mut random, &world, MoverSettings::default());
+        let mut character = free_place(&mut random, &world, CharacterSettings::default());
         let mut last = Vec3::ZERO;
         for _ in 0..200 {
             let wish = Vec3::new(random.signed(), 0.0, random.signed()) * 6.0;
-            go(&mut mover, &world, wish, &mut last);
+            go(&mut character, &world, wish, &mut last);
         }
-        mover
+        character
     };
-    let alone: Vec<Mover> = (0..4).map(run).collect();
-    let together: Vec<Mover> = std::thread::scope(|scope| {
+    let alone: Vec<Character> = (0..4).map(run).collect();
+    let together: Vec<Character> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..4).map(|i| scope.spawn(move || run(i))).collect();
         threads.into_iter().map(|t| t.join().unwrap()).collect()
     });

@@ -1,4 +1,4 @@
-//! What a mover promises: it walks as far as geometry says, over steps and slopes up to its limits, goes
+//! What a character promises: it walks as far as geometry says, over steps and slopes up to its limits, goes
 //! along with moving ground, and is never in anything.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
@@ -15,8 +15,8 @@ use crate::common::{self, Floor};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::scene::Terrain;
 use backstop::{
-    BodyDesc, BodyHandle, Error, Geometry, HeightField, Material, Mover, MoverReport, MoverSettings,
-    QueryFilter, Settings, ShapeCast, ShapeDesc, ShapeHandle, TriangleMesh, World,
+    BodyDesc, BodyHandle, Character, CharacterReport, CharacterSettings, Error, Geometry, HeightField,
+    Material, QueryFilter, Settings, ShapeCast, ShapeDesc, ShapeHandle, TriangleMesh, World,
 };
 use std::sync::Arc;
 
@@ -42,35 +42,35 @@ fn floor(world: &mut World) -> BodyHandle {
     world.add_body(&Floor::Plane.desc(Material::default())).unwrap()
 }
 
-/// A mover with its feet at a point.
-fn mover_at(feet: DVec3, settings: MoverSettings) -> Mover {
+/// A character with its feet at a point.
+fn character_at(feet: DVec3, settings: CharacterSettings) -> Character {
     let height = settings.half_height + settings.radius + settings.skin;
-    Mover::new(settings, feet + settings.up.as_dvec3() * f64::from(height)).unwrap()
+    Character::new(settings, feet + settings.up.as_dvec3() * f64::from(height)).unwrap()
 }
 
 /// One that stands already.
-fn standing(world: &World, feet: DVec3, settings: MoverSettings) -> Mover {
-    let mut mover = mover_at(feet, settings);
-    mover.walk(world, &QueryFilter::new(), -settings.up * 0.1, 1e-3).unwrap();
-    assert!(mover.ground().is_some());
-    mover
+fn standing(world: &World, feet: DVec3, settings: CharacterSettings) -> Character {
+    let mut character = character_at(feet, settings);
+    character.walk(world, &QueryFilter::new(), -settings.up * 0.1, 1e-3).unwrap();
+    assert!(character.ground().is_some());
+    character
 }
 
-fn walk(mover: &mut Mover, world: &World, velocity: Vec3) -> MoverReport {
-    mover.walk(world, &QueryFilter::new(), velocity, DT).unwrap()
+fn walk(character: &mut Character, world: &World, velocity: Vec3) -> CharacterReport {
+    character.walk(world, &QueryFilter::new(), velocity, DT).unwrap()
 }
 
 /// What a game does: the wish across, gravity and what is left of a fall.
-fn go(mover: &mut Mover, world: &World, wish: Vec3, last: &mut Vec3) -> MoverReport {
-    let report = walk(mover, world, Vec3::new(wish.x, last.y - G * DT, wish.z));
+fn go(character: &mut Character, world: &World, wish: Vec3, last: &mut Vec3) -> CharacterReport {
+    let report = walk(character, world, Vec3::new(wish.x, last.y - G * DT, wish.z));
     *last = report.velocity;
     report
 }
 
 /// Whether the capsule without its skin overlaps anything.
-fn is_inside(mover: &Mover, world: &World) -> bool {
-    let (capsule, rotation) = mover.capsule();
-    world.overlap_any(&capsule, mover.position(), rotation, &QueryFilter::new()).unwrap()
+fn is_inside(character: &Character, world: &World) -> bool {
+    let (capsule, rotation) = character.capsule();
+    world.overlap_any(&capsule, character.position(), rotation, &QueryFilter::new()).unwrap()
 }
 
 #[track_caller]

@@ -12,48 +12,48 @@ fn ramp(world: &mut World, degrees: f32) {
 #[test]
 fn slopes_cost_nothing_up_to_the_limit_and_are_walls_beyond() {
     for limit in [30.0_f32, 45.0, 50.0, 60.0] {
-        let settings = MoverSettings { max_slope: limit.to_radians(), ..MoverSettings::default() };
+        let settings = CharacterSettings { max_slope: limit.to_radians(), ..CharacterSettings::default() };
         for (degrees, walks) in
             [(limit - 20.0, true), (limit, true), (limit + 0.1, false), (limit + 15.0, false)]
         {
             let mut world = world();
             floor(&mut world);
             ramp(&mut world, degrees);
-            let mut mover = standing(&world, DVec3::NEG_X * 2.0, settings);
+            let mut character = standing(&world, DVec3::NEG_X * 2.0, settings);
             let mut last = Vec3::ZERO;
             for _ in 0..120 {
-                go(&mut mover, &world, Vec3::X * 3.0, &mut last);
-                assert!(!is_inside(&mover, &world));
+                go(&mut character, &world, Vec3::X * 3.0, &mut last);
+                assert!(!is_inside(&character, &world));
             }
             // Feet of a round bottom on a slope: where its circle touches.
             let (tangent, cosine) = (degrees.to_radians().tan(), degrees.to_radians().cos());
             let (tangent, round) = (f64::from(tangent), 0.32 * (f64::from(1.0 / cosine) - 1.0));
             if walks {
-                near(mover.feet().x, 4.0, 1e-4);
-                near(mover.feet().y, 4.0 * tangent + round, 1e-3);
-                assert!(mover.ground().unwrap().normal.x < -0.1);
+                near(character.feet().x, 4.0, 1e-4);
+                near(character.feet().y, 4.0 * tangent + round, 1e-3);
+                assert!(character.ground().unwrap().normal.x < -0.1);
                 // Down again without a hop, and it stands where it stops.
                 for _ in 0..60 {
-                    let report = go(&mut mover, &world, Vec3::X * -3.0, &mut last);
-                    let y = mover.feet().x * tangent + round;
-                    near(mover.feet().y, y, 1e-3);
+                    let report = go(&mut character, &world, Vec3::X * -3.0, &mut last);
+                    let y = character.feet().x * tangent + round;
+                    near(character.feet().y, y, 1e-3);
                     assert!(report.ground.is_some());
                 }
-                let rest = mover.position();
-                (0..60).for_each(|_| _ = go(&mut mover, &world, Vec3::ZERO, &mut last));
-                near(mover.position().distance(rest), 0.0, 1e-5);
+                let rest = character.position();
+                (0..60).for_each(|_| _ = go(&mut character, &world, Vec3::ZERO, &mut last));
+                near(character.position().distance(rest), 0.0, 1e-5);
             } else {
-                near(mover.feet().y, 0.0, 1e-3);
-                assert!(mover.feet().x < 0.0);
+                near(character.feet().y, 0.0, 1e-3);
+                assert!(character.feet().x < 0.0);
                 // Put on it, it slides down, whatever it wants.
                 let up = DVec3::new(6.0, 6.0 * tangent + round, 0.0);
-                mover = mover_at(up, settings);
+                character = character_at(up, settings);
                 last = Vec3::ZERO;
                 for _ in 0..150 {
-                    go(&mut mover, &world, Vec3::X * 3.0, &mut last);
-                    assert!(!is_inside(&mover, &world));
+                    go(&mut character, &world, Vec3::X * 3.0, &mut last);
+                    assert!(!is_inside(&character, &world));
                 }
-                assert!(mover.feet().y < 2.0, "{limit} {degrees}: {}", mover.feet());
+                assert!(character.feet().y < 2.0, "{limit} {degrees}: {}", character.feet());
             }
         }
     }
@@ -67,17 +67,17 @@ fn in_a_gutter_of_steep_slopes_it_stands() {
         let at = turn * Vec3::new(0.0, -1.0, 0.0);
         fixed(&mut world, at.as_dvec3(), turn, Geometry::cuboid(9.0, 1.0, 20.0));
     }
-    let mut mover = Mover::new(MoverSettings::default(), DVec3::Y * 4.0).unwrap();
+    let mut character = Character::new(CharacterSettings::default(), DVec3::Y * 4.0).unwrap();
     let mut last = Vec3::ZERO;
-    (0..120).for_each(|_| _ = go(&mut mover, &world, Vec3::ZERO, &mut last));
+    (0..120).for_each(|_| _ = go(&mut character, &world, Vec3::ZERO, &mut last));
     for step in 1..=60 {
-        let z = mover.position().z;
-        let report = go(&mut mover, &world, Vec3::new(1.0, 0.0, 2.0), &mut last);
+        let z = character.position().z;
+        let report = go(&mut character, &world, Vec3::new(1.0, 0.0, 2.0), &mut last);
         assert!(report.ground.is_some(), "{step}: {report:?}");
-        near(mover.position().z - z, 2.0 / 60.0, 1e-4);
+        near(character.position().z - z, 2.0 / 60.0, 1e-4);
     }
     // From there it can jump.
-    let report = walk(&mut mover, &world, Vec3::Y * 3.0);
+    let report = walk(&mut character, &world, Vec3::Y * 3.0);
     assert!(report.ground.is_none() && report.moved.y > 0.04);
 }
 
@@ -86,11 +86,11 @@ fn edges_inside_a_mesh_are_not_felt() {
     // Level, with small triangles: the height stays as it is, and nothing is run into.
     let mut flat = world();
     fixed(&mut flat, DVec3::ZERO, Quat::IDENTITY, common::flat_mesh(40, 0.25));
-    let mut mover = standing(&flat, DVec3::new(-5.0, 0.0, -4.0), MoverSettings::default());
+    let mut character = standing(&flat, DVec3::new(-5.0, 0.0, -4.0), CharacterSettings::default());
     let mut last = Vec3::ZERO;
     for _ in 0..150 {
-        let report = go(&mut mover, &flat, Vec3::new(3.1, 0.0, 2.3), &mut last);
-        near(mover.feet().y, 0.0, GAP);
+        let report = go(&mut character, &flat, Vec3::new(3.1, 0.0, 2.3), &mut last);
+        near(character.feet().y, 0.0, GAP);
         assert!(report.hits().count() == 0 && report.ground.is_some());
     }
     // Hills: always on the ground and no further from it than the skin, as fast across as on level ground.
@@ -100,17 +100,17 @@ fn edges_inside_a_mesh_are_not_felt() {
     fixed(&mut hills, DVec3::ZERO, Quat::IDENTITY, mesh(&vertices, &triangles));
     for speed in [1.5_f32, 5.0, 9.0] {
         let height = f64::from(terrain.height(-25.0, -20.0)) + 0.1;
-        let mut mover = mover_at(DVec3::new(-25.0, height, -20.0), MoverSettings::default());
+        let mut character = character_at(DVec3::new(-25.0, height, -20.0), CharacterSettings::default());
         let mut last = Vec3::ZERO;
-        (0..30).for_each(|_| _ = go(&mut mover, &hills, Vec3::ZERO, &mut last));
-        let (capsule, _) = mover.capsule();
+        (0..30).for_each(|_| _ = go(&mut character, &hills, Vec3::ZERO, &mut last));
+        let (capsule, _) = character.capsule();
         for _ in 0..(40.0 / speed / DT) as u32 {
-            let report = go(&mut mover, &hills, Vec3::new(0.8, 0.0, 0.6) * speed, &mut last);
+            let report = go(&mut character, &hills, Vec3::new(0.8, 0.0, 0.6) * speed, &mut last);
             let across = report.moved.with_y(0.0);
             assert!((across.length() - speed * DT).abs() < 1e-3 * speed * DT, "{report:?}");
-            assert!(report.ground.is_some() && !is_inside(&mover, &hills));
+            assert!(report.ground.is_some() && !is_inside(&character, &hills));
             // The skin, along the steepest normal of these hills.
-            let down = ShapeCast::new(&capsule, mover.position(), Vec3::NEG_Y * 0.03);
+            let down = ShapeCast::new(&capsule, character.position(), Vec3::NEG_Y * 0.03);
             assert!(hills.cast_shape_any(&down, &QueryFilter::new()).unwrap());
         }
     }
@@ -127,18 +127,19 @@ fn on_steep_and_ridged_terrain_it_is_never_in_anything() {
     let (mut off, mut all) = (0, 0);
     for limit in [25.0_f32, 40.0, 50.0] {
         for _ in 0..8 {
-            let settings = MoverSettings { max_slope: limit.to_radians(), ..MoverSettings::default() };
-            let mut mover = mover_at(DVec3::Y * 6.0, settings);
+            let settings =
+                CharacterSettings { max_slope: limit.to_radians(), ..CharacterSettings::default() };
+            let mut character = character_at(DVec3::Y * 6.0, settings);
             let mut last = Vec3::ZERO;
             let mut wish = Vec3::ZERO;
             for step in 0..400 {
                 if step % 50 == 0 {
                     wish = Vec3::new(random.signed(), 0.0, random.signed()) * 9.0;
                 }
-                let report = go(&mut mover, &world, wish, &mut last);
-                let at = mover.position().as_vec3();
-                assert!(!is_inside(&mover, &world), "{limit} {step} {report:?}");
-                assert!(f64::from(terrain.height(at.x, at.z)) < mover.feet().y + 0.4, "{at}");
+                let report = go(&mut character, &world, wish, &mut last);
+                let at = character.position().as_vec3();
+                assert!(!is_inside(&character, &world), "{limit} {step} {report:?}");
+                assert!(f64::from(terrain.height(at.x, at.z)) < character.feet().y + 0.4, "{at}");
                 // Who falls long has got stuck where nothing counts as ground.
                 assert!(last.y > -25.0, "{limit} {step} {at}");
                 all += 1;

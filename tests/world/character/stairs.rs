@@ -39,23 +39,24 @@ fn it_climbs_stairs_and_comes_down_them_at_full_speed_with_its_feet_on_the_groun
             for speed in [0.4, 3.0, 12.0] {
                 let mut world = world();
                 stairs(&mut world, rise, tread, as_mesh);
-                let mut mover = standing(&world, DVec3::new(-1.0, 0.0, 0.0), MoverSettings::default());
+                let mut character =
+                    standing(&world, DVec3::new(-1.0, 0.0, 0.0), CharacterSettings::default());
                 let mut last = Vec3::ZERO;
                 let (mut climbed, mut highest) = (0.0, 0.0_f64);
                 let whole = 20.0 * tread + 4.0;
                 let steps = (whole / speed / DT) as u32;
                 for step in 1..=steps {
-                    let report = go(&mut mover, &world, Vec3::X * speed, &mut last);
-                    let name = format!("{rise} {tread} {speed} mesh {as_mesh} at {}", mover.feet());
+                    let report = go(&mut character, &world, Vec3::X * speed, &mut last);
+                    let name = format!("{rise} {tread} {speed} mesh {as_mesh} at {}", character.feet());
                     assert!(report.ground.is_some(), "{name}");
-                    assert!(!is_inside(&mover, &world), "{name}");
+                    assert!(!is_inside(&character, &world), "{name}");
                     let way = -1.0 + f64::from(speed) * f64::from(DT) * f64::from(step);
-                    assert!((mover.feet().x - way).abs() < 1e-3, "{name}: {way}");
+                    assert!((character.feet().x - way).abs() < 1e-3, "{name}: {way}");
                     climbed += report.stepped;
-                    highest = highest.max(mover.feet().y);
+                    highest = highest.max(character.feet().y);
                 }
                 near(highest, (10.0 * rise).into(), 1e-3);
-                near(mover.feet().y, 0.0, 1e-3);
+                near(character.feet().y, 0.0, 1e-3);
                 // Lower edges the round bottom gets over by itself.
                 assert!(rise < 0.11 || climbed > 0.0, "{rise} {tread}: {climbed}");
             }
@@ -72,15 +73,15 @@ fn a_step_is_climbed_up_to_its_limit_and_no_further() {
             let mut world = world();
             floor(&mut world);
             cuboid(&mut world, [5.0, 0.0, 0.0], [4.0, height, 4.0]);
-            let mut mover = standing(&world, DVec3::ZERO, MoverSettings::default());
+            let mut character = standing(&world, DVec3::ZERO, CharacterSettings::default());
             let mut last = Vec3::ZERO;
             let steps = (2.0 / speed / DT) as u32;
             for _ in 0..steps {
-                go(&mut mover, &world, Vec3::X * speed, &mut last);
+                go(&mut character, &world, Vec3::X * speed, &mut last);
             }
             let expected = if climbs { (2.0, height) } else { (1.0 - 0.32, 0.0) };
-            near(mover.feet().x, expected.0, 0.08);
-            near(mover.feet().y, expected.1.into(), 1e-3);
+            near(character.feet().x, expected.0, 0.08);
+            near(character.feet().y, expected.1.into(), 1e-3);
         }
     }
     // Not under a ceiling, and not in the air.
@@ -88,9 +89,13 @@ fn a_step_is_climbed_up_to_its_limit_and_no_further() {
     floor(&mut world);
     cuboid(&mut world, [5.0, 0.0, 0.0], [4.0, 0.2, 4.0]);
     cuboid(&mut world, [0.0, 2.5, 0.0], [9.0, 0.55, 9.0]);
-    let mut mover = standing(&world, DVec3::ZERO, MoverSettings::default());
+    let mut character = standing(&world, DVec3::ZERO, CharacterSettings::default());
     let mut last = Vec3::ZERO;
-    (0..120).for_each(|_| _ = go(&mut mover, &world, Vec3::X * 2.0, &mut last));
+    (0..120).for_each(|_| _ = go(&mut character, &world, Vec3::X * 2.0, &mut last));
     // Its bottom gets onto the edge, as far as there is room for its head.
-    assert!(mover.feet().x < 0.8 && mover.feet().y < 0.12 && !is_inside(&mover, &world), "{}", mover.feet());
+    assert!(
+        character.feet().x < 0.8 && character.feet().y < 0.12 && !is_inside(&character, &world),
+        "{}",
+        character.feet()
+    );
 }

@@ -12,13 +12,13 @@ fn on_level_ground_it_walks_just_as_far_as_it_wants() {
         let mut world = world();
         world.add_body(&floor).unwrap();
         let start = DVec3::new(-4.03, 0.0, -2.01);
-        let mut mover = standing(&world, start, MoverSettings::default());
+        let mut character = standing(&world, start, CharacterSettings::default());
         let velocity = Vec3::new(4.0, -0.1, 1.7);
         for step in 1..=120 {
-            let report = walk(&mut mover, &world, velocity);
+            let report = walk(&mut character, &world, velocity);
             let way = DVec3::new(4.0, 0.0, f64::from(1.7_f32)) * f64::from(DT) * f64::from(step);
-            near((mover.feet() - start).with_y(0.0).distance(way), 0.0, 1e-7);
-            near(mover.feet().y, 0.0, GAP);
+            near((character.feet() - start).with_y(0.0).distance(way), 0.0, 1e-7);
+            near(character.feet().y, 0.0, GAP);
             let ground = report.ground.unwrap();
             assert!(ground.normal.distance(Vec3::Y) < 1e-4 && ground.velocity == Vec3::ZERO);
             assert_eq!(report.velocity, Vec3::new(4.0, 0.0, 1.7));
@@ -42,20 +42,20 @@ fn along_a_wall_it_goes_as_far_as_its_wish_points_along_it() {
             fixed(&mut world, DVec3::ZERO, turn, geometry.clone());
             let (along, out) = ((turn * Vec3::X).as_dvec3(), (turn * Vec3::Z).as_dvec3());
             let start = out * (depth + 0.32 + 0.001) - along * 2.0;
-            let mut mover = standing(&world, start, MoverSettings::default());
+            let mut character = standing(&world, start, CharacterSettings::default());
             let wish = (along * 2.0 - out * 3.0).as_vec3();
-            walk(&mut mover, &world, wish);
-            let first = mover.position();
+            walk(&mut character, &world, wish);
+            let first = character.position();
             let mut last = first;
             for step in 1..=60 {
-                let report = walk(&mut mover, &world, wish);
-                near((mover.position() - first).dot(along), f64::from(step) / 30.0, 1e-4);
-                near(mover.position().dot(out), depth + 0.32, GAP);
+                let report = walk(&mut character, &world, wish);
+                near((character.position() - first).dot(along), f64::from(step) / 30.0, 1e-4);
+                near(character.position().dot(out), depth + 0.32, GAP);
                 // Each step alike.
-                near((mover.position() - last).length(), 1.0 / 30.0, 1e-5);
+                near((character.position() - last).length(), 1.0 / 30.0, 1e-5);
                 assert!(report.velocity.distance((along * 2.0).as_vec3()) < 1e-3, "{report:?}");
                 assert!(report.hits().all(|hit| hit.impulse == Vec3::ZERO));
-                last = mover.position();
+                last = character.position();
             }
         }
     }
@@ -84,21 +84,21 @@ fn a_corner_stops_it_without_jitter() {
                     fixed(&mut world, at, turn, Geometry::cuboid(6.0, 4.0, 0.5));
                 }
             }
-            let mut mover = standing(&world, DVec3::new(-5.0, 0.0, 0.1), MoverSettings::default());
+            let mut character = standing(&world, DVec3::new(-5.0, 0.0, 0.1), CharacterSettings::default());
             let mut last = Vec3::ZERO;
             for _ in 0..180 {
-                go(&mut mover, &world, Vec3::new(5.0, 0.0, -0.4), &mut last);
+                go(&mut character, &world, Vec3::new(5.0, 0.0, -0.4), &mut last);
             }
-            let rest = mover.position();
+            let rest = character.position();
             // As deep as a circle of its radius gets.
             near(rest.x, -0.32 / f64::from(half.sin()), 3e-3);
             for _ in 0..120 {
-                let report = go(&mut mover, &world, Vec3::new(5.0, 0.0, -0.4), &mut last);
-                near(mover.position().distance(rest), 0.0, 1e-4);
+                let report = go(&mut character, &world, Vec3::new(5.0, 0.0, -0.4), &mut last);
+                near(character.position().distance(rest), 0.0, 1e-4);
                 assert!(report.ground.is_some() && report.velocity.length() < 1e-3, "{report:?}");
             }
             // And it gets out again.
-            let report = go(&mut mover, &world, Vec3::new(-3.0, 0.0, 0.0), &mut last);
+            let report = go(&mut character, &world, Vec3::new(-3.0, 0.0, 0.0), &mut last);
             near(report.moved.x.into(), -0.05, 1e-5);
         }
     }

@@ -31,7 +31,7 @@ fn a_ray_meets_each_shape_where_geometry_says() {
     meets(Geometry::Plane, [3.0, 5.0, 2.0], [1.0, -20.0, 0.0], 0.25, up);
     meets(common::flat_mesh(4, 1.0), [0.3, 5.0, 0.2], down, 0.5, up);
     meets(flat_field(), [0.3, 5.0, 0.2], down, 0.5, up);
-    // Of triangles both sides, facing whoever comes.
+    // Both sides of a triangle answer, with the normal towards the ray.
     meets(common::flat_mesh(4, 1.0), [0.3, -5.0, 0.2], [0.0, 10.0, 0.0], 0.5, [0.0, -1.0, 0.0]);
     meets(flat_field(), [0.3, -5.0, 0.2], [0.0, 10.0, 0.0], 0.5, [0.0, -1.0, 0.0]);
 }

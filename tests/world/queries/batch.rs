@@ -60,7 +60,7 @@ fn bundles(centre: DVec3) -> Vec<Vec<Ray>> {
     let along_x =
         |i: i32| Ray::new(centre + DVec3::new(-40.0, f64::from(i) * 0.05 - 16.0, 1.0), Vec3::X * 80.0);
     let level = (0..400).map(along_x).collect();
-    // Of the same with and without a length, near and far: neighbours that have little in common.
+    // The same rays with and without a length, near and far: neighbours that have little in common.
     let mixed = scattered.iter().zip(&straight).zip(&cameras[0]).enumerate();
     let mixed = mixed.map(|(i, ((a, b), c))| match i % 5 {
         0 => *a,

@@ -168,7 +168,7 @@ impl Churn {
             14 => world.apply_impulse(body, v * 500.0, (w * 3.0).as_dvec3()),
             15 => world.set_gravity_scale(body, v.x),
             16 => world.set_continuous(body, if yes { Continuous::Volume } else { Continuous::Discrete }),
-            17 => world.raise_body(body, above),
+            17 => world.solve_body_after(body, above),
             18 => {
                 let mass = MassProperties { mass: 50.0, center: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
                 world.set_mass(body, mass)
@@ -186,7 +186,7 @@ impl Churn {
                 let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 1.0 + v.x.abs());
                 world.set_joint(joint, &[limit], &[])
             }),
-            23 => joint.map_or(Ok(()), |joint| world.raise_joint(joint, above)),
+            23 => joint.map_or(Ok(()), |joint| world.solve_joint_after(joint, above)),
             24 => world.wake(body),
             25 => world.send_to_sleep(body),
             26 => world.set_can_sleep(body, yes),
@@ -248,8 +248,8 @@ const CALLS: [&str; 35] = [
     "hull",
     "mesh",
     "name_recorded",
-    "raise_body",
-    "raise_joint",
+    "solve_body_after",
+    "solve_joint_after",
     "remove_body",
     "remove_joint",
     "remove_shape",

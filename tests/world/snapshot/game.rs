@@ -147,7 +147,7 @@ impl Game {
                     .set_settings(Settings { substeps, length_unit, sleeping, gravity, ..settings })
                     .unwrap();
             }
-            22 => world.raise_body(body, None).unwrap(),
+            22 => world.solve_body_after(body, None).unwrap(),
             _ => world.set_origin(rng.cube().as_dvec3()).unwrap(),
         }
     }

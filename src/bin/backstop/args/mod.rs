@@ -77,9 +77,26 @@ pub(crate) enum ScenesCommand {
     },
 }
 
-/// The load limits that `--no-limits` switches off.
-pub(crate) fn limits(none: bool) -> LoadLimits {
-    if none { LoadLimits::NONE } else { LoadLimits::default() }
+/// Options of all commands that read a scene or a recording.
+#[derive(Args, Debug)]
+pub(crate) struct CommonOptions {
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
+    #[arg(long)]
+    no_limits: bool,
+    /// Print one JSON document instead of text (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No text, no progress, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+impl CommonOptions {
+    /// Limits of what files may ask for.
+    pub(crate) fn limits(&self) -> LoadLimits {
+        if self.no_limits { LoadLimits::NONE } else { LoadLimits::default() }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -161,16 +178,8 @@ pub(crate) struct RunOptions {
     /// Write the contact problem of one step, counted from 1, as text (docs/accuracy.md).
     #[arg(long, value_names = ["STEP", "FILE.dat"], num_args = 2, conflicts_with = "view")]
     pub(crate) export_problem: Option<Vec<String>>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of the summary (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No summary, no progress, no notes.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 impl RunOptions {
@@ -208,16 +217,8 @@ pub(crate) struct PlanOptions {
     /// shed.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) budget: Option<usize>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of the table (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No progress.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 /// Options of the window and of pictures.
@@ -286,16 +287,8 @@ pub(crate) struct ProfileOptions {
     /// Write all frames as a table.
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of the summary (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No summary, no progress, no notes.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 #[derive(Args, Debug)]
@@ -306,16 +299,8 @@ pub(crate) struct ReplayOptions {
     /// Threads that work on a step, whatever their number was.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub(crate) threads: usize,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of the summary (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No summary, no notes.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 #[derive(Args, Debug)]

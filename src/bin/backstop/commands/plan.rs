@@ -1,6 +1,6 @@
 //! `plan`: the memory of a scene, as planned and as measured in a run.
 
-use crate::args::{self, PlanOptions};
+use crate::args::PlanOptions;
 use crate::commands::run;
 use crate::report::output;
 use anyhow::Context;
@@ -44,18 +44,18 @@ struct Trial {
 }
 
 pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
-    let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
+    let mut scene = scene::open_limited(&options.scene, &options.common.limits())?;
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
-    if !options.quiet {
+    if !options.common.quiet {
         output::notes(&scene);
     }
     let steps = options.steps.unwrap_or_else(|| run::default_steps(&scene, DT));
     // With a budget, memory for bodies is reserved when they are added: use the largest possible budget.
     let free = settings(options, &scene, usize::MAX);
     let plan = Plan::of(&scene, &free);
-    let ran = simulate(&scene, free, steps, options.quiet)?
+    let ran = simulate(&scene, free, steps, options.common.quiet)?
         .with_context(|| format!("scene {} is refused", scene.name))?;
     let budget = match options.budget {
         None => None,
@@ -74,7 +74,7 @@ pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         measured: ran.most,
         budget,
     };
-    if options.json { output::print_json(&document) } else { output::print(&text(&document)) }
+    if options.common.json { output::print_json(&document) } else { output::print(&text(&document)) }
 }
 
 fn settings(options: &PlanOptions, scene: &Scene, budget: usize) -> Settings {
@@ -120,7 +120,7 @@ fn simulate(
 }
 
 fn attempt(options: &PlanOptions, scene: &Scene, bytes: usize, steps: u32) -> anyhow::Result<Trial> {
-    Ok(match simulate(scene, settings(options, scene, bytes), steps, options.quiet)? {
+    Ok(match simulate(scene, settings(options, scene, bytes), steps, options.common.quiet)? {
         Ok(ran) => Trial { bytes, refused: None, held: ran.most, shed: ran.shed, first: ran.first },
         Err(error) => Trial { bytes, refused: Some(error.to_string()), held: 0, shed: 0, first: None },
     })

@@ -1,6 +1,6 @@
 //! `replay`: a recorded run, played again and compared.
 
-use crate::args::{self, ReplayOptions};
+use crate::args::ReplayOptions;
 use crate::report::output;
 use crate::report::output::{bytes, count, micros};
 use anyhow::{Context, bail};
@@ -52,11 +52,11 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
     let about = || format!("can't replay {name}");
     let file = File::open(&options.file).with_context(about)?;
     let size = file.metadata().with_context(about)?.len();
-    let limits = args::limits(options.no_limits);
+    let limits = options.common.limits();
     let file = BufReader::new(file);
     let mut replay = Replay::open_limited(file, &limits, move |settings| settings.threads = threads)
         .with_context(about)?;
-    if !options.quiet && replay.engine() != env!("CARGO_PKG_VERSION") {
+    if !options.common.quiet && replay.engine() != env!("CARGO_PKG_VERSION") {
         eprintln!("note: recorded by backstop {}; another version may go another way", replay.engine());
     }
     let (played, time) = pool.install(|| play(&mut replay)).with_context(about)?;
@@ -71,9 +71,9 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
         hash: format!("{:016x}", replay.world().hash()),
         divergence: played.divergence.as_ref().map(diverged),
     };
-    if options.json {
+    if options.common.json {
         output::print_json(&document)?;
-    } else if !options.quiet {
+    } else if !options.common.quiet {
         output::print(&text(&document))?;
     }
     match played.divergence {

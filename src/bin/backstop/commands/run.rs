@@ -1,6 +1,6 @@
 //! `run`: runs a scene from a file and writes its results.
 
-use crate::args::{self, RunOptions};
+use crate::args::RunOptions;
 use crate::report::accuracy::{self, Course};
 use crate::report::document::Document;
 use crate::report::trace::{SolverSum, Trace};
@@ -35,7 +35,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     let inputs = std::iter::once(Path::new(&options.scene)).chain(options.settings.as_deref());
     output::refuse_inputs(&outputs, inputs)?;
     let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
-    let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
+    let mut scene = scene::open_limited(&options.scene, &options.common.limits())?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     // Rain comes from above, that is, against gravity.
     let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
@@ -47,7 +47,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
-    if !options.quiet {
+    if !options.common.quiet {
         output::notes(&scene);
         if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
@@ -63,7 +63,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
             }
             Err(reason) => {
                 let instead = PathBuf::from(format!("{}-frames", scene.name));
-                if !options.quiet {
+                if !options.common.quiet {
                     eprintln!("note: no window ({reason}); pictures go to {}/", instead.display());
                 }
                 folder = Some(instead);
@@ -146,7 +146,7 @@ fn simulate(
     let mut exported = None;
     record(&mut film, &world, &handles, 0.0);
     frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
-    let bar = output::progress(!options.quiet, steps.into(), "steps");
+    let bar = output::progress(!options.common.quiet, steps.into(), "steps");
     for step in 1..=steps {
         let exports = export_to.as_ref().is_some_and(|(at, _)| *at == step);
         if exports {
@@ -247,7 +247,7 @@ fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Res
     written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
     written.extend(options.record.clone());
     if let Some((path, about)) = exported {
-        if !options.quiet {
+        if !options.common.quiet {
             eprintln!("note: {}: {about}", path.display());
         }
         written.push(path.clone());
@@ -256,9 +256,9 @@ fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Res
     if let Some(folder) = &options.report {
         written.push(page::write(folder, &document, trace)?);
     }
-    if options.json {
+    if options.common.json {
         output::print_json(&document)?;
-    } else if !options.quiet {
+    } else if !options.common.quiet {
         output::print(&summary::text(&document, trace, &written))?;
     }
     let lost: Vec<&str> = document

@@ -2,6 +2,7 @@ use super::*;
 use crate::body::{Pose, exp_map};
 use crate::joint::JointFrame;
 use crate::math::Quat;
+use crate::random::Random;
 use glam::{DVec3, Vec3};
 
 #[test]
@@ -10,22 +11,6 @@ fn an_angle_is_that_of_its_sine_and_cosine() {
         let x = i as f32 * 1e-4 * std::f32::consts::PI;
         let found = angle(2.0 * libm::sinf(x).max(0.0), 2.0 * libm::cosf(x));
         assert!((found - x).abs() < 1e-6, "{x}: {found}");
-    }
-}
-
-struct Random(u32);
-
-impl Random {
-    /// In -1..1.
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
-    }
-    fn vec3(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-    fn quat(&mut self) -> Quat {
-        exp_map(self.vec3() * 1.8)
     }
 }
 
@@ -54,13 +39,14 @@ fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
     let mut random = Random(1);
     let mut checked = 0;
     for case in 0..300 {
-        let frames = [0; 2].map(|_| JointFrame { position: random.vec3(), rotation: random.quat() });
+        let frames =
+            [0; 2].map(|_| JointFrame { position: random.cube(), rotation: exp_map(random.cube() * 1.8) });
         // Far out, where a single-precision position would be a millimetre off.
         let poses = [0; 2].map(|_| Pose {
-            position: random.vec3().as_dvec3() + DVec3::splat(1e4),
-            rotation: random.quat(),
+            position: random.cube().as_dvec3() + DVec3::splat(1e4),
+            rotation: exp_map(random.cube() * 1.8),
         });
-        let (v, w) = ([0; 2].map(|_| random.vec3()), [0; 2].map(|_| random.vec3()));
+        let (v, w) = ([0; 2].map(|_| random.cube()), [0; 2].map(|_| random.cube()));
         let after = |time: f32| {
             let moved = [0, 1].map(|i| Pose {
                 position: poses[i].position + (v[i] * time).as_dvec3(),

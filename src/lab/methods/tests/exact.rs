@@ -17,7 +17,7 @@ const ALL: [(&str, Solve); 8] = [
 ];
 
 fn random_matrix(random: &mut Random, rows: usize, columns: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(rows, columns, |_, _| random.signed_f64())
+    DMatrix::from_fn(rows, columns, |_, _| random.range64(-1.0, 1.0))
 }
 
 /// Whether any choice of positive variables solves it.

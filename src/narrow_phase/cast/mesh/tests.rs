@@ -4,7 +4,8 @@ use crate::memory::Allowance;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+use crate::narrow_phase::fixtures::{CONVEX, collider};
+use crate::random::Random;
 use crate::shape::Geometry;
 
 /// Every triangle, in order, if its box is on the way.
@@ -199,7 +200,7 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
             expected |= touch.is_some();
             if let Some(found) = found {
                 let placed = sweep.placed(f64::from(found.fraction));
-                gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).0);
+                gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).lower);
             }
         }
         // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the

@@ -1,9 +1,11 @@
 use super::*;
 use crate::narrow_phase::cast::{Other, Sweep, tolerance};
 use crate::narrow_phase::convex::support::Support;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+use crate::narrow_phase::fixtures::{CONVEX, collider};
+use crate::random::Random;
 
-/// Whatever the exact search finds to be touched is not left out, and not before the fraction that is given.
+/// No triangle is left out that the exact search finds to be touched, and none is touched before the fraction
+/// that is given for it.
 #[test]
 fn nothing_that_is_touched_is_left_out() {
     let mut random = Random(77);
@@ -19,7 +21,7 @@ fn nothing_that_is_touched_is_left_out() {
         let motion = Motion::new(&a, &pa, &b, &pb);
         let eps = tolerance(&a, &b, 1.0);
         let mut eight = Eight::default();
-        // With the tolerance, and nearly without: what counts once something is touched.
+        // With the tolerance, and nearly without: as casts search once something is touched.
         let mut exact = Vec::new();
         for k in 0..8 {
             let triangle = random.triangle(2.0);
@@ -50,6 +52,6 @@ fn nothing_that_is_touched_is_left_out() {
             }
         }
     }
-    // It is worth the while: most of those that are not touched are left out.
+    // Most triangles that are not touched are left out; otherwise the test in lanes would not pay.
     assert!(cfg!(miri) || touched > 500 && left_out > (all - touched) / 2, "{touched} {left_out} {all}");
 }

@@ -3,8 +3,9 @@
 use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::contacts::manifold::RawManifold;
-use crate::narrow_phase::convex::testing::{Pair, Random, collider, outside, shape};
+use crate::narrow_phase::convex::testing::{Pair, collider, outside, shape};
 use crate::narrow_phase::convex::{collide_convex, collide_triangle};
+use crate::random::Random;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::Vec3;
 use std::sync::Arc;
@@ -63,11 +64,11 @@ fn error(pair: &Pair, manifold: &RawManifold) -> Error {
 /// Two shapes in any attitude (or in one where axes are along or across each other), brought together along
 /// any direction until they are about `at` apart [m].
 fn near(random: &mut Random, a: &Collider, b: &Collider, at: f32) -> Relative {
-    let direction = random.sphere();
+    let direction = random.direction();
     let rotation = match random.below(4) {
         0 => Quat::from_rotation_y(random.unit() * 6.0),
         1 => Quat::from_rotation_z(std::f32::consts::FRAC_PI_2) * Quat::from_rotation_y(random.unit() * 6.0),
-        _ => random.rotation(),
+        _ => random.turn(),
     };
     let mut far = a.radius + b.radius + 0.5;
     let pair = |t: f32| Pair { a, b, rel: Relative { position: direction * t, rotation } };
@@ -101,8 +102,8 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize, show: f64) -> (Error, usize
     (worst, bad)
 }
 
-/// Of all pairs with a cylinder, how many contacts are off by more than a millimetre on shapes of about a
-/// metre, of which half may be what a flat face is preferred by.
+/// How many contacts of pairs with a cylinder are off by more than a millimetre, on shapes of about a metre;
+/// half of that may be what a flat face is preferred by.
 fn failures(seed: u64, rounds: usize) -> usize {
     let mut failed = 0;
     for (i, other) in KINDS.into_iter().enumerate() {

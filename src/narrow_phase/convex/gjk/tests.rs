@@ -1,6 +1,7 @@
 use super::*;
 use crate::math::Quat;
-use crate::narrow_phase::fixtures::{CONVEX, Random, collider, depth, gap_along};
+use crate::narrow_phase::fixtures::{CONVEX, collider, depth, gap_along};
+use crate::random::Random;
 use crate::shape::{Geometry, Kind};
 
 fn between(a: Geometry, b: Geometry, position: Vec3, rotation: Quat) -> Closest {
@@ -92,7 +93,7 @@ fn boxes_and_triangles_agree_with_brute_force() {
         let shape = random.shape(Kind::Box, size);
         let rel = Relative {
             position: random.direction() * random.range(0.5, 2.0) * size,
-            rotation: if i % 2 == 0 { Quat::IDENTITY } else { random.rotation() },
+            rotation: if i % 2 == 0 { Quat::IDENTITY } else { random.turn() },
         };
         let found = distance(&Support::of(&shape).unwrap(), &Support::triangle(corners), &rel, Vec3::ZERO);
         let q = rel.rotation.as_dquat().normalize();
@@ -184,7 +185,7 @@ fn time_of_a_distance() {
             .map(|_| {
                 let (a, b) = (random.shape(kind, 1.0), random.shape(kind, 1.0));
                 let position = random.direction() * random.range(1.0, 1.5) * (a.radius + b.radius);
-                (a, b, Relative { position, rotation: random.rotation() })
+                (a, b, Relative { position, rotation: random.turn() })
             })
             .collect();
         // The best of many rounds: the machine may have other things to do.

@@ -57,7 +57,8 @@ impl Slow {
         (0..3).fold(self.centre[k], |x, bit| x + self.axes[k][bit] * self.half[k][bit] * side(bit))
     }
 
-    /// Of boxes that are apart: every vertex against the other box, every edge against every edge.
+    /// The distance of boxes that are apart: every vertex against the other box, every edge against every
+    /// edge.
     fn distance(&self) -> f64 {
         let mut least = f64::INFINITY;
         for k in 0..2 {
@@ -195,7 +196,7 @@ fn a_resting_box_has_four_equal_points_at_the_corners_of_the_overlap() {
     for (a, b, x, [low, high]) in cases {
         for lift in [-0.01, 0.0, 0.01] {
             for noise in [0.0, 1e-7, 1e-5, 1e-4] {
-                let tilt = random.vector(noise);
+                let tilt = random.cube() * noise;
                 let m = stacked(a, b, x, lift, 0.0, tilt);
                 assert_eq!(m.count, 4, "{a} {b} {x} {lift} {noise}");
                 assert!((m.normal - Vec3::Y).length() < 2e-4);
@@ -242,7 +243,7 @@ fn keys_stay_while_a_stack_jitters() {
         keys
     };
     for _ in 0..500 {
-        let (tilt, x) = (random.vector(2e-5), 1.0 + random.range(-2e-5, 2e-5));
+        let (tilt, x) = (random.cube() * 2e-5, 1.0 + random.range(-2e-5, 2e-5));
         let m = stacked(Vec3::ONE, Vec3::ONE, x, random.range(-2e-3, 1e-4), tilt.y, tilt);
         assert_eq!(keys(&m), keys(&first), "{tilt}");
     }
@@ -256,7 +257,7 @@ fn a_small_box_anywhere_on_a_wide_floor_rests_on_four_points() {
     let (floor, small) = (vec3(50.0, 0.5, 50.0), Vec3::splat(0.05));
     for i in 0..2000 {
         let yaw = random.range(-1.0, 1.0) * 0.5f32.powi(i % 20);
-        let rotation = Quat::from_scaled_axis(random.vector(1e-5)) * Quat::from_rotation_y(yaw);
+        let rotation = Quat::from_scaled_axis(random.cube() * 1e-5) * Quat::from_rotation_y(yaw);
         let position = vec3(random.range(-45.0, 45.0), 0.55, random.range(-45.0, 45.0));
         let m = one(Relative { position, rotation }, floor, small, 0.01);
         assert!(m.count == 4 && m.points().iter().all(|p| p.separation.abs() < 1e-5), "{yaw} {m:?}");
@@ -277,7 +278,7 @@ fn a_small_box_on_its_edge_on_a_wide_floor_rests_on_two_points() {
     for i in 0..2000 {
         let tilt = Quat::from_rotation_z(random.range(0.4, 1.1));
         let yaw = random.range(-1.0, 1.0) * 0.5f32.powi(i % 20);
-        let rotation = Quat::from_scaled_axis(random.vector(1e-5))
+        let rotation = Quat::from_scaled_axis(random.cube() * 1e-5)
             * Quat::from_rotation_y(yaw)
             * tilt
             * lying[i as usize % 3];
@@ -298,7 +299,7 @@ fn a_small_box_on_its_edge_on_a_wide_floor_rests_on_two_points() {
 fn a_nearly_flat_box_over_an_edge_keeps_its_four_points() {
     let mut random = Random(16);
     for _ in 0..500 {
-        let (tilt, x) = (random.vector(5e-3), random.range(-1.5, 1.5));
+        let (tilt, x) = (random.cube() * 5e-3, random.range(-1.5, 1.5));
         let m = stacked(Vec3::ONE, Vec3::ONE, x, random.range(-0.005, 0.005), random.range(-1.0, 1.0), tilt);
         assert!(m.count >= 3, "{tilt} {x} {m:?}");
     }

@@ -61,11 +61,11 @@ impl Slow {
         for _ in 0..12 {
             let mut best = (f64::NEG_INFINITY, DVec3::X);
             for _ in 0..100 {
-                attempt(random.vector(1.0).as_dvec3(), &mut best);
+                attempt(random.cube().as_dvec3(), &mut best);
             }
             for i in 0..500 {
                 let step = 0.3 * 0.985f64.powi(i);
-                attempt(best.1 + random.vector(1.0).as_dvec3() * step, &mut best);
+                attempt(best.1 + random.cube().as_dvec3() * step, &mut best);
             }
             all = if best.0 > all.0 { best } else { all };
         }

@@ -7,7 +7,7 @@
 use super::super::gltf_in::extension::RIGID_BODIES;
 use super::build::{Builder, alone, intern, place};
 use crate::body::BodyKind;
-use crate::joint::{Axes, Drive, Frame, Limit, Motion, Spring};
+use crate::joint::{Axes, Coefficients, Drive, Frame, Limit, Motion, Spring};
 use crate::scene::{SceneBody, SceneJoint};
 use serde_json::{Value, json};
 
@@ -92,7 +92,7 @@ fn limit(limit: &Limit) -> Value {
 }
 
 fn drive(drive: &Drive) -> Value {
-    let (stiffness, damping, per_mass) = drive.spring.coefficients();
+    let Coefficients { stiffness, damping, per_mass } = drive.spring.coefficients();
     let mut out = json!({
         "type": match drive.motion { Motion::Linear => "linear", Motion::Angular => "angular" },
         "mode": if per_mass { "acceleration" } else { "force" },

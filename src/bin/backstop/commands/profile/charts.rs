@@ -20,8 +20,10 @@ pub(crate) fn cost(area: &Area<'_>, run: &Run) -> Drawn {
     let lines: [Line<f64>; 2] =
         [("continuous", RED, |f| f.continuous_us), ("discrete", BLUE, |f| f.discrete_us)];
     let columns = Columns::of(run.frames.len());
-    let drawn: Vec<_> =
-        lines.iter().map(|&(name, colour, what)| (name, colour, means(&columns, run, what))).collect();
+    let drawn: Vec<_> = lines
+        .iter()
+        .map(|&(name, colour, what)| (name, colour, columns.means(|i| what(&run.frames[i]))))
+        .collect();
     let top = 1.2 * drawn.iter().flat_map(|(_, _, line)| line).fold(1e-3f64, |m, p| m.max(p.1));
     let (unit, scale) = if top >= 1000.0 { ("ms", 1e-3) } else { ("µs", 1.0) };
     let top = top * scale;
@@ -43,7 +45,7 @@ pub(crate) fn cost(area: &Area<'_>, run: &Run) -> Drawn {
 /// By how much the continuous step takes longer, frame by frame. The axis ends where 19 of 20 columns fit.
 pub(crate) fn additional(area: &Area<'_>, run: &Run) -> Drawn {
     let columns = Columns::of(run.frames.len());
-    let line = means(&columns, run, |f| f.additional);
+    let line = columns.means(|i| run.frames[i].additional);
     let mut sorted: Vec<f64> = line.iter().map(|p| p.1).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let top = 1.4 * sorted[(sorted.len() - 1) * 19 / 20].max(5.0);
@@ -131,20 +133,9 @@ pub(crate) fn potential(area: &Area<'_>, run: &Run) -> Drawn {
         ("ghosts", RED, |f| f.ghosts),
     ];
     let columns = Columns::of(run.frames.len());
-    let most = |what: fn(&Frame) -> u32| -> Vec<(f64, f64)> {
-        let of = |range: std::ops::Range<usize>| run.frames[range].iter().map(what).max().unwrap_or(0);
-        columns.map(of).map(|(x, y)| (x, f64::from(y))).collect()
-    };
+    let most = |what: fn(&Frame) -> u32| columns.greatest(0.0, |i| f64::from(what(&run.frames[i])));
     let drawn: Vec<_> = lines.iter().map(|&(name, colour, what)| (name, colour, most(what))).collect();
     counts(area, "What continuous collision found", &columns, drawn)
-}
-
-fn means(columns: &Columns, run: &Run, what: fn(&Frame) -> f64) -> Vec<(f64, f64)> {
-    let of = |range: std::ops::Range<usize>| {
-        let count = range.len() as f64;
-        run.frames[range].iter().map(what).sum::<f64>() / count
-    };
-    columns.map(of).collect()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ mod ledger;
 mod measure;
 mod page;
 
-use crate::args::{self, CompareOptions, ProfileOptions};
+use crate::args::{CompareOptions, ProfileOptions};
 use crate::commands::{compare, run};
 use crate::report::output;
 use crate::threads::with_threads;
@@ -30,7 +30,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     output::refuse_inputs(&outputs, options.scene.iter().map(Path::new))?;
     let scene = open(options)?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
-    if !options.quiet {
+    if !options.common.quiet {
         output::notes(&scene);
     }
     let ledger = measure_all(options, &scene)?;
@@ -38,9 +38,9 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
         ledger::write_csv(path, &ledger.runs)?;
     }
     let written = options.report.as_ref().map(|folder| page::write(folder, &ledger)).transpose()?;
-    if options.json {
+    if options.common.json {
         output::print_json(&ledger)?;
-    } else if !options.quiet {
+    } else if !options.common.quiet {
         let mut text = String::new();
         for (label, value) in page::rows(&ledger) {
             text += &format!("{label:<12}{value}\n");
@@ -58,7 +58,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
 
 fn open(options: &ProfileOptions) -> anyhow::Result<Scene> {
     match &options.scene {
-        Some(name) => Ok(scene::open_limited(name, &args::limits(options.no_limits))?),
+        Some(name) => Ok(scene::open_limited(name, &options.common.limits())?),
         None if Path::new(TALK).exists() => Ok(scene::open(TALK)?),
         None => scene::shipped("talk.glb").context("there is no talk.glb"),
     }
@@ -75,7 +75,8 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         method: options.method,
         ..default
     };
-    let bar = output::progress(!options.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
+    let bar =
+        output::progress(!options.common.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
     let mut runs = Vec::new();
     let mut last: Option<Measured> = None;
     for &threads in &options.threads {

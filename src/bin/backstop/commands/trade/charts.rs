@@ -2,7 +2,7 @@
 
 use super::outcome::{Outcome, Row};
 use crate::report::charts::{
-    Area, BLUE, Drawn, GREEN, INK, ORANGE, PALE, RED, RULE, SKY, draw_lines, legend, text,
+    Area, BLUE, Drawn, GREEN, INK, ORANGE, PALE, RED, RULE, SKY, draw_lines, frame, legend, text,
 };
 use backstop::lab::trade::{Axis, front as front_of};
 use plotters::prelude::*;
@@ -33,29 +33,16 @@ fn bounds(outcome: &Outcome) -> [std::ops::Range<f64>; 2] {
 macro_rules! log_frame {
     ($area:expr, $outcome:expr, $title:expr) => {{
         let [x, y] = bounds($outcome);
-        $area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on($area)
-            .caption($title, text(18))
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(42)
-            .y_label_area_size(76)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .x_desc("time, relative to the default setting")
-            .y_desc(format!("{} [{}]", $outcome.error.name(), $outcome.unit))
-            .axis_desc_style(text(14))
-            .label_style(text(13))
-            .axis_style(INK.mix(0.6))
-            .bold_line_style(RULE)
-            .light_line_style(WHITE)
-            .x_labels(10)
-            .y_labels(7)
-            .x_label_formatter(&|x| format!("{:.2}", power(*x)))
-            .y_label_formatter(&|y| format!("{:.1e}", power(*y)))
-            .draw()?;
-        chart
+        frame!(
+            $area,
+            $title,
+            x,
+            y,
+            "time, relative to the default setting",
+            format!("{} [{}]", $outcome.error.name(), $outcome.unit),
+            &|x| format!("{:.2}", power(*x)),
+            &|y| format!("{:.1e}", power(*y))
+        )
     }};
 }
 

@@ -11,7 +11,7 @@ mod text;
 pub(crate) use options::TradeOptions;
 
 use crate::report::output;
-use crate::{args, settings_file};
+use crate::settings_file;
 use anyhow::{Context, bail};
 use backstop::scene::{self, Scene};
 use lines::{Header, Results};
@@ -37,9 +37,9 @@ pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
         return finish(options, &Outcome::new(options, header, &candidates, &results)?);
     }
     let name = options.scene.as_deref().context("a scene is needed")?;
-    let scene = scene::open_limited(name, &args::limits(options.no_limits))?;
+    let scene = scene::open_limited(name, &options.common.limits())?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
-    if !options.quiet {
+    if !options.common.quiet {
         output::notes(&scene);
     }
     if scene.dynamic_bodies() == 0 {
@@ -82,15 +82,15 @@ fn merged(files: &[PathBuf]) -> anyhow::Result<(Header, Vec<Candidate>, Results)
 
 /// Prints and writes what was asked for.
 fn finish(options: &TradeOptions, outcome: &Outcome) -> anyhow::Result<()> {
-    if options.json {
+    if options.common.json {
         output::print_json(outcome)?;
-    } else if !options.quiet {
+    } else if !options.common.quiet {
         output::print(&text::text(outcome))?;
     }
     if let Some(folder) = &options.report {
         page::write(folder, outcome)?;
     }
-    if let Some(most) = options.max_error.filter(|&most| most < outcome.certain_to && !options.quiet) {
+    if let Some(most) = options.max_error.filter(|&most| most < outcome.certain_to && !options.common.quiet) {
         eprintln!(
             "note: the reference itself is certain to {} {} only, not {most}",
             text::number(Some(outcome.certain_to)),

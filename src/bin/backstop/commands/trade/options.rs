@@ -1,6 +1,6 @@
 //! The command line of `trade`.
 
-use crate::args::{positive, threads};
+use crate::args::{CommonOptions, positive, threads};
 use backstop::lab::WorldMethod;
 use backstop::lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
 use clap::Args;
@@ -54,8 +54,8 @@ pub(crate) struct TradeOptions {
     /// Methods of the lab that solve steps, beside the engine's own solver (docs/methods.md), or none.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = solver)]
     pub(crate) solver: Vec<String>,
-    /// Measure the default and the settings of this file alone. Of the grid only the rates count: with those
-    /// of the sweep that it is from, it has the very same error.
+    /// Measure the default and the settings of this file alone. The grid gives only the rates: with those of
+    /// the sweep that the file is from, it has the very same error.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cell", "merge"])]
     pub(crate) settings: Option<PathBuf>,
     /// Steps per second of the reference; rounded up to what has times in common with the grid.
@@ -90,16 +90,8 @@ pub(crate) struct TradeOptions {
     /// Write a page with the curves: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused
-    /// (`LoadLimits`).
-    #[arg(long)]
-    pub(crate) no_limits: bool,
-    /// Print one JSON document instead of tables (docs/json.md).
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// No tables, no progress, no notes.
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) common: CommonOptions,
 }
 
 /// Yes or no, in the words of its axis.

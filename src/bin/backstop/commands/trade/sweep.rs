@@ -167,7 +167,7 @@ impl<'a> Sweep<'a> {
         let mut sink = Sink::File(json_lines::open(&path).context("--results names another file")?);
         if !has_header {
             sink.put(&Line::Header(Box::new(self.header.clone())))?;
-        } else if !options.quiet {
+        } else if !options.common.quiet {
             let known = results.measured.iter().flatten().count();
             eprintln!("note: {} has {known} of {} cells", path.display(), self.candidates.len());
         }
@@ -183,7 +183,7 @@ impl<'a> Sweep<'a> {
         sink: &mut Sink,
     ) -> anyhow::Result<()> {
         let missing: Vec<usize> = mine.iter().copied().filter(|&i| results.measured[i].is_none()).collect();
-        let bar = output::progress(!options.quiet, missing.len() as u64, "cells measured");
+        let bar = output::progress(!options.common.quiet, missing.len() as u64, "cells measured");
         let (next, shared) = (AtomicUsize::new(0), Mutex::new((results, sink)));
         let work = || -> anyhow::Result<()> {
             while let Some(&cell) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -237,7 +237,7 @@ impl<'a> Sweep<'a> {
         let rounds = (0..options.rounds()).flat_map(|round| timed.iter().map(move |&cell| (cell, round)));
         let missing: Vec<(usize, u32)> =
             rounds.filter(|&(cell, round)| lacks(results, cell, round)).collect();
-        let bar = output::progress(!options.quiet, missing.len() as u64, "times taken");
+        let bar = output::progress(!options.common.quiet, missing.len() as u64, "times taken");
         for some in missing.chunks(BETWEEN) {
             let default_us = self.cost(0)?;
             for &(cell, round) in some {
@@ -275,7 +275,7 @@ impl<'a> Sweep<'a> {
 
 /// The finest run and the one of half the resolution, in parallel.
 fn reference(scene: &Scene, span: Span, hz: u32, options: &TradeOptions) -> anyhow::Result<Reference> {
-    let bar = output::progress(!options.quiet, 2, "runs of the reference");
+    let bar = output::progress(!options.common.quiet, 2, "runs of the reference");
     let run = |hz: u32| {
         let track = Track::of(scene, span, &Cell::reference(hz));
         bar.inc(1);

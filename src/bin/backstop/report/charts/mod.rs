@@ -50,6 +50,16 @@ impl Columns {
         })
     }
 
+    /// Middle of each column with the mean of its steps.
+    pub(crate) fn means(&self, of: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+        self.map(|range| range.clone().map(&of).sum::<f64>() / range.len() as f64).collect()
+    }
+
+    /// Middle of each column with the greatest of its steps, of numbers from `least` up.
+    pub(crate) fn greatest(&self, least: f64, of: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+        self.map(|range| range.map(&of).fold(least, f64::max)).collect()
+    }
+
     /// The axis label, which says if a column has several steps.
     pub(crate) fn axis(&self, what: &str) -> String {
         if self.width == 1 { "step".into() } else { format!("step ({what} of {} a column)", self.width) }
@@ -62,7 +72,10 @@ pub(crate) fn text(size: u32) -> TextStyle<'static> {
 
 /// Line charts share their frame: title, mesh, labelled axes.
 macro_rules! frame {
-    ($area:expr, $title:expr, $x:expr, $y:expr, $x_name:expr, $y_name:expr, $label:expr) => {{
+    ($area:expr, $title:expr, $x:expr, $y:expr, $x_name:expr, $y_name:expr, $label:expr) => {
+        frame!($area, $title, $x, $y, $x_name, $y_name, &|x| format!("{x:.0}"), $label)
+    };
+    ($area:expr, $title:expr, $x:expr, $y:expr, $x_name:expr, $y_name:expr, $x_label:expr, $label:expr) => {{
         $area.fill(&WHITE)?;
         let mut chart = ChartBuilder::on($area)
             .caption($title, text(18))
@@ -82,7 +95,7 @@ macro_rules! frame {
             .light_line_style(WHITE)
             .x_labels(10)
             .y_labels(7)
-            .x_label_formatter(&|x| format!("{x:.0}"))
+            .x_label_formatter($x_label)
             .y_label_formatter($label)
             .draw()?;
         chart
@@ -122,13 +135,7 @@ pub(crate) use {draw_lines, frame, legend};
 pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
     let reports = &trace.reports;
     let columns = Columns::of(reports.len());
-    let mean = |stage: Stage| -> Vec<(f64, f64)> {
-        let of = |range: std::ops::Range<usize>| {
-            let count = range.len() as f64;
-            reports[range].iter().map(|r| f64::from(stage(r))).sum::<f64>() / count
-        };
-        columns.map(of).collect()
-    };
+    let mean = |stage: Stage| columns.means(|i| f64::from(stage(&reports[i])));
     let stages: Vec<Vec<(f64, f64)>> = STAGES.iter().map(|s| mean(s.1)).collect();
     let mut sums: Vec<f64> = (0..stages[0].len()).map(|i| stages.iter().map(|s| s[i].1).sum()).collect();
     sums.sort_unstable_by(f64::total_cmp);
@@ -171,9 +178,7 @@ pub(crate) fn contacts(area: &Area<'_>, trace: &Trace) -> Drawn {
     ];
     let reports = &trace.reports;
     let columns = Columns::of(reports.len());
-    let most = |what: What| -> Vec<(f64, f64)> {
-        columns.map(|range| f64::from(reports[range].iter().map(what).max().unwrap_or(0))).collect()
-    };
+    let most = |what: What| columns.greatest(0.0, |i| f64::from(what(&reports[i])));
     let drawn: Vec<_> = lines.iter().map(|&(name, colour, what)| (name, colour, most(what))).collect();
     counts(area, "Contacts", &columns, drawn)
 }
@@ -218,28 +223,16 @@ pub(crate) fn energy(area: &Area<'_>, trace: &Trace, dt: f64) -> Drawn {
     };
     let spread = (high - low) * scale;
     let end = line.last().map_or(1.0, |p| p.0).max(dt);
-    area.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(area)
-        .caption("Energy: kinetic and in gravity, above the height zero", text(18))
-        .margin(12)
-        .margin_right(24)
-        .x_label_area_size(42)
-        .y_label_area_size(76)
-        .build_cartesian_2d(0.0..end, low * scale..high * scale)?;
-    chart
-        .configure_mesh()
-        .x_desc("time [s]")
-        .y_desc(format!("energy [{unit}]"))
-        .axis_desc_style(text(14))
-        .label_style(text(13))
-        .axis_style(INK.mix(0.6))
-        .bold_line_style(RULE)
-        .light_line_style(WHITE)
-        .x_labels(10)
-        .y_labels(7)
-        .x_label_formatter(&|x| plain(*x, end))
-        .y_label_formatter(&|y| plain(*y, spread))
-        .draw()?;
+    let mut chart = frame!(
+        area,
+        "Energy: kinetic and in gravity, above the height zero",
+        0.0..end,
+        low * scale..high * scale,
+        "time [s]",
+        format!("energy [{unit}]"),
+        &|x| plain(*x, end),
+        &|y| plain(*y, spread)
+    );
     chart
         .draw_series(LineSeries::new(line.into_iter().map(|(x, e)| (x, e * scale)), BLUE.stroke_width(2)))?;
     Ok(())
@@ -256,8 +249,8 @@ pub(crate) fn accuracy(area: &Area<'_>, course: &Course) -> Drawn {
     .into_iter()
     .filter_map(|(figure, name, colour)| {
         let values = &course.figures[FIGURES.iter().position(|f| f.0 == figure)?];
-        let most = |range: std::ops::Range<usize>| values[range].iter().copied().fold(LEAST, f64::max);
-        Some((name, colour, columns.map(most).map(|(x, y)| (x, y.log10())).collect()))
+        let most = columns.greatest(LEAST, |i| values[i]);
+        Some((name, colour, most.into_iter().map(|(x, y)| (x, y.log10())).collect()))
     })
     .collect();
     let top =

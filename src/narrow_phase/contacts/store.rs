@@ -1,0 +1,500 @@
+//! The store of contacts: their headers in one column, their points in another.
+//!
+//! A contact has a slot and a place for as many points as it has.
+
+use super::contact::{Contact, ContactMut, ContactRef, Header, NO_CONTACT, Point};
+use super::places::{Place, Places};
+use crate::broad_phase::Pair;
+use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
+use crate::threads::Shared;
+
+/// The header of a contact, and where its points are. Free slots are linked by [`Header::next`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub(super) header: Header,
+    pub(super) place: Place,
+}
+
+/// A number of contacts, and of points of all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ContactCount {
+    pub(crate) contacts: usize,
+    pub(crate) points: usize,
+}
+
+impl ContactCount {
+    pub(crate) fn bytes(self) -> usize {
+        self.contacts * size_of::<Slot>() + self.points * size_of::<Point>()
+    }
+
+    /// The least that is enough for both.
+    pub(crate) fn max(self, other: ContactCount) -> ContactCount {
+        ContactCount { contacts: self.contacts.max(other.contacts), points: self.points.max(other.points) }
+    }
+
+    /// What is left of it without the other.
+    fn without(self, other: ContactCount) -> ContactCount {
+        ContactCount {
+            contacts: self.contacts.saturating_sub(other.contacts),
+            points: self.points.saturating_sub(other.points),
+        }
+    }
+}
+
+impl std::ops::Add for ContactCount {
+    type Output = ContactCount;
+    fn add(self, other: ContactCount) -> ContactCount {
+        ContactCount { contacts: self.contacts + other.contacts, points: self.points + other.points }
+    }
+}
+
+/// All contacts, with holes that are used again.
+#[derive(Debug)]
+pub(crate) struct Contacts {
+    slots: Vec<Slot>,
+    places: Places,
+    /// The first free slot, or [`NO_CONTACT`].
+    free: u32,
+    live: usize,
+    /// Places keep their size when they are moved together.
+    keeps_rooms: bool,
+}
+
+impl Default for Contacts {
+    fn default() -> Self {
+        Contacts {
+            slots: Vec::new(),
+            places: Places::default(),
+            free: NO_CONTACT,
+            live: 0,
+            keeps_rooms: false,
+        }
+    }
+}
+
+impl Contacts {
+    /// A contact.
+    #[inline(always)]
+    pub(crate) fn at(&self, slot: u32) -> ContactRef<'_> {
+        let Slot { header, place } = &self.slots[slot as usize];
+        ContactRef::new(header, &self.places.points[place.range()])
+    }
+
+    /// A contact, to be written.
+    #[inline(always)]
+    pub(crate) fn at_mut(&mut self, slot: u32) -> ContactMut<'_> {
+        let Slot { header, place } = &mut self.slots[slot as usize];
+        ContactMut::new(header, &mut self.places.points[place.range()])
+    }
+
+    /// A contact, if the slot has one.
+    pub(crate) fn get(&self, slot: usize) -> Option<ContactRef<'_>> {
+        let taken = self.slots.get(slot).is_some_and(|slot| slot.place != Place::NONE);
+        taken.then(|| self.at(slot as u32))
+    }
+
+    /// All contacts, for blocks of a stage that write to different ones.
+    pub(crate) fn share(&mut self) -> SharedContacts<'_> {
+        SharedContacts { slots: Shared::new(&mut self.slots), points: Shared::new(&mut self.places.points) }
+    }
+
+    /// Slots that a chain of contacts goes through.
+    pub(crate) fn chain(&self, first: u32) -> impl Iterator<Item = ContactRef<'_>> {
+        let mut slot = first;
+        std::iter::from_fn(move || {
+            let contact = (slot != NO_CONTACT).then(|| self.at(slot))?;
+            slot = contact.next;
+            Some(contact)
+        })
+    }
+
+    /// Number of slots, free ones included: one more than the highest index.
+    pub(crate) fn slots(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Says whether contacts keep the places that they have, even if they have fewer points now.
+    pub(crate) fn keep_rooms(&mut self, keep: bool) {
+        self.keeps_rooms = keep;
+    }
+
+    /// Number of contacts.
+    pub(crate) fn live(&self) -> usize {
+        self.live
+    }
+
+    /// For how many there is memory.
+    pub(crate) fn capacity(&self) -> ContactCount {
+        ContactCount { contacts: self.slots.capacity(), points: self.places.points.capacity() }
+    }
+
+    /// What is missing for so many more.
+    pub(crate) fn lacking(&mut self, more: ContactCount) -> ContactCount {
+        let wanted = |all: &Self| ContactCount { contacts: all.live, points: all.places.used() } + more;
+        if wanted(self).points > self.places.points.capacity() {
+            self.places.close_up(&mut self.slots, self.keeps_rooms);
+        }
+        wanted(self).without(self.capacity())
+    }
+
+    /// Reserves memory for so many more, as far as it suffices; returns for how many contacts.
+    pub(crate) fn reserve(&mut self, more: ContactCount, allowance: &mut Allowance) -> usize {
+        // Without a budget a part stays spare, so that places need not be moved together for every few.
+        let spare = if allowance.is_endless() { self.places.used() / SPARE } else { 0 };
+        let lacking = self.lacking(ContactCount { points: more.points + spare, ..more });
+        if lacking != ContactCount::default() {
+            let (bytes, left) = (lacking.bytes(), allowance.left());
+            let part = |n: usize| {
+                if bytes <= left { n } else { (n as u128 * left as u128 / bytes as u128) as usize }
+            };
+            let granted = ContactCount { contacts: part(lacking.contacts), points: part(lacking.points) };
+            let to = self.capacity() + granted;
+            if bytes <= left / 2 {
+                allowance.fit(&mut self.slots, to.contacts);
+                allowance.fit(&mut self.places.points, to.points);
+            } else {
+                self.each(to, &mut |buffer, len| {
+                    allowance.take(buffer.missing(len));
+                    buffer.reserve_total(len);
+                });
+            }
+        }
+        self.slots.capacity() - self.live
+    }
+
+    /// Calls `f` with each buffer and the capacity that it needs for so many.
+    pub(crate) fn each(&mut self, all: ContactCount, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.slots, all.contacts);
+        f(&mut self.places.points, all.points);
+    }
+
+    /// Bytes that are lacking for so many.
+    pub(crate) fn missing(&self, all: ContactCount) -> usize {
+        self.slots.missing(all.contacts) + self.places.points.missing(all.points)
+    }
+
+    /// A place for so many points, if there are as many spare.
+    fn take_place(&mut self, count: usize) -> Option<Place> {
+        self.places.take(count).or_else(|| {
+            if self.places.spare() == 0 {
+                return None;
+            }
+            self.places.close_up(&mut self.slots, self.keeps_rooms);
+            self.places.take(count)
+        })
+    }
+
+    /// Inserts a contact, with place for at least `room` points, where [`Contacts::reserve`] reserved memory.
+    /// Returns its slot, or [`NO_CONTACT`].
+    pub(crate) fn insert(&mut self, contact: &Contact, room: usize) -> u32 {
+        let room = room.max(contact.count.into());
+        let is_full = self.live == self.slots.capacity();
+        let place = if is_full { None } else { self.take_place(room) };
+        let Some(place) = place else { return NO_CONTACT };
+        let new = Slot { header: contact.header, place };
+        self.places.points[place.range()].copy_from_slice(&contact.points[..place.room()]);
+        self.live += 1;
+        if self.free == NO_CONTACT {
+            self.slots.push(new);
+            return self.slots.len() as u32 - 1;
+        }
+        let slot = self.free;
+        self.free = std::mem::replace(&mut self.slots[slot as usize], new).header.next;
+        slot
+    }
+
+    /// [`Contacts::insert`] while there are fewer than so many.
+    pub(crate) fn insert_within(&mut self, contact: &Contact, room: usize, most: usize) -> u32 {
+        if self.live < most { self.insert(contact, room) } else { NO_CONTACT }
+    }
+
+    /// Gives a contact a place for so many points, or as many as there are spare, if its own is smaller.
+    /// Returns for how many it has place. Its points stay.
+    pub(crate) fn grow(&mut self, slot: u32, count: usize) -> usize {
+        let own = self.slots[slot as usize].place;
+        if own.room() >= count {
+            return own.room();
+        }
+        let points = self.at(slot).to_owned().points;
+        self.places.give(std::mem::replace(&mut self.slots[slot as usize].place, Place::NONE));
+        // At least its own place is free now.
+        let place = (own.room()..=count).rev().find_map(|count| self.take_place(count)).unwrap_or(own);
+        self.places.points[place.range()].copy_from_slice(&points[..place.room()]);
+        self.slots[slot as usize].place = place;
+        place.room()
+    }
+
+    /// For how many points a contact has place.
+    pub(crate) fn room(&self, slot: u32) -> usize {
+        self.slots[slot as usize].place.room()
+    }
+
+    /// Calls `f` with each contact of these pairs, in their order.
+    pub(crate) fn for_each_of<'p>(
+        &mut self,
+        pairs: impl IntoIterator<Item = &'p Pair>,
+        mut f: impl FnMut(&Pair, &mut ContactMut<'_>),
+    ) {
+        for pair in pairs {
+            let mut slot = pair.contact;
+            while slot != NO_CONTACT {
+                let mut contact = self.at_mut(slot);
+                f(pair, &mut contact);
+                slot = contact.next;
+            }
+        }
+    }
+
+    /// Frees a contact and all that follow it.
+    pub(crate) fn remove_chain(&mut self, mut slot: u32) {
+        while slot != NO_CONTACT {
+            let Slot { header, place } = &mut self.slots[slot as usize];
+            header.count = 0;
+            let next = std::mem::replace(&mut header.next, self.free);
+            self.places.give(std::mem::replace(place, Place::NONE));
+            self.free = slot;
+            self.live -= 1;
+            slot = next;
+        }
+    }
+
+    /// Removes all contacts.
+    pub(crate) fn clear(&mut self) {
+        self.slots.clear();
+        self.places.clear();
+        (self.free, self.live) = (NO_CONTACT, 0);
+    }
+
+    /// Inserts a contact of a snapshot, for which memory was reserved if there is a budget. Returns its slot.
+    pub(crate) fn restore(&mut self, contact: &Contact, room: usize) -> u32 {
+        match self.insert(contact, room) {
+            NO_CONTACT => {
+                let one = ContactCount { contacts: 1, points: room.max(contact.count.max(1).into()) };
+                self.reserve(one, &mut { Allowance::ENDLESS });
+                self.insert(contact, room)
+            }
+            slot => slot,
+        }
+    }
+
+    /// How many contacts a chain has.
+    pub(crate) fn count(&self, slot: u32) -> usize {
+        self.chain(slot).count()
+    }
+
+    /// How many contacts of a chain pushed in the last step.
+    pub(crate) fn count_pushed(&self, slot: u32) -> u32 {
+        self.chain(slot).map(|contact| u32::from(contact.pushed)).sum()
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let live = self.live * size_of::<Slot>() + self.places.used() * size_of::<Point>();
+        (live, add_bytes(bytes_of(&self.slots), bytes_of(&self.places.points)).1)
+    }
+}
+
+/// The part of the points in use that stays spare without a budget.
+const SPARE: usize = 16;
+
+/// All contacts, for blocks of a stage that write to different ones.
+pub(crate) struct SharedContacts<'a> {
+    slots: Shared<'a, Slot>,
+    points: Shared<'a, Point>,
+}
+
+impl SharedContacts<'_> {
+    /// A contact, to be written. Panics if there is none.
+    ///
+    /// # Safety
+    /// Until the stage is over no other thread may ask for the same contact, and this one may hold it only
+    /// once.
+    #[inline(always)]
+    pub(crate) unsafe fn at(&self, slot: u32) -> ContactMut<'_> {
+        // SAFETY: by the contract; contacts have different places.
+        unsafe {
+            let Slot { header, place } = self.slots.get(slot as usize);
+            ContactMut::new(header, self.points.part(place.range()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Quat;
+    use crate::narrow_phase::contacts::contact::FoundAt;
+    use crate::narrow_phase::{MAX_POINTS, RawManifold, Relative};
+    use crate::random::Random;
+    use glam::Vec3;
+    use std::collections::BTreeMap;
+
+    const AT: FoundAt = FoundAt {
+        pose: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
+        frame: Quat::IDENTITY,
+        fraction: 0.0,
+    };
+
+    /// A contact of shapes and keys that no other one has.
+    fn contact(id: u32, points: usize) -> Contact {
+        let mut raw = RawManifold { normal: Vec3::Y, count: points as u32, ..RawManifold::default() };
+        for (point, k) in raw.points.iter_mut().zip(0..) {
+            point.key = 10 * id + k;
+        }
+        let mut contact = Contact::found(id, id + 1, &raw, AT);
+        contact.as_mut().points_mut().iter_mut().for_each(|point| point.impulse = point.key as f32);
+        contact
+    }
+
+    /// What is seen of a contact: its shapes, its loads, and the keys and impulses of its points.
+    fn seen(contact: ContactRef<'_>) -> (u32, f32, Vec<(u32, f32)>) {
+        let points = contact.points().iter().map(|point| (point.key, point.impulse)).collect();
+        (contact.a, contact.twist, points)
+    }
+
+    /// Checks that every point is in one place, of a contact or a free one, and that the counts are right.
+    fn check(store: &Contacts, model: &BTreeMap<u32, Contact>) {
+        let of_contacts = store.slots.iter().map(|slot| slot.place).filter(|place| *place != Place::NONE);
+        let mut places: Vec<Place> = of_contacts.chain(store.places.free_places()).collect();
+        places.sort_by_key(|place| place.range().start);
+        let end = places.iter().fold(0, |end, place| {
+            assert_eq!(place.range().start, end);
+            place.range().end
+        });
+        assert_eq!(end, store.places.points.len());
+        let spare: usize = store.places.free_places().iter().map(|place| place.room()).sum();
+        assert_eq!((store.places.spare(), store.live()), (spare, model.len()));
+        for (&slot, contact) in model {
+            assert_eq!(seen(store.at(slot)), seen(contact.as_ref()));
+        }
+        let (live, reserved) = store.bytes();
+        assert!(live <= reserved);
+    }
+
+    /// The naive store that the other is compared with: contacts by slot, and the slots that are free, of
+    /// which the last that became free is taken next.
+    #[derive(Default)]
+    struct Model {
+        contacts: BTreeMap<u32, Contact>,
+        free: Vec<u32>,
+        slots: u32,
+    }
+
+    impl Model {
+        fn pick(&self, random: &mut Random) -> Option<u32> {
+            let count = self.contacts.len();
+            (count > 0).then(|| *self.contacts.keys().nth(random.below(count)).unwrap())
+        }
+
+        fn insert(&mut self, contact: Contact) -> u32 {
+            let slot = self.free.pop().unwrap_or(self.slots);
+            self.slots = self.slots.max(slot + 1);
+            self.contacts.insert(slot, contact);
+            slot
+        }
+    }
+
+    fn size_of(contact: &Contact) -> ContactCount {
+        ContactCount { contacts: 1, points: contact.count.into() }
+    }
+
+    /// Inserts a contact, with memory without end.
+    fn add(store: &mut Contacts, contact: &Contact) -> u32 {
+        store.reserve(size_of(contact), &mut { Allowance::ENDLESS });
+        store.insert(contact, 0)
+    }
+
+    /// Gives a contact the points of another, which may be more or fewer than it had.
+    fn renew(store: &mut Contacts, slot: u32, new: &Contact) {
+        let before = seen(store.at(slot));
+        assert!(store.grow(slot, new.count.into()) >= new.count.into());
+        assert_eq!(seen(store.at(slot)), before);
+        let mut own = store.at_mut(slot);
+        (own.a, own.count, own.twist) = (new.a, new.count, new.twist);
+        own.points_mut().copy_from_slice(new.as_ref().points());
+    }
+
+    #[test]
+    fn contacts_keep_what_they_have_while_places_come_grow_and_go() {
+        for seed in 0..if cfg!(miri) { 2 } else { 100 } {
+            let (mut random, mut store, mut model) = (Random(seed), Contacts::default(), Model::default());
+            for id in 0..300 {
+                let mut new = contact(id, 1 + random.below(MAX_POINTS));
+                new.twist = random.unit();
+                match random.below(20) {
+                    0..7 => {
+                        let mut allowance =
+                            if id % 2 == 0 { Allowance::new(1 << 20) } else { Allowance::ENDLESS };
+                        store.reserve(size_of(&new), &mut allowance);
+                        assert_eq!(store.insert(&new, 0), model.insert(new));
+                    }
+                    7..12 => {
+                        let Some(slot) = model.pick(&mut random) else { continue };
+                        store.remove_chain(slot);
+                        model.contacts.remove(&slot);
+                        model.free.push(slot);
+                        assert!(store.get(slot as usize).is_none());
+                    }
+                    _ => {
+                        let Some(slot) = model.pick(&mut random) else { continue };
+                        store.reserve(ContactCount { contacts: 0, ..size_of(&new) }, &mut {
+                            Allowance::ENDLESS
+                        });
+                        renew(&mut store, slot, &new);
+                        model.contacts.insert(slot, new);
+                    }
+                }
+                check(&store, &model.contacts);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_held_does_not_depend_on_the_order_of_sizes() {
+        let mut store = Contacts::default();
+        let mut slots: Vec<u32> = (0..64).map(|id| add(&mut store, &contact(id, 4))).collect();
+        let most = store.bytes().1;
+        for round in 0..200 {
+            // Never more points than at first, in places of all sizes.
+            let points = 1 + round % MAX_POINTS;
+            slots.drain(..).for_each(|slot| store.remove_chain(slot));
+            slots = (0..64).map(|id| add(&mut store, &contact(id, points))).collect();
+            if points < MAX_POINTS {
+                renew(&mut store, slots[round % 64], &contact(900, MAX_POINTS));
+            }
+            assert!(store.bytes().1 <= most, "{round}: {} {most}", store.bytes().1);
+        }
+    }
+
+    #[test]
+    fn a_chain_is_removed_as_a_whole_and_its_slots_are_taken_last_first() {
+        let mut store = Contacts::default();
+        let slots: Vec<u32> = (0..3).map(|id| add(&mut store, &contact(id, 2))).collect();
+        store.at_mut(slots[0]).next = slots[1];
+        store.at_mut(slots[1]).next = slots[2];
+        assert_eq!((store.count(slots[0]), store.live()), (3, 3));
+        store.remove_chain(slots[0]);
+        assert_eq!(store.live(), 0);
+        let again: Vec<u32> = (0..3).map(|id| store.insert(&contact(id, 2), 0)).collect();
+        assert_eq!(again, [2, 1, 0]);
+        assert_eq!(store.places.points.len(), 6);
+    }
+
+    #[test]
+    fn under_a_budget_nothing_is_reserved_beyond_it_and_what_finds_no_place_keeps_its_points() {
+        let (mut store, one) = (Contacts::default(), ContactCount { contacts: 1, points: 1 });
+        let mut allowance = Allowance::new(10 * one.bytes() + 7);
+        let twenty = ContactCount { contacts: 20, points: 20 };
+        assert_eq!(store.reserve(twenty, &mut allowance), 10);
+        assert_eq!((allowance.left(), store.bytes().1), (7, 10 * one.bytes()));
+        let slots: Vec<u32> = (0..10).map(|id| store.insert(&contact(id, 1), 0)).collect();
+        assert_eq!(store.insert(&contact(10, 1), 0), NO_CONTACT);
+        assert_eq!(store.grow(slots[0], MAX_POINTS), 1);
+        // What others give up is theirs.
+        slots[2..4].iter().for_each(|&slot| store.remove_chain(slot));
+        assert_eq!(store.grow(slots[0], MAX_POINTS), 3);
+        assert_eq!(store.insert(&contact(11, 1), 0), NO_CONTACT);
+        assert_eq!((store.live(), store.bytes().1), (8, 10 * one.bytes()));
+        assert_eq!(seen(store.at(slots[0])), seen(contact(0, 1).as_ref()));
+    }
+}
