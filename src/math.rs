@@ -92,7 +92,7 @@ impl Quat {
         Quat::from_xyzw(self.x * scale, self.y * scale, self.z * scale, self.w * scale)
     }
 
-    /// Between two rotations, along the straight line: not at an even rate, but close to it over small angles.
+    /// Between two rotations along the straight line: not at an even rate, but nearly so over small angles.
     pub(crate) fn lerp(self, end: Quat, share: f32) -> Quat {
         let sign = if self.dot(end) >= 0.0 { 1.0 } else { -1.0 };
         let [a, b] = [self.to_array(), end.to_array()];

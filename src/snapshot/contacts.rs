@@ -228,7 +228,7 @@ fn save_contact(contact: ContactRef<'_>, kept: bool, out: &mut Vec<u32>) {
             line.put([impulse]);
         }
     }
-    let means = words::<4>(contact.mean_friction.to_array());
+    let means = words::<4>(contact.mean_friction);
     let has_means = !is_zero(means) || points.iter().any(|p| p.mean_force != 0.0);
     line.flag(MEANS, has_means);
     if has_means {
@@ -348,7 +348,7 @@ impl<'a> SavedPairs<'a> {
 
 fn check_contact(contact: ContactRef<'_>) -> Result<(), Error> {
     all_loads(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
-    all_loads(&words::<4>(contact.mean_friction.to_array()))?;
+    all_loads(&words::<4>(contact.mean_friction))?;
     all_loads(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
     // Points on a plane may be as far from its origin as the bodies on it.
     let near = |v: Vec3| v.abs().max_element() <= 4.0 * limits::MAX_POSITION as f32;
@@ -451,7 +451,7 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
         contact.points[i] = point;
     }
     if flags & MEANS != 0 {
-        contact.mean_friction = from.record::<[f32; 4], 4>()?.into();
+        contact.mean_friction = from.record::<[f32; 4], 4>()?;
         for point in &mut contact.points[..count] {
             point.mean_force = f32::from_bits(from.one()?);
         }

@@ -136,7 +136,7 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
-        contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist));
+        contact.mean_friction = lengths.follow(contact.mean_friction.into(), friction.extend(twist)).into();
         stored.unknown_load |= contact.bear(dt, lengths.now());
         forget_unsound(&mut contact);
     });

@@ -14,6 +14,9 @@
 //!   kind they are: `// Rounding: ...` bounds rounding errors, `// Sentinel: ...` marks a state,
 //!   `// Guard: ...` ends a range or a search. Unit tests, `bench/`, `lab/`, `scene/` and `bin/` may have
 //!   others.
+//! - glam's types whose arithmetic differs between instruction sets are not imported: engine code computes
+//!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests, `scene/`,
+//!   `lab/` and `bin/` may.
 
 mod layers;
 mod source;
@@ -35,6 +38,10 @@ const TUNED: &[&str] =
 
 /// Beginnings of the comment above a float constant that is no choice.
 const MARKS: &[&str] = &["// Rounding:", "// Sentinel:", "// Guard:"];
+
+/// Types of glam that are SIMD where the target has it, and sum in an order of its own. `Vec3A` is only
+/// compared.
+const SIMD_TYPES: &[&str] = &["Quat", "Vec4", "Mat2", "Mat3A", "Mat4", "Affine3A"];
 
 /// Fails with all offences at once.
 #[track_caller]
@@ -108,6 +115,30 @@ fn stray_constants(sources: &[Source]) -> Vec<String> {
         }
     }
     offences
+}
+
+/// Imports of types whose bits depend on the target.
+fn imports_of_simd(sources: &[Source]) -> Vec<String> {
+    let free = ["src/scene/", "src/lab/", "src/bin/", "src/random.rs"];
+    let engine = sources.iter().filter(|s| !free.iter().any(|place| s.path.starts_with(place)));
+    let mut offences = Vec::new();
+    for source in engine.filter(|s| !s.path.ends_with("tests.rs")) {
+        let text: String = source.code.iter().collect();
+        // Unit tests at the end of a file are indented.
+        for import in text.split("\nuse glam::").skip(1) {
+            let import: Vec<char> = import.chars().take_while(|c| *c != ';').collect();
+            let simd = SIMD_TYPES.iter().filter(|name| !words(&import, name).is_empty());
+            offences.extend(simd.map(|name| format!("{}: {name}", source.path)));
+        }
+    }
+    offences
+}
+
+#[test]
+fn no_bit_depends_on_the_types_of_glam() {
+    none("imports of glam's SIMD types", &imports_of_simd(&Source::all(LIBRARY)));
+    let source = Source::new("src/a.rs", "\nuse glam::{Quat, Vec3};\nmod tests {\n    use glam::Quat;\n}");
+    assert_eq!(imports_of_simd(&[source]), ["src/a.rs: Quat"]);
 }
 
 #[test]

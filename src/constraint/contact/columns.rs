@@ -241,7 +241,8 @@ impl<const P: usize> Columns<P> {
         let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
         let share =
             part.only().map_or(1.0, |p| if total > 0.0 { contact.points()[p].impulse / total } else { 0.0 });
-        let carried = input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction);
+        let carried =
+            input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction.into());
         put3(&mut self.friction, lane, carried.truncate() * share);
         self.twist[lane] = carried.w;
     }

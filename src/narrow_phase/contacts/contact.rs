@@ -10,7 +10,7 @@ use crate::limits::MAX_LOAD;
 use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::collide::MatchLimits;
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use std::ops::{Deref, DerefMut};
 
 // Sentinel: no load was estimated.
@@ -65,7 +65,7 @@ pub(crate) struct Header {
     /// Impulse against twist about the normal [N m s].
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
-    pub(crate) mean_friction: Vec4,
+    pub(crate) mean_friction: [f32; 4],
     /// Normal force that all points together bear, each its share, whatever their separations are (see
     /// `Softness`) [N].
     pub(crate) lasting_force: f32,
@@ -154,7 +154,7 @@ impl Contact {
             normal: Vec3::Y,
             friction: Vec3::ZERO,
             twist: 0.0,
-            mean_friction: Vec4::ZERO,
+            mean_friction: [0.0; 4],
             lasting_force: 0.0,
             rest: 0.0,
             static_load: UNKNOWN_LOAD,
@@ -243,7 +243,7 @@ impl<'a> ContactRef<'a> {
     pub(crate) fn has_sound_loads(self) -> bool {
         let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
         let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
-        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
+        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction);
         // The sum of NaN is NaN. No branch for each value: this runs for every contact in every step.
         let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
         sum <= MAX_LOAD
@@ -427,7 +427,7 @@ impl<'a> ContactMut<'a> {
         let share = self.even_share();
         let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
         self.points_mut().iter_mut().for_each(forget);
-        self.mean_friction = glam::Vec4::ZERO;
+        self.mean_friction = [0.0; 4];
         (self.friction, self.twist) = (Vec3::ZERO, 0.0);
         (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
     }
