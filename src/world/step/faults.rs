@@ -56,7 +56,7 @@ impl World {
             self.measure_rows(dt);
             let in_range = solver::solve(workers, self.solver_input(dt));
             self.measure_solution();
-            if !in_range {
+            if in_range {
                 break;
             }
         }
