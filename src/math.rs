@@ -45,7 +45,16 @@ impl Quat {
     /// The axes that the rotation turns x, y and z into, as columns.
     #[inline]
     pub(crate) fn matrix(self) -> Mat3 {
-        Mat3::from_quat(self.into())
+        let Quat { x, y, z, w } = self;
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (xx, xy, xz) = (x * x2, x * y2, x * z2);
+        let (yy, yz, zz) = (y * y2, y * z2, z * z2);
+        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        Mat3::from_cols(
+            Vec3::new(1.0 - (yy + zz), xy + wz, xz - wy),
+            Vec3::new(xy - wz, 1.0 - (xx + zz), yz + wx),
+            Vec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
+        )
     }
 
     /// The shortest rotation from one unit vector to another; half a turn about any axis that is normal to
