@@ -63,6 +63,8 @@
 //! - `parallel` (default): a step may use several threads of the caller's rayon pool, see
 //!   [`Settings::threads`].
 //! - `serde`: settings, materials, filters and reports can be serialised.
+//! - `mint`: vectors and quaternions of other maths crates, by `.into()`.
+//! - `web-time`: step times in a browser, where bare WebAssembly has no clock.
 //! - `gltf`: scenes from files, animations to files.
 //! - `replay`: a run can be recorded and replayed, see `replay`.
 //! - `lab`: measures stability and accuracy, see `lab`.
