@@ -50,10 +50,10 @@ export function frameOf(places) {
     if (places.every((p) => p[1] > 0)) places = [...places, ...places.map((p) => [p[0], 0, p[2]])];
     const middle = [0, 1, 2].map((i) => {
         const along = places.map((p) => p[i]);
-        return 0.5 * (quantile(along, 0.05) + quantile(along, 0.95));
+        return 0.5 * (quantile(along, 0.1) + quantile(along, 0.9));
     });
     const away = places.map((p) => Math.hypot(p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]));
-    return { middle, radius: Math.max(1.5, 1.25 * quantile(away, 0.9) + 0.5) };
+    return { middle, radius: Math.max(1.5, 1.4 * quantile(away, 0.8) + 0.5) };
 }
 
 export class Camera {
@@ -67,13 +67,17 @@ export class Camera {
         [this.yaw, this.pitch, this.zoom, this.shift] = [0.6, 0.35, 1, [0, 0, 0]];
     }
 
-    /** Goes towards what should be framed, or at once without a time [s]. */
+    /**
+     * Goes towards what should be framed, or at once without a time [s]. From then on it goes no further away
+     * than to see half as much again: what flies apart leaves the picture.
+     */
     follow(frame, seconds) {
         if (!frame) return;
+        if (seconds === undefined) this.most = 1.5 * frame.radius;
         const share = seconds === undefined ? 1 : 1 - Math.exp(-RATE * seconds);
         const to = (a, b) => a + (b - a) * share;
         const middle = this.frame.middle.map((x, i) => to(x, frame.middle[i]));
-        this.frame = { middle, radius: to(this.frame.radius, frame.radius) };
+        this.frame = { middle, radius: to(this.frame.radius, Math.min(frame.radius, this.most)) };
     }
 
     /** Direction from the target to the eye. */
