@@ -4,6 +4,7 @@ use crate::args::RunOptions;
 use crate::report::accuracy::{self, Course};
 use crate::report::document::Document;
 use crate::report::trace::{SolverSum, Trace};
+use crate::report::viewer::{self, Motion};
 use crate::report::{output, page, summary};
 use crate::settings_file::SettingsFile;
 use crate::threads::with_threads;
@@ -95,12 +96,36 @@ fn world(chosen: &Chosen, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandl
     Ok((world, added.bodies))
 }
 
+/// The motion of a run, for what is asked for.
+struct Films {
+    /// For a glTF animation.
+    animation: Option<Recorder>,
+    /// For the viewer of the report.
+    motion: Option<Motion>,
+}
+
+impl Films {
+    /// Adds the present poses, at `time` [s].
+    fn record(&mut self, world: &World, handles: &[BodyHandle], time: f32) {
+        if let Some(film) = &mut self.animation {
+            film.record(time, |i| {
+                // Handles are fresh: nothing was removed.
+                let pose = |h| Ok::<_, backstop::Error>((world.position(h)?, world.rotation(h)?));
+                pose(handles[i]).unwrap_or_default()
+            });
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.add(world, handles, time);
+        }
+    }
+}
+
 /// A scene after its last step.
 struct Ran {
     world: World,
     handles: Vec<BodyHandle>,
     trace: Trace,
-    film: Option<Recorder>,
+    films: Films,
     frames: Option<Frames>,
     /// The exported problem: its file, and a description.
     exported: Option<(PathBuf, String)>,
@@ -129,7 +154,10 @@ fn simulate(
 
     let steps = options.steps.unwrap_or_else(|| default_steps(scene, dt));
     let every = ((1.0 / FRAME_RATE) / dt).round().max(1.0) as u32;
-    let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
+    let mut films = Films {
+        animation: options.out.as_ref().map(|_| Recorder::new(scene)),
+        motion: options.report.as_ref().map(|_| Motion::new(scene, every as f32 * dt)),
+    };
     let accuracy = options.accuracy.then(Course::default);
     let sum = |solver: &WorldSolver| SolverSum { method: solver.method.name(), ..SolverSum::default() };
     let solver = chosen.solver.as_ref().map(sum);
@@ -144,7 +172,7 @@ fn simulate(
         bail!("--export-problem wants step {at} of {steps}");
     }
     let mut exported = None;
-    record(&mut film, &world, &handles, 0.0);
+    films.record(&world, &handles, 0.0);
     frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
     let bar = output::progress(!options.common.quiet, steps.into(), "steps");
     for step in 1..=steps {
@@ -168,7 +196,7 @@ fn simulate(
             trace.energy.push(world.energy());
         }
         if step % every == 0 || step == steps {
-            record(&mut film, &world, &handles, step as f32 * dt);
+            films.record(&world, &handles, step as f32 * dt);
         }
         frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
         bar.inc(1);
@@ -179,7 +207,7 @@ fn simulate(
         world.stop_recording().with_context(about)?;
         file.commit().with_context(about)?;
     }
-    Ok(Ran { world, handles, trace, film, frames, exported })
+    Ok(Ran { world, handles, trace, films, frames, exported })
 }
 
 /// Writes the contact problem of the last step; returns the file and a description.
@@ -227,20 +255,10 @@ pub(crate) fn default_steps(scene: &Scene, dt: f32) -> u32 {
     (seconds / dt).round().max(1.0) as u32
 }
 
-fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], time: f32) {
-    if let Some(film) = film {
-        film.record(time, |i| {
-            // Handles are fresh: nothing was removed.
-            let pose = |h| Ok::<_, backstop::Error>((world.position(h)?, world.rotation(h)?));
-            pose(handles[i]).unwrap_or_default()
-        });
-    }
-}
-
 fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
-    let Ran { world, handles, trace, film, frames, exported } = ran;
+    let Ran { world, handles, trace, films, frames, exported } = ran;
     let mut written = Vec::new();
-    if let (Some(path), Some(film)) = (&options.out, film) {
+    if let (Some(path), Some(film)) = (&options.out, &films.animation) {
         scene::write_animation(scene, film, path)?;
         written.push(path.clone());
     }
@@ -254,7 +272,8 @@ fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Res
     }
     let document = Document::new(options, dt, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
-        written.push(page::write(folder, &document, trace)?);
+        let viewer = films.motion.as_ref().map(|motion| viewer::html(scene, motion)).unwrap_or_default();
+        written.push(page::write(folder, &document, trace, &viewer)?);
     }
     if options.common.json {
         output::print_json(&document)?;

@@ -8,3 +8,4 @@ pub(crate) mod output;
 pub(crate) mod page;
 pub(crate) mod summary;
 pub(crate) mod trace;
+pub(crate) mod viewer;

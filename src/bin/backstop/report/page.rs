@@ -11,8 +11,13 @@ use anyhow::anyhow;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes the page and its pictures into a folder; returns the page's path.
-pub(crate) fn write(folder: &Path, document: &Document, trace: &Trace) -> anyhow::Result<PathBuf> {
+/// Writes the page and its pictures into a folder; returns the page's path. `viewer`: the HTML of the scene.
+pub(crate) fn write(
+    folder: &Path,
+    document: &Document,
+    trace: &Trace,
+    viewer: &str,
+) -> anyhow::Result<PathBuf> {
     let dt = f64::from(document.settings.dt);
     let save = |name: &str, svg: Result<String, Box<dyn std::error::Error>>| {
         let svg = svg.map_err(|e| anyhow!("can't draw {name}: {e}"))?;
@@ -26,12 +31,13 @@ pub(crate) fn write(folder: &Path, document: &Document, trace: &Trace) -> anyhow
     }
     save("memory.svg", charts::svg(|area| charts::memory(area, document)))?;
     let path = folder.join("index.html");
-    put(&path, &page(document, trace))?;
+    put(&path, &page(document, trace, viewer))?;
     Ok(path)
 }
 
-fn page(document: &Document, trace: &Trace) -> String {
+fn page(document: &Document, trace: &Trace, viewer: &str) -> String {
     let mut html = html::head(&format!("backstop: {}", document.scene));
+    html += viewer;
     html += "<table>\n";
     for (label, value) in summary::rows(document, trace) {
         let _ = writeln!(html, "<tr><th>{label}</th><td>{}</td></tr>", escape(&value));

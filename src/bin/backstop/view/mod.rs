@@ -11,6 +11,7 @@ mod painter;
 mod window;
 
 pub(crate) use frames::{Frames, SCALE};
+pub(crate) use painter::Form;
 pub(crate) use window::{Opened, show};
 
 use anyhow::bail;

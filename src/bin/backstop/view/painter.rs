@@ -10,12 +10,31 @@ use std::sync::Arc;
 
 /// Key of shapes with the same triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Form {
+pub(crate) enum Form {
     Sphere(u32),
     Capsule([u32; 3]),
     Cylinder([u32; 3]),
     Box([u32; 3]),
     Shared(usize),
+}
+
+impl Form {
+    pub(crate) fn of(geometry: &Geometry) -> Form {
+        match geometry {
+            Geometry::Sphere { radius } => Form::Sphere(radius.to_bits()),
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                Form::Capsule([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
+            }
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                Form::Cylinder([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
+            }
+            Geometry::Box { half_extents } => Form::Box(half_extents.to_array().map(f32::to_bits)),
+            Geometry::Hull(hull) => Form::Shared(Arc::as_ptr(hull) as usize),
+            Geometry::Mesh(mesh) => Form::Shared(Arc::as_ptr(mesh) as usize),
+            Geometry::HeightField(field) => Form::Shared(Arc::as_ptr(field) as usize),
+            Geometry::Plane => Form::Shared(0),
+        }
+    }
 }
 
 /// Lines and triangles of a shape, in its frame.
@@ -33,21 +52,7 @@ pub(crate) struct Models {
 
 impl Models {
     fn of(&mut self, geometry: &Geometry) -> Arc<Model> {
-        let form = match geometry {
-            Geometry::Sphere { radius } => Form::Sphere(radius.to_bits()),
-            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-                Form::Capsule([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
-            }
-            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                Form::Cylinder([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
-            }
-            Geometry::Box { half_extents } => Form::Box(half_extents.to_array().map(f32::to_bits)),
-            Geometry::Hull(hull) => Form::Shared(Arc::as_ptr(hull) as usize),
-            Geometry::Mesh(mesh) => Form::Shared(Arc::as_ptr(mesh) as usize),
-            Geometry::HeightField(field) => Form::Shared(Arc::as_ptr(field) as usize),
-            Geometry::Plane => Form::Shared(0),
-        };
-        let made = self.made.entry(form).or_insert_with(|| {
+        let made = self.made.entry(Form::of(geometry)).or_insert_with(|| {
             let mut model = Model::default();
             debug::triangles(geometry, None, &mut |corners| model.triangles.push(corners));
             debug::wireframe(geometry, None, &mut |from, to| model.lines.push((from, to)));

@@ -1,0 +1,160 @@
+// A camera that frames what moves, and orbits by mouse and touch.
+
+/** Half of the vertical field of view [rad]. */
+const HALF_ANGLE = 0.38;
+/** Share of the way to what it should frame that the camera goes in a second: 1 - e^-RATE. */
+const RATE = 2.5;
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const scaled = (a, s) => a.map((x) => x * s);
+const sum = (a, b) => a.map((x, i) => x + b[i]);
+
+/** The product of two 4x4 matrices by columns. */
+export function product(a, b) {
+    const out = new Float32Array(16);
+    for (let c = 0; c < 4; c++) {
+        for (let r = 0; r < 4; r++) {
+            for (let k = 0; k < 4; k++) out[4 * c + r] += a[4 * k + r] * b[4 * c + k];
+        }
+    }
+    return out;
+}
+
+/** From the world to a frame with its origin at `eye` and z along `back`. */
+export function look(eye, back) {
+    const right = cross(Math.abs(back[1]) > 0.999 ? [0, 0, -1] : [0, 1, 0], back);
+    const x = scaled(right, 1 / Math.hypot(...right));
+    const y = cross(back, x);
+    const columns = [0, 1, 2].map((i) => [x[i], y[i], back[i], 0]);
+    return [...columns.flat(), -dot(x, eye), -dot(y, eye), -dot(back, eye), 1];
+}
+
+function perspective(focal, aspect, near, far) {
+    const depth = 1 / (near - far);
+    return [focal / aspect, 0, 0, 0, 0, focal, 0, 0, 0, 0, (near + far) * depth, -1, 0, 0, 2 * near * far * depth, 0];
+}
+
+/** The value that a share of a list is below. */
+function quantile(values, share) {
+    values.sort((a, b) => a - b);
+    return values[Math.min(values.length - 1, Math.floor(share * values.length))];
+}
+
+/**
+ * Centre and radius of a ball that holds most of some places, and the ground at height zero below them. By
+ * quantiles, so that a few that fly off do not move the camera away. None without places.
+ */
+export function frameOf(places) {
+    if (places.length === 0) return null;
+    if (places.every((p) => p[1] > 0)) places = [...places, ...places.map((p) => [p[0], 0, p[2]])];
+    const middle = [0, 1, 2].map((i) => {
+        const along = places.map((p) => p[i]);
+        return 0.5 * (quantile(along, 0.1) + quantile(along, 0.9));
+    });
+    const away = places.map((p) => Math.hypot(p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]));
+    return { middle, radius: Math.max(1.5, 1.4 * quantile(away, 0.8) + 0.5) };
+}
+
+export class Camera {
+    constructor() {
+        this.frame = { middle: [0, 0, 0], radius: 5 };
+        this.reset();
+    }
+
+    /** Takes back what the user turned, moved and zoomed. */
+    reset() {
+        [this.yaw, this.pitch, this.zoom, this.shift] = [0.6, 0.35, 1, [0, 0, 0]];
+    }
+
+    /**
+     * Goes towards what should be framed, or at once without a time [s]. From then on it goes no further away
+     * than to see half as much again: what flies apart leaves the picture.
+     */
+    follow(frame, seconds) {
+        if (!frame) return;
+        if (seconds === undefined) this.most = 1.5 * frame.radius;
+        const share = seconds === undefined ? 1 : 1 - Math.exp(-RATE * seconds);
+        const to = (a, b) => a + (b - a) * share;
+        const middle = this.frame.middle.map((x, i) => to(x, frame.middle[i]));
+        this.frame = { middle, radius: to(this.frame.radius, Math.min(frame.radius, this.most)) };
+    }
+
+    /** Direction from the target to the eye. */
+    get back() {
+        const flat = Math.cos(this.pitch);
+        return [Math.sin(this.yaw) * flat, Math.sin(this.pitch), Math.cos(this.yaw) * flat];
+    }
+
+    get distance() {
+        return (this.frame.radius / Math.sin(HALF_ANGLE)) * this.zoom;
+    }
+
+    turn(yaw, pitch) {
+        this.yaw += yaw;
+        this.pitch = Math.min(1.55, Math.max(-1.2, this.pitch + pitch));
+    }
+
+    /** Moves along the picture, by shares of its height. */
+    pan(right, up) {
+        const m = look([0, 0, 0], this.back);
+        const seen = 2 * this.distance * Math.tan(HALF_ANGLE);
+        this.shift = this.shift.map((x, i) => x + (m[4 * i] * right + m[4 * i + 1] * up) * seen);
+    }
+
+    zoomBy(factor) {
+        this.zoom = Math.min(30, Math.max(0.03, this.zoom * factor));
+    }
+
+    /** What the renderer needs to know, for a picture of some size in pixels. */
+    view(width, height) {
+        // Upright pictures show as much across as others show up and down.
+        const focal = (1 / Math.tan(HALF_ANGLE)) * Math.min(1, width / height);
+        const { distance, back } = this;
+        const target = sum(this.frame.middle, this.shift);
+        const eye = sum(target, scaled(back, distance));
+        const clip = product(perspective(focal, width / height, 0.02 * distance, 40 * distance), look(eye, back));
+        const pixel = 2 / (focal * height);
+        return { clip, eye, target, back, radius: this.frame.radius * Math.max(this.zoom, 1), pixel };
+    }
+
+    /** Orbits by one finger or button; pans by two, the other button or shift; zooms by wheel and pinch. */
+    attach(canvas, changed) {
+        const fingers = new Map();
+        const middle = () => {
+            const all = [...fingers.values()];
+            const [x, y] = [0, 1].map((i) => all.reduce((s, p) => s + p[i], 0) / all.length);
+            const spread = all.length > 1 ? Math.hypot(all[0][0] - all[1][0], all[0][1] - all[1][1]) : 0;
+            return { x, y, spread };
+        };
+        canvas.style.touchAction = 'none';
+        canvas.addEventListener('pointerdown', (e) => {
+            canvas.setPointerCapture(e.pointerId);
+            fingers.set(e.pointerId, [e.clientX, e.clientY]);
+        });
+        canvas.addEventListener('pointermove', (e) => {
+            if (!fingers.has(e.pointerId)) return;
+            const before = middle();
+            fingers.set(e.pointerId, [e.clientX, e.clientY]);
+            const after = middle();
+            const [dx, dy] = [after.x - before.x, after.y - before.y].map((d) => d / canvas.clientHeight);
+            if (fingers.size > 1 || e.shiftKey || e.buttons & 2) this.pan(-dx, dy);
+            else this.turn(-4 * dx, 3 * dy);
+            if (before.spread > 0 && after.spread > 0) this.zoomBy(before.spread / after.spread);
+            changed();
+        });
+        for (const end of ['pointerup', 'pointercancel']) {
+            canvas.addEventListener(end, (e) => fingers.delete(e.pointerId));
+        }
+        canvas.addEventListener('contextmenu', (e) => e.preventDefault());
+        canvas.addEventListener('wheel', (e) => {
+            e.preventDefault();
+            this.zoomBy(Math.exp(Math.max(-60, Math.min(60, e.deltaY)) * 0.004));
+            changed();
+        }, { passive: false });
+        canvas.addEventListener('dblclick', () => {
+            this.reset();
+            changed();
+        });
+    }
+}
