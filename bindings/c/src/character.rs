@@ -145,6 +145,13 @@ pub struct BsCharacterHit {
     pub impulse: BsVec3,
 }
 
+impl Default for BsCharacterHit {
+    fn default() -> BsCharacterHit {
+        let (point, none) = (BsDVec3::default(), BsVec3::default());
+        BsCharacterHit { body: BsBody::NONE, shape: BsShape::NONE, point, normal: none, impulse: none }
+    }
+}
+
 fn of_hit(hit: &CharacterHit) -> BsCharacterHit {
     BsCharacterHit {
         body: hit.body.into(),
@@ -185,9 +192,15 @@ pub struct BsCharacterReport {
     pub reserved: [u8; 7],
 }
 
-described! { BsCharacterReport, BsCharacterReport::of_engine(&CharacterReport::default(), BsDVec3::default()), [
+described! { BsCharacterReport, BsCharacterReport::default(), [
     size, stepped, position, moved, carried, pushed_out, velocity, turned, overlap, ground, on_ground, reserved,
 ] }
+
+impl Default for BsCharacterReport {
+    fn default() -> BsCharacterReport {
+        BsCharacterReport::of_engine(&CharacterReport::default(), BsDVec3::default())
+    }
+}
 
 impl BsCharacterReport {
     fn of_engine(report: &CharacterReport, position: BsDVec3) -> BsCharacterReport {

@@ -154,6 +154,12 @@ pub struct BsHit {
     pub reserved: [u8; 6],
 }
 
+impl Default for BsHit {
+    fn default() -> BsHit {
+        BsHit::NONE
+    }
+}
+
 impl BsHit {
     const NONE: BsHit = BsHit {
         body: BsBody::NONE,
@@ -458,6 +464,12 @@ pub struct BsClosestPoint {
     pub inside: BsBool,
     /// Zero.
     pub reserved: [u8; 2],
+}
+
+impl Default for BsClosestPoint {
+    fn default() -> BsClosestPoint {
+        BsClosestPoint::NONE
+    }
 }
 
 impl BsClosestPoint {
