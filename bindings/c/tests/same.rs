@@ -103,7 +103,7 @@ fn rust_scene() -> (backstop::World, Vec<BodyHandle>) {
     let desc = |i: usize| {
         let mut shape = ShapeDesc::new(geometries[i % 5].clone());
         shape.material.restitution = (i % 3) as f32 * 0.2;
-        shape.events = i % 4 == 0;
+        shape.events = i.is_multiple_of(4);
         let at = DVec3::new((i % 4) as f64 * 2.0 - 1.0, 1.0 + i as f64 * 0.5, (i % 3) as f64 - 1.0);
         let desc = BodyDesc::dynamic().at(at).rotated(Quat::from_xyzw(0.0, 0.6, 0.0, 0.8));
         let desc = desc.moving(Vec3::new(0.0, -5.0, 0.3), Vec3::new(1.0, 0.0, i as f32));
@@ -124,7 +124,7 @@ fn c_scene() -> (World, Vec<BsBody>) {
     let shape = |i: usize| {
         let mut shape = bs_shape_desc_default(geometries[i % 5]);
         shape.material.restitution = (i % 3) as f32 * 0.2;
-        shape.events = (i % 4 == 0).into();
+        shape.events = i.is_multiple_of(4).into();
         shape
     };
     let shapes: Vec<_> = (0..40).map(shape).collect();
