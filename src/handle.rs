@@ -11,6 +11,20 @@ macro_rules! handle {
             pub(crate) slot: u32,
             pub(crate) generation: u32,
         }
+
+        impl $name {
+            /// The handle as a number, to be kept by what knows no Rust: never zero before 2^32 handles were
+            /// given out for one place.
+            pub const fn to_bits(self) -> u64 {
+                (self.generation as u64) << 32 | self.slot as u64
+            }
+
+            /// The handle of a number from `to_bits`. Any other number makes a handle that is stale, or that
+            /// of whatever has it.
+            pub const fn from_bits(bits: u64) -> Self {
+                $name { slot: bits as u32, generation: (bits >> 32) as u32 }
+            }
+        }
     };
 }
 
@@ -132,5 +146,19 @@ impl Slots {
     /// How many may be named without a further slot.
     pub(crate) fn spare(&self) -> usize {
         self.free.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Expected: by definition, the slot in the low half and the generation in the high one.
+    #[test]
+    fn handles_are_numbers_and_back() {
+        let handle = BodyHandle { slot: 7, generation: 3 };
+        assert_eq!(handle.to_bits(), 0x3_0000_0007);
+        assert_eq!(BodyHandle::from_bits(handle.to_bits()), handle);
+        assert!(Slots::default().get(BodyHandle::from_bits(u64::MAX).slot, u32::MAX).is_none());
     }
 }

@@ -1,0 +1,433 @@
+//! Characters: capsules that walk.
+
+use crate::abi::guard::{call, value_or};
+use crate::abi::pointers::{Buffer, Out, borrow};
+use crate::abi::sized::{described, read, write};
+use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
+use crate::query::{BsQueryFilter, with_filter};
+use crate::shape::BsGeometry;
+use crate::world::{BsWorld, changing, reading};
+use backstop::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground, QueryFilter};
+use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
+
+/// A capsule that walks, climbs steps, slides along walls and is carried by what it stands on. Calls that
+/// take it as `const` may come from any number of threads at once.
+pub struct BsCharacter {
+    walker: RwLock<Walker>,
+}
+
+struct Walker {
+    character: Character,
+    report: CharacterReport,
+}
+
+/// Settings of a character.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsCharacterSettings {
+    /// Size of this struct; `bs_character_settings_default` fills it in.
+    pub size: u32,
+    /// Radius of the capsule [m]. Default 0.3.
+    pub radius: f32,
+    /// Half the distance between the centres of its two balls [m]. Default 0.6.
+    pub half_height: f32,
+    /// The distance that it keeps from everything [m]. Default 0.02.
+    pub skin: f32,
+    /// The steepest ground to stand and walk on [rad], 0..=1.57. Default 50 degrees.
+    pub max_slope: f32,
+    /// The highest step to climb [m]. Default 0.3.
+    pub step_height: f32,
+    /// It stays on ground that drops by up to this [m]. Default 0.3.
+    pub snap: f32,
+    /// Obstacles that a walk may slide along, 1..=64. Default 8.
+    pub iterations: u32,
+    /// The upward direction, a unit vector. Default y.
+    pub up: BsVec3,
+    /// Mass for pushes on dynamic bodies [kg]. Default 80.
+    pub mass: f32,
+    /// The greatest force of a push [N]. Default 500.
+    pub strength: f32,
+}
+
+described! { BsCharacterSettings, bs_character_settings_default(), [
+    size, radius, half_height, skin, max_slope, step_height, snap, iterations, up, mass, strength,
+] }
+
+/// A character of 1.8 m and 80 kg.
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_character_settings_default() -> BsCharacterSettings {
+    BsCharacterSettings::of_engine(&CharacterSettings::default())
+}
+
+impl BsCharacterSettings {
+    fn to_engine(self) -> CharacterSettings {
+        CharacterSettings {
+            radius: self.radius,
+            half_height: self.half_height,
+            skin: self.skin,
+            max_slope: self.max_slope,
+            step_height: self.step_height,
+            snap: self.snap,
+            iterations: self.iterations,
+            up: self.up.into(),
+            mass: self.mass,
+            strength: self.strength,
+        }
+    }
+
+    fn of_engine(settings: &CharacterSettings) -> BsCharacterSettings {
+        BsCharacterSettings {
+            size: size_of::<BsCharacterSettings>() as u32,
+            radius: settings.radius,
+            half_height: settings.half_height,
+            skin: settings.skin,
+            max_slope: settings.max_slope,
+            step_height: settings.step_height,
+            snap: settings.snap,
+            iterations: settings.iterations,
+            up: settings.up.into(),
+            mass: settings.mass,
+            strength: settings.strength,
+        }
+    }
+}
+
+/// What a character stands on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsGround {
+    /// Whose shape it is.
+    pub body: BsBody,
+    /// Which shape.
+    pub shape: BsShape,
+    /// Where, in the world [m].
+    pub point: BsDVec3,
+    /// Unit, out of the ground.
+    pub normal: BsVec3,
+    /// How fast the ground moves at that point [m/s].
+    pub velocity: BsVec3,
+}
+
+impl BsGround {
+    const NONE: BsGround = BsGround {
+        body: BsBody::NONE,
+        shape: BsShape::NONE,
+        point: BsDVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        normal: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        velocity: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
+    };
+
+    fn of_engine(ground: &Ground) -> BsGround {
+        BsGround {
+            body: ground.body.into(),
+            shape: ground.shape.into(),
+            point: ground.point.into(),
+            normal: ground.normal.into(),
+            velocity: ground.velocity.into(),
+        }
+    }
+}
+
+/// What a character ran into.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsCharacterHit {
+    /// Whose shape it is.
+    pub body: BsBody,
+    /// Which shape.
+    pub shape: BsShape,
+    /// Where, in the world [m].
+    pub point: BsDVec3,
+    /// Unit, from the obstacle towards the character.
+    pub normal: BsVec3,
+    /// Impulse of the push on a dynamic body, zero for others [N s].
+    pub impulse: BsVec3,
+}
+
+impl Default for BsCharacterHit {
+    fn default() -> BsCharacterHit {
+        let (point, none) = (BsDVec3::default(), BsVec3::default());
+        BsCharacterHit { body: BsBody::NONE, shape: BsShape::NONE, point, normal: none, impulse: none }
+    }
+}
+
+fn of_hit(hit: &CharacterHit) -> BsCharacterHit {
+    BsCharacterHit {
+        body: hit.body.into(),
+        shape: hit.shape.into(),
+        point: hit.point.into(),
+        normal: hit.normal.into(),
+        impulse: hit.impulse.into(),
+    }
+}
+
+/// What came of a walk.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsCharacterReport {
+    /// Size of this struct, set by the caller.
+    pub size: u32,
+    /// How far steps were climbed [m].
+    pub stepped: f32,
+    /// Where the middle of the capsule is [m].
+    pub position: BsDVec3,
+    /// The whole displacement [m].
+    pub moved: BsVec3,
+    /// The part of it by moving ground [m].
+    pub carried: BsVec3,
+    /// The part of it out of bodies that had moved into the character [m].
+    pub pushed_out: BsVec3,
+    /// The velocity after obstacles [m/s]: relative to the ground if there is one, else in the world.
+    pub velocity: BsVec3,
+    /// By how much the ground turned about `up` meanwhile [rad].
+    pub turned: f32,
+    /// Remaining overlap of the capsule [m]; above zero only if it is squeezed.
+    pub overlap: f32,
+    /// The ground, if `on_ground`.
+    pub ground: BsGround,
+    /// Whether it stands on something.
+    pub on_ground: BsBool,
+    /// Zero.
+    pub reserved: [u8; 7],
+}
+
+described! { BsCharacterReport, BsCharacterReport::default(), [
+    size, stepped, position, moved, carried, pushed_out, velocity, turned, overlap, ground, on_ground, reserved,
+] }
+
+impl Default for BsCharacterReport {
+    fn default() -> BsCharacterReport {
+        BsCharacterReport::of_engine(&CharacterReport::default(), BsDVec3::default())
+    }
+}
+
+impl BsCharacterReport {
+    fn of_engine(report: &CharacterReport, position: BsDVec3) -> BsCharacterReport {
+        BsCharacterReport {
+            size: size_of::<BsCharacterReport>() as u32,
+            stepped: report.stepped,
+            position,
+            moved: report.moved.into(),
+            carried: report.carried.into(),
+            pushed_out: report.pushed_out.into(),
+            velocity: report.velocity.into(),
+            turned: report.turned,
+            overlap: report.overlap,
+            ground: report.ground.as_ref().map_or(BsGround::NONE, BsGround::of_engine),
+            on_ground: report.ground.is_some().into(),
+            reserved: [0; 7],
+        }
+    }
+}
+
+/// # Safety
+/// The pointer is null or that of a character that nobody destroys meanwhile.
+unsafe fn looking<'a>(character: *const BsCharacter) -> Outcome<RwLockReadGuard<'a, Walker>> {
+    // SAFETY: as this function.
+    match unsafe { borrow("the character", character) }?.walker.try_read() {
+        Ok(guard) => Ok(guard),
+        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
+    }
+}
+
+/// # Safety
+/// As `looking`.
+unsafe fn moving<'a>(character: *const BsCharacter) -> Outcome<RwLockWriteGuard<'a, Walker>> {
+    // SAFETY: as this function.
+    match unsafe { borrow("the character", character) }?.walker.try_write() {
+        Ok(guard) => Ok(guard),
+        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
+    }
+}
+
+/// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs to
+/// no world: each walk says in which.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_create(
+    settings: *const BsCharacterSettings,
+    position: BsDVec3,
+    character: *mut *mut BsCharacter,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (out, settings) = unsafe {
+            let out = Out::new("the place for the character", character)?;
+            (out, crate::abi::sized::read_or_default(settings)?)
+        };
+        let character = Character::new(settings.to_engine(), position.into())?;
+        let walker = RwLock::new(Walker { character, report: CharacterReport::default() });
+        out.set(Box::into_raw(Box::new(BsCharacter { walker })));
+        Ok(())
+    })
+}
+
+/// Destroys a character. Null is none, and fine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_destroy(character: *mut BsCharacter) {
+    value_or((), || {
+        if !character.is_null() {
+            // SAFETY: it came from `bs_character_create`, and nobody else has it.
+            drop(unsafe { Box::from_raw(character) });
+        }
+    });
+}
+
+/// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow. On ground the velocity is relative to
+/// it, in the air it is that in the world; gravity is the caller's to add. `filter` may be null, `report` too.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_walk(
+    character: *mut BsCharacter,
+    world: *const BsWorld,
+    filter: *const BsQueryFilter,
+    velocity: BsVec3,
+    dt: f32,
+    report: *mut BsCharacterReport,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (mut walker, content) = unsafe { (moving(character)?, reading(world)?) };
+        if !report.is_null() {
+            // A report that can't be written is refused before the walk. What is written now is overwritten.
+            let before = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+            // SAFETY: the caller keeps to the header.
+            unsafe { write(report, before) }?;
+        }
+        let walk = |filter: &QueryFilter<'_>| {
+            walker.report = walker.character.walk(&content, filter, velocity.into(), dt)?;
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, walk) }?;
+        if report.is_null() {
+            return Ok(());
+        }
+        let after = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+        // SAFETY: the caller keeps to the header.
+        unsafe { write(report, after) }
+    })
+}
+
+/// The report of the last walk.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_report(
+    character: *const BsCharacter,
+    report: *mut BsCharacterReport,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let walker = unsafe { looking(character) }?;
+        let own = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+        // SAFETY: the caller keeps to the header.
+        unsafe { write(report, own) }
+    })
+}
+
+/// What the last walk ran into, in order, up to eight. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_hits(
+    character: *const BsCharacter,
+    hits: *mut BsCharacterHit,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, out) = unsafe { (looking(character)?, Buffer::new("hits", hits, capacity, count)?) };
+        let hits: Vec<_> = walker.report.hits().map(of_hit).collect();
+        out.fill(hits.into_iter())
+    })
+}
+
+/// Pushes the dynamic bodies that the last walk ran into, and puts the character's weight on the one that it
+/// stands on.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_push(character: *const BsCharacter, world: *mut BsWorld) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, mut content) = unsafe { (looking(character)?, changing(world)?) };
+        Ok(walker.report.push(&mut content.world)?)
+    })
+}
+
+/// Where the middle of the capsule is, and the ground under a character on level ground [m]; each pointer may
+/// be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_position(
+    character: *const BsCharacter,
+    middle: *mut BsDVec3,
+    feet: *mut BsDVec3,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, middle, feet) = unsafe {
+            let middle = Out::optional("the place for the middle", middle)?;
+            (looking(character)?, middle, Out::optional("the place for the feet", feet)?)
+        };
+        if let Some(out) = middle {
+            out.set(walker.character.position().into());
+        }
+        if let Some(out) = feet {
+            out.set(walker.character.feet().into());
+        }
+        Ok(())
+    })
+}
+
+/// Puts a character somewhere else at once [m], on nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_place(character: *mut BsCharacter, position: BsDVec3) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { moving(character) }?.character.place(position.into())?))
+}
+
+/// The settings of a character.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_settings(
+    character: *const BsCharacter,
+    settings: *mut BsCharacterSettings,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let walker = unsafe { looking(character) }?;
+        // SAFETY: the caller keeps to the header.
+        unsafe { write(settings, BsCharacterSettings::of_engine(walker.character.settings())) }
+    })
+}
+
+/// Replaces the settings, to crouch or to grow; its middle stays where it is.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_set_settings(
+    character: *mut BsCharacter,
+    settings: *const BsCharacterSettings,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (mut walker, settings) = unsafe { (moving(character)?, read(settings)?) };
+        Ok(walker.character.set_settings(settings.to_engine())?)
+    })
+}
+
+/// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body of its own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_capsule(
+    character: *const BsCharacter,
+    capsule: *mut BsGeometry,
+    rotation: *mut BsQuat,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, capsule, rotation) = unsafe {
+            let capsule = Out::new("the place for the capsule", capsule)?;
+            (looking(character)?, capsule, Out::optional("the place for the rotation", rotation)?)
+        };
+        let (geometry, turned) = walker.character.capsule();
+        capsule.set(BsGeometry::of_engine(&geometry));
+        if let Some(out) = rotation {
+            out.set(turned.into());
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,547 @@
+//! Queries: rays, moving shapes, overlaps, nearest points. They change nothing, and may come from any number
+//! of threads at once.
+
+use crate::abi::guard::call;
+use crate::abi::pointers::{Buffer, Out, borrow, slice};
+use crate::abi::sized::{described, read_or_default};
+use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
+use crate::shape::{BsFilter, BsGeometry, bs_filter_default};
+use crate::world::{BsWorld, reading};
+use backstop::{
+    BodyHandle, ClosestPoint, Geometry, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHandle, ShapeHit,
+};
+use std::ffi::c_void;
+use std::ptr::null_mut;
+
+/// The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not change
+/// it, nor throw or jump out of the call.
+pub type BsQueryPredicate =
+    Option<unsafe extern "C" fn(user: *mut c_void, body: BsBody, shape: BsShape) -> BsBool>;
+
+/// Which shapes a query sees.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct BsQueryFilter {
+    /// Size of this struct; `bs_query_filter_default` fills it in.
+    pub size: u32,
+    /// Whether shapes of static bodies are seen. Default yes.
+    pub statics: BsBool,
+    /// Whether shapes of kinematic bodies are seen. Default yes.
+    pub kinematic: BsBool,
+    /// Whether shapes of dynamic bodies are seen. Default yes.
+    pub dynamic: BsBool,
+    /// Whether sensors are seen. Default no.
+    pub sensors: BsBool,
+    /// Whether what a ray starts in, or a moving shape overlaps at the start and moves out of, is not seen.
+    /// Default no.
+    pub skip_inside: BsBool,
+    /// Whether only shapes are seen that would collide with one of `filter`. Default no.
+    pub has_filter: BsBool,
+    /// Zero.
+    pub reserved: [u8; 6],
+    /// See `has_filter`.
+    pub filter: BsFilter,
+    /// A body whose shapes are not seen; all zeros for none.
+    pub exclude_body: BsBody,
+    /// A shape that is not seen; all zeros for none.
+    pub exclude_shape: BsShape,
+    /// The caller's own say, asked last, or null. It may be asked more than once about a shape.
+    pub predicate: BsQueryPredicate,
+    /// What the predicate is called with.
+    pub user: *mut c_void,
+}
+
+described! { BsQueryFilter, bs_query_filter_default(), [
+    size, statics, kinematic, dynamic, sensors, skip_inside, has_filter, reserved, filter, exclude_body,
+    exclude_shape, predicate, user,
+] }
+
+/// All shapes but sensors.
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_query_filter_default() -> BsQueryFilter {
+    BsQueryFilter {
+        size: size_of::<BsQueryFilter>() as u32,
+        statics: 1,
+        kinematic: 1,
+        dynamic: 1,
+        sensors: 0,
+        skip_inside: 0,
+        has_filter: 0,
+        reserved: [0; 6],
+        filter: bs_filter_default(),
+        exclude_body: BsBody::NONE,
+        exclude_shape: BsShape::NONE,
+        predicate: None,
+        user: null_mut(),
+    }
+}
+
+/// Calls `work` with the engine's filter.
+///
+/// # Safety
+/// The pointer is null or that of a filter, and its predicate may be called with its `user`.
+pub(crate) unsafe fn with_filter(
+    filter: *const BsQueryFilter,
+    work: impl FnOnce(&QueryFilter<'_>) -> Outcome,
+) -> Outcome {
+    // SAFETY: as this function.
+    let filter = unsafe { read_or_default(filter) }?;
+    let allows = |body: BodyHandle, shape: ShapeHandle| match filter.predicate {
+        // SAFETY: as this function.
+        Some(predicate) => unsafe { predicate(filter.user, body.into(), shape.into()) != 0 },
+        None => true,
+    };
+    let mut query = QueryFilter::new();
+    query.filter = (filter.has_filter != 0).then(|| filter.filter.to_engine());
+    query.statics = filter.statics != 0;
+    query.kinematic = filter.kinematic != 0;
+    query.dynamic = filter.dynamic != 0;
+    query.sensors = filter.sensors != 0;
+    query.skip_inside = filter.skip_inside != 0;
+    query.exclude_body = (filter.exclude_body != BsBody::NONE).then(|| filter.exclude_body.into());
+    query.exclude_shape = (filter.exclude_shape != BsShape::NONE).then(|| filter.exclude_shape.into());
+    if filter.predicate.is_some() {
+        query.predicate = Some(&allows);
+    }
+    work(&query)
+}
+
+/// No triangle: the shape is no mesh and no height field.
+pub const BS_NO_TRIANGLE: u32 = u32::MAX;
+
+/// A ray.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsRay {
+    /// Where it starts, in the world [m].
+    pub from: BsDVec3,
+    /// From its start to its end [m]: direction times length.
+    pub path: BsVec3,
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl BsRay {
+    fn to_engine(self) -> Ray {
+        Ray::new(self.from, self.path.into())
+    }
+}
+
+/// What a ray or a moving shape meets.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsHit {
+    /// Whose shape it is.
+    pub body: BsBody,
+    /// Which shape.
+    pub shape: BsShape,
+    /// Where, in the world [m].
+    pub point: BsDVec3,
+    /// Unit, out of the shape; towards the moving one. Zero if a ray starts inside.
+    pub normal: BsVec3,
+    /// Fraction of the path, 0..=1.
+    pub fraction: f32,
+    /// How far a moving shape that overlaps it at the start has to go along the normal to get out [m].
+    pub depth: f32,
+    /// Index of the triangle of a mesh or height field, or `BS_NO_TRIANGLE`.
+    pub triangle: u32,
+    /// Whether there is a hit at all. If not, all else is zero.
+    pub hit: BsBool,
+    /// Whether a ray starts inside of it.
+    pub inside: BsBool,
+    /// Zero.
+    pub reserved: [u8; 6],
+}
+
+impl Default for BsHit {
+    fn default() -> BsHit {
+        BsHit::NONE
+    }
+}
+
+impl BsHit {
+    const NONE: BsHit = BsHit {
+        body: BsBody::NONE,
+        shape: BsShape::NONE,
+        point: BsDVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        normal: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        fraction: 0.0,
+        depth: 0.0,
+        triangle: BS_NO_TRIANGLE,
+        hit: 0,
+        inside: 0,
+        reserved: [0; 6],
+    };
+
+    fn of_ray(hit: &RayHit) -> BsHit {
+        BsHit {
+            body: hit.body.into(),
+            shape: hit.shape.into(),
+            point: hit.point.into(),
+            normal: hit.normal.into(),
+            fraction: hit.fraction,
+            triangle: hit.triangle.unwrap_or(BS_NO_TRIANGLE),
+            hit: 1,
+            inside: hit.inside.into(),
+            ..BsHit::NONE
+        }
+    }
+
+    fn of_shape(hit: &ShapeHit) -> BsHit {
+        BsHit {
+            body: hit.body.into(),
+            shape: hit.shape.into(),
+            point: hit.point.into(),
+            normal: hit.normal.into(),
+            fraction: hit.fraction,
+            depth: hit.depth,
+            triangle: hit.triangle.unwrap_or(BS_NO_TRIANGLE),
+            hit: 1,
+            ..BsHit::NONE
+        }
+    }
+}
+
+/// The first shape that a ray meets; `hit->hit` says whether there is one. `filter` may be null: all but
+/// sensors.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_ray(
+    world: *const BsWorld,
+    ray: BsRay,
+    filter: *const BsQueryFilter,
+    hit: *mut BsHit,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the hit", hit)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let hit = content.cast_ray(&ray.to_engine(), filter)?;
+            out.set(hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray));
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// Whether a ray meets anything at all.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_ray_any(
+    world: *const BsWorld,
+    ray: BsRay,
+    filter: *const BsQueryFilter,
+    any: *mut BsBool,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", any)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            out.set(content.cast_ray_any(&ray.to_engine(), filter)?.into());
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// All shapes that a ray meets, each where it is met first, by fraction. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_ray_all(
+    world: *const BsWorld,
+    ray: BsRay,
+    filter: *const BsQueryFilter,
+    hits: *mut BsHit,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("hits", hits, capacity, count)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.cast_ray_all(&ray.to_engine(), filter, &mut found)?;
+            out.fill(found.iter().map(BsHit::of_ray))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// The first shapes that many rays meet: the answer to `rays[i]` goes to `hits[i]`. Faster than one by one
+/// where neighbours go about the same way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_rays(
+    world: *const BsWorld,
+    rays: *const BsRay,
+    count: usize,
+    filter: *const BsQueryFilter,
+    hits: *mut BsHit,
+) -> BsStatus {
+    call(|| {
+        let mut written = 0;
+        // SAFETY: the caller keeps to the header.
+        let (content, rays, out) = unsafe {
+            let rays = slice("the rays", rays, count)?;
+            (reading(world)?, rays, Buffer::new("hits", hits, count, &mut written)?)
+        };
+        let rays: Vec<_> = rays.iter().map(|ray| ray.to_engine()).collect();
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = vec![None; rays.len()];
+            content.cast_rays(&rays, filter, &mut found)?;
+            out.fill(found.iter().map(|hit| hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray)))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// # Safety
+/// The pointer is null or that of a geometry.
+unsafe fn geometry(geometry: *const BsGeometry) -> Outcome<Geometry> {
+    // SAFETY: as this function.
+    unsafe { borrow("the geometry", geometry)?.to_engine() }
+}
+
+fn cast_of(shape: &Geometry, pose: BsPose, path: BsVec3) -> ShapeCast<'_> {
+    ShapeCast::new(shape, pose.position, path.into()).rotated(backstop::glam::Quat::from(pose.rotation))
+}
+
+/// The first shape that a convex one touches that moves from a pose along a path [m]; `hit->hit` says whether
+/// there is one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_shape(
+    world: *const BsWorld,
+    shape: *const BsGeometry,
+    pose: BsPose,
+    path: BsVec3,
+    filter: *const BsQueryFilter,
+    hit: *mut BsHit,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, shape, out) =
+            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the hit", hit)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let hit = content.cast_shape(&cast_of(&shape, pose, path), filter)?;
+            out.set(hit.as_ref().map_or(BsHit::NONE, BsHit::of_shape));
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// Whether a moving shape touches anything at all.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_shape_any(
+    world: *const BsWorld,
+    shape: *const BsGeometry,
+    pose: BsPose,
+    path: BsVec3,
+    filter: *const BsQueryFilter,
+    any: *mut BsBool,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, shape, out) =
+            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the answer", any)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            out.set(content.cast_shape_any(&cast_of(&shape, pose, path), filter)?.into());
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// All shapes that a moving one would touch if none stopped it, by fraction. With a path of zero: all that it
+/// overlaps, with depths. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_cast_shape_all(
+    world: *const BsWorld,
+    shape: *const BsGeometry,
+    pose: BsPose,
+    path: BsVec3,
+    filter: *const BsQueryFilter,
+    hits: *mut BsHit,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, shape, out) =
+            unsafe { (reading(world)?, geometry(shape)?, Buffer::new("hits", hits, capacity, count)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.cast_shape_all(&cast_of(&shape, pose, path), filter, &mut found)?;
+            out.fill(found.iter().map(BsHit::of_shape))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// A shape that a query's shape overlaps.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BsOverlap {
+    /// Whose shape it is.
+    pub body: BsBody,
+    /// Which shape.
+    pub shape: BsShape,
+}
+
+/// All shapes that a convex one at a pose overlaps or touches, by handle. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_overlap(
+    world: *const BsWorld,
+    shape: *const BsGeometry,
+    pose: BsPose,
+    filter: *const BsQueryFilter,
+    overlaps: *mut BsOverlap,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, shape, out) = unsafe {
+            (reading(world)?, geometry(shape)?, Buffer::new("overlaps", overlaps, capacity, count)?)
+        };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.overlap(&shape, pose.position.into(), pose.rotation.into(), filter, &mut found)?;
+            let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
+            out.fill(found.into_iter().map(own))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// Whether a convex shape at a pose overlaps or touches anything.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_overlap_any(
+    world: *const BsWorld,
+    shape: *const BsGeometry,
+    pose: BsPose,
+    filter: *const BsQueryFilter,
+    any: *mut BsBool,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, shape, out) =
+            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the answer", any)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let (position, rotation) = (pose.position.into(), pose.rotation.into());
+            out.set(content.overlap_any(&shape, position, rotation, filter)?.into());
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// The point of a shape that is nearest to a given one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsClosestPoint {
+    /// Whose shape it is.
+    pub body: BsBody,
+    /// Which shape.
+    pub shape: BsShape,
+    /// The nearest point, in the world [m]; inside a solid shape the given one.
+    pub point: BsDVec3,
+    /// Unit, from the nearest point towards the given one. Zero inside.
+    pub normal: BsVec3,
+    /// How far it is away [m]; zero inside.
+    pub distance: f32,
+    /// Index of the triangle of a mesh or height field, or `BS_NO_TRIANGLE`.
+    pub triangle: u32,
+    /// Whether there is one at all. If not, all else is zero.
+    pub found: BsBool,
+    /// Whether the given point is inside of it.
+    pub inside: BsBool,
+    /// Zero.
+    pub reserved: [u8; 2],
+}
+
+impl Default for BsClosestPoint {
+    fn default() -> BsClosestPoint {
+        BsClosestPoint::NONE
+    }
+}
+
+impl BsClosestPoint {
+    const NONE: BsClosestPoint = BsClosestPoint {
+        body: BsBody::NONE,
+        shape: BsShape::NONE,
+        point: BsDVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        normal: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        distance: 0.0,
+        triangle: BS_NO_TRIANGLE,
+        found: 0,
+        inside: 0,
+        reserved: [0; 2],
+    };
+
+    fn of_engine(found: &ClosestPoint) -> BsClosestPoint {
+        BsClosestPoint {
+            body: found.body.into(),
+            shape: found.shape.into(),
+            point: found.point.into(),
+            normal: found.normal.into(),
+            distance: found.distance,
+            triangle: found.triangle.unwrap_or(BS_NO_TRIANGLE),
+            found: 1,
+            inside: found.inside.into(),
+            reserved: [0; 2],
+        }
+    }
+}
+
+/// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is one.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_closest_point(
+    world: *const BsWorld,
+    point: BsDVec3,
+    distance: f32,
+    filter: *const BsQueryFilter,
+    closest: *mut BsClosestPoint,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the point", closest)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let found = content.closest_point(point.into(), distance, filter)?;
+            out.set(found.as_ref().map_or(BsClosestPoint::NONE, BsClosestPoint::of_engine));
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_closest_point_all(
+    world: *const BsWorld,
+    point: BsDVec3,
+    distance: f32,
+    filter: *const BsQueryFilter,
+    points: *mut BsClosestPoint,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("points", points, capacity, count)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.closest_point_all(point.into(), distance, filter, &mut found)?;
+            out.fill(found.iter().map(BsClosestPoint::of_engine))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}

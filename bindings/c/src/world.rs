@@ -1,0 +1,316 @@
+//! The world: what it is made of, its steps, and who may use it when.
+
+use crate::abi::guard::{call, value_or};
+use crate::abi::pointers::{Buffer, Out, borrow};
+use crate::abi::sized::{read_or_default, write};
+use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::values::{BsBody, BsDVec3};
+use crate::events::Events;
+use crate::report::{BsMemoryReport, BsModelPart, BsStepReport};
+use crate::settings::BsSettings;
+use backstop::{Feature, World};
+use std::ops::{Deref, DerefMut};
+use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
+
+/// Bodies that move, collide and come to rest. Calls that take it as `const` may come from any number of
+/// threads at once; one that changes it may not come beside any other, and is refused with `BS_ERROR_BUSY`
+/// if it does.
+pub struct BsWorld {
+    content: RwLock<Content>,
+}
+
+/// The world, and what callers read of it as arrays.
+pub(crate) struct Content {
+    pub(crate) world: World,
+    pub(crate) events: Events,
+}
+
+impl Deref for Content {
+    type Target = World;
+
+    fn deref(&self) -> &World {
+        &self.world
+    }
+}
+
+impl DerefMut for Content {
+    fn deref_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+}
+
+/// A world that is read.
+///
+/// # Safety
+/// The pointer is null or that of a world that nobody destroys meanwhile.
+pub(crate) unsafe fn reading<'a>(world: *const BsWorld) -> Outcome<RwLockReadGuard<'a, Content>> {
+    // SAFETY: as this function.
+    let world = unsafe { borrow("the world", world) }?;
+    match world.content.try_read() {
+        Ok(guard) => Ok(guard),
+        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
+    }
+}
+
+/// A world that is changed.
+///
+/// # Safety
+/// As `reading`.
+pub(crate) unsafe fn changing<'a>(world: *const BsWorld) -> Outcome<RwLockWriteGuard<'a, Content>> {
+    // SAFETY: as this function.
+    let world = unsafe { borrow("the world", world) }?;
+    match world.content.try_write() {
+        Ok(guard) => Ok(guard),
+        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
+    }
+}
+
+/// Changes a world as a whole, which a panic may have left half changed. If that succeeds it is whole again.
+///
+/// # Safety
+/// As `reading`.
+pub(crate) unsafe fn mending(
+    world: *const BsWorld,
+    mend: impl FnOnce(&mut Content, bool) -> Outcome,
+) -> Outcome {
+    // SAFETY: as this function.
+    let world = unsafe { borrow("the world", world) }?;
+    let (mut guard, broken) = match world.content.try_write() {
+        Ok(guard) => (guard, false),
+        Err(TryLockError::WouldBlock) => return Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(poisoned)) => (poisoned.into_inner(), true),
+    };
+    mend(&mut guard, broken)?;
+    drop(guard);
+    world.content.clear_poison();
+    Ok(())
+}
+
+/// An empty world. `settings` may be null: the defaults.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_create(settings: *const BsSettings, world: *mut *mut BsWorld) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (out, settings) =
+            unsafe { (Out::new("the place for the world", world)?, read_or_default(settings)?) };
+        let world = World::new(settings.to_engine()?)?;
+        let content = RwLock::new(Content { world, events: Events::default() });
+        out.set(Box::into_raw(Box::new(BsWorld { content })));
+        Ok(())
+    })
+}
+
+/// Destroys a world; its handles mean nothing any more. Null is no world, and fine. No other call may use it
+/// meanwhile or after.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_destroy(world: *mut BsWorld) {
+    value_or((), || {
+        if !world.is_null() {
+            // SAFETY: it came from `bs_world_create`, and nobody else has it.
+            drop(unsafe { Box::from_raw(world) });
+        }
+    });
+}
+
+/// Moves the world on by `dt` seconds, 1e-6 to 10. Events and reports are then those of this step.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_step(world: *mut BsWorld, dt: f32) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut content = unsafe { changing(world) }?;
+        content.step(dt)?;
+        content.read_events();
+        Ok(())
+    })
+}
+
+/// The settings. `settings->size` says how much of them is wanted.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_settings(world: *const BsWorld, settings: *mut BsSettings) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| unsafe { write(settings, BsSettings::of_engine(reading(world)?.settings())) })
+}
+
+/// Replaces the settings; the next step uses them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_set_settings(world: *mut BsWorld, settings: *const BsSettings) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (mut content, settings) = unsafe { (changing(world)?, read_or_default(settings)?) };
+        Ok(content.set_settings(settings.to_engine()?)?)
+    })
+}
+
+/// The point that single-precision positions are relative to [m].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_origin(world: *const BsWorld, origin: *mut BsDVec3) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the origin", origin)?) };
+        out.set(content.origin().into());
+        Ok(())
+    })
+}
+
+/// Moves the point that single-precision positions are relative to [m]. Bodies stay where they are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_set_origin(world: *mut BsWorld, origin: BsDVec3) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { changing(world) }?.set_origin(origin.into())?))
+}
+
+/// Hash of all poses and velocities, bit by bit: the same on every machine for the same calls.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_hash(world: *const BsWorld, hash: *mut u64) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the hash", hash)?) };
+        out.set(content.hash());
+        Ok(())
+    })
+}
+
+/// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity [J].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_energy(world: *const BsWorld, energy: *mut f64) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the energy", energy)?) };
+        out.set(content.energy());
+        Ok(())
+    })
+}
+
+/// Counts and times of the last step. `report->size` says how much of it is wanted.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_report(world: *const BsWorld, report: *mut BsStepReport) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| unsafe { write(report, BsStepReport::of_engine(reading(world)?.report())) })
+}
+
+/// Bytes that the world holds, by category. `report->size` says how much of it is wanted.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_memory(world: *const BsWorld, report: *mut BsMemoryReport) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| unsafe { write(report, BsMemoryReport::of_engine(&reading(world)?.memory())) })
+}
+
+/// The optional parts of the engine that the world's content needs, and their cost, in the order of features.
+/// `count` becomes the number of parts.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_model(
+    world: *const BsWorld,
+    parts: *mut BsModelPart,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("parts", parts, capacity, count)?) };
+        let model = content.model();
+        out.fill(Feature::ALL.into_iter().map(|feature| BsModelPart::of_engine(&model.part(feature))))
+    })
+}
+
+/// Bodies that the last step had to stop, because their motion was no number or out of range.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_stopped_bodies(
+    world: *const BsWorld,
+    bodies: *mut BsBody,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("bodies", bodies, capacity, count)?) };
+        out.fill(content.stopped_bodies().iter().map(|&body| body.into()))
+    })
+}
+
+/// Numbers of bodies and joints, and of bodies and islands that are asleep; each pointer may be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_counts(
+    world: *const BsWorld,
+    bodies: *mut usize,
+    joints: *mut usize,
+    asleep: *mut usize,
+    islands_asleep: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe {
+            let out = [bodies, joints, asleep, islands_asleep].map(|at| Out::optional("a count", at));
+            (reading(world)?, out)
+        };
+        let counts =
+            [content.body_count(), content.joint_count(), content.asleep(), content.islands_asleep()];
+        for (out, count) in out.into_iter().zip(counts) {
+            if let Some(out) = out? {
+                out.set(count);
+            }
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::abi::status::{BS_ERROR_BUSY, BS_ERROR_PANIC, BS_OK};
+    use crate::snapshot::*;
+    use std::ptr::{null, null_mut};
+
+    fn create() -> *mut BsWorld {
+        let mut world = null_mut();
+        // SAFETY: the place is one.
+        assert_eq!(unsafe { bs_world_create(null(), &mut world) }, BS_OK);
+        world
+    }
+
+    /// What a defect of the engine would do: panics while the world is changed.
+    unsafe extern "C" fn defect(world: *mut BsWorld) -> BsStatus {
+        call(|| {
+            // SAFETY: the test has a world.
+            let content = unsafe { changing(world) }?;
+            panic!("with {} bodies", content.body_count())
+        })
+    }
+
+    #[test]
+    fn a_panic_breaks_the_world_until_it_is_restored() {
+        let (world, mut snapshot, mut hash) = (create(), null_mut(), 0);
+        // SAFETY: all objects are alive, and all places are.
+        unsafe {
+            assert_eq!(bs_snapshot_create(&mut snapshot), BS_OK);
+            assert_eq!(bs_world_step(world, 0.01), BS_OK);
+            assert_eq!(bs_world_snapshot(world, snapshot), BS_OK);
+            assert_eq!(defect(world), BS_ERROR_PANIC);
+            assert_eq!(bs_world_step(world, 0.01), BS_ERROR_PANIC);
+            assert_eq!(bs_world_hash(world, &mut hash), BS_ERROR_PANIC);
+            assert_eq!(bs_world_restore(world, snapshot), BS_OK);
+            assert_eq!(bs_world_hash(world, &mut hash), BS_OK);
+            assert_eq!(bs_world_step(world, 0.01), BS_OK);
+            bs_snapshot_destroy(snapshot);
+            bs_world_destroy(world);
+        }
+    }
+
+    #[test]
+    fn a_world_in_use_is_busy_for_those_who_change_it() {
+        let (world, mut hash) = (create(), 0);
+        // SAFETY: the world is alive, and all places are.
+        unsafe {
+            let reader = reading(world);
+            assert_eq!(bs_world_hash(world, &mut hash), BS_OK);
+            assert_eq!(bs_world_step(world, 0.01), BS_ERROR_BUSY);
+            drop(reader);
+            let writer = changing(world);
+            assert_eq!(bs_world_hash(world, &mut hash), BS_ERROR_BUSY);
+            drop(writer);
+            assert_eq!(bs_world_step(world, 0.01), BS_OK);
+            bs_world_destroy(world);
+        }
+    }
+}
