@@ -57,7 +57,7 @@ fn press(order: Order, (substeps, iterations): (u32, u32), force: f32) -> Result
     let rail = Limit::lock(Motion::Linear, Axes::Around(Axis::X));
     let pusher = JointDesc::new([wall, hips], frames).with_drive(motor).with_limit(rail);
     // Or the wall that holds the rail would not stop the hips.
-    world.add_joint(&pusher.colliding(true))?;
+    world.add_joint(&pusher.with_collide(true))?;
 
     let mut worst = Worst::default();
     for _ in 0..300 {

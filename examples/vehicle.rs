@@ -65,8 +65,8 @@ impl Car {
             let mass = MassProperties::of(&Geometry::cuboid(0.1, 0.1, 0.1), 1.0).scaled_to(15.0);
             let knuckle = world.add_body(&BodyDesc { mass: Some(mass), ..BodyDesc::dynamic().at(hub) })?;
             let frames = world.frames_at([chassis, knuckle], hub, Quat::IDENTITY)?;
-            let (limits, drives) = steered(0.0);
-            let strut = JointDesc { limits, drives, ..JointDesc::new([chassis, knuckle], frames) };
+            let mut strut = JointDesc::new([chassis, knuckle], frames);
+            (strut.limits, strut.drives) = steered(0.0);
             car.steering.push(world.add_joint(&strut)?);
             let frames = world.frames_at([knuckle, wheel], hub, Quat::IDENTITY)?;
             car.engine.push(world.add_joint(&JointDesc::hinge([knuckle, wheel], frames))?);
@@ -78,18 +78,11 @@ impl Car {
     /// angle to the left [rad].
     pub(crate) fn drive(&self, world: &mut World, speed: f32, torque: f32, angle: f32) -> Result<(), Error> {
         let motor = Drive::motor(Motion::Angular, Axis::X, speed / RADIUS, torque);
-        for (i, &joint) in self.engine.iter().enumerate() {
-            let (bodies, frames) = (world.joint_bodies(joint)?, Default::default());
-            let rows = match i {
-                0 | 1 => JointDesc::hinge(bodies, frames),
-                _ => JointDesc::wheel(bodies, frames, TRAVEL, SPRING),
-            };
-            let rows = rows.with_drive(motor);
-            world.set_joint(joint, &rows.limits, &rows.drives)?;
+        for &joint in &self.engine {
+            world.set_joint_drive(joint, motor)?;
         }
         for &joint in &self.steering {
-            let (limits, drives) = steered(angle);
-            world.set_joint(joint, &limits, &drives)?;
+            world.set_joint_target(joint, Motion::Angular, Axis::Y, angle, 0.0)?;
         }
         Ok(())
     }

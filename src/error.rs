@@ -36,6 +36,10 @@ pub enum Error {
     /// A joint between bodies that nothing moves.
     #[error("a joint needs a dynamic body")]
     JointOfStill,
+    /// A target for a drive that the joint does not have; see
+    /// [`World::set_joint_drive`](crate::World::set_joint_drive).
+    #[error("the joint has no drive of this motion along or about this axis")]
+    NoDrive,
     /// A list that leaves something out.
     #[error("{what} must have {expected}")]
     Incomplete {

@@ -122,7 +122,8 @@ pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
 pub use handle::{BodyHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, Limit, Motion, Ragdoll, Skeleton, Spring,
+    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
+    Spring,
 };
 #[cfg(any(feature = "gltf", feature = "replay"))]
 pub use load_limits::{LimitExceeded, LoadLimits};

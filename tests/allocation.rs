@@ -211,7 +211,7 @@ fn joined(threads: usize) -> usize {
             let desc = match (chain + link) % 6 {
                 0 => JointDesc::ball(bodies, frames).with_limit(cone),
                 1 => JointDesc::hinge(bodies, frames).with_limit(twist),
-                2 => JointDesc::fixed(bodies, frames).breaking(1e9, 1e9),
+                2 => JointDesc::fixed(bodies, frames).with_strength(1e9, 1e9),
                 3 => JointDesc::distance(bodies, frames, 0.0, 0.1),
                 4 => JointDesc::wheel(bodies, frames, 0.1, spring),
                 _ => {
@@ -232,6 +232,46 @@ fn joined(threads: usize) -> usize {
 fn joints_allocate_nothing() {
     let _alone = one_at_a_time();
     assert_eq!(joined(1), 0);
+}
+
+/// Twenty doors whose targets, limits and drives change in every step, and joints that are reported.
+#[test]
+fn changes_of_joints_in_place_allocate_nothing() {
+    let _alone = one_at_a_time();
+    let mut world = World::new(settings(1)).unwrap();
+    let ground = world.add_body(&BodyDesc::fixed()).unwrap();
+    let servo = Spring::Coefficients { stiffness: 2000.0, damping: 100.0 };
+    let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, servo);
+    let limit = Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 1.0);
+    let joints: Vec<_> = (0..20)
+        .map(|i| {
+            let at = Vec3::X * (3.0 * i as f32);
+            let body = common::dynamic(Geometry::cuboid(0.5, 0.1, 0.1), Material::default(), at);
+            let bodies = [ground, world.add_body(&body).unwrap()];
+            let frames = world.frames_at(bodies, at.as_dvec3() - DVec3::X * 0.5, Quat::IDENTITY).unwrap();
+            let desc = JointDesc::hinge(bodies, frames).with_limit(limit).with_drive(drive);
+            world.add_joint(&desc.with_thresholds(1.0, 1.0)).unwrap()
+        })
+        .collect();
+    let mut snapshots = [Snapshot::new(), Snapshot::new()];
+    let with_snapshots = count(&mut world, 300, |world, step| {
+        let target = (step as f32 * 0.05).sin();
+        for &joint in &joints {
+            world.set_joint_target(joint, Motion::Angular, Axis::X, target, 0.0).unwrap();
+            world.set_joint_limit(joint, limit.with_range(-1.0 - target.abs(), 1.0)).unwrap();
+        }
+        // Targets and ends of ranges are part of the state: the list of joints is not written again.
+        world.snapshot(&mut snapshots[step as usize % 2]);
+        assert!(step == 0 || world.strained_joints().len() == joints.len());
+    });
+    assert_eq!(with_snapshots, 0);
+    let drives = count(&mut world, 10, |world, step| {
+        for &joint in &joints {
+            world.set_joint_drive(joint, drive.with_max_force(100.0 + step as f32)).unwrap();
+            world.set_joint_frames(joint, world.joint_local_frames(joint).unwrap()).unwrap();
+        }
+    });
+    assert_eq!(drives, 0);
 }
 
 /// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, whatever the method.

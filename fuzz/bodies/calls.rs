@@ -119,7 +119,18 @@ fn other(
         28 => drop(one(input, joints).map(|joint| world.remove_joint(joint))),
         29 => {
             let (limits, drives) = ([limit(input)], [drive(input)]);
-            drop(one(input, joints).map(|joint| world.set_joint(joint, &limits, &drives)));
+            let Some(joint) = one(input, joints) else { return };
+            drop(world.set_joint_limits(joint, &limits));
+            drop(world.set_joint_drives(joint, &drives));
+            let (limit, drive) = (limit(input), drive(input));
+            drop(world.set_joint_limit(joint, limit));
+            drop(world.set_joint_drive(joint, drive));
+            drop(world.set_joint_target(joint, drive.motion, drive.axis, drive.velocity, drive.position));
+            drop(world.set_joint_thresholds(joint, drive.max_force, drive.max_force));
+            drop(world.set_joint_strength(joint, drive.position, drive.velocity));
+            drop(world.set_joint_collide(joint, input.bool()));
+            drop(world.remove_joint_limit(joint, limit.motion, limit.axes));
+            drop(world.remove_joint_drive(joint, drive.motion, drive.axis));
         }
         30 => {
             let (sensor, listening) = (input.byte() < 64, input.bool());

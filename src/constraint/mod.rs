@@ -19,7 +19,7 @@ pub(crate) use contact::prepare::{PrepareInput, prepare};
 pub(crate) use contact::readout::{ContactLane, FrictionLane};
 pub(crate) use contact::rows::{Rows, Views, with_batch};
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
-pub(crate) use joint::arrange::{JointInput, JointRows, JointStage};
+pub(crate) use joint::arrange::{JointInput, JointRows, JointStage, arranged_alike};
 pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointType, WIDEST_JOINT_BATCH};
 pub(crate) use joint::nets::{NetInput, Nets};

@@ -32,6 +32,15 @@ impl Frame {
     pub fn at(position: Vec3) -> Frame {
         Frame { position, ..Frame::default() }
     }
+    /// With other axes: the joint's x, y and z in the body's axes.
+    pub fn with_rotation(self, rotation: glam::Quat) -> Frame {
+        Frame { rotation, ..self }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        limits::offset("joint frame position", self.position)?;
+        unit_quat("joint frame rotation", self.rotation).map(drop)
+    }
 }
 
 /// A direction of relative motion, along or about axes of the first body's frame.
@@ -78,6 +87,7 @@ pub enum Motion {
 /// A spring with a damper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Spring {
     /// Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad].
     Coefficients {
@@ -184,6 +194,10 @@ impl Limit {
     pub fn lock(motion: Motion, axes: Axes) -> Limit {
         Limit::new(motion, axes, 0.0, 0.0)
     }
+    /// With another range, from `min` to `max` [m] or [rad].
+    pub fn with_range(self, min: f32, max: f32) -> Limit {
+        Limit { min, max, ..self }
+    }
     /// Yields like a spring beyond its range.
     pub fn with_spring(self, spring: Spring) -> Limit {
         Limit { spring: Some(spring), ..self }
@@ -255,6 +269,18 @@ impl Drive {
     pub fn spring(motion: Motion, axis: Axis, position: f32, spring: Spring) -> Drive {
         Drive { motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
     }
+    /// With another target: a position [m] or [rad] and a velocity [m/s] or [rad/s].
+    pub fn with_target(self, position: f32, velocity: f32) -> Drive {
+        Drive { position, velocity, ..self }
+    }
+    /// With another spring.
+    pub fn with_spring(self, spring: Spring) -> Drive {
+        Drive { spring, ..self }
+    }
+    /// With at most so much force [N] or torque [N m].
+    pub fn with_max_force(self, max_force: f32) -> Drive {
+        Drive { max_force, ..self }
+    }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
         within("drive position", self.position, -MAX_DISPLACEMENT, MAX_DISPLACEMENT, "within 1e9")?;
@@ -272,6 +298,7 @@ impl Drive {
 /// displacement.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct JointDesc {
     /// The two bodies, at least one of them dynamic.
     pub bodies: [BodyHandle; 2],
@@ -287,6 +314,11 @@ pub struct JointDesc {
     pub break_force: f32,
     /// The joint breaks above this torque [N m]. Default infinity.
     pub break_torque: f32,
+    /// The joint is among [`World::strained_joints`](crate::World::strained_joints) after each step in which
+    /// its force is above this [N]. Default infinity.
+    pub force_threshold: f32,
+    /// The same of its torque [N m]. Default infinity.
+    pub torque_threshold: f32,
     /// Has its rows solved right after those of this group, unless their own place is later: what is solved
     /// later wins. A tree of joints goes as a whole. Default none.
     pub solved_after: Option<RowGroup>,
@@ -305,6 +337,8 @@ impl JointDesc {
             collide: false,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
+            force_threshold: f32::INFINITY,
+            torque_threshold: f32::INFINITY,
             solved_after: None,
             user_data: 0,
         }
@@ -365,20 +399,32 @@ impl JointDesc {
     }
 
     /// Whether the two bodies collide with each other.
-    pub fn colliding(mut self, collide: bool) -> JointDesc {
+    pub fn with_collide(mut self, collide: bool) -> JointDesc {
         self.collide = collide;
         self
     }
 
-    /// Breaks above this force [N] and this torque [N m].
-    pub fn breaking(mut self, force: f32, torque: f32) -> JointDesc {
+    /// Breaks above this force [N] and this torque [N m]; infinity for never.
+    pub fn with_strength(mut self, force: f32, torque: f32) -> JointDesc {
         (self.break_force, self.break_torque) = (force, torque);
         self
     }
 
+    /// Is reported above this force [N] and this torque [N m]; infinity for never.
+    pub fn with_thresholds(mut self, force: f32, torque: f32) -> JointDesc {
+        (self.force_threshold, self.torque_threshold) = (force, torque);
+        self
+    }
+
     /// Rows right after those of a group, if that is later.
-    pub fn solved_after(mut self, above: RowGroup) -> JointDesc {
+    pub fn with_solved_after(mut self, above: RowGroup) -> JointDesc {
         self.solved_after = Some(above);
+        self
+    }
+
+    /// With a number of the caller's own.
+    pub fn with_user_data(mut self, user_data: u64) -> JointDesc {
+        self.user_data = user_data;
         self
     }
 
@@ -390,17 +436,25 @@ impl JointDesc {
         if self.bodies[0] == self.bodies[1] {
             return Err(Error::JointToItself);
         }
-        for frame in &self.frames {
-            limits::offset("joint frame position", frame.position)?;
-            unit_quat("joint frame rotation", frame.rotation)?;
-        }
+        self.frames.iter().try_for_each(Frame::validate)?;
         self.limits.iter().try_for_each(Limit::validate)?;
         self.drives.iter().try_for_each(Drive::validate)?;
-        for (what, value) in [("break force", self.break_force), ("break torque", self.break_torque)] {
-            if value.is_nan() || value < 0.0 {
-                return Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() });
-            }
-        }
-        Ok(())
+        check_loads(STRENGTH, [self.break_force, self.break_torque])?;
+        check_loads(THRESHOLD, [self.force_threshold, self.torque_threshold])
     }
+}
+
+/// What the bounds of a joint's force and torque are called in errors.
+pub(crate) const STRENGTH: [&str; 2] = ["break force", "break torque"];
+/// See [`STRENGTH`].
+pub(crate) const THRESHOLD: [&str; 2] = ["force threshold", "torque threshold"];
+
+/// Checks bounds of a joint's force and torque.
+pub(crate) fn check_loads(what: [&'static str; 2], loads: [f32; 2]) -> Result<(), Error> {
+    for (what, value) in what.into_iter().zip(loads) {
+        if value.is_nan() || value < 0.0 {
+            return Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() });
+        }
+    }
+    Ok(())
 }

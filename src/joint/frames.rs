@@ -1,8 +1,9 @@
 //! The two frames of a joint in the world, and how far apart they are.
 
-use super::desc::{Axes, Axis};
+use super::desc::{Axes, Axis, Motion};
 use super::store::LockKind;
 use crate::body::Pose;
+use crate::lanes::Record;
 use crate::math::Quat;
 use glam::{Mat3, Vec3};
 
@@ -34,6 +35,12 @@ fn column(m: &Mat3, axis: Axis) -> Vec3 {
     }
 }
 
+/// Twist of a rotation about an axis in -pi..=pi [rad].
+pub(crate) fn twist_of(rotation: Quat, axis: Axis) -> f32 {
+    let q = if rotation.w < 0.0 { -rotation } else { rotation };
+    2.0 * libm::atan2f(Vec3::new(q.x, q.y, q.z)[axis as usize], q.w)
+}
+
 impl Placed {
     pub(crate) fn new(poses: [&Pose; 2], frames: &[JointFrame; 2]) -> Placed {
         let arm = [0, 1].map(|i| poses[i].rotation * frames[i].position);
@@ -58,8 +65,44 @@ impl Placed {
 
     /// Twist about an axis in -pi..=pi [rad].
     pub(crate) fn twist(&self, axis: Axis) -> f32 {
-        let q = if self.relative.w < 0.0 { -self.relative } else { self.relative };
-        2.0 * libm::atan2f(Vec3::new(q.x, q.y, q.z)[axis as usize], q.w)
+        twist_of(self.relative, axis)
+    }
+
+    /// What a limit of a motion restricts [m] or [rad]: the measure of its rows, before whole turns are
+    /// counted.
+    pub(crate) fn displacement(&self, motion: Motion, axes: Axes) -> f32 {
+        match (motion, axes) {
+            (Motion::Linear, Axes::One(axis)) => self.axis(0, axis).dot(self.apart),
+            (Motion::Linear, Axes::Around(axis)) => {
+                self.apart.reject_from_normalized(self.axis(0, axis)).length()
+            }
+            (Motion::Linear, Axes::All) => self.apart.length(),
+            (Motion::Angular, Axes::One(axis)) => self.twist(axis),
+            (Motion::Angular, Axes::Around(axis)) => {
+                let [a, b] = [0, 1].map(|frame| self.axis(frame, axis));
+                libm::atan2f(a.cross(b).length(), a.dot(b))
+            }
+            (Motion::Angular, Axes::All) => self.turn().length(),
+        }
+    }
+
+    /// How fast the displacement along or the twist about an axis grows [m/s] or [rad/s], given the
+    /// velocities of the bodies' centres of mass. The first body's axes turn with it.
+    pub(crate) fn speed(&self, motion: Motion, axis: Axis, v: [Record; 2]) -> f32 {
+        let [a, b] = [0, 1].map(|frame| self.axis(frame, axis));
+        match motion {
+            Motion::Linear => {
+                let of_first = v[0].linear + v[0].angular.cross(self.arm[0] + self.apart);
+                let of_second = v[1].linear + v[1].angular.cross(self.arm[1]);
+                a.dot(of_second - of_first)
+            }
+            Motion::Angular => {
+                // Only rotation about the mean of the two axes changes the twist.
+                let middle = 1.0 + a.dot(b);
+                let about = if middle > 1e-3 { (a + b) / middle } else { a };
+                about.dot(v[1].angular - v[0].angular)
+            }
+        }
     }
 
     /// By how much a lock of rotation is off, about [rad].

@@ -10,9 +10,11 @@ mod ragdoll;
 mod save;
 mod store;
 
-pub(crate) use desc::Coefficients;
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-pub(crate) use frames::{JointFrame, Placed};
+pub(crate) use desc::{Coefficients, STRENGTH, THRESHOLD, check_loads};
+pub(crate) use frames::{JointFrame, Placed, twist_of};
+pub(crate) use ragdoll::Link;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use save::{JointLists, JointRecords, SavedJoints, group_code, group_of};
+pub use store::JointEvent;
 pub(crate) use store::{Joint, JointAdditions, Joints, Lock, LockKind, Row, RowKind};

@@ -12,6 +12,7 @@ use std::f32::consts::PI;
 /// How a bone moves on its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum BoneJoint {
     /// Within a cone around the direction that it has in the skeleton, and with a bounded twist.
     Ball {
@@ -53,6 +54,7 @@ pub struct Bone {
 
 /// Bones in the pose in which no joint is bent, y up, and what they are made of.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Skeleton {
     /// Parents before children.
     pub bones: Vec<Bone>,
@@ -67,12 +69,44 @@ pub struct Skeleton {
 }
 
 /// A ragdoll in a world: handles in the order of the bones; the root has no joint.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Ragdoll {
     /// One a bone.
     pub bodies: Vec<BodyHandle>,
     /// One for each bone but the roots.
     pub joints: Vec<JointHandle>,
+    /// Of each joint, what it joins.
+    pub(crate) links: Vec<Link>,
+    /// Torque of friction in each joint [N m].
+    pub(crate) friction: f32,
+}
+
+/// What a joint of a ragdoll joins, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Link {
+    pub(crate) bone: usize,
+    pub(crate) parent: usize,
+    /// The frames' axes in those of the skeleton.
+    axes: Quat,
+    joint: BoneJoint,
+}
+
+impl Link {
+    pub(crate) fn new(bone: &Bone, index: usize, parent: usize) -> Link {
+        Link { bone: index, parent, axes: bone.axes(), joint: bone.joint }
+    }
+
+    /// The axes that the joint turns about.
+    pub(crate) fn free_axes(&self) -> &'static [Axis] {
+        free_axes(self.joint)
+    }
+
+    /// The rotation of the second frame as seen from the first, if parent and bone are turned from where they
+    /// are in the skeleton, in its axes.
+    pub(crate) fn relative(&self, parent: Quat, bone: Quat) -> Quat {
+        self.axes.conjugate() * parent.conjugate() * bone * self.axes
+    }
 }
 
 impl Skeleton {
@@ -85,6 +119,23 @@ impl Skeleton {
             filter: Filter::default(),
             friction: 0.0,
         }
+    }
+
+    /// With another density [kg/m³].
+    pub fn with_density(self, density: f32) -> Skeleton {
+        Skeleton { density, ..self }
+    }
+    /// With another material of all bones.
+    pub fn with_material(self, material: Material) -> Skeleton {
+        Skeleton { material, ..self }
+    }
+    /// With another filter of all bones.
+    pub fn with_filter(self, filter: Filter) -> Skeleton {
+        Skeleton { filter, ..self }
+    }
+    /// With so much torque of friction in each joint [N m].
+    pub fn with_friction(self, friction: f32) -> Skeleton {
+        Skeleton { friction, ..self }
     }
 
     /// A figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso and
@@ -180,15 +231,18 @@ impl Skeleton {
         if self.friction == 0.0 {
             return desc;
         }
-        match bone.joint {
-            BoneJoint::Ball { .. } => Axis::ALL.into_iter().fold(desc, |desc, axis| {
-                desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction))
-            }),
-            BoneJoint::Hinge { .. } => {
-                desc.with_drive(Drive::friction(Motion::Angular, Axis::X, self.friction))
-            }
-            BoneJoint::Fixed => desc,
-        }
+        free_axes(bone.joint)
+            .iter()
+            .fold(desc, |desc, &axis| desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction)))
+    }
+}
+
+/// The axes of its frames that a joint turns about.
+fn free_axes(joint: BoneJoint) -> &'static [Axis] {
+    match joint {
+        BoneJoint::Ball { .. } => &Axis::ALL,
+        BoneJoint::Hinge { .. } => &[Axis::X],
+        BoneJoint::Fixed => &[],
     }
 }
 

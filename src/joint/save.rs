@@ -1,9 +1,9 @@
 //! What a snapshot keeps of joints: their impulses, which change in every step, and their definitions, which
 //! seldom do.
 
-use super::desc::{Axes, Axis, Drive, Limit, Motion, Spring};
+use super::desc::{Axes, Axis, Motion, Spring};
 use super::frames::JointFrame;
-use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind};
+use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;
@@ -38,8 +38,8 @@ impl Joints {
             out.extend_from_slice(&words::<6>([x, y, z, lock.lasting_impulse, lock.steady, lock.lag]));
         }
         for row in &self.rows {
-            let [low, high] = row.impulse;
-            out.extend_from_slice(&words::<3>([low, high, row.lasting_impulse]));
+            let ([low, high], [a, b]) = (row.impulse, row.kind.ends());
+            out.extend_from_slice(&words::<5>([low, high, row.lasting_impulse, a, b]));
         }
         JointLists {
             joints: self.all.len() as u32,
@@ -59,12 +59,14 @@ impl Joints {
             (lock.impulse, lock.lasting_impulse) = (Vec3::new(x, y, z), lasting_impulse);
             (lock.steady, lock.lag) = (steady, lag);
         }
-        for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<3>().0) {
-            let [low, high, lasting_impulse]: [f32; 3] = record::<_, 3>(words);
+        for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<5>().0) {
+            let [low, high, lasting_impulse, a, b]: [f32; 5] = record::<_, 5>(words);
             (row.impulse, row.lasting_impulse) = ([low, high], lasting_impulse);
+            row.kind = row.kind.with_ends([a, b]);
         }
         self.changed = saved.lists.changed != 0;
         self.broken.clear();
+        self.strained.clear();
     }
 
     /// Writes what joints there are.
@@ -83,12 +85,13 @@ impl Joints {
                 out.extend_from_slice(&words::<4>(rotation.to_array()));
             }
             out.extend(joint.strength.map(f32::to_bits));
+            out.extend(joint.threshold.map(f32::to_bits));
             out.push(u32::from(joint.collide) | group_code(joint.solved_after) << 8);
             out.extend_from_slice(&words::<2>(joint.user_data));
             out.extend(joint.next);
         }
         for lock in &self.locks {
-            out.extend([lock.joint, lock_code(Some(lock.kind))]);
+            out.extend([lock.joint, lock_code(Some(lock.kind)) | u32::from(lock.merged) << 8]);
         }
         self.rows.iter().for_each(|row| save_row(row, out));
         out.extend(&self.first);
@@ -112,7 +115,12 @@ impl Joints {
         self.first.clone_from(first);
         let there = |joint: &&Joint| joint.is_there();
         self.count = all.iter().filter(there).count();
-        self.breakable = all.iter().filter(there).filter(|joint| joint.can_break()).count() as u32;
+        let bound = |bounds: &dyn Fn(&Joint) -> [f32; 2]| {
+            all.iter().filter(there).filter(|joint| is_bound(bounds(joint))).count() as u32
+        };
+        self.breakable = bound(&|joint| joint.strength);
+        self.reporting = bound(&|joint| joint.threshold);
+        self.find_starts();
         (self.stale, self.fresh) = (*stale, locks.len() + rows.len());
         let taken = (0u32..).zip(all).filter(|(_, joint)| joint.is_there());
         let taken = taken.map(|(slot, _)| (slot, generations[slot as usize], slot));
@@ -131,7 +139,7 @@ impl<'a> SavedJoints<'a> {
             lists,
             joints: from.table(lists.joints, 6)?,
             locks: from.table(lists.locks, 6)?,
-            rows: from.table(lists.rows, 3)?,
+            rows: from.table(lists.rows, 5)?,
         })
     }
 
@@ -146,7 +154,15 @@ impl<'a> SavedJoints<'a> {
         if records.all.iter().zip(self.joints.as_chunks::<6>().0).any(overloaded) {
             return Err(broken("what a joint bears"));
         }
-        [self.joints, self.locks, self.rows].into_iter().try_for_each(all_loads)?;
+        [self.joints, self.locks].into_iter().try_for_each(all_loads)?;
+        for (row, words) in records.rows.iter().zip(self.rows.as_chunks::<5>().0) {
+            let [loads @ .., a, b] = words;
+            all_loads(loads)?;
+            let kind = row.kind.with_ends([*a, *b].map(f32::from_bits));
+            let row = Row { kind, ..*row };
+            row.limit().map_or(Ok(()), |limit| limit.validate())?;
+            row.drive().map_or(Ok(()), |drive| drive.validate())?;
+        }
         let JointLists { changed, .. } = self.lists;
         let counts = [self.lists.joints, self.lists.locks, self.lists.rows].map(|n| n as usize);
         if counts == [joints, locks, rows] && changed < 2 {
@@ -175,12 +191,14 @@ fn nothing_between(bodies: [u32; 2]) -> Joint {
         bodies,
         frames: [JointFrame::default(); 2],
         strength: [f32::INFINITY; 2],
+        threshold: [f32::INFINITY; 2],
         collide: false,
         solved_after: None,
         user_data: 0,
         force: Vec3::ZERO,
         torque: Vec3::ZERO,
         next: [NONE; 2],
+        start: [NONE; 2],
     }
 }
 
@@ -192,13 +210,14 @@ impl JointRecords {
 
     /// What it takes to hold all of them.
     pub(crate) fn more(&self) -> JointAdditions {
-        let breakable = self.all.iter().filter(|joint| joint.is_there() && joint.can_break()).count();
+        let live = self.all.iter().filter(|joint| joint.is_there());
+        let events = live.map(|joint| JointAdditions::of_events(joint.strength, joint.threshold));
         JointAdditions {
             joints: self.all.len(),
-            breakable,
             locks: self.locks.len(),
             rows: self.rows.len(),
             bodies: self.first.len(),
+            ..events.fold(JointAdditions::default(), JointAdditions::and)
         }
     }
 
@@ -227,13 +246,14 @@ impl JointRecords {
                     frame.rotation = read_rotation(from)?;
                 }
                 joint.strength = from.record::<_, 2>()?;
+                joint.threshold = from.record::<_, 2>()?;
                 let flags = from.one()?;
                 joint.collide = flags & 1 != 0;
                 joint.solved_after = group_of(flags >> 8)?;
                 joint.user_data = from.long()?;
                 joint.next = from.record::<_, 2>()?;
                 let dynamic = bodies.map(&is_dynamic);
-                let strong = joint.strength.iter().all(|s| *s >= 0.0);
+                let strong = joint.strength.iter().chain(&joint.threshold).all(|s| *s >= 0.0);
                 if dynamic.contains(&None)
                     || !dynamic.contains(&Some(true))
                     || bodies[0] == bodies[1]
@@ -253,16 +273,9 @@ impl JointRecords {
         };
         for _ in 0..locks {
             let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
-            let kind = lock_of(code)?.filter(|_| known(joint, &records.all));
+            let kind = lock_of(code & 255)?.filter(|_| known(joint, &records.all) && code >> 8 < 2);
             let kind = kind.ok_or_else(|| broken("a lock"))?;
-            records.locks.push(Lock {
-                joint,
-                kind,
-                impulse: Vec3::ZERO,
-                lasting_impulse: 0.0,
-                steady: 0.0,
-                lag: -1.0,
-            });
+            records.locks.push(Lock::new(joint, kind, code >> 8 == 1));
         }
         for _ in 0..rows {
             let row = read_row(from)?;
@@ -270,6 +283,11 @@ impl JointRecords {
                 return Err(broken("a row of a joint"));
             }
             records.rows.push(row);
+        }
+        let of_locks = records.locks.iter().map(|lock| lock.joint);
+        let of_rows = records.rows.iter().map(|row| row.joint);
+        if !is_grouped(of_locks, records.all.len()) || !is_grouped(of_rows, records.all.len()) {
+            return Err(broken("the order of a joint's rows"));
         }
         records.first.extend(from.table(first, 1)?);
         let free = from.one()?;
@@ -305,6 +323,18 @@ impl JointRecords {
             Err(broken("a list of joints"))
         }
     }
+}
+
+/// Whether what is alike of `count` comes one after another.
+fn is_grouped(joints: impl Iterator<Item = u32>, count: usize) -> bool {
+    let (mut seen, mut last) = (vec![false; count], NONE);
+    for joint in joints {
+        if joint != std::mem::replace(&mut last, joint) && std::mem::replace(&mut seen[joint as usize], true)
+        {
+            return false;
+        }
+    }
+    true
 }
 
 fn read_rotation(from: &mut Reader<'_>) -> Result<Quat, Error> {
@@ -356,13 +386,12 @@ fn axes_code(axes: Axes) -> u32 {
     }
 }
 
+/// Without its ends, which are part of the state.
 fn save_row(row: &Row, out: &mut Vec<u32>) {
-    let (kind, ends, spring, most) = match row.kind {
-        RowKind::Limit { min, max } => (0, [min, max], None, 0.0),
-        RowKind::Yielding { min, max, spring } => (1, [min, max], Some(spring), 0.0),
-        RowKind::Drive { position, velocity, spring, max_force } => {
-            (2, [position, velocity], Some(spring), max_force)
-        }
+    let (kind, spring, most) = match row.kind {
+        RowKind::Limit { .. } => (0, None, 0.0),
+        RowKind::Yielding { spring, .. } => (1, Some(spring), 0.0),
+        RowKind::Drive { spring, max_force, .. } => (2, Some(spring), max_force),
     };
     let (how, numbers) = match spring {
         None => (0, [0.0; 2]),
@@ -374,12 +403,12 @@ fn save_row(row: &Row, out: &mut Vec<u32>) {
     let code = [row.motion as u32, axes_code(row.axes), kind, how, first, second];
     out.push(row.joint);
     out.push(code.iter().rev().fold(0, |all, code| all << 4 | code));
-    out.extend_from_slice(&words::<5>([ends[0], ends[1], numbers[0], numbers[1], most]));
+    out.extend_from_slice(&words::<3>([numbers[0], numbers[1], most]));
 }
 
 fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
     let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
-    let [a, b, p, q, most]: [f32; 5] = from.record::<_, 5>()?;
+    let [p, q, most]: [f32; 3] = from.record::<_, 3>()?;
     let part = |i: u32| code >> (4 * i) & 15;
     let no = || broken("a row of a joint");
     let motion = [Motion::Linear, Motion::Angular].into_iter().nth(part(0) as usize).ok_or_else(no)?;
@@ -396,19 +425,13 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         3 => Some(Spring::Acceleration { stiffness: p, damping: q }),
         _ => return Err(no()),
     };
-    let limit = Limit { motion, axes, min: a, max: b, spring };
+    // The ends come with the state, and all numbers are checked together.
+    let (a, b) = (0.0, 0.0);
     let kind = match (part(2), spring, axes) {
-        (0, None, _) => {
-            limit.validate()?;
-            RowKind::Limit { min: a, max: b }
-        }
-        (1, Some(spring), _) => {
-            limit.validate()?;
-            RowKind::Yielding { min: a, max: b, spring }
-        }
+        (0, None, _) => RowKind::Limit { min: a, max: b },
+        (1, Some(spring), _) => RowKind::Yielding { min: a, max: b, spring },
         // One direction each, as it is measured.
-        (2, Some(spring), Axes::One(axis)) => {
-            Drive { motion, axis, position: a, velocity: b, spring, max_force: most }.validate()?;
+        (2, Some(spring), Axes::One(_)) => {
             RowKind::Drive { position: a, velocity: b, spring, max_force: most }
         }
         _ => return Err(no()),

@@ -1,12 +1,25 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
-use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion, Spring};
+use super::desc::{Axes, Drive, JointDesc, Limit, Motion, Spring};
 use super::frames::JointFrame;
 use crate::config::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
 use crate::memory::{buffers, bytes_of};
 use glam::Vec3;
+
+/// A joint that bore more than one of its thresholds in the last step
+/// ([`JointDesc::with_thresholds`](crate::JointDesc::with_thresholds)), and did not break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct JointEvent {
+    /// The joint.
+    pub joint: JointHandle,
+    /// Its force on the second body in the last substep, in world axes [N].
+    pub force: Vec3,
+    /// Its torque on the second body about the joint, the same [N m].
+    pub torque: Vec3,
+}
 
 /// End of a list of joints.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -19,6 +32,8 @@ pub(crate) struct Joint {
     pub(crate) frames: [JointFrame; 2],
     /// Force [N] and torque [N m] at which it breaks.
     pub(crate) strength: [f32; 2],
+    /// Force [N] and torque [N m] above which it is reported.
+    pub(crate) threshold: [f32; 2],
     pub(crate) collide: bool,
     /// Which rows its own come after.
     pub(crate) solved_after: Option<RowGroup>,
@@ -28,6 +43,8 @@ pub(crate) struct Joint {
     pub(crate) torque: Vec3,
     /// The next joint of either body.
     pub(super) next: [u32; 2],
+    /// Its first lock and its first row; the others follow. Of a joint without any it says nothing.
+    pub(super) start: [u32; 2],
 }
 
 /// What a lock keeps.
@@ -48,6 +65,8 @@ pub(crate) enum LockKind {
 pub(crate) struct Lock {
     pub(crate) joint: u32,
     pub(crate) kind: LockKind,
+    /// It stands for locks of single axes.
+    pub(super) merged: bool,
     /// Impulse of the last substep, in world axes [N s] or [N m s].
     pub(crate) impulse: Vec3,
     /// How much of it does not yield.
@@ -100,6 +119,7 @@ pub(crate) struct Row {
 pub(crate) struct JointAdditions {
     pub(super) joints: usize,
     pub(super) breakable: usize,
+    pub(super) reporting: usize,
     pub(super) locks: usize,
     pub(super) rows: usize,
     /// The list of bodies must be this long.
@@ -109,14 +129,23 @@ pub(crate) struct JointAdditions {
 impl JointAdditions {
     pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> JointAdditions {
         let limits = locked_together(limits);
-        let locks = limits.iter().filter(|limit| lock_of(limit).is_some()).count();
+        let locks = limits.iter().filter(|(limit, _)| limit.locked().is_some()).count();
         JointAdditions { locks, rows: limits.len() - locks + drives.len(), ..JointAdditions::default() }
     }
 
     pub(crate) fn of_joint(desc: &JointDesc) -> JointAdditions {
-        let breakable = usize::from([desc.break_force, desc.break_torque].iter().any(|s| s.is_finite()));
         let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
-        JointAdditions { joints: 1, breakable, bodies, ..JointAdditions::of(&desc.limits, &desc.drives) }
+        let [strength, threshold] =
+            [[desc.break_force, desc.break_torque], [desc.force_threshold, desc.torque_threshold]];
+        let rows = JointAdditions::of(&desc.limits, &desc.drives);
+        let events = JointAdditions::of_events(strength, threshold);
+        JointAdditions { joints: 1, bodies, ..rows.and(events) }
+    }
+
+    /// For the lists of joints that break and of those that are reported.
+    pub(crate) fn of_events(strength: [f32; 2], threshold: [f32; 2]) -> JointAdditions {
+        let [breakable, reporting] = [strength, threshold].map(|bounds| usize::from(is_bound(bounds)));
+        JointAdditions { breakable, reporting, ..JointAdditions::default() }
     }
 
     /// Locks, and other rows.
@@ -129,23 +158,11 @@ impl JointAdditions {
         JointAdditions {
             joints: self.joints + other.joints,
             breakable: self.breakable + other.breakable,
+            reporting: self.reporting + other.reporting,
             locks: self.locks + other.locks,
             rows: self.rows + other.rows,
             bodies: self.bodies.max(other.bodies),
         }
-    }
-}
-
-/// What a limit locks, if it does.
-fn lock_of(limit: &Limit) -> Option<LockKind> {
-    match (limit.motion, limit.axes) {
-        _ if !limit.locks() => None,
-        (Motion::Linear, Axes::All) => Some(LockKind::Point),
-        (Motion::Linear, Axes::Around(axis)) => Some(LockKind::Line(axis)),
-        (Motion::Angular, Axes::All) => Some(LockKind::Weld),
-        (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
-        // One direction is a row.
-        (_, Axes::One(_)) => None,
     }
 }
 
@@ -168,8 +185,12 @@ pub(crate) struct Joints {
     pub(super) fresh: usize,
     /// How many can break.
     pub(super) breakable: u32,
+    /// How many ask to be reported.
+    pub(super) reporting: u32,
     /// Joints that broke in the last step.
     pub(crate) broken: Vec<JointHandle>,
+    /// Joints that bore more than their thresholds in the last step.
+    pub(crate) strained: Vec<JointEvent>,
 }
 
 buffers! {
@@ -182,6 +203,7 @@ buffers! {
             rows(n.rows),
             first(n.bodies),
             broken(n.breakable),
+            strained(n.reporting),
         }
     }
 }
@@ -224,14 +246,17 @@ impl Joints {
             bodies,
             frames,
             strength: [desc.break_force, desc.break_torque],
+            threshold: [desc.force_threshold, desc.torque_threshold],
             collide: desc.collide,
             solved_after: desc.solved_after,
             user_data: desc.user_data,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
             next: bodies.map(|b| std::mem::replace(&mut self.first[b as usize], slot)),
+            start: [NONE; 2],
         };
-        self.breakable += u32::from(joint.can_break());
+        self.breakable += u32::from(is_bound(joint.strength));
+        self.reporting += u32::from(is_bound(joint.threshold));
         if slot == next_slot {
             self.all.push(joint)
         } else {
@@ -243,72 +268,14 @@ impl Joints {
         JointHandle { slot, generation }
     }
 
-    fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
-        let limits = locked_together(limits);
-        self.fresh += limits.len() + drives.len();
-        let locks = || limits.iter().filter_map(lock_of);
-        let turns = |kind: &LockKind| matches!(kind, LockKind::Weld | LockKind::Hinge(_));
-        let beside = [locks().find(|kind| !turns(kind)), locks().find(turns)];
-        for &limit in &limits {
-            let Limit { motion, axes, min, max, spring } = limit;
-            if let Some(kind) = lock_of(&limit) {
-                self.locks.push(Lock {
-                    joint,
-                    kind,
-                    impulse: Vec3::ZERO,
-                    lasting_impulse: 0.0,
-                    steady: 0.0,
-                    lag: -1.0,
-                });
-            } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
-                let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
-                    min,
-                    max,
-                    spring,
-                });
-                self.rows.push(Row {
-                    joint,
-                    motion,
-                    axes,
-                    kind,
-                    beside,
-                    impulse: [0.0; 2],
-                    lasting_impulse: 0.0,
-                });
-            }
-        }
-        for &Drive { motion, axis, position, velocity, spring, max_force } in drives {
-            let kind = RowKind::Drive { position, velocity, spring, max_force };
-            self.rows.push(Row {
-                joint,
-                motion,
-                axes: Axes::One(axis),
-                kind,
-                beside,
-                impulse: [0.0; 2],
-                lasting_impulse: 0.0,
-            });
-        }
-    }
-
-    /// Replaces what is limited and driven.
-    pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
-        self.locks.retain(|l| l.joint != joint);
-        self.rows.retain(|r| r.joint != joint);
-        self.add_rows(joint, limits, drives);
-        // A joint that is left without any is not asked any more what it bears.
-        let joint = &mut self.all[joint as usize];
-        (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
-        self.changed = true;
-    }
-
     pub(crate) fn remove(&mut self, slot: u32) {
         let Joint { bodies, .. } = self.all[slot as usize];
         for body in bodies {
             self.unlink(body, slot);
         }
         let joint = &mut self.all[slot as usize];
-        self.breakable -= u32::from(joint.can_break());
+        self.breakable -= u32::from(is_bound(joint.strength));
+        self.reporting -= u32::from(is_bound(joint.threshold));
         (joint.bodies, self.stale) = ([NONE; 2], true);
         self.slots.remove(slot);
         self.count -= 1;
@@ -336,7 +303,8 @@ impl Joints {
     /// There are no joints any more: all goes but what tells handles that are stale.
     pub(crate) fn release(&mut self) {
         self.compact();
-        (self.locks, self.rows, self.first, self.broken) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        (self.locks, self.rows, self.first) = (Vec::new(), Vec::new(), Vec::new());
+        (self.broken, self.strained) = (Vec::new(), Vec::new());
     }
 
     /// Limits with a width, drives, and how many of both are springs.
@@ -368,7 +336,8 @@ impl Joints {
     /// given out.
     pub(crate) fn parts(&self) -> [usize; 3] {
         let handles = if self.count > 0 { bytes_of(&self.all).1 } else { 0 };
-        let own = handles + bytes_of(&self.first).1 + bytes_of(&self.broken).1;
+        let lists = bytes_of(&self.first).1 + bytes_of(&self.broken).1 + bytes_of(&self.strained).1;
+        let own = handles + lists;
         [own, bytes_of(&self.locks).1, bytes_of(&self.rows).1]
     }
 
@@ -384,6 +353,7 @@ impl Joints {
         self.locks.retain(|l| there(l.joint));
         self.rows.retain(|r| there(r.joint));
         self.stale = false;
+        self.find_starts();
     }
 
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
@@ -410,6 +380,7 @@ impl Joints {
         JointAdditions {
             joints: self.all.len() + more.joints.saturating_sub(self.slots.spare()),
             breakable: self.breakable as usize + more.breakable,
+            reporting: self.reporting as usize + more.reporting,
             locks: self.locks.len() + more.locks,
             rows: self.rows.len() + more.rows,
             bodies: self.first.len().max(more.bodies),
@@ -455,68 +426,56 @@ impl Joints {
     pub(crate) fn any_breakable(&self) -> bool {
         self.breakable > 0
     }
+
+    /// Whether there are events of the last step.
+    pub(crate) fn has_events(&self) -> bool {
+        !(self.broken.is_empty() && self.strained.is_empty())
+    }
+
+    pub(crate) fn any_reporting(&self) -> bool {
+        self.reporting > 0
+    }
+
+    /// Sets at which force and torque a joint breaks.
+    pub(crate) fn set_strength(&mut self, joint: u32, strength: [f32; 2]) {
+        let old = std::mem::replace(&mut self.all[joint as usize].strength, strength);
+        self.breakable = self.breakable - u32::from(is_bound(old)) + u32::from(is_bound(strength));
+    }
+
+    /// Sets above which force and torque a joint is reported.
+    pub(crate) fn set_threshold(&mut self, joint: u32, threshold: [f32; 2]) {
+        let old = std::mem::replace(&mut self.all[joint as usize].threshold, threshold);
+        self.reporting = self.reporting - u32::from(is_bound(old)) + u32::from(is_bound(threshold));
+    }
 }
 
-/// Locks of single axes as the one lock that they make: solved as a block they hold better, and two of
-/// rotation have no half turn at which each of them for itself has no direction.
-fn locked_together(limits: &[Limit]) -> Vec<Limit> {
-    let mut out = Vec::with_capacity(limits.len());
-    let mut locked = [[false; 3]; 2];
-    for limit in limits {
-        match limit.axes {
-            Axes::One(axis) if limit.locks() => locked[limit.motion as usize][axis as usize] = true,
-            _ => out.push(*limit),
-        }
-    }
-    for motion in [Motion::Linear, Motion::Angular] {
-        let locked = locked[motion as usize];
-        let axes = |wanted: bool| Axis::ALL.into_iter().filter(move |&axis| locked[axis as usize] == wanted);
-        out.extend(match (axes(true).count(), axes(true).next(), axes(false).next()) {
-            (1, Some(axis), _) => Some(Limit::lock(motion, Axes::One(axis))),
-            (2, _, Some(axis)) => Some(Limit::lock(motion, Axes::Around(axis))),
-            (3, ..) => Some(Limit::lock(motion, Axes::All)),
-            _ => None,
-        });
-    }
-    out
-}
-
-impl Row {
-    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
-    /// spring.
-    pub(crate) fn drives_hinge(&self) -> bool {
-        self.motion == Motion::Angular
-            && self.is_guided()
-            && matches!(self.kind, RowKind::Drive { spring, .. } if !spring.coefficients().per_mass)
-    }
-
-    /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a
-    /// direction that can't turn, and what drives a hinge.
-    pub(crate) fn is_guided(&self) -> bool {
-        match (self.motion, self.axes, self.beside[1]) {
-            (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
-            (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => {
-                axis == about && matches!(self.kind, RowKind::Drive { .. })
-            }
-            _ => false,
-        }
-    }
+/// Whether a force or a torque is bounded.
+pub(super) fn is_bound(bounds: [f32; 2]) -> bool {
+    bounds.iter().any(|bound| bound.is_finite())
 }
 
 impl Joint {
     pub(super) fn next_of(&self, body: u32) -> u32 {
         self.next[usize::from(self.bodies[1] == body)]
     }
-    pub(super) fn can_break(&self) -> bool {
-        self.strength.iter().any(|s| s.is_finite())
-    }
     pub(crate) fn is_there(&self) -> bool {
         self.bodies[0] != NONE
     }
+    /// Whether it bears more than one of two bounds.
+    fn exceeds(&self, [force, torque]: [f32; 2]) -> bool {
+        self.force.length() > force || self.torque.length() > torque
+    }
     pub(crate) fn is_overloaded(&self) -> bool {
-        self.force.length() > self.strength[0] || self.torque.length() > self.strength[1]
+        self.exceeds(self.strength)
+    }
+    pub(crate) fn is_strained(&self) -> bool {
+        self.exceeds(self.threshold)
     }
 }
+
+mod rows;
+
+use rows::locked_together;
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
-use crate::joint::{Drive, JointDesc, Limit};
+use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
 use crate::world::Change;
 use glam::{DVec3, Vec3};
@@ -63,7 +63,18 @@ calls! {
     AddJoint "add_joint" (JointDesc),
     AddJoints "add_joints" (Vec<JointDesc>),
     RemoveJoint "remove_joint" (JointHandle),
-    SetJoint "set_joint" (JointHandle, Vec<Limit>, Vec<Drive>),
+    SetJointDrive "set_joint_drive" (JointHandle, Drive),
+    RemoveJointDrive "remove_joint_drive" (JointHandle, Motion, Axis),
+    SetJointTarget "set_joint_target" (JointHandle, Motion, Axis, [f32; 2]),
+    SetJointLimit "set_joint_limit" (JointHandle, Limit),
+    RemoveJointLimit "remove_joint_limit" (JointHandle, Motion, Axes),
+    SetJointLimits "set_joint_limits" (JointHandle, Vec<Limit>),
+    SetJointDrives "set_joint_drives" (JointHandle, Vec<Drive>),
+    SetJointFrames "set_joint_frames" (JointHandle, [Frame; 2]),
+    SetJointCollide "set_joint_collide" (JointHandle, bool),
+    SetJointStrength "set_joint_strength" (JointHandle, [f32; 2]),
+    SetJointThresholds "set_joint_thresholds" (JointHandle, [f32; 2]),
+    SetJointUserData "set_joint_user_data" (JointHandle, u64),
     SolveJointAfter "solve_joint_after" (JointHandle, Option<RowGroup>),
     Wake "wake" (BodyHandle),
     SendToSleep "send_to_sleep" (BodyHandle),
@@ -101,9 +112,18 @@ impl Call {
             Change::AddJoint(desc) => Call::AddJoint(desc.clone()),
             Change::AddJoints(descs) => Call::AddJoints(descs.to_vec()),
             Change::RemoveJoint(joint) => Call::RemoveJoint(joint),
-            Change::SetJoint(joint, limits, drives) => {
-                Call::SetJoint(joint, limits.to_vec(), drives.to_vec())
-            }
+            Change::SetJointDrive(joint, drive) => Call::SetJointDrive(joint, drive),
+            Change::RemoveJointDrive(joint, motion, axis) => Call::RemoveJointDrive(joint, motion, axis),
+            Change::SetJointTarget(joint, motion, axis, to) => Call::SetJointTarget(joint, motion, axis, to),
+            Change::SetJointLimit(joint, limit) => Call::SetJointLimit(joint, limit),
+            Change::RemoveJointLimit(joint, motion, axes) => Call::RemoveJointLimit(joint, motion, axes),
+            Change::SetJointLimits(joint, limits) => Call::SetJointLimits(joint, limits.to_vec()),
+            Change::SetJointDrives(joint, drives) => Call::SetJointDrives(joint, drives.to_vec()),
+            Change::SetJointFrames(joint, frames) => Call::SetJointFrames(joint, frames),
+            Change::SetJointCollide(joint, collide) => Call::SetJointCollide(joint, collide),
+            Change::SetJointStrength(joint, strength) => Call::SetJointStrength(joint, strength),
+            Change::SetJointThresholds(joint, bounds) => Call::SetJointThresholds(joint, bounds),
+            Change::SetJointUserData(joint, user_data) => Call::SetJointUserData(joint, user_data),
             Change::SolveJointAfter(joint, above) => Call::SolveJointAfter(joint, above),
             Change::Wake(body) => Call::Wake(body),
             Change::SendToSleep(body) => Call::SendToSleep(body),

@@ -342,8 +342,19 @@ impl<R: Read> Replay<R> {
                 self.world.add_joints(&descs)?;
             }
             Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
-            Call::SetJoint(joint, limits, drives) => self.world.set_joint(joint, &limits, &drives)?,
-            Call::SolveJointAfter(joint, above) => self.world.solve_joint_after(joint, above)?,
+            call @ (Call::SetJointDrive(..)
+            | Call::RemoveJointDrive(..)
+            | Call::SetJointTarget(..)
+            | Call::SetJointLimit(..)
+            | Call::RemoveJointLimit(..)
+            | Call::SetJointLimits(..)
+            | Call::SetJointDrives(..)
+            | Call::SetJointFrames(..)
+            | Call::SetJointCollide(..)
+            | Call::SetJointStrength(..)
+            | Call::SetJointThresholds(..)
+            | Call::SetJointUserData(..)
+            | Call::SolveJointAfter(..)) => change_joint(&mut self.world, call)?,
             Call::Wake(body) => self.world.wake(body)?,
             Call::SendToSleep(body) => self.world.send_to_sleep(body)?,
             Call::SetCanSleep(body, can_sleep) => self.world.set_can_sleep(body, can_sleep)?,
@@ -356,6 +367,32 @@ impl<R: Read> Replay<R> {
             }
         }
         Ok(())
+    }
+}
+
+/// Changes a joint as a call did.
+fn change_joint(world: &mut World, call: Call) -> Result<(), Error> {
+    match call {
+        Call::SetJointDrive(joint, drive) => world.set_joint_drive(joint, drive),
+        Call::RemoveJointDrive(joint, motion, axis) => {
+            world.remove_joint_drive(joint, motion, axis).map(drop)
+        }
+        Call::SetJointTarget(joint, motion, axis, [position, velocity]) => {
+            world.set_joint_target(joint, motion, axis, position, velocity)
+        }
+        Call::SetJointLimit(joint, limit) => world.set_joint_limit(joint, limit),
+        Call::RemoveJointLimit(joint, motion, axes) => {
+            world.remove_joint_limit(joint, motion, axes).map(drop)
+        }
+        Call::SetJointLimits(joint, limits) => world.set_joint_limits(joint, &limits),
+        Call::SetJointDrives(joint, drives) => world.set_joint_drives(joint, &drives),
+        Call::SetJointFrames(joint, frames) => world.set_joint_frames(joint, frames),
+        Call::SetJointCollide(joint, collide) => world.set_joint_collide(joint, collide),
+        Call::SetJointStrength(joint, [force, torque]) => world.set_joint_strength(joint, force, torque),
+        Call::SetJointThresholds(joint, [force, torque]) => world.set_joint_thresholds(joint, force, torque),
+        Call::SetJointUserData(joint, user_data) => world.set_joint_user_data(joint, user_data),
+        Call::SolveJointAfter(joint, above) => world.solve_joint_after(joint, above),
+        _ => Ok(()),
     }
 }
 

@@ -218,13 +218,10 @@ fn a_limit_stops_and_a_rope_holds() {
 #[test]
 fn locks_of_single_axes_act_as_one() {
     let one = |motion, axis| Limit::lock(motion, Axes::One(axis));
-    let single = |desc: JointDesc, linear: &[Axis], angular: &[Axis]| JointDesc {
-        limits: linear
-            .iter()
-            .map(|&a| one(Motion::Linear, a))
-            .chain(angular.iter().map(|&a| one(Motion::Angular, a)))
-            .collect(),
-        ..desc
+    let single = |mut desc: JointDesc, linear: &[Axis], angular: &[Axis]| {
+        let slides = linear.iter().map(|&a| one(Motion::Linear, a));
+        desc.limits = slides.chain(angular.iter().map(|&a| one(Motion::Angular, a))).collect();
+        desc
     };
     let [x, y, z] = Axis::ALL;
     type Make = fn([BodyHandle; 2], [Frame; 2]) -> JointDesc;

@@ -106,8 +106,8 @@ impl Game {
                 JointDesc::hinge([a, b], frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 10.0))
             }
             2 => JointDesc::slider([a, b], frames).with_limit(limit),
-            3 => JointDesc::distance([a, b], frames, 0.1, 2.0).breaking(1e4, 1e4),
-            4 => JointDesc::ball([a, b], frames).colliding(true),
+            3 => JointDesc::distance([a, b], frames, 0.1, 2.0).with_strength(1e4, 1e4),
+            4 => JointDesc::ball([a, b], frames).with_collide(true),
             _ => JointDesc::fixed([a, b], frames),
         };
         self.joints.extend(self.world.add_joint(&desc));

@@ -172,7 +172,7 @@ impl Churn {
                 let frames = world.frames_at([body, other], v.as_dvec3(), Quat::IDENTITY);
                 let joint = frames.and_then(|frames| {
                     let joint = JointDesc::distance([body, other], frames, 0.0, 2.0);
-                    world.add_joint(&joint.breaking(1e5, f32::INFINITY))
+                    world.add_joint(&joint.with_strength(1e5, f32::INFINITY))
                 });
                 if let Ok(joint) = joint {
                     model.joints.insert(joint, [body, other]);

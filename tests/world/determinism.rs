@@ -123,7 +123,7 @@ fn joints_after(steps: u32, threads: usize) -> u64 {
     let (vertices, triangles) = Terrain::bumpy(32, 0.5).mesh();
     let ground = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(ground))).unwrap();
-    let figure = Skeleton { friction: 1.0, ..Skeleton::humanoid() };
+    let figure = Skeleton::humanoid().with_friction(1.0);
     for i in 0..20 {
         let at = DVec3::new(f64::from(i % 4) * 1.2 - 2.0, 3.0 + f64::from(i), f64::from(i % 5) - 2.0);
         // Not by a sine, which platforms compute differently.

@@ -336,6 +336,12 @@ fn each_body<L: Lanes>(
     }
 }
 
+/// Whether a row stays where it is in the batches if it becomes another.
+pub(crate) fn arranged_alike(a: &Row, b: &Row) -> bool {
+    let arranged = |row: &Row| (group_of(row), JointType::of_row(row), row.drives_hinge());
+    arranged(a) == arranged(b)
+}
+
 fn group_of(row: &Row) -> RowGroup {
     match row.kind {
         RowKind::Limit { min, max } if min == max => RowGroup::Joints,

@@ -12,7 +12,7 @@ fn desc(a: u32, b: u32) -> JointDesc {
     match (a + b) % 3 {
         0 => JointDesc::hinge(bodies, frames).with_drive(Drive::friction(Motion::Angular, Axis::X, 1.0)),
         1 => JointDesc::distance(bodies, frames, 0.0, 1.0),
-        _ => JointDesc::slider(bodies, frames).colliding(true),
+        _ => JointDesc::slider(bodies, frames).with_collide(true),
     }
 }
 
@@ -85,7 +85,7 @@ fn place_that_was_made_is_enough() {
     let mut joints = Joints::default();
     assert_eq!(joints.bytes(), (0, 0));
     for i in 0..100 {
-        let desc = desc(i, i + 1).breaking(1.0, 1.0);
+        let desc = desc(i, i + 1).with_strength(1.0, 1.0);
         let more = JointAdditions::of_joint(&desc);
         assert!(joints.missing(more, 1) > 0, "batches at least");
         joints.reserve_total(more);

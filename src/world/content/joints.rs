@@ -1,13 +1,12 @@
-//! Joints of the world: add, remove, change, look up.
+//! Joints of the world: add, remove, look up.
 
 use crate::body::{BodyDetails, BodyKind};
-use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Drive, Frame, JointAdditions, JointDesc, JointFrame, Limit};
+use crate::joint::{Frame, JointAdditions, JointDesc, JointEvent, JointFrame};
 use crate::math::Quat;
 use crate::world::{Change, World};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 impl World {
     /// Adds a joint.
@@ -51,17 +50,22 @@ impl World {
     fn insert_joint(&mut self, desc: &JointDesc) -> JointHandle {
         self.wake_joined(desc.bodies.map(|body| body.slot));
         let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
-        let frames = [0, 1].map(|side| {
-            let (details, frame) = (&self.bodies.details[bodies[side]], &desc.frames[side]);
-            JointFrame {
-                position: details.axes.conjugate() * (frame.position - details.centre),
-                rotation: (details.axes.conjugate() * Quat::from(frame.rotation).normalize()).normalize(),
-            }
-        });
+        let frames = self.own_frames(bodies, &desc.frames);
         self.revisions.moving += 1;
         let joint = self.joints.add(desc, frames);
         self.look_up_pairs_of(bodies[0]);
         joint
+    }
+
+    /// Frames as the columns have them: from centres of mass, in principal axes. `bodies`: dense indices.
+    pub(super) fn own_frames(&self, bodies: [usize; 2], frames: &[Frame; 2]) -> [JointFrame; 2] {
+        [0, 1].map(|side| {
+            let (details, frame) = (&self.bodies.details[bodies[side]], &frames[side]);
+            JointFrame {
+                position: details.axes.conjugate() * (frame.position - details.centre),
+                rotation: (details.axes.conjugate() * Quat::from(frame.rotation).normalize()).normalize(),
+            }
+        })
     }
 
     /// Frames on two bodies that coincide at the bodies' current poses: at a point of the world, with the
@@ -97,36 +101,6 @@ impl World {
         Ok(())
     }
 
-    /// Replaces the limits and drives of a joint.
-    ///
-    /// # Errors
-    /// If the handle is stale, a number out of range, or the budget does not allow it.
-    pub fn set_joint(&mut self, joint: JointHandle, limits: &[Limit], drives: &[Drive]) -> Result<(), Error> {
-        let slot = self.joint(joint)?;
-        limits.iter().try_for_each(Limit::validate)?;
-        drives.iter().try_for_each(Drive::validate)?;
-        self.reserve_for_joints(JointAdditions::of(limits, drives), true)?;
-        self.note(Change::SetJoint(joint, limits, drives));
-        self.wake_joined(self.joints.all[slot as usize].bodies);
-        self.revisions.moving += 1;
-        self.joints.replace_rows(slot, limits, drives);
-        Ok(())
-    }
-
-    /// Has the rows of a joint solved right after those of a group, or in their own place again; see
-    /// [`JointDesc::solved_after`].
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn solve_joint_after(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
-        let slot = self.joint(joint)?;
-        self.note(Change::SolveJointAfter(joint, above));
-        self.revisions.moving += 1;
-        self.joints.all[slot as usize].solved_after = above;
-        self.joints.changed = true;
-        Ok(())
-    }
-
     /// Number of joints.
     pub fn joint_count(&self) -> usize {
         self.joints.count
@@ -137,47 +111,13 @@ impl World {
         self.joint(joint).is_ok()
     }
 
-    /// The two bodies of a joint.
+    /// The joints of a body, the last that was added first.
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_bodies(&self, joint: JointHandle) -> Result<[BodyHandle; 2], Error> {
-        let bodies = self.joints.all[self.joint(joint)? as usize].bodies;
-        Ok(bodies.map(|slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) }))
-    }
-
-    /// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
-    /// body gets the opposite. The torque is about the joint.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn joint_force(&self, joint: JointHandle) -> Result<(Vec3, Vec3), Error> {
-        let joint = &self.joints.all[self.joint(joint)? as usize];
-        Ok((joint.force, joint.torque))
-    }
-
-    /// Poses of a joint's two frames in the world: their origins [m] and the rotations of their axes.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn joint_frames(&self, joint: JointHandle) -> Result<[(DVec3, glam::Quat); 2], Error> {
-        let joint = &self.joints.all[self.joint(joint)? as usize];
-        Ok([0, 1].map(|side| {
-            let pose = &self.bodies.pose[self.bodies.slots.dense(joint.bodies[side]) as usize];
-            let frame = &joint.frames[side];
-            (
-                pose.position + (pose.rotation * frame.position).as_dvec3(),
-                (pose.rotation * frame.rotation).into(),
-            )
-        }))
-    }
-
-    /// The caller's number of a joint.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn joint_user_data(&self, joint: JointHandle) -> Result<u64, Error> {
-        Ok(self.joints.all[self.joint(joint)? as usize].user_data)
+    pub fn joints_of(&self, body: BodyHandle) -> Result<impl Iterator<Item = JointHandle> + '_, Error> {
+        self.index(body)?;
+        Ok(self.joints.of_body(body.slot).map(|slot| self.joint_handle(slot)))
     }
 
     /// Joints that broke in the last step. Their handles are stale.
@@ -185,7 +125,18 @@ impl World {
         &self.joints.broken
     }
 
-    fn joint(&self, joint: JointHandle) -> Result<u32, Error> {
+    /// Joints that bore more than one of their thresholds in the last step, in the order of their handles'
+    /// slots. Only those that ask for it are looked at ([`JointDesc::with_thresholds`]), and of those none
+    /// that sleep or that broke in that step.
+    pub fn strained_joints(&self) -> &[JointEvent] {
+        &self.joints.strained
+    }
+
+    fn joint_handle(&self, slot: u32) -> JointHandle {
+        JointHandle { slot, generation: self.joints.slots.generation(slot) }
+    }
+
+    pub(super) fn joint(&self, joint: JointHandle) -> Result<u32, Error> {
         self.joints.slots.get(joint.slot, joint.generation).ok_or(Error::StaleJoint)
     }
 
@@ -209,21 +160,32 @@ impl World {
         for slot in 0..self.joints.all.len() as u32 {
             let joint = &self.joints.all[slot as usize];
             if joint.is_there() && joint.is_overloaded() {
-                let generation = self.joints.slots.generation(slot);
-                self.joints.broken.push(JointHandle { slot, generation });
+                self.joints.broken.push(self.joint_handle(slot));
                 self.drop_joint(slot);
             }
         }
     }
 
-    fn wake_joined(&mut self, slots: [u32; 2]) {
+    /// Lists the joints that bear more than they may without being reported.
+    pub(crate) fn list_strained_joints(&mut self) {
+        for slot in 0..self.joints.all.len() as u32 {
+            let joint = &self.joints.all[slot as usize];
+            let awake = |&body: &u32| (self.bodies.slots.dense(body) as usize) < self.bodies.dynamic();
+            if joint.is_there() && joint.is_strained() && joint.bodies.iter().any(awake) {
+                let (force, torque) = (joint.force, joint.torque);
+                self.joints.strained.push(JointEvent { joint: self.joint_handle(slot), force, torque });
+            }
+        }
+    }
+
+    pub(super) fn wake_joined(&mut self, slots: [u32; 2]) {
         for slot in slots {
             self.wake_body(self.bodies.slots.dense(slot) as usize);
         }
     }
 
     /// Has the pairs of a body searched for again: joints decide which bodies collide.
-    fn look_up_pairs_of(&mut self, body: usize) {
+    pub(super) fn look_up_pairs_of(&mut self, body: usize) {
         for &c in self.bodies.colliders[body].as_slice() {
             self.broad.touch(c);
         }

@@ -2,6 +2,8 @@
 
 mod bodies;
 mod colliders;
+mod joint_changes;
+mod joint_readings;
 mod joints;
 mod mass;
 mod motion;

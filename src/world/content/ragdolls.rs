@@ -1,9 +1,12 @@
-//! Adds ragdolls to the world.
+//! Ragdolls of the world: added, and driven to poses.
 
 use crate::body::BodyDesc;
 use crate::error::Error;
-use crate::joint::{JointDesc, Ragdoll, Skeleton};
+use crate::joint::{
+    Axis, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
+};
 use crate::math::Quat;
+use crate::shape::unit_quat;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -24,9 +27,10 @@ impl Skeleton {
         let descs: Vec<BodyDesc> =
             self.bones.iter().map(|bone| self.body(bone, (position, rotation), velocity)).collect();
         let bodies = world.add_bodies(&descs)?;
-        let mut joints = Vec::new();
-        for (bone, &body) in self.bones.iter().zip(&bodies) {
+        let (mut joints, mut links) = (Vec::new(), Vec::new());
+        for (i, (bone, &body)) in self.bones.iter().zip(&bodies).enumerate() {
             let Some(parent) = bone.parent else { continue };
+            links.push(Link::new(bone, i, parent));
             let point = position + (rotation * bone.joint_at).as_dvec3();
             let added = world
                 .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize().into())
@@ -44,6 +48,78 @@ impl Skeleton {
                 }
             }
         }
-        Ok(Ragdoll { bodies, joints })
+        Ok(Ragdoll { bodies, joints, links, friction: self.friction })
+    }
+}
+
+impl Ragdoll {
+    /// Drives its joints to a pose: a spring about each axis that a joint turns about, with at most so much
+    /// torque [N m], in the place of the friction there. Meant to be called with each frame of an animation:
+    /// after the first call it changes targets in place ([`World::set_joint_target`]). Nothing holds the
+    /// figure as a whole, which falls and is pushed as before. Joints that broke are left out.
+    ///
+    /// `pose`: of each bone the rotation from where it is in the skeleton, in the skeleton's axes; the
+    /// identity for all is the skeleton itself. Of the rotations of a hinge's two bones only the twist about
+    /// its axis counts. `spring`: [`Spring::Frequency`] moves light bones as fast as heavy ones, but knows
+    /// only the two bodies of a joint and not what hangs on them.
+    ///
+    /// # Errors
+    /// If there is not one rotation for each bone, a number is out of range, or the budget does not allow the
+    /// drives.
+    pub fn drive_to(
+        &self,
+        world: &mut World,
+        pose: &[glam::Quat],
+        spring: Spring,
+        max_torque: f32,
+    ) -> Result<(), Error> {
+        if pose.len() != self.bodies.len() {
+            return Err(Error::Incomplete { what: "a pose", expected: "a rotation for each bone" });
+        }
+        let pose = pose.iter().map(|&turn| unit_quat("rotation of a bone", turn));
+        let pose = pose.collect::<Result<Vec<Quat>, Error>>()?;
+        self.set_drives(world, |link, axis| {
+            let target = twist_of(link.relative(pose[link.parent], pose[link.bone]), axis);
+            Some(Drive::spring(Motion::Angular, axis, target, spring).with_max_force(max_torque))
+        })
+    }
+
+    /// Takes the springs of [`Ragdoll::drive_to`] away: the figure is limp again, with the friction of its
+    /// skeleton.
+    ///
+    /// # Errors
+    /// If the budget does not allow the friction.
+    pub fn relax(&self, world: &mut World) -> Result<(), Error> {
+        let friction = self.friction;
+        self.set_drives(world, |_, axis| {
+            (friction > 0.0).then(|| Drive::friction(Motion::Angular, axis, friction))
+        })
+    }
+
+    /// Sets or removes the drive about each axis: all of them, or none.
+    fn set_drives(
+        &self,
+        world: &mut World,
+        drive: impl Fn(&Link, Axis) -> Option<Drive>,
+    ) -> Result<(), Error> {
+        let mut more = JointAdditions::default();
+        let mut all = Vec::new();
+        for (&joint, link) in self.joints.iter().zip(&self.links) {
+            let Ok(slot) = world.joint(joint) else { continue };
+            for &axis in link.free_axes() {
+                let drive = drive(link, axis);
+                drive.map_or(Ok(()), |drive| drive.validate())?;
+                more = more.and(world.more_for_drive(slot, axis, drive, link.free_axes().len()));
+                all.push((joint, axis, drive));
+            }
+        }
+        world.reserve_for_joints(more, false)?;
+        for (joint, axis, drive) in all {
+            match drive {
+                Some(drive) => world.set_joint_drive(joint, drive)?,
+                None => drop(world.remove_joint_drive(joint, Motion::Angular, axis)?),
+            }
+        }
+        Ok(())
     }
 }

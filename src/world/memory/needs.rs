@@ -83,7 +83,7 @@ impl World {
             (self.needs.restitution > 0, Demand::RESTITUTION),
             (listening, Demand::LISTENING),
             (self.needs.hooks > 0, Demand::HOOKS),
-            (self.joints.count > 0 || !self.joints.broken.is_empty(), Demand::JOINTS),
+            (self.joints.count > 0 || self.joints.has_events(), Demand::JOINTS),
             (self.is_continuous(), Demand::CONTINUOUS),
             (self.bodies.any_solved_after(), Demand::SOLVED_AFTER),
             (self.is_accelerated(), Demand::ACCELERATION),

@@ -274,6 +274,7 @@ impl World {
     /// Stores the loads of joints, and breaks those that were overloaded.
     pub(crate) fn store_joints(&mut self, dt: f32) {
         self.joints.broken.clear();
+        self.joints.strained.clear();
         if self.joints.count == 0 {
             return;
         }
@@ -284,6 +285,9 @@ impl World {
         self.joints.forget_unsound();
         if self.joints.any_breakable() {
             self.break_joints();
+        }
+        if self.joints.any_reporting() {
+            self.list_strained_joints();
         }
     }
 

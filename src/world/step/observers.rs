@@ -6,7 +6,7 @@ use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
-use crate::joint::{Drive, JointDesc, Limit};
+use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
 use crate::world::{Stage, World};
 use glam::{DVec3, Vec3};
@@ -37,7 +37,18 @@ pub(crate) enum Change<'a> {
     AddJoint(&'a JointDesc),
     AddJoints(&'a [JointDesc]),
     RemoveJoint(JointHandle),
-    SetJoint(JointHandle, &'a [Limit], &'a [Drive]),
+    SetJointDrive(JointHandle, Drive),
+    RemoveJointDrive(JointHandle, Motion, Axis),
+    SetJointTarget(JointHandle, Motion, Axis, [f32; 2]),
+    SetJointLimit(JointHandle, Limit),
+    RemoveJointLimit(JointHandle, Motion, Axes),
+    SetJointLimits(JointHandle, &'a [Limit]),
+    SetJointDrives(JointHandle, &'a [Drive]),
+    SetJointFrames(JointHandle, [Frame; 2]),
+    SetJointCollide(JointHandle, bool),
+    SetJointStrength(JointHandle, [f32; 2]),
+    SetJointThresholds(JointHandle, [f32; 2]),
+    SetJointUserData(JointHandle, u64),
     SolveJointAfter(JointHandle, Option<RowGroup>),
     Wake(BodyHandle),
     SendToSleep(BodyHandle),

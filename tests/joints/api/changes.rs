@@ -30,13 +30,13 @@ fn joined_bodies_collide_only_if_asked_to() {
             assert_eq!(contacts(&mut world), 1, "{what}: they touch");
             let joint = world.add_joint(&desc).unwrap();
             assert_eq!(contacts(&mut world), 0, "{what}: joined, what touched lets go");
-            let second = world.add_joint(&desc.clone().colliding(true)).unwrap();
+            let second = world.add_joint(&desc.clone().with_collide(true)).unwrap();
             assert_eq!(contacts(&mut world), 0, "{what}: one that collides does not overrule the other");
             world.remove_joint(joint).unwrap();
             assert_eq!(contacts(&mut world), 1, "{what}: only the one that collides is left");
             world.remove_joint(second).unwrap();
             assert_eq!(contacts(&mut world), 1, "{what}: no joint");
-            let joint = world.add_joint(&desc.clone().breaking(0.0, f32::INFINITY)).unwrap();
+            let joint = world.add_joint(&desc.clone().with_strength(0.0, f32::INFINITY)).unwrap();
             world.set_velocity(b, Vec3::X * 0.1, Vec3::ZERO).unwrap();
             assert_eq!(contacts(&mut world), 0, "{what}: joined again");
             assert!(!world.contains_joint(joint), "{what}");
@@ -101,7 +101,7 @@ fn frames_at_a_point_coincide_there() {
 }
 
 #[test]
-fn set_joint_changes_what_is_driven_and_limited() {
+fn calls_change_what_is_driven_and_limited() {
     let mut world = world(0.0);
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let wheel = world.add_body(&ball(DVec3::ZERO)).unwrap();
@@ -109,16 +109,16 @@ fn set_joint_changes_what_is_driven_and_limited() {
     let motor = |speed| Drive::motor(Motion::Angular, Axis::X, speed, 1e3);
     let joint = world.add_joint(&hinge.clone().with_drive(motor(2.0))).unwrap();
     for speed in [2.0, -5.0, 0.0, 3.0] {
-        world.set_joint(joint, &hinge.limits, &[motor(speed)]).unwrap();
+        world.set_joint_drive(joint, motor(speed)).unwrap();
         common::steps(&mut world, 3, DT);
         let spin = world.angular_velocity(wheel).unwrap();
         assert!((spin - Vec3::X * speed).length() < 1e-4, "{spin} for {speed}");
     }
     // Without a drive it coasts; without a limit it flies off.
-    world.set_joint(joint, &hinge.limits, &[]).unwrap();
+    assert_eq!(world.remove_joint_drive(joint, Motion::Angular, Axis::X), Ok(true));
     common::steps(&mut world, 30, DT);
     assert!((world.angular_velocity(wheel).unwrap() - Vec3::X * 3.0).length() < 1e-4);
-    world.set_joint(joint, &[], &[]).unwrap();
+    world.set_joint_limits(joint, &[]).unwrap();
     world.set_velocity(wheel, Vec3::Y, Vec3::ZERO).unwrap();
     common::steps(&mut world, 60, DT);
     assert!((world.position(wheel).unwrap() - DVec3::Y).length() < 1e-4);
@@ -132,7 +132,7 @@ fn a_joint_that_was_emptied_bears_nothing() {
     let (_, _, joint) = hanging(&mut world);
     common::steps(&mut world, 10, DT);
     assert!(world.joint_force(joint).unwrap().0.y > 1.0);
-    world.set_joint(joint, &[], &[]).unwrap();
+    world.set_joint_limits(joint, &[]).unwrap();
     common::steps(&mut world, 2, DT);
     assert_eq!(world.joint_force(joint), Ok((Vec3::ZERO, Vec3::ZERO)));
 }

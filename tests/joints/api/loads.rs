@@ -96,7 +96,7 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let body = world.add_body(&ball(DVec3::NEG_Y)).unwrap();
         let desc = JointDesc::ball([ground, body], [Frame::default(), Frame::at(Vec3::Y)]);
-        let joint = world.add_joint(&desc.breaking(share * weight, f32::INFINITY)).unwrap();
+        let joint = world.add_joint(&desc.with_strength(share * weight, f32::INFINITY)).unwrap();
         let mut broken = Vec::new();
         for _ in 0..60 {
             world.step(DT).unwrap();
@@ -114,7 +114,8 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let body = world.add_body(&cube(DVec3::X * 0.5)).unwrap();
         let weight = world.mass(body).unwrap() * G as f32;
         let frames = world.frames_at([ground, body], DVec3::ZERO, Quat::IDENTITY).unwrap();
-        let desc = JointDesc::fixed([ground, body], frames).breaking(f32::INFINITY, share * weight * 0.5);
+        let desc =
+            JointDesc::fixed([ground, body], frames).with_strength(f32::INFINITY, share * weight * 0.5);
         let joint = world.add_joint(&desc).unwrap();
         for step in 1..=240_u8 {
             let gravity = Vec3::Y * -(G as f32 * f32::from(step.min(120)) / 120.0);
@@ -135,7 +136,7 @@ fn many_break_at_once() {
         let body = world.add_body(&ball(DVec3::X * f64::from(i))).unwrap();
         let frames = world.frames_at([ground, body], DVec3::X * f64::from(i), Quat::IDENTITY).unwrap();
         let strength = if i % 2 == 0 { 0.0 } else { f32::INFINITY };
-        let desc = JointDesc::ball([ground, body], frames).breaking(strength, f32::INFINITY);
+        let desc = JointDesc::ball([ground, body], frames).with_strength(strength, f32::INFINITY);
         joints.push(world.add_joint(&desc).unwrap());
     }
     world.step(DT).unwrap();

@@ -35,7 +35,7 @@ fn fair() -> World {
                 let mut desc = any([last, body], &mut random);
                 (desc.frames, desc.collide) = (frames, link % 4 == 0);
                 if link == 5 {
-                    desc = desc.breaking(2000.0, f32::INFINITY);
+                    desc = desc.with_strength(2000.0, f32::INFINITY);
                 }
                 world.add_joint(&desc).unwrap();
             }

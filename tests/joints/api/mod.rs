@@ -7,7 +7,9 @@ mod extremes;
 mod handles;
 mod loads;
 mod many;
+mod readings;
 mod refused;
+mod targets;
 
 use crate::common::random::Random;
 use crate::common::{self, G};

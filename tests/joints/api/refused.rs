@@ -99,10 +99,12 @@ fn bad_input_is_refused_and_changes_nothing() {
                 assert!(desc.validate().is_err(), "{what}: {desc:?}");
             }
             for limit in bad_limits() {
-                assert!(world.set_joint(joint, &[limit], &[]).is_err(), "{limit:?}");
+                assert!(world.set_joint_limits(joint, &[limit]).is_err(), "{limit:?}");
+                assert!(world.set_joint_limit(joint, limit).is_err(), "{limit:?}");
             }
             for drive in bad_drives() {
-                assert!(world.set_joint(joint, &[], &[drive]).is_err(), "{drive:?}");
+                assert!(world.set_joint_drives(joint, &[drive]).is_err(), "{drive:?}");
+                assert!(world.set_joint_drive(joint, drive).is_err(), "{drive:?}");
             }
             assert_eq!((world.hash(), world.joint_count(), world.memory()), before);
             assert!(world.frames_at([ground, body], DVec3::splat(f64::NAN), Quat::IDENTITY).is_err());
@@ -196,7 +198,7 @@ fn rows_count_towards_the_budget() {
     desc.drives = vec![Drive::friction(Motion::Angular, Axis::X, 1.0); 10_000];
     assert!(matches!(world.add_joint(&desc), Err(Error::Budget { category: Category::Joints, .. })));
     assert!(matches!(
-        world.set_joint(joint, &desc.limits, &desc.drives),
+        world.set_joint_drives(joint, &desc.drives),
         Err(Error::Budget { category: Category::Joints, .. })
     ));
     assert!(world.memory().total() <= budget);

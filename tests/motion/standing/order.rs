@@ -106,7 +106,7 @@ fn pressed(force: f32) -> f64 {
     let joint = JointDesc::new([wall, hips], frames)
         .with_drive(Drive::motor(Motion::Linear, Axis::X, 1.0, force))
         .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::X)))
-        .colliding(true);
+        .with_collide(true);
     world.add_joint(&joint).unwrap();
     let mut deepest = 0.0_f64;
     for _ in 0..300 {

@@ -335,7 +335,7 @@ fn joints_have_what_their_kind_needs() {
             &[Feature::JointDrives],
         ),
         (
-            |b, f, _| JointDesc::ball(b, f).breaking(1e9, 1e9),
+            |b, f, _| JointDesc::ball(b, f).with_strength(1e9, 1e9),
             &[Feature::JointTrees, Feature::BreakableJoints],
         ),
     ];

@@ -12,9 +12,9 @@ use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, Repl
 use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, ContactHook, ContactHooks, Continuous, ConvexHull,
-    Drive, Filter, Frame, Geometry, HeightField, JointDesc, JointHandle, Limit, MassProperties, Material,
-    Motion, Order, QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, TriangleMesh,
-    World,
+    Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc, JointHandle, Limit, MassProperties,
+    Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton,
+    TriangleMesh, World,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -83,7 +83,7 @@ fn world(which: usize, shared: &Shared) -> World {
             0 => JointDesc::ball(pair, frames),
             1 => JointDesc::hinge(pair, frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 10.0)),
             2 => JointDesc::slider(pair, frames),
-            3 => JointDesc::distance(pair, frames, 0.1, 2.0).breaking(1e5, 1e5),
+            3 => JointDesc::distance(pair, frames, 0.1, 2.0).with_strength(1e5, 1e5),
             _ => JointDesc::fixed(pair, frames),
         };
         world.add_joint(&joint).unwrap();

@@ -71,9 +71,9 @@ impl Game {
                 let frames = [Frame::at(rng.cube() * 0.4), Frame::at(rng.cube() * 0.4)];
                 let desc = match rng.below(4) {
                     0 => JointDesc::ball([body, other], frames),
-                    1 => JointDesc::hinge([body, other], frames).breaking(3000.0, 3000.0),
+                    1 => JointDesc::hinge([body, other], frames).with_strength(3000.0, 3000.0),
                     2 => JointDesc::distance([body, other], frames, 0.1, 1.0),
-                    _ => JointDesc::slider([body, other], frames).colliding(true),
+                    _ => JointDesc::slider([body, other], frames).with_collide(true),
                 };
                 self.joints.extend(world.add_joint(&desc));
             }
@@ -85,7 +85,10 @@ impl Game {
                 let joint = self.joints[rng.below(self.joints.len())];
                 let limit = Limit::new(Motion::Linear, backstop::Axes::All, 0.0, 0.5);
                 let drive = Drive::friction(Motion::Angular, backstop::Axis::X, 0.5);
-                let _ = world.set_joint(joint, &[limit], &[drive]);
+                let _ = world.set_joint_limits(joint, &[limit]);
+                let _ = world.set_joint_drive(joint, drive);
+                let _ = world.set_joint_target(joint, drive.motion, drive.axis, 0.0, rng.unit());
+                let _ = world.set_joint_thresholds(joint, rng.unit() * 1000.0, f32::INFINITY);
             }
             what => Game::change(world, body, what, rng),
         }

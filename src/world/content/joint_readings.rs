@@ -1,0 +1,150 @@
+//! What a joint is and does, read back.
+
+use crate::error::Error;
+use crate::handle::{BodyHandle, JointHandle};
+use crate::joint::{Axes, Axis, Drive, Frame, Joint, Limit, Motion, Placed};
+use crate::world::World;
+use glam::{DVec3, Vec3};
+
+impl World {
+    /// The two bodies of a joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_bodies(&self, joint: JointHandle) -> Result<[BodyHandle; 2], Error> {
+        let bodies = self.joint_of(joint)?.bodies;
+        Ok(bodies.map(|slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) }))
+    }
+
+    /// The limits of a joint, locks included: first those that lock more than one direction, then the others.
+    /// A limit that restricts nothing, from minus infinity to infinity, is not kept, and of locks of the same
+    /// single axis one is.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_limits(&self, joint: JointHandle) -> Result<impl Iterator<Item = Limit> + '_, Error> {
+        Ok(self.joints.limits_of(self.joint(joint)?))
+    }
+
+    /// The drives of a joint, in the order in which they were given.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_drives(&self, joint: JointHandle) -> Result<impl Iterator<Item = Drive> + '_, Error> {
+        Ok(self.joints.drives_of(self.joint(joint)?))
+    }
+
+    /// How far the second frame of a joint is from the first: what a limit of the same motion and axes
+    /// restricts [m] or [rad]. The twist about one axis is in `-pi..=pi`; limits and drives take it with the
+    /// whole turns that bring it nearest to the middle of the range or to the target.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_displacement(&self, joint: JointHandle, motion: Motion, axes: Axes) -> Result<f32, Error> {
+        Ok(self.placed(self.joint_of(joint)?).displacement(motion, axes))
+    }
+
+    /// How fast the displacement along an axis, or the twist about it, grows [m/s] or [rad/s]: what a drive
+    /// of the same motion and axis brings to its target velocity. It is the second body's velocity as seen
+    /// from the first, whose axes turn with it.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_speed(&self, joint: JointHandle, motion: Motion, axis: Axis) -> Result<f32, Error> {
+        let joint = self.joint_of(joint)?;
+        let velocity = self.dense_bodies(joint).map(|body| self.bodies.velocity[body]);
+        Ok(self.placed(joint).speed(motion, axis, velocity))
+    }
+
+    /// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
+    /// body gets the opposite. The torque is about the joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_force(&self, joint: JointHandle) -> Result<(Vec3, Vec3), Error> {
+        let joint = self.joint_of(joint)?;
+        Ok((joint.force, joint.torque))
+    }
+
+    /// Poses of a joint's two frames in the world: their origins [m] and the rotations of their axes.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_frames(&self, joint: JointHandle) -> Result<[(DVec3, glam::Quat); 2], Error> {
+        let joint = self.joint_of(joint)?;
+        let bodies = self.dense_bodies(joint);
+        Ok([0, 1].map(|side| {
+            let (pose, frame) = (&self.bodies.pose[bodies[side]], &joint.frames[side]);
+            (
+                pose.position + (pose.rotation * frame.position).as_dvec3(),
+                (pose.rotation * frame.rotation).into(),
+            )
+        }))
+    }
+
+    /// A joint's two frames on its bodies, in their axes and from their origins, as [`JointDesc::frames`] and
+    /// [`World::set_joint_frames`] have them, to rounding.
+    ///
+    /// [`JointDesc::frames`]: crate::JointDesc::frames
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_local_frames(&self, joint: JointHandle) -> Result<[Frame; 2], Error> {
+        let joint = self.joint_of(joint)?;
+        let bodies = self.dense_bodies(joint);
+        Ok([0, 1].map(|side| {
+            let (details, frame) = (&self.bodies.details[bodies[side]], &joint.frames[side]);
+            Frame {
+                position: details.centre + details.axes * frame.position,
+                rotation: (details.axes * frame.rotation).into(),
+            }
+        }))
+    }
+
+    /// Whether the two bodies of a joint may collide with each other. If several join them, all must allow it.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_collide(&self, joint: JointHandle) -> Result<bool, Error> {
+        Ok(self.joint_of(joint)?.collide)
+    }
+
+    /// Force [N] and torque [N m] above which a joint breaks; infinite if it does not.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_strength(&self, joint: JointHandle) -> Result<(f32, f32), Error> {
+        let [force, torque] = self.joint_of(joint)?.strength;
+        Ok((force, torque))
+    }
+
+    /// Force [N] and torque [N m] above which a joint is among [`World::strained_joints`]; infinite if it
+    /// never is.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_thresholds(&self, joint: JointHandle) -> Result<(f32, f32), Error> {
+        let [force, torque] = self.joint_of(joint)?.threshold;
+        Ok((force, torque))
+    }
+
+    /// The caller's number of a joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_user_data(&self, joint: JointHandle) -> Result<u64, Error> {
+        Ok(self.joint_of(joint)?.user_data)
+    }
+
+    fn joint_of(&self, joint: JointHandle) -> Result<&Joint, Error> {
+        Ok(&self.joints.all[self.joint(joint)? as usize])
+    }
+
+    pub(super) fn dense_bodies(&self, joint: &Joint) -> [usize; 2] {
+        joint.bodies.map(|slot| self.bodies.slots.dense(slot) as usize)
+    }
+
+    fn placed(&self, joint: &Joint) -> Placed {
+        Placed::new(self.dense_bodies(joint).map(|body| &self.bodies.pose[body]), &joint.frames)
+    }
+}
