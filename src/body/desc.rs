@@ -39,6 +39,12 @@ pub struct BodyDesc {
     pub mass: Option<MassProperties>,
     /// Factor on gravity. Default 1.
     pub gravity_scale: f32,
+    /// Share of its linear velocity that it loses in a second, while that share is small: the velocity of a
+    /// body that nothing else acts on falls as exp(-c t), whatever the length of steps [1/s]. At least zero
+    /// and at most [`limits::MAX_DAMPING`]; dynamic bodies only. Default 0.
+    pub linear_damping: f32,
+    /// The same for its angular velocity [1/s].
+    pub angular_damping: f32,
     /// World axes along which it can't move.
     pub lock_translation: [bool; 3],
     /// World axes about which it can't turn.
@@ -66,6 +72,8 @@ impl Default for BodyDesc {
             shapes: Vec::new(),
             mass: None,
             gravity_scale: 1.0,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
             lock_translation: [false; 3],
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
@@ -130,6 +138,8 @@ impl BodyDesc {
         limits::speed("linear velocity", self.linear_velocity)?;
         limits::speed("angular velocity", self.angular_velocity)?;
         limits::acceleration("gravity scale", Vec3::splat(self.gravity_scale))?;
+        limits::damping("linear damping", self.linear_damping)?;
+        limits::damping("angular damping", self.angular_damping)?;
         for shape in &self.shapes {
             shape.validate()?;
             if self.kind == BodyKind::Dynamic {

@@ -179,7 +179,7 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_material(shape, Material::default()).unwrap();
     world.set_filter(shape, Filter::default()).unwrap();
     world.set_continuous(bodies[0], Continuous::Volume).unwrap();
-    let mass = MassProperties { mass: 2.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+    let mass = MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
     world.set_mass(bodies[0], mass).unwrap();
     world.set_pose(bodies[0], DVec3::Y * 4.0, glam::Quat::IDENTITY).unwrap();
     world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();

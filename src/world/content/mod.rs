@@ -2,10 +2,14 @@
 
 mod bodies;
 mod colliders;
+mod extents;
 mod joints;
 mod mass;
 mod motion;
 mod ragdolls;
+mod reshape;
 mod shapes;
+mod traits;
 
+pub use extents::Aabb;
 pub(crate) use motion::finite_position;

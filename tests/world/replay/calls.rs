@@ -170,7 +170,7 @@ impl Churn {
             16 => world.set_continuous(body, if yes { Continuous::Volume } else { Continuous::Discrete }),
             17 => world.solve_body_after(body, above),
             18 => {
-                let mass = MassProperties { mass: 50.0, center: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
+                let mass = MassProperties { mass: 50.0, centre_of_mass: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
                 world.set_mass(body, mass)
             }
             19 => {
