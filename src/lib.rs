@@ -131,5 +131,6 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, Feature, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
+    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, Feature, Model, ModelPart, NoHooks,
+    StageTimes, StepReport, World,
 };

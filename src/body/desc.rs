@@ -1,7 +1,6 @@
 //! The description of a body that a caller adds.
 
-use crate::config::Continuous;
-use crate::config::RowGroup;
+use crate::config::{Continuous, RowGroup, with_fields};
 use crate::error::Error;
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
@@ -84,6 +83,26 @@ impl Default for BodyDesc {
     }
 }
 
+with_fields! {
+    BodyDesc {
+        with_kind(kind: BodyKind),
+        with_position(position: into DVec3),
+        with_rotation(rotation: into glam::Quat),
+        with_linear_velocity(linear_velocity: into Vec3),
+        with_angular_velocity(angular_velocity: into Vec3),
+        with_mass(mass: into Option<MassProperties>),
+        with_gravity_scale(gravity_scale: f32),
+        with_linear_damping(linear_damping: f32),
+        with_angular_damping(angular_damping: f32),
+        with_lock_translation(lock_translation: [bool; 3]),
+        with_lock_rotation(lock_rotation: [bool; 3]),
+        with_continuous(continuous: Continuous),
+        with_solved_after(solved_after: into Option<RowGroup>),
+        with_can_sleep(can_sleep: bool),
+        with_user_data(user_data: u64),
+    }
+}
+
 impl BodyDesc {
     /// A body of the given kind at the origin, without shapes.
     pub fn new(kind: BodyKind) -> Self {
@@ -114,6 +133,12 @@ impl BodyDesc {
     /// Linear [m/s] and angular [rad/s] velocity.
     pub fn moving(mut self, linear: Vec3, angular: Vec3) -> Self {
         (self.linear_velocity, self.angular_velocity) = (linear, angular);
+        self
+    }
+    /// All shapes, instead of those that it has.
+    #[must_use]
+    pub fn with_shapes(mut self, shapes: impl IntoIterator<Item = ShapeDesc>) -> Self {
+        self.shapes = shapes.into_iter().collect();
         self
     }
     /// One more shape.

@@ -133,9 +133,7 @@ impl Call {
             Change::ApplyAngularImpulse(body, impulse) => Call::ApplyAngularImpulse(body, impulse),
             Change::SetShapeUserData(shape, user_data) => Call::SetShapeUserData(shape, user_data),
             Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
-            Change::SetShapePose(shape, position, rotation) => {
-                Call::SetShapePose(shape, position, rotation)
-            }
+            Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
         }
     }

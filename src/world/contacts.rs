@@ -78,7 +78,9 @@ impl World {
         let next = |slot: u32| Some(slot).filter(|&slot| slot != NO_CONTACT);
         let all = std::iter::successors(next(pair.contact), move |&slot| next(self.contacts.at(slot).next));
         all.map(|slot| self.contacts.at(slot))
-            .filter(move |contact| contact.points().iter().any(|p| p.separation <= touching || p.impulse > 0.0))
+            .filter(move |contact| {
+                contact.points().iter().any(|p| p.separation <= touching || p.impulse > 0.0)
+            })
             .map(move |contact| self.body_contact(contact, turned))
     }
 

@@ -15,8 +15,8 @@ mod revisions;
 mod sleep;
 mod step;
 
-pub(crate) use contacts::{Place, place_of, relative_now};
 pub use contacts::{BodyContact, ContactPoint};
+pub(crate) use contacts::{Place, place_of, relative_now};
 pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};

@@ -9,7 +9,8 @@ fn close(a: MassProperties, b: MassProperties, relative: f32) {
     let reach = (size / b.mass).sqrt();
     assert!((a.mass - b.mass).abs() <= relative * b.mass, "{a:?} {b:?}");
     assert!(
-        (a.centre_of_mass - b.centre_of_mass).abs().max_element() <= relative * (reach + b.centre_of_mass.length()),
+        (a.centre_of_mass - b.centre_of_mass).abs().max_element()
+            <= relative * (reach + b.centre_of_mass.length()),
         "{a:?} {b:?}"
     );
     for (x, y) in a.inertia.to_cols_array().into_iter().zip(b.inertia.to_cols_array()) {

@@ -155,7 +155,7 @@ impl World {
         aabb_of(collider, pose.position, pose.rotation)
     }
 
-/// The present pose of a collider: the poses that stages read are those of the start of the last step.
+    /// The present pose of a collider: the poses that stages read are those of the start of the last step.
     pub(crate) fn collider_pose(&self, collider: u32) -> Pose {
         let collider = &self.colliders.all[collider as usize];
         let body = &self.bodies.pose[collider.body as usize];

@@ -184,7 +184,8 @@ pub(in crate::world) fn columns_of(
         (moments, axes.into())
     };
     let over = |x: f32| if x > 0.0 && x.is_finite() { 1.0 / x } else { 0.0 };
-    let details = BodyDetails { centre: mass.centre_of_mass, axes, mass: mass.mass, mass_from_shapes, user_data };
+    let details =
+        BodyDetails { centre: mass.centre_of_mass, axes, mass: mass.mass, mass_from_shapes, user_data };
     if kind != BodyKind::Dynamic {
         let kept = (!mass_from_shapes).then_some(KeptMass { mass: mass.mass, moments });
         return MassColumns { details: BodyDetails { mass: 0.0, ..details }, mass: Mass::default(), kept };
