@@ -1,6 +1,6 @@
 //! Accelerations of the step, inertia in world axes, and the predicted motion.
 
-use crate::body::{Bodies, Mass, Traits, is_uneven};
+use crate::body::{Bodies, Damping, Mass, Traits, is_uneven};
 use crate::lanes::{Lanes, Record, Sym3, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::math::Quat;
@@ -38,6 +38,32 @@ pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
     let (motion, pull) = (bytemuck::must_cast(*motion), bytemuck::must_cast(*pull));
     // The pad of a motion is its angle of rotation, whatever the axis.
     is_within(motion, 2.0 * MAX_LEFT_SPEED * dt) && is_within(pull, MAX_LEFT_SPEED / dt)
+}
+
+/// Takes away half of the velocity that damped bodies lose in a step of `dt` seconds: once when it begins,
+/// and once when it has ended.
+///
+/// Two halves, so that where a body gets to, and its terminal velocity in gravity, have errors of the second
+/// order in `dt`; the decay itself is exact, whatever the number of substeps.
+pub(crate) fn damp(bodies: &mut Bodies, dt: f32) {
+    let dynamic = bodies.dynamic();
+    let Bodies { rare, slots, velocity, .. } = bodies;
+    let (mut last, mut factors) = (Damping::default(), [1.0; 2]);
+    // Guard: far below any speed that matters. Denormal numbers are slow.
+    let left = |v: Vec3| if v.abs().max_element() < 1e-30 { Vec3::ZERO } else { v };
+    for (slot, damping) in rare.damping.iter() {
+        let index = slots.dense(slot) as usize;
+        if index >= dynamic {
+            continue;
+        }
+        if damping != last {
+            last = damping;
+            factors = [damping.linear, damping.angular]
+                .map(|rate| libm::exp(-0.5 * f64::from(rate) * f64::from(dt)) as f32);
+        }
+        let v = &mut velocity[index];
+        (v.linear, v.angular) = (left(v.linear * factors[0]), left(v.angular * factors[1]));
+    }
 }
 
 /// Computes [`Forces`] for a step of `dt` seconds. Returns whether the motion of a dynamic body is not

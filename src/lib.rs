@@ -134,5 +134,6 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    ContactHook, ContactHooks, Feature, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
+    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, Feature, Model, ModelPart, NoHooks,
+    StageTimes, StepReport, World,
 };

@@ -35,6 +35,8 @@ pub const MAX_FORCE: f32 = 1e18;
 pub const MAX_MASS: f32 = 1e36;
 /// Largest density [kg/m³].
 pub const MAX_DENSITY: f32 = 1e15;
+/// Largest linear or angular damping of a body [1/s].
+pub const MAX_DAMPING: f32 = 1e6;
 
 /// Largest force or impulse that is carried from step to step [N], [N s]: beyond what the heaviest bodies
 /// that there may be bear; the sum of a few is a number still.
@@ -69,6 +71,11 @@ pub(crate) fn force(what: &'static str, v: Vec3) -> Result<(), Error> {
 
 pub(crate) fn acceleration(what: &'static str, v: Vec3) -> Result<(), Error> {
     within3(what, v, MAX_ACCELERATION, "within 1e6 along each axis")
+}
+
+/// A rate of linear or angular damping.
+pub(crate) fn damping(what: &'static str, value: f32) -> Result<(), Error> {
+    within(what, value, 0.0, MAX_DAMPING, "in 0..=1e6").map(drop)
 }
 
 /// An offset from a body's origin.

@@ -46,6 +46,7 @@ impl World {
         let mut clock = self.begin_step(dt);
         let mut did = StepCounts::default();
         clock.stage(self, Stage::Broad, |world| {
+            world.damp(dt);
             world.predict(workers, dt);
             world.find_pairs(workers, &mut did);
             if world.part(Part::Sleeping, World::wake_what_is_reached) {
@@ -82,6 +83,7 @@ impl World {
             did.met = world.meet_impacts(workers, dt);
             world.measure_step();
             world.thaw();
+            world.damp(dt);
             // Not earlier: hooks may have made queries.
             world.update_queries();
             world.part(Part::Sensors, World::record_sensor_events);

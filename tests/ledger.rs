@@ -11,8 +11,8 @@ mod counting;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
-    BodyDesc, BodyHandle, Category, ConvexHull, Geometry, HeightField, Material, QueryFilter, Ray, RowGroup,
-    Settings, ShapeDesc, Skeleton, Snapshot, World,
+    BodyDesc, BodyHandle, BodyKind, Category, ConvexHull, Geometry, HeightField, Material, QueryFilter, Ray,
+    RowGroup, Settings, ShapeDesc, Skeleton, Snapshot, World,
 };
 use counting::live;
 use std::sync::Arc;
@@ -101,6 +101,38 @@ fn of_a_pile_that_falls_grows_and_is_cleared_away() {
     }
     ledger.check("all are gone");
     ledger.steps(3);
+    ledger.end();
+}
+
+/// What few bodies have is counted, and goes with them; others are no larger for it.
+#[test]
+fn of_damping_targets_and_given_masses() {
+    let mut ledger = Ledger::new(Settings::default());
+    let world = &mut ledger.world;
+    let bodies = world.add_bodies(&[ball(DVec3::ZERO), ball(DVec3::X * 3.0), ball(DVec3::X * 6.0)]).unwrap();
+    ledger.start += (bodies.capacity() * size_of::<BodyHandle>()) as isize;
+    ledger.check("just made");
+    let before = ledger.world.memory().category(Category::Bodies).live;
+    let bytes = |ledger: &Ledger| ledger.world.memory().category(Category::Bodies).live - before;
+    ledger.world.set_damping(bodies[0], 0.5, 0.5).unwrap();
+    // A slot and two numbers.
+    assert_eq!(bytes(&ledger), 12);
+    let mass = ledger.world.mass_properties(bodies[1]).unwrap();
+    ledger.world.set_mass(bodies[1], mass).unwrap();
+    assert_eq!(bytes(&ledger), 12);
+    ledger.world.set_kind(bodies[1], BodyKind::Static).unwrap();
+    // A slot, a mass and three moments.
+    assert_eq!(bytes(&ledger), 12 + 20);
+    ledger.world.set_kind(bodies[2], BodyKind::Kinematic).unwrap();
+    ledger.world.move_kinematic(bodies[2], DVec3::Y, Quat::IDENTITY, DT).unwrap();
+    assert!(bytes(&ledger) > 32);
+    ledger.check("changed");
+    ledger.steps(3);
+    assert_eq!(bytes(&ledger), 32, "a target is for one step");
+    for &body in &bodies {
+        ledger.world.remove_body(body).unwrap();
+    }
+    ledger.steps(1);
     ledger.end();
 }
 

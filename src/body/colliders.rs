@@ -1,8 +1,8 @@
 //! The colliders of all bodies.
 
-use super::{ColliderList, Pose};
+use super::Pose;
 use crate::handle::{ShapeHandle, Slots};
-use crate::memory::{Allowance, buffers};
+use crate::memory::{Allowance, buffers, bytes_of};
 use crate::shape::{Collider, ColliderSummary};
 
 /// Colliders by stable index, with their world poses.
@@ -47,5 +47,49 @@ impl Colliders {
             position: body.position + (body.rotation * c.position).as_dvec3(),
             rotation: body.rotation * c.rotation,
         };
+    }
+}
+
+/// The colliders of a body: most have one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) enum ColliderList {
+    #[default]
+    None,
+    One(u32),
+    Many(Vec<u32>),
+}
+
+impl ColliderList {
+    pub(crate) fn as_slice(&self) -> &[u32] {
+        match self {
+            ColliderList::None => &[],
+            ColliderList::One(one) => std::slice::from_ref(one),
+            ColliderList::Many(many) => many,
+        }
+    }
+    pub(super) fn is_many(&self) -> bool {
+        matches!(self, ColliderList::Many(_))
+    }
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        if let ColliderList::Many(many) = self { bytes_of(many) } else { (0, 0) }
+    }
+    pub(super) fn push(&mut self, collider: u32) {
+        match self {
+            ColliderList::None => *self = ColliderList::One(collider),
+            ColliderList::One(one) => *self = ColliderList::Many(vec![*one, collider]),
+            ColliderList::Many(many) => many.push(collider),
+        }
+    }
+    /// The last takes the place: a body may have a hundred thousand.
+    pub(super) fn remove(&mut self, place: usize) {
+        match self {
+            ColliderList::Many(many) => {
+                many.swap_remove(place);
+                if let [last] = many[..] {
+                    *self = ColliderList::One(last);
+                }
+            }
+            _ => *self = ColliderList::None,
+        }
     }
 }

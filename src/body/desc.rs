@@ -1,7 +1,6 @@
 //! The description of a body that a caller adds.
 
-use crate::config::Continuous;
-use crate::config::RowGroup;
+use crate::config::{Continuous, RowGroup, with_fields};
 use crate::error::Error;
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
@@ -39,6 +38,12 @@ pub struct BodyDesc {
     pub mass: Option<MassProperties>,
     /// Factor on gravity. Default 1.
     pub gravity_scale: f32,
+    /// Share of its linear velocity that it loses in a second, while that share is small: the velocity of a
+    /// body that nothing else acts on falls as exp(-c t), whatever the length of steps [1/s]. At least zero
+    /// and at most [`limits::MAX_DAMPING`]; dynamic bodies only. Default 0.
+    pub linear_damping: f32,
+    /// The same for its angular velocity [1/s].
+    pub angular_damping: f32,
     /// World axes along which it can't move.
     pub lock_translation: [bool; 3],
     /// World axes about which it can't turn.
@@ -66,6 +71,8 @@ impl Default for BodyDesc {
             shapes: Vec::new(),
             mass: None,
             gravity_scale: 1.0,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
             lock_translation: [false; 3],
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
@@ -73,6 +80,26 @@ impl Default for BodyDesc {
             can_sleep: true,
             user_data: 0,
         }
+    }
+}
+
+with_fields! {
+    BodyDesc {
+        with_kind(kind: BodyKind),
+        with_position(position: into DVec3),
+        with_rotation(rotation: into glam::Quat),
+        with_linear_velocity(linear_velocity: into Vec3),
+        with_angular_velocity(angular_velocity: into Vec3),
+        with_mass(mass: into Option<MassProperties>),
+        with_gravity_scale(gravity_scale: f32),
+        with_linear_damping(linear_damping: f32),
+        with_angular_damping(angular_damping: f32),
+        with_lock_translation(lock_translation: [bool; 3]),
+        with_lock_rotation(lock_rotation: [bool; 3]),
+        with_continuous(continuous: Continuous),
+        with_solved_after(solved_after: into Option<RowGroup>),
+        with_can_sleep(can_sleep: bool),
+        with_user_data(user_data: u64),
     }
 }
 
@@ -108,6 +135,12 @@ impl BodyDesc {
         (self.linear_velocity, self.angular_velocity) = (linear, angular);
         self
     }
+    /// All shapes, instead of those that it has.
+    #[must_use]
+    pub fn with_shapes(mut self, shapes: impl IntoIterator<Item = ShapeDesc>) -> Self {
+        self.shapes = shapes.into_iter().collect();
+        self
+    }
     /// One more shape.
     pub fn with_shape(mut self, shape: ShapeDesc) -> Self {
         self.shapes.push(shape);
@@ -130,6 +163,8 @@ impl BodyDesc {
         limits::speed("linear velocity", self.linear_velocity)?;
         limits::speed("angular velocity", self.angular_velocity)?;
         limits::acceleration("gravity scale", Vec3::splat(self.gravity_scale))?;
+        limits::damping("linear damping", self.linear_damping)?;
+        limits::damping("angular damping", self.angular_damping)?;
         for shape in &self.shapes {
             shape.validate()?;
             if self.kind == BodyKind::Dynamic {

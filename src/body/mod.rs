@@ -4,10 +4,12 @@ mod colliders;
 mod desc;
 mod free;
 mod motion;
+mod rare;
 mod store;
 
-pub(crate) use colliders::Colliders;
+pub(crate) use colliders::{ColliderList, Colliders};
 pub use desc::{BodyDesc, BodyKind};
 pub(crate) use free::{FREE, FreeTurn};
 pub(crate) use motion::{carry_spin, exp_map};
-pub(crate) use store::{Bodies, BodyDetails, ColliderList, IDLE, Mass, NewBody, Pose, Traits, is_uneven};
+pub(crate) use rare::{Damping, KeptMass, RareCounts, Target};
+pub(crate) use store::{Bodies, BodyDetails, IDLE, Mass, NewBody, Pose, Traits, is_uneven};

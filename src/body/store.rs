@@ -2,7 +2,8 @@
 //! ones, so that every loop over moving bodies is a loop over a prefix, and sleeping bodies cost no more than
 //! static ones. Disabled movable bodies share the range of sleeping ones.
 
-use super::BodyKind;
+use super::rare::{Damping, KeptMass, RareColumns};
+use super::{BodyKind, ColliderList};
 use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
@@ -44,6 +45,16 @@ pub(crate) struct BodyDetails {
     /// Whether mass comes from the shapes.
     pub(crate) mass_from_shapes: bool,
     pub(crate) user_data: u64,
+}
+
+impl BodyDetails {
+    /// The pose of the centre of mass while the body's origin has this one.
+    pub(crate) fn pose_at(&self, position: DVec3, rotation: Quat) -> Pose {
+        Pose {
+            position: position + (rotation * self.centre).as_dvec3(),
+            rotation: (rotation * self.axes).normalize(),
+        }
+    }
 }
 
 /// Flags of a body.
@@ -174,50 +185,8 @@ pub(crate) struct Bodies {
     pub(crate) rests: bool,
     /// Bytes of the lists in `colliders`, live and reserved.
     lists: (usize, usize),
-}
-
-/// The colliders of a body: most have one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) enum ColliderList {
-    #[default]
-    None,
-    One(u32),
-    Many(Vec<u32>),
-}
-
-impl ColliderList {
-    pub(crate) fn as_slice(&self) -> &[u32] {
-        match self {
-            ColliderList::None => &[],
-            ColliderList::One(one) => std::slice::from_ref(one),
-            ColliderList::Many(many) => many,
-        }
-    }
-    fn is_many(&self) -> bool {
-        matches!(self, ColliderList::Many(_))
-    }
-    fn bytes(&self) -> (usize, usize) {
-        if let ColliderList::Many(many) = self { bytes_of(many) } else { (0, 0) }
-    }
-    fn push(&mut self, collider: u32) {
-        match self {
-            ColliderList::None => *self = ColliderList::One(collider),
-            ColliderList::One(one) => *self = ColliderList::Many(vec![*one, collider]),
-            ColliderList::Many(many) => many.push(collider),
-        }
-    }
-    /// The last takes the place: a body may have a hundred thousand.
-    fn remove(&mut self, place: usize) {
-        match self {
-            ColliderList::Many(many) => {
-                many.swap_remove(place);
-                if let [last] = many[..] {
-                    *self = ColliderList::One(last);
-                }
-            }
-            _ => *self = ColliderList::None,
-        }
-    }
+    /// What few bodies have.
+    pub(crate) rare: RareColumns,
 }
 
 /// A new row of all columns.
@@ -229,6 +198,8 @@ pub(crate) struct NewBody {
     pub(crate) mass: Mass,
     pub(crate) traits: Traits,
     pub(crate) details: BodyDetails,
+    pub(crate) damping: Damping,
+    pub(crate) kept_mass: Option<KeptMass>,
 }
 
 impl Bodies {
@@ -359,6 +330,8 @@ impl Bodies {
         self.traits.push(body.traits);
         self.details.push(body.details);
         self.colliders.push(ColliderList::None);
+        self.rare.set_damping(slot, body.damping);
+        self.rare.kept_mass.set(slot, body.kept_mass);
     }
 
     /// Removes the body at `index`.
@@ -371,6 +344,7 @@ impl Bodies {
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(&slot) = self.slot.last() {
             self.slots.remove(slot);
+            self.rare.forget(slot);
         }
         for_each_column!(self as [&mut], column => column.pop());
         self.force.pop();
@@ -408,6 +382,25 @@ impl Bodies {
         let part = self.part_of(index);
         self.traits[index as usize].disabled = true;
         self.travel(index, (part, Part::Asleep), &mut moved)
+    }
+
+    /// Makes a body one of another kind, awake; returns its new index. Its mass and its velocity stay what
+    /// they are.
+    pub(crate) fn set_kind(
+        &mut self,
+        index: u32,
+        kind: BodyKind,
+        mut moved: impl FnMut(&ColliderList, u32),
+    ) -> u32 {
+        let i = index as usize;
+        let (from, mass, traits) = (self.part_of(index), self.mass[i], self.traits[i]);
+        self.count_traits(self.kind[i], &mass, &traits, -1);
+        self.disabled -= u32::from(self.is_set_aside(index));
+        self.kind[i] = kind;
+        self.count_traits(kind, &mass, &traits, 1);
+        self.disabled += u32::from(self.is_set_aside(index));
+        let to = if self.is_set_aside(index) { Part::Asleep } else { Part::of(kind) };
+        self.travel(index, (from, to), &mut moved)
     }
 
     /// Whether a body could move, but is disabled.
@@ -477,6 +470,14 @@ impl Bodies {
         let old = std::mem::replace(&mut self.mass[index], mass);
         self.uneven -= u32::from(is_uneven(&old, &self.traits[index]));
         self.uneven += u32::from(is_uneven(&mass, &self.traits[index]));
+    }
+
+    /// Sets the axes that a body can't move along or turn about, as bits.
+    pub(crate) fn set_locks(&mut self, index: usize, locks: u8) {
+        let (kind, mass, traits) = (self.kind[index], self.mass[index], self.traits[index]);
+        self.count_traits(kind, &mass, &traits, -1);
+        self.traits[index].locks = locks;
+        self.count_traits(kind, &mass, &Traits { locks, ..traits }, 1);
     }
 
     /// Sets how a body is kept from passing through others.
@@ -562,6 +563,7 @@ impl Bodies {
         for_each_column!(self as [&mut], column => column.clear());
         self.force.clear();
         self.rest.clear();
+        self.rare.clear();
         (self.locked, self.solved_after, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
         (self.continuous, self.uneven, self.compounds, self.disabled) = (0, 0, 0, 0);
     }
@@ -582,7 +584,7 @@ impl Bodies {
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let mut sum = add_bytes(self.slots.bytes(), self.lists);
+        let mut sum = add_bytes(add_bytes(self.slots.bytes(), self.lists), self.rare.bytes());
         for_each_column!(self as [&], column => sum = add_bytes(sum, bytes_of(column)));
         add_bytes(sum, add_bytes(bytes_of(&self.force), bytes_of(&self.rest)))
     }

@@ -1,9 +1,11 @@
 //! Settings, the order of rows, and the numbers that are chosen once for all worlds.
 
+mod builders;
 mod order;
 mod settings;
 pub(crate) mod tuning;
 
+pub(crate) use builders::with_fields;
 pub(crate) use order::Place;
 pub use order::{Order, RowGroup};
 pub(crate) use settings::Start;

@@ -1,6 +1,7 @@
 //! Settings, with unit, range, default and source.
 
 use super::order::Order;
+use super::with_fields;
 use crate::error::{Error, positive, within};
 use crate::limits;
 use crate::memory::Budget;
@@ -212,6 +213,36 @@ impl Default for Settings {
             event_capacity: 4096,
             budget: Budget::NONE,
         }
+    }
+}
+
+with_fields! {
+    Settings {
+        with_gravity(gravity: into Vec3),
+        with_substeps(substeps: u32),
+        with_iterations(iterations: u32),
+        with_threads(threads: usize),
+        with_continuous(continuous: Continuous),
+        with_method(method: ContinuousMethod),
+        with_friction_cone(friction_cone: FrictionCone),
+        with_friction_model(friction_model: FrictionModel),
+        with_length_unit(length_unit: f32),
+        with_restitution_threshold(restitution_threshold: f32),
+        with_slop(slop: f32),
+        with_contact_hertz(contact_hertz: f32),
+        with_contact_damping(contact_damping: f32),
+        with_push_speed(push_speed: f32),
+        with_warm_starting(warm_starting: bool),
+        with_recycling(recycling: bool),
+        with_joint_trees(joint_trees: bool),
+        with_guard(guard: bool),
+        with_order(order: Order),
+        with_sleeping(sleeping: bool),
+        with_sleep_speed(sleep_speed: f32),
+        with_sleep_time(sleep_time: f32),
+        with_hit_speed(hit_speed: f32),
+        with_event_capacity(event_capacity: u32),
+        with_budget(budget: Budget),
     }
 }
 

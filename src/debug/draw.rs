@@ -1,7 +1,6 @@
 //! `World::draw`: part by part, on request.
 
 use super::{DebugDraw, DrawOptions, bounds, contacts, joints, shapes, solver};
-use crate::body::Pose;
 use crate::world::World;
 
 impl World {
@@ -27,16 +26,6 @@ impl World {
         }
         if options.centres {
             shapes::draw_centres(self, options, out);
-        }
-    }
-
-    /// The present pose of a collider: the poses that stages read are those of the start of the last step.
-    pub(super) fn collider_pose(&self, collider: u32) -> Pose {
-        let collider = &self.colliders.all[collider as usize];
-        let body = &self.bodies.pose[collider.body as usize];
-        Pose {
-            position: body.position + (body.rotation * collider.position).as_dvec3(),
-            rotation: body.rotation * collider.rotation,
         }
     }
 }

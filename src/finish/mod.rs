@@ -196,9 +196,24 @@ pub(crate) fn finish(
         slots: &slots,
     };
     let mut moved = move_all(workers, &guard, &mut input, buffers);
+    reach_targets(input.bodies, input.dt);
     mend_all(&guard, &mut input, buffers, &mut moved);
     input.bodies.slot = slots;
     (moved.held, moved.stopped)
+}
+
+/// Puts kinematic bodies exactly where they are to be after a step of `dt` seconds: integrated, their
+/// velocities lead there but for rounding.
+pub(crate) fn reach_targets(bodies: &mut Bodies, dt: f32) {
+    let kinematic = bodies.dynamic()..bodies.movers();
+    let Bodies { rare, slots, velocity, details, pose, .. } = bodies;
+    for (slot, target) in rare.targets.iter() {
+        let index = slots.dense(slot) as usize;
+        // One that does not move is there.
+        if target.dt == dt && kinematic.contains(&index) && velocity[index] != Record::default() {
+            pose[index] = details[index].pose_at(target.position, target.rotation);
+        }
+    }
 }
 
 /// What came of moving all bodies.

@@ -143,7 +143,7 @@ fn start(
     let rotation = first.rotation.normalize();
     let inertia = Mat3::from_diagonal(Vec3::splat(cube.inertia));
     let desc = BodyDesc {
-        mass: Some(MassProperties { mass: cube.mass, center: Vec3::ZERO, inertia }),
+        mass: Some(MassProperties { mass: cube.mass, centre_of_mass: Vec3::ZERO, inertia }),
         ..BodyDesc::dynamic()
     }
     .at(first.position)

@@ -84,6 +84,18 @@ calls! {
     NameRecorded "name_recorded" (BodyHandle, String),
     /// A query was asked. It changes nothing but the memory that the world holds, which a budget counts.
     Asked "asked" (),
+    SetKind "set_kind" (BodyHandle, BodyKind),
+    SetUserData "set_user_data" (BodyHandle, u64),
+    SetDamping "set_damping" (BodyHandle, f32, f32),
+    SetLocks "set_locks" (BodyHandle, [bool; 3], [bool; 3]),
+    SetLinearVelocity "set_linear_velocity" (BodyHandle, Vec3),
+    SetAngularVelocity "set_angular_velocity" (BodyHandle, Vec3),
+    MoveKinematic "move_kinematic" (BodyHandle, DVec3, glam::Quat, f32),
+    ApplyAngularImpulse "apply_angular_impulse" (BodyHandle, Vec3),
+    SetShapeUserData "set_shape_user_data" (ShapeHandle, u64),
+    SetGeometry "set_geometry" (ShapeHandle, Form),
+    SetShapePose "set_shape_pose" (ShapeHandle, Vec3, glam::Quat),
+    SetDensity "set_density" (ShapeHandle, f32),
 }
 
 impl Call {
@@ -129,6 +141,20 @@ impl Call {
             Change::SendToSleep(body) => Call::SendToSleep(body),
             Change::SetCanSleep(body, can_sleep) => Call::SetCanSleep(body, can_sleep),
             Change::SetEnabled(body, enabled) => Call::SetEnabled(body, enabled),
+            Change::SetKind(body, kind) => Call::SetKind(body, kind),
+            Change::SetUserData(body, user_data) => Call::SetUserData(body, user_data),
+            Change::SetDamping(body, linear, angular) => Call::SetDamping(body, linear, angular),
+            Change::SetLocks(body, translation, rotation) => Call::SetLocks(body, translation, rotation),
+            Change::SetLinearVelocity(body, linear) => Call::SetLinearVelocity(body, linear),
+            Change::SetAngularVelocity(body, angular) => Call::SetAngularVelocity(body, angular),
+            Change::MoveKinematic(body, position, rotation, dt) => {
+                Call::MoveKinematic(body, position, rotation, dt)
+            }
+            Change::ApplyAngularImpulse(body, impulse) => Call::ApplyAngularImpulse(body, impulse),
+            Change::SetShapeUserData(shape, user_data) => Call::SetShapeUserData(shape, user_data),
+            Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
+            Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
+            Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
         }
     }
 
@@ -147,7 +173,15 @@ impl Call {
             | Call::Wake(body)
             | Call::SendToSleep(body)
             | Call::SetCanSleep(body, ..)
-            | Call::SetEnabled(body, ..) => Some(*body),
+            | Call::SetEnabled(body, ..)
+            | Call::SetKind(body, ..)
+            | Call::SetUserData(body, ..)
+            | Call::SetDamping(body, ..)
+            | Call::SetLocks(body, ..)
+            | Call::SetLinearVelocity(body, ..)
+            | Call::SetAngularVelocity(body, ..)
+            | Call::MoveKinematic(body, ..)
+            | Call::ApplyAngularImpulse(body, ..) => Some(*body),
             _ => None,
         }
     }
@@ -163,6 +197,8 @@ pub(crate) struct Body {
     pub(super) shapes: Vec<Shape>,
     mass: Option<MassProperties>,
     gravity_scale: f32,
+    /// Linear and angular.
+    damping: [f32; 2],
     locks: [[bool; 3]; 2],
     continuous: Continuous,
     solved_after: Option<RowGroup>,
@@ -182,6 +218,8 @@ impl Body {
             ref shapes,
             mass,
             gravity_scale,
+            linear_damping,
+            angular_damping,
             lock_translation,
             lock_rotation,
             continuous,
@@ -197,6 +235,7 @@ impl Body {
             shapes: shapes.iter().map(&mut form).collect(),
             mass,
             gravity_scale,
+            damping: [linear_damping, angular_damping],
             locks: [lock_translation, lock_rotation],
             continuous,
             solved_after,
@@ -215,6 +254,8 @@ impl Body {
             shapes,
             mass: self.mass,
             gravity_scale: self.gravity_scale,
+            linear_damping: self.damping[0],
+            angular_damping: self.damping[1],
             lock_translation: self.locks[0],
             lock_rotation: self.locks[1],
             continuous: self.continuous,

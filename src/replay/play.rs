@@ -359,6 +359,28 @@ impl<R: Read> Replay<R> {
             Call::SendToSleep(body) => self.world.send_to_sleep(body)?,
             Call::SetCanSleep(body, can_sleep) => self.world.set_can_sleep(body, can_sleep)?,
             Call::SetEnabled(body, enabled) => self.world.set_enabled(body, enabled)?,
+            Call::SetKind(body, kind) => self.world.set_kind(body, kind)?,
+            Call::SetUserData(body, user_data) => self.world.set_user_data(body, user_data)?,
+            Call::SetDamping(body, linear, angular) => self.world.set_damping(body, linear, angular)?,
+            Call::SetLocks(body, translation, rotation) => {
+                self.world.set_locks(body, translation, rotation)?;
+            }
+            Call::SetLinearVelocity(body, linear) => self.world.set_linear_velocity(body, linear)?,
+            Call::SetAngularVelocity(body, angular) => self.world.set_angular_velocity(body, angular)?,
+            Call::MoveKinematic(body, position, rotation, dt) => {
+                self.world.move_kinematic(body, position, rotation, dt)?;
+            }
+            Call::ApplyAngularImpulse(body, impulse) => self.world.apply_angular_impulse(body, impulse)?,
+            Call::SetShapeUserData(shape, user_data) => self.world.set_shape_user_data(shape, user_data)?,
+            Call::SetGeometry(shape, form) => {
+                let geometry = self.geometries.geometry(form);
+                let geometry = geometry.map_err(|_| Failed::Damaged("a geometry is missing"))?;
+                self.world.set_geometry(shape, geometry)?;
+            }
+            Call::SetShapePose(shape, position, rotation) => {
+                self.world.set_shape_pose(shape, position, rotation)?;
+            }
+            Call::SetDensity(shape, density) => self.world.set_density(shape, density)?,
             Call::NameRecorded(body, name) => {
                 self.names.insert(body.slot, (body.generation, name));
             }

@@ -5,7 +5,7 @@ use super::compare::Divergence;
 use super::file::{Block, VERSION, read_block, read_header, write_block, write_header};
 use super::probe::Stage;
 use super::{RecordingBuffer, Replay, ReplayError};
-use crate::body::BodyDesc;
+use crate::body::{BodyDesc, BodyKind};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::BodyHandle;
@@ -190,10 +190,18 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_material(shape, Material::default()).unwrap();
     world.set_filter(shape, Filter::default()).unwrap();
     world.set_continuous(bodies[0], Continuous::Volume).unwrap();
-    let mass = MassProperties { mass: 2.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+    let mass = MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
     world.set_mass(bodies[0], mass).unwrap();
     world.set_pose(bodies[0], DVec3::Y * 4.0, glam::Quat::IDENTITY).unwrap();
     world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
+    world.set_damping(bodies[0], 0.5, 0.25).unwrap();
+    world.set_locks(bodies[0], [false; 3], [true, false, false]).unwrap();
+    world.move_kinematic(bodies[1], DVec3::Y * 3.0, glam::Quat::IDENTITY, 0.02).unwrap();
+    world.set_kind(bodies[1], BodyKind::Kinematic).unwrap();
+    world.set_geometry(shape, Geometry::Sphere { radius: 0.25 }).unwrap();
+    world.set_shape_pose(shape, Vec3::X * 0.1, glam::Quat::IDENTITY).unwrap();
+    world.set_density(shape, 500.0).unwrap();
+    world.set_shape_user_data(shape, 3).unwrap();
 }
 
 /// Checksums do not protect against an attacker, who can compute them.

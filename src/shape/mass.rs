@@ -13,18 +13,32 @@ pub struct MassProperties {
     /// [kg]
     pub mass: f32,
     /// In the frame of the shape or body [m].
-    pub center: Vec3,
+    #[cfg_attr(feature = "serde", serde(alias = "center"))]
+    pub centre_of_mass: Vec3,
     /// About the centre, in the axes of the shape or body [kg m²].
     pub inertia: Mat3,
 }
 
 impl MassProperties {
     /// No mass.
-    pub const ZERO: Self = MassProperties { mass: 0.0, center: Vec3::ZERO, inertia: Mat3::ZERO };
+    pub const ZERO: Self = MassProperties { mass: 0.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::ZERO };
 
     /// Moments of a solid of even density [kg/m³]. Planes, meshes and height fields have no mass.
     pub fn of(geometry: &Geometry, density: f32) -> Self {
         Moments::of(geometry).scaled(density.into()).rounded()
+    }
+
+    /// Those of a body whose principal moments [kg m²] are known; `axes`: the rotation from its principal axes
+    /// into its own. The inverse of [`MassProperties::principal`].
+    pub fn from_principal(
+        mass: f32,
+        centre_of_mass: Vec3,
+        moments: Vec3,
+        axes: impl Into<glam::Quat>,
+    ) -> Self {
+        let turn = DMat3::from_quat(axes.into().as_dquat().normalize());
+        let inertia = turn * DMat3::from_diagonal(moments.as_dvec3()) * turn.transpose();
+        MassProperties { mass, centre_of_mass, inertia: inertia.as_mat3() }
     }
 
     /// The same solid, turned and then moved: from a shape's frame into the body's.
@@ -63,7 +77,7 @@ impl MassProperties {
     /// size), not positive definite, or has a principal moment above the sum of the other two (by 1e-4 of
     /// it).
     pub fn validate(&self) -> Result<(), Error> {
-        finite3("centre of mass", self.center)?;
+        finite3("centre of mass", self.centre_of_mass)?;
         for value in self.inertia.to_cols_array() {
             finite("inertia", value)?;
         }
@@ -109,7 +123,7 @@ pub(crate) struct Moments {
 
 impl From<MassProperties> for Moments {
     fn from(p: MassProperties) -> Self {
-        Moments { mass: p.mass.into(), centre: p.center.as_dvec3(), inertia: p.inertia.as_dmat3() }
+        Moments { mass: p.mass.into(), centre: p.centre_of_mass.as_dvec3(), inertia: p.inertia.as_dmat3() }
     }
 }
 
@@ -204,7 +218,7 @@ impl Moments {
         }
         // Symmetric to the last bit, whatever the order of the products above.
         let inertia = (inertia + inertia.transpose()) * 0.5;
-        MassProperties { mass: mass as f32, center: centre.as_vec3(), inertia: inertia.as_mat3() }
+        MassProperties { mass: mass as f32, centre_of_mass: centre.as_vec3(), inertia: inertia.as_mat3() }
     }
 }
 

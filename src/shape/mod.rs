@@ -31,6 +31,7 @@ pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{RAYS, Stream, Walk};
 
+use crate::config::with_fields;
 use crate::error::{Error, finite, within};
 use crate::limits::{self, length, length_or_zero};
 use crate::math::Quat;
@@ -79,6 +80,38 @@ pub enum Geometry {
 }
 
 impl Geometry {
+    /// A ball around the origin.
+    pub fn sphere(radius: f32) -> Self {
+        Geometry::Sphere { radius }
+    }
+    /// A capsule whose ends differ.
+    pub fn tapered_capsule(half_height: f32, radius_bottom: f32, radius_top: f32) -> Self {
+        Geometry::Capsule { half_height, radius_bottom, radius_top }
+    }
+    /// A frustum around the y axis.
+    pub fn tapered_cylinder(half_height: f32, radius_bottom: f32, radius_top: f32) -> Self {
+        Geometry::Cylinder { half_height, radius_bottom, radius_top }
+    }
+    /// A cone around the y axis, with its tip up.
+    pub fn cone(half_height: f32, radius: f32) -> Self {
+        Geometry::tapered_cylinder(half_height, radius, 0.0)
+    }
+    /// A convex hull; an [`Arc`] of one can be shared by many shapes.
+    pub fn hull(hull: impl Into<Arc<ConvexHull>>) -> Self {
+        Geometry::Hull(hull.into())
+    }
+    /// The half-space y <= 0; only static or kinematic.
+    pub fn plane() -> Self {
+        Geometry::Plane
+    }
+    /// A triangle mesh; only static or kinematic.
+    pub fn mesh(mesh: impl Into<Arc<TriangleMesh>>) -> Self {
+        Geometry::Mesh(mesh.into())
+    }
+    /// A grid of heights; only static or kinematic.
+    pub fn height_field(field: impl Into<Arc<HeightField>>) -> Self {
+        Geometry::HeightField(field.into())
+    }
     /// A capsule of one radius.
     pub fn capsule(half_height: f32, radius: f32) -> Self {
         Geometry::Capsule { half_height, radius_bottom: radius, radius_top: radius }
@@ -210,15 +243,20 @@ impl Default for Material {
     }
 }
 
+with_fields! {
+    Material {
+        with_static_friction(static_friction: f32),
+        with_dynamic_friction(dynamic_friction: f32),
+        with_restitution(restitution: f32),
+        with_friction_combine(friction_combine: Combine),
+        with_restitution_combine(restitution_combine: Combine),
+    }
+}
+
 impl Material {
     /// One coefficient for sticking and sliding.
     pub fn with_friction(mut self, friction: f32) -> Self {
         (self.static_friction, self.dynamic_friction) = (friction, friction);
-        self
-    }
-    /// The share of the approach speed that comes back.
-    pub fn with_restitution(mut self, restitution: f32) -> Self {
-        self.restitution = restitution;
         self
     }
     /// Static and dynamic friction of two surfaces.
@@ -260,6 +298,10 @@ impl Default for Filter {
     }
 }
 
+with_fields! {
+    Filter { with_category(category: u64), with_mask(mask: u64), with_group(group: i32) }
+}
+
 impl Filter {
     /// Whether two shapes collide.
     pub fn allows(&self, other: &Filter) -> bool {
@@ -296,6 +338,19 @@ pub struct ShapeDesc {
     pub hooks: bool,
     /// Free for the caller.
     pub user_data: u64,
+}
+
+with_fields! {
+    ShapeDesc {
+        with_geometry(geometry: Geometry),
+        with_position(position: into Vec3),
+        with_rotation(rotation: into glam::Quat),
+        with_density(density: f32),
+        with_material(material: Material),
+        with_filter(filter: Filter),
+        with_sensor(sensor: bool),
+        with_user_data(user_data: u64),
+    }
 }
 
 impl ShapeDesc {

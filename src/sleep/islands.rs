@@ -290,6 +290,7 @@ impl Islands<'_> {
             }
             sleep.add_body(island, bodies.slot[i as usize]);
             sleep.slept += 1;
+            sleep.fell_asleep.push(bodies.handle(i as usize));
             let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
             // At its current pose: its shapes are not updated again until it wakes.
             bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));

@@ -14,6 +14,7 @@ pub(crate) use save::{SavedSleep, SleepLists};
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair};
+use crate::handle::BodyHandle;
 use crate::joint::Joints;
 use crate::memory::{Buffer, buffers, bytes_of};
 use crate::narrow_phase::Contacts;
@@ -42,6 +43,8 @@ pub(crate) struct Sleep {
     /// Numbers of bodies that woke and that fell asleep in the last step.
     pub(crate) woke: u32,
     pub(crate) slept: u32,
+    /// Bodies that fell asleep since the last step began.
+    pub(crate) fell_asleep: Vec<BodyHandle>,
 }
 
 /// The parts of a world that connect bodies, or that change when these fall asleep or wake.
@@ -81,7 +84,12 @@ buffers! {
     Sleep {
         /// For so many bodies, of which so many can be pushed; without the pairs that islands keep.
         each(all: usize, dynamic: usize) {
-            islands(dynamic), free_islands(dynamic), waking(2 * dynamic), bodies(all), groups(dynamic),
+            islands(dynamic),
+            free_islands(dynamic),
+            waking(2 * dynamic),
+            bodies(all),
+            groups(dynamic),
+            fell_asleep(dynamic),
         }
     }
 }

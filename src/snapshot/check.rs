@@ -2,7 +2,7 @@
 //! can begin with.
 
 use super::part::{BodyRecord, Records, read_pose};
-use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
+use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::limits;
@@ -138,8 +138,25 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
             return Err(broken("a force on nothing"));
         }
     }
+    check_targets(view, records)?;
     check_clear(view, records.bodies.count)?;
     Ok(colliders)
+}
+
+/// Whether the poses that bodies are to have after the next step are valid, and the bodies kinematic.
+fn check_targets(view: &View<'_>, records: &Records) -> Result<(), Error> {
+    let mut last = None;
+    for target in view.targets.as_chunks::<TARGET>().0 {
+        let is_own = |body: &&BodyRecord| body.slot == target[0] && body.body.kind == BodyKind::Kinematic;
+        let pose = read_pose(&mut Reader(&target[1..11]))?;
+        limits::position(pose.position)?;
+        limits::step(f32::from_bits(target[11]))?;
+        if !records.moving.iter().any(|body| is_own(&body)) || last.is_some_and(|last| last >= target[0]) {
+            return Err(broken("where a body is to be"));
+        }
+        last = Some(target[0]);
+    }
+    Ok(())
 }
 
 fn check_clear(view: &View<'_>, most: usize) -> Result<(), Error> {

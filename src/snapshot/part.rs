@@ -7,7 +7,7 @@
 use super::checksum::hash;
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
-use crate::body::{BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
+use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
 use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
@@ -108,11 +108,16 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
     let (slot, kind, details, traits, mass) =
         (bodies.slot[i], bodies.kind[i], &bodies.details[i], &bodies.traits[i], &bodies.mass[i]);
     let own = bodies.colliders[i].as_slice();
+    let damping = bodies.rare.damping.get(slot);
+    let kept_mass = bodies.rare.kept_mass.get(slot);
     out.extend([slot, bodies.slots.generation(slot), own.len() as u32]);
     let bits = [
         kind as u32,
         traits.continuous as u32,
-        u32::from(traits.sleepless) | u32::from(traits.disabled) << 1,
+        [traits.sleepless, traits.disabled, damping.is_some(), kept_mass.is_some()]
+            .iter()
+            .rev()
+            .fold(0, |all, &bit| all << 1 | u32::from(bit)),
         u32::from(details.mass_from_shapes),
         group_code(traits.solved_after),
         u32::from(traits.locks) & 15,
@@ -123,6 +128,13 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
     out.extend(words::<6>([mass.inertia, mass.inverse_inertia]));
     save_frame(details.centre, details.axes, out);
     out.extend(words::<2>(details.user_data));
+    if let Some(Damping { linear, angular }) = damping {
+        out.extend([linear, angular].map(f32::to_bits));
+    }
+    if let Some(KeptMass { mass, moments }) = kept_mass {
+        out.push(mass.to_bits());
+        out.extend(words::<3>(moments));
+    }
     if kind == BodyKind::Static {
         save_pose(&bodies.pose[i], out);
     }
@@ -233,10 +245,11 @@ impl Records {
             && !is(BodyKind::Static, &moving);
         once(all().map(|record| record.slot), &bodies)?;
         once(all().flat_map(|record| record.colliders.iter().map(|c| c.index)), &colliders)?;
-        let mut dynamic = vec![None; bodies.count];
-        all().for_each(|record| dynamic[record.slot as usize] = Some(record.body.kind == BodyKind::Dynamic));
-        let is_dynamic = |slot: u32| dynamic.get(slot as usize).copied().flatten();
-        let joints = JointRecords::read(&mut from, is_dynamic)?;
+        let mut taken = vec![false; bodies.count];
+        all().for_each(|record| taken[record.slot as usize] = true);
+        // A joint needs a dynamic body when it is added; that may have become one of another kind since.
+        let may_be_joined = |slot: u32| taken.get(slot as usize).copied().filter(|&taken| taken);
+        let joints = JointRecords::read(&mut from, may_be_joined)?;
         end &= from.0.is_empty();
         if !split || !end {
             return Err(broken("a list of bodies"));
@@ -320,6 +333,12 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         sleepless: part(2) & 1 != 0,
         disabled: part(2) >> 1 & 1 != 0,
     };
+    let mass_from_shapes = part(3) != 0;
+    let damping = if part(2) >> 2 & 1 != 0 { read_damping(from)? } else { Damping::default() };
+    let kept_mass = if part(2) >> 3 != 0 { Some(read_kept_mass(from)?) } else { None };
+    if kept_mass.is_some() != (kind != BodyKind::Dynamic && !mass_from_shapes) {
+        return Err(broken("a mass"));
+    }
     let pose = if kind == BodyKind::Static {
         read_pose(from)?
     } else {
@@ -329,10 +348,25 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     if kind == BodyKind::Static && !colliders.iter().all(|c| c.is_placed(&pose, traits.disabled)) {
         return Err(broken("the place of a static shape"));
     }
-    let details = BodyDetails { centre, axes, mass, mass_from_shapes: part(3) != 0, user_data };
+    let details = BodyDetails { centre, axes, mass, mass_from_shapes, user_data };
     let mass = Mass { inverse, inertia, inverse_inertia };
-    let body = NewBody { kind, pose, velocity: Record::default(), mass, traits, details };
+    let velocity = Record::default();
+    let body = NewBody { kind, pose, velocity, mass, traits, details, damping, kept_mass };
     Ok(BodyRecord { slot, generation, body, colliders })
+}
+
+fn read_damping(from: &mut Reader<'_>) -> Result<Damping, Error> {
+    let [linear, angular]: [f32; 2] = from.finite::<_, 2>()?;
+    limits::damping("linear damping", linear)?;
+    limits::damping("angular damping", angular)?;
+    Ok(Damping { linear, angular })
+}
+
+fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
+    let [mass]: [f32; 1] = from.finite::<_, 1>()?;
+    let moments = from.finite::<Vec3, 3>()?;
+    let fits = mass > 0.0 && moments.min_element() >= 0.0;
+    if fits { Ok(KeptMass { mass, moments }) } else { Err(broken("a mass")) }
 }
 
 /// Flags of a shape that may have them.

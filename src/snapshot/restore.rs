@@ -4,8 +4,8 @@
 use super::Snapshot;
 use super::check::check;
 use super::part::{BodyRecord, Part, Records};
-use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
-use crate::body::Pose;
+use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
+use crate::body::{Pose, Target};
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
@@ -96,7 +96,7 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| c.collider.kind);
-            new.add(record.body.kind, &record.body.traits, kinds);
+            new.add(&record.body, kinds);
         }
         new
     });
@@ -113,6 +113,7 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         sleeping_pairs: counts.sleeping_pairs as usize,
         contacts,
         forced: counts.has(FORCE),
+        targets: counts.targets as usize,
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
     }
@@ -226,6 +227,11 @@ fn apply(world: &mut World, view: &View<'_>) {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
         bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };
     }
+    bodies.rare.targets.clear();
+    for words in view.targets.as_chunks::<TARGET>().0 {
+        let Pose { position, rotation } = pose_of(&words[1..11]);
+        bodies.rare.targets.set(words[0], Some(Target { position, rotation, dt: f32::from_bits(words[11]) }));
+    }
     let mut clear = view.clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
         centre: DVec3::from_array(record::<_, 6>(&ball[..6])),
         radius: f32::from_bits(ball[6]),
@@ -249,6 +255,7 @@ fn apply(world: &mut World, view: &View<'_>) {
         *sleep = Sleep::default();
     }
     sleep.restore(&view.sleep);
+    sleep.fell_asleep.clear();
     joints.restore(&view.joints);
     read_pairs(world, view);
 }

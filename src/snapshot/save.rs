@@ -3,7 +3,7 @@
 use super::contacts::{save_contacts, save_pairs};
 use super::settings;
 use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
-use crate::body::Pose;
+use crate::body::{Pose, Target};
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::words::words;
@@ -54,6 +54,12 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
                 counts.forces += 1;
             }
         }
+    }
+    for (slot, Target { position, rotation, dt }) in bodies.rare.targets.iter() {
+        out.push(slot);
+        out.extend(pose_words(&Pose { position, rotation }));
+        out.push(dt.to_bits());
+        counts.targets += 1;
     }
     let clear = &buffers.finish.clear;
     counts.guarded = clear.len() as u32;

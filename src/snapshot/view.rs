@@ -45,6 +45,8 @@ pub(super) struct Counts {
     pub(super) columns: u32,
     /// Bodies with a force.
     pub(super) forces: u32,
+    /// Kinematic bodies that are to be somewhere after the next step.
+    pub(super) targets: u32,
     /// Bodies that the guard checked, and those that are known to be clear of static shapes.
     pub(super) guarded: u32,
     pub(super) clear: u32,
@@ -66,10 +68,12 @@ pub(super) const RESTS: u32 = 4;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
-/// Words of a body's pose and velocity; of a force and torque with its body; of the position at which a body
-/// is clear.
+/// Words of a body's pose and velocity; of a force and torque with its body; of the pose that a body is to
+/// have after the next step, with the body and the length of the step; of the position at which a body is
+/// clear.
 pub(super) const BODY: usize = 16;
 pub(super) const PUSH: usize = 7;
+pub(super) const TARGET: usize = 12;
 pub(super) const BALL: usize = 7;
 
 /// A state in its words.
@@ -90,6 +94,7 @@ pub(super) struct View<'a> {
     /// path.
     pub(super) rest: &'a [u32],
     pub(super) forces: &'a [u32],
+    pub(super) targets: &'a [u32],
     /// A bit for each guarded body.
     pub(super) is_clear: &'a [u32],
     pub(super) clear: &'a [u32],
@@ -151,6 +156,7 @@ impl<'a> View<'a> {
             bodies: from.table(all, BODY)?,
             rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,
             forces: from.table(counts.forces, PUSH)?,
+            targets: from.table(counts.targets, TARGET)?,
             is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
             clear: from.table(counts.clear, BALL)?,
             broad: SavedBroad::read(&mut from, counts.broad)?,

@@ -5,6 +5,7 @@
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
+mod contacts;
 mod content;
 mod events;
 mod hooks;
@@ -14,6 +15,9 @@ mod revisions;
 mod sleep;
 mod step;
 
+pub use contacts::{BodyContact, ContactPoint};
+pub(crate) use contacts::{Place, place_of, relative_now};
+pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
 pub(crate) use memory::{Brings, ContentForecast, Demand, Needs, PartTimes, Replacement};

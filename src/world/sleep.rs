@@ -1,7 +1,6 @@
 //! Sleep of the world's bodies: look up, wake, put to sleep.
 
 use super::{Buffers, Change, World};
-use crate::body::BodyKind;
 use crate::broad_phase::Aabb;
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::error::Error;
@@ -59,6 +58,14 @@ impl World {
         Ok(())
     }
 
+    /// Whether a body may fall asleep; see [`BodyDesc::can_sleep`](crate::BodyDesc::can_sleep).
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn can_sleep(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(!self.bodies.traits[self.index(body)?].sleepless)
+    }
+
     /// Sets whether a body may fall asleep; one that may not keeps its island awake.
     ///
     /// # Errors
@@ -68,7 +75,7 @@ impl World {
         self.note(Change::SetCanSleep(body, can_sleep));
         let index = if can_sleep { index } else { self.wake_body(index) };
         self.revise(index);
-        self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;
+        self.bodies.traits[index].sleepless = !can_sleep;
         Ok(())
     }
     /// Wakes the islands that something reaches within the step; returns whether there were any. Pairs and

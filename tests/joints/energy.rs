@@ -30,7 +30,7 @@ fn world(gravity: f64, Pace(_, substeps, iterations): Pace) -> World {
 
 /// A body without a shape.
 fn lump(mass: f32, inertia: Vec3) -> BodyDesc {
-    let mass = MassProperties { mass, center: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
+    let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
     BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
 }
 

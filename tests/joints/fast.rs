@@ -266,7 +266,7 @@ fn lump(rng: &mut Random, mass: f32) -> BodyDesc {
     let half = if rng.chance(0.3) { Vec3::splat(half.x) } else { half };
     let square = half * half * (mass / 3.0);
     let moments = Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y);
-    let mass = MassProperties { mass, center: Vec3::ZERO, inertia: Mat3::from_diagonal(moments) };
+    let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(moments) };
     BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
 }
 

@@ -5,5 +5,7 @@ mod common;
 
 mod contact;
 mod continuous;
+mod damping;
+mod kinematic;
 mod rotation;
 mod standing;

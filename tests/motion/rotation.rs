@@ -9,7 +9,8 @@ use backstop::{BodyDesc, BodyHandle, Geometry, MassProperties, Settings, ShapeDe
 fn alone(inertia: Vec3, spin: Vec3) -> (World, BodyHandle) {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     let mut desc = BodyDesc::dynamic().moving(Vec3::ZERO, spin);
-    desc.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });
+    desc.mass =
+        Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });
     let body = world.add_body(&desc).unwrap();
     (world, body)
 }

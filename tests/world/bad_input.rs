@@ -74,7 +74,7 @@ fn numbers_of_a_body_must_be_finite() {
 
 #[test]
 fn mass_must_be_that_of_a_body() {
-    let good = MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+    let good = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
     let mut bad = Vec::new();
     for mass in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         bad.push(("mass", MassProperties { mass, ..good }));
@@ -89,7 +89,7 @@ fn mass_must_be_that_of_a_body() {
     let mut inertia = Mat3::IDENTITY;
     inertia.y_axis.x = 0.5;
     bad.push(("asymmetry", MassProperties { inertia, ..good }));
-    bad.push(("centre", MassProperties { center: Vec3::new(f32::NAN, 0.0, 0.0), ..good }));
+    bad.push(("centre", MassProperties { centre_of_mass: Vec3::new(f32::NAN, 0.0, 0.0), ..good }));
     for (what, mass) in bad {
         let mut desc = ball();
         desc.mass = Some(mass);
@@ -306,7 +306,7 @@ fn a_stale_handle_never_names_another_body() {
         body("impulse", w, &|w| w.apply_impulse(old, Vec3::X, DVec3::ZERO));
         body("gravity scale", w, &|w| w.set_gravity_scale(old, 0.0));
         body("continuous", w, &|w| w.set_continuous(old, Continuous::Discrete));
-        let mass = MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+        let mass = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
         body("set mass", w, &|w| w.set_mass(old, mass));
         let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
         body("add shape", w, &|w| w.add_shape(old, &shape).map(drop));
@@ -430,7 +430,7 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     let motor = Drive::motor(Motion::Linear, Axis::X, 1e7, 1.0);
     refused("drive", w, |w| w.add_joint(&free().with_drive(motor)));
     // One over it is infinite.
-    let mass = MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY * 1e-40 };
+    let mass = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY * 1e-40 };
     refused("moments", w, |w| w.set_mass(body, mass));
 }
 

@@ -76,7 +76,7 @@ fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random)
         }
         13 => {
             let inertia = Mat3::from_diagonal(Vec3::new(20.0, 25.0, 30.0));
-            let mass = MassProperties { mass: 100.0, center: random.cube() * 0.2, inertia };
+            let mass = MassProperties { mass: 100.0, centre_of_mass: random.cube() * 0.2, inertia };
             world.set_mass(body, mass).unwrap();
         }
         14 => {
@@ -229,7 +229,7 @@ fn forces_act_for_a_step_and_impulses_at_once() {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     let mut desc = BodyDesc::dynamic();
     let inertia = Mat3::from_diagonal(Vec3::splat(3.0));
-    desc.mass = Some(MassProperties { mass: 2.0, center: Vec3::ZERO, inertia });
+    desc.mass = Some(MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia });
     let body = world.add_body(&desc).unwrap();
     for _ in 0..60 {
         world.add_force(body, Vec3::X * 1.0, Vec3::Y * 4.0).unwrap();

@@ -7,8 +7,9 @@
 use crate::common::{self, random::Random};
 use backstop::glam::Vec3;
 use backstop::{
-    Axis, BodyDesc, BodyHandle, Continuous, ContinuousMethod, Drive, Filter, Frame, FrictionModel, Geometry,
-    JointDesc, JointHandle, Limit, Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot, World,
+    Axis, BodyDesc, BodyHandle, BodyKind, Continuous, ContinuousMethod, Drive, Filter, Frame, FrictionModel,
+    Geometry, JointDesc, JointHandle, Limit, Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot,
+    World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -116,7 +117,7 @@ impl Game {
     /// A call on a body; what is refused is refused.
     fn call_on(&mut self, body: BodyHandle) -> Result<(), backstop::Error> {
         let (world, rng) = (&mut self.world, &mut self.rng);
-        match rng.below(14) {
+        match rng.below(20) {
             0 => world.remove_body(body),
             1..4 => world.send_to_sleep(body),
             4 => world.wake(body),
@@ -138,6 +139,17 @@ impl Game {
                 let modes = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
                 world.set_continuous(body, modes[rng.below(3)])
             }
+            13 | 14 => {
+                let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic];
+                world.set_kind(body, kinds[rng.below(3)])
+            }
+            15 => world.set_damping(body, [0.0, 0.5, 1e6][rng.below(3)], [0.0, 0.5, 1e6][rng.below(3)]),
+            16 => {
+                let mut any = || [rng.below(3) == 0, rng.below(3) == 0, rng.below(3) == 0];
+                let (translation, rotation) = (any(), any());
+                world.set_locks(body, translation, rotation)
+            }
+            17 => world.apply_angular_impulse(body, rng.cube() * 1000.0),
             _ => {
                 let to = (rng.cube() + Vec3::Y).as_dvec3();
                 world.move_kinematic(body, to, rng.rotation(), DT)
@@ -147,7 +159,10 @@ impl Game {
 
     fn call_on_shape(&mut self, shape: ShapeHandle) -> Result<(), backstop::Error> {
         let (world, rng) = (&mut self.world, &mut self.rng);
-        match rng.below(5) {
+        match rng.below(9) {
+            5 | 6 => world.set_geometry(shape, Geometry::cuboid(0.1 + rng.unit(), 0.2, 0.1 + rng.unit())),
+            7 => world.set_shape_pose(shape, rng.cube() * 0.3, rng.rotation()),
+            8 => world.set_density(shape, 2000.0 * rng.unit()),
             0 => world.remove_shape(shape),
             1 => world.set_material(shape, Material::default().with_restitution(rng.unit())),
             2 => world.set_filter(shape, Filter { group: rng.below(3) as i32 - 1, ..Filter::default() }),

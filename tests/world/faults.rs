@@ -87,7 +87,7 @@ fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
 #[test]
 fn joints_that_make_no_numbers_stop_what_they_join() {
     let (mut world, bodies) = stacks(Settings::default());
-    let light = MassProperties { mass: 1e-30, center: Vec3::ZERO, inertia: glam_diagonal(1e-36) };
+    let light = MassProperties { mass: 1e-30, centre_of_mass: Vec3::ZERO, inertia: glam_diagonal(1e-36) };
     let mut joined = Vec::new();
     for i in 0..6 {
         let mut desc = cube(DVec3::new(20.0 + f64::from(i % 3), 1.0 + f64::from(i / 3), 0.0));

@@ -35,7 +35,7 @@ type Case = (Make, Pairs, &'static [&'static str]);
 fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
     let mut world = World::new(Settings::default()).unwrap();
     let mut ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
-    ball.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY });
+    ball.mass = Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY });
     let bodies: Vec<BodyHandle> =
         (0..5).map(|i| world.add_body(&ball.clone().at(Vec3::X * i as f32)).unwrap()).collect();
     for &[a, b] in pairs {

@@ -114,7 +114,7 @@ pub(super) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyD
 /// A body with given mass [kg] and principal moments [kg m²], still without a shape.
 pub(super) fn lump(mass: f64, inertia: DVec3) -> BodyDesc {
     let inertia = Mat3::from_diagonal(inertia.as_vec3());
-    let mass = MassProperties { mass: mass as f32, center: Vec3::ZERO, inertia };
+    let mass = MassProperties { mass: mass as f32, centre_of_mass: Vec3::ZERO, inertia };
     BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
 }
 

@@ -181,7 +181,7 @@ fn on_slope(
     if let Roller::Hoop = roller {
         // All mass is at the radius, over the width of the cylinder.
         let inertia = Mat3::from_diagonal(Vec3::new(0.16, 0.25, 0.16));
-        body.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia });
+        body.mass = Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia });
     }
     let body = rig.add(&body)?;
     Ok((rig, body, (tilt * Vec3::X).as_dvec3()))

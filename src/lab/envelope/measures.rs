@@ -207,7 +207,8 @@ impl Watch {
             Measure::Depth { .. } => before,
             Measure::Through => {
                 let beyond = |&i: &usize| {
-                    let centre = states[i].position + (states[i].rotation * self.masses[i].center).as_dvec3();
+                    let centre =
+                        states[i].position + (states[i].rotation * self.masses[i].centre_of_mass).as_dvec3();
                     self.boundaries.iter().any(|b| above(b, centre) < 0.0)
                 };
                 let dynamic = |&i: &usize| self.bodies[i].kind == BodyKind::Dynamic;
@@ -242,7 +243,8 @@ impl Watch {
             let state = &states[i];
             // Heights are relative to the start: far from the origin nothing else would be exact.
             let way = state.position - self.bodies[i].position
-                + (state.rotation * mass.center - self.bodies[i].rotation * mass.center).as_dvec3();
+                + (state.rotation * mass.centre_of_mass - self.bodies[i].rotation * mass.centre_of_mass)
+                    .as_dvec3();
             let spin = (state.rotation.inverse() * state.angular).as_dvec3();
             let moments = mass.inertia.as_dmat3() * spin;
             let m = f64::from(mass.mass);

@@ -9,7 +9,8 @@ fn close(a: MassProperties, b: MassProperties, relative: f32) {
     let reach = (size / b.mass).sqrt();
     assert!((a.mass - b.mass).abs() <= relative * b.mass, "{a:?} {b:?}");
     assert!(
-        (a.center - b.center).abs().max_element() <= relative * (reach + b.center.length()),
+        (a.centre_of_mass - b.centre_of_mass).abs().max_element()
+            <= relative * (reach + b.centre_of_mass.length()),
         "{a:?} {b:?}"
     );
     for (x, y) in a.inertia.to_cols_array().into_iter().zip(b.inertia.to_cols_array()) {
@@ -20,7 +21,7 @@ fn close(a: MassProperties, b: MassProperties, relative: f32) {
 fn diagonal(mass: f64, y: f64, x_y_z: [f64; 3]) -> MassProperties {
     MassProperties {
         mass: mass as f32,
-        center: Vec3::new(0.0, y as f32, 0.0),
+        centre_of_mass: Vec3::new(0.0, y as f32, 0.0),
         inertia: Mat3::from_diagonal(DVec3::from_array(x_y_z).as_vec3()),
     }
 }
@@ -115,7 +116,7 @@ fn any_solid_agrees_with_a_count_of_random_points() {
         let inertia = (DMat3::from_diagonal(DVec3::splat(trace)) - spread) * unit;
         let counted = MassProperties {
             mass: (count * unit) as f32,
-            center: centre.as_vec3(),
+            centre_of_mass: centre.as_vec3(),
             inertia: inertia.as_mat3(),
         };
         // Three standard deviations of a count, which is some thousand.
@@ -195,7 +196,7 @@ fn what_no_solid_has_is_refused_by_name() {
     let refused = |m: MassProperties| m.validate().unwrap_err().to_string();
     assert!(refused(MassProperties { mass: 0.0, ..good }).contains("mass must be above zero"));
     assert!(refused(MassProperties { mass: f32::NAN, ..good }).contains("mass must be finite"));
-    assert!(refused(MassProperties { center: Vec3::INFINITY, ..good }).contains("centre of mass"));
+    assert!(refused(MassProperties { centre_of_mass: Vec3::INFINITY, ..good }).contains("centre of mass"));
     let inertia = |x: f32, y: f32, z: f32| Mat3::from_diagonal(Vec3::new(x, y, z));
     assert!(refused(MassProperties { inertia: inertia(1.0, 1.0, -0.1), ..good }).contains("smallest"));
     assert!(refused(MassProperties { inertia: inertia(1.0, 1.0, 2.1), ..good }).contains("largest"));

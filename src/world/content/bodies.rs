@@ -1,12 +1,10 @@
 //! Bodies of the world: add, remove, change, look up.
 
-use super::mass::{columns_of, mass_of, movable};
-use crate::body::{BodyDesc, BodyDetails, BodyKind, Mass, NewBody, Pose, Traits};
-use crate::config::{Continuous, RowGroup};
+use super::mass::{MassColumns, columns_of, mass_of, movable};
+use crate::body::{BodyDesc, BodyKind, Damping, NewBody, Traits};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
-use crate::limits;
 use crate::math::Quat;
 use crate::world::{Change, World};
 use glam::Vec3;
@@ -18,10 +16,10 @@ impl World {
     /// If its description is out of range, a dynamic body has no mass or a shape that only a static one may
     /// have, or the budget does not allow it.
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
-        let (centre, mass) = self.check(desc)?;
+        let mass = self.check(desc)?;
         self.reserve(std::slice::from_ref(desc))?;
         self.note(Change::AddBody(desc));
-        Ok(self.insert(desc, centre, mass))
+        Ok(self.insert(desc, &mass))
     }
 
     /// Adds many bodies: all of them, or none.
@@ -36,7 +34,7 @@ impl World {
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.slots.reserve(shapes);
         self.colliders.reserve(shapes);
-        Ok(descs.iter().zip(masses).map(|(desc, (details, mass))| self.insert(desc, details, mass)).collect())
+        Ok(descs.iter().zip(&masses).map(|(desc, mass)| self.insert(desc, mass)).collect())
     }
 
     /// Removes a body with its shapes.
@@ -137,70 +135,8 @@ impl World {
         self.index(body).is_ok()
     }
 
-    /// The kind of a body: static, kinematic or dynamic.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn kind(&self, body: BodyHandle) -> Result<BodyKind, Error> {
-        Ok(self.bodies.kind[self.index(body)?])
-    }
-
-    /// The caller's number of a body.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn user_data(&self, body: BodyHandle) -> Result<u64, Error> {
-        Ok(self.bodies.details[self.index(body)?].user_data)
-    }
-
-    /// Sets the factor on gravity.
-    ///
-    /// # Errors
-    /// If the handle is stale or the number is beyond 1e6.
-    pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
-        let index = self.index(body)?;
-        limits::acceleration("gravity scale", Vec3::splat(scale))?;
-        self.note(Change::SetGravityScale(body, scale));
-        let index = self.wake_body(index);
-        self.revise(index);
-        self.bodies.traits[index].gravity_scale = scale;
-        Ok(())
-    }
-
-    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes;
-    /// static bodies have none.
-    ///
-    /// # Errors
-    /// If the handle is stale.
-    pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
-        let index = self.index(body)?;
-        self.note(Change::SetContinuous(body, mode));
-        self.revise(index);
-        self.bodies.set_continuous(index, mode);
-        let mode = self.bodies.mode(index);
-        for &c in self.bodies.colliders[index].as_slice() {
-            self.colliders.summaries[c as usize].mode = mode;
-        }
-        Ok(())
-    }
-
-    /// Has the rows of a body solved right after those of a group, or in their own place again; see
-    /// [`BodyDesc::solved_after`].
-    ///
-    /// # Errors
-    /// If the handle is stale or the budget does not allow it.
-    pub fn solve_body_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
-        let index = self.index(body)?;
-        self.reserve_for_solved_after(above.is_some())?;
-        self.note(Change::SolveBodyAfter(body, above));
-        self.revise(index);
-        self.bodies.set_solved_after(index, above);
-        self.joints.changed = true;
-        Ok(())
-    }
-
     /// Checks a description and computes what the body's columns need.
-    fn check(&self, desc: &BodyDesc) -> Result<(BodyDetails, Mass), Error> {
+    fn check(&self, desc: &BodyDesc) -> Result<MassColumns, Error> {
         desc.validate()?;
         let total = desc.mass.unwrap_or_else(|| mass_of(&desc.shapes));
         if desc.kind == BodyKind::Dynamic && desc.mass.is_none() && total.mass <= 0.0 {
@@ -212,16 +148,14 @@ impl World {
         Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
     }
 
-    fn insert(&mut self, desc: &BodyDesc, details: BodyDetails, mass: Mass) -> BodyHandle {
+    fn insert(&mut self, desc: &BodyDesc, columns: &MassColumns) -> BodyHandle {
+        let MassColumns { details, mass, kept } = *columns;
         let rotation = Quat::from(desc.rotation).normalize();
         let locks = Traits::lock_bits(desc.lock_translation, desc.lock_rotation);
         let moves = desc.kind != BodyKind::Static;
         let new = NewBody {
             kind: desc.kind,
-            pose: Pose {
-                position: desc.position + (rotation * details.centre).as_dvec3(),
-                rotation: (rotation * details.axes).normalize(),
-            },
+            pose: details.pose_at(desc.position, rotation),
             velocity: Record {
                 linear: if moves { desc.linear_velocity } else { Vec3::ZERO },
                 angular: if moves { desc.angular_velocity } else { Vec3::ZERO },
@@ -237,6 +171,8 @@ impl World {
                 disabled: false,
             },
             details,
+            damping: Damping { linear: desc.linear_damping, angular: desc.angular_damping },
+            kept_mass: kept,
         };
         let shapes = &mut self.colliders;
         let (slot, generation) = self.bodies.insert(new, |colliders, index| {

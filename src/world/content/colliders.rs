@@ -155,6 +155,16 @@ impl World {
         aabb_of(collider, pose.position, pose.rotation)
     }
 
+    /// The present pose of a collider: the poses that stages read are those of the start of the last step.
+    pub(crate) fn collider_pose(&self, collider: u32) -> Pose {
+        let collider = &self.colliders.all[collider as usize];
+        let body = &self.bodies.pose[collider.body as usize];
+        Pose {
+            position: body.position + (body.rotation * collider.position).as_dvec3(),
+            rotation: body.rotation * collider.rotation,
+        }
+    }
+
     pub(in crate::world) fn place_colliders(&mut self, body: usize) {
         for &collider in self.bodies.colliders[body].as_slice() {
             self.colliders.place(collider, &self.bodies.pose[body]);

@@ -1,6 +1,6 @@
 //! Mass of the world's bodies: given by the caller, or computed from their shapes.
 
-use crate::body::{BodyDetails, BodyKind, Mass, Pose};
+use crate::body::{BodyDetails, BodyKind, KeptMass, Mass, Pose, RareCounts};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::math::Quat;
@@ -17,6 +17,58 @@ impl World {
         Ok(self.bodies.details[self.index(body)?].mass)
     }
 
+    /// Mass, centre of mass and inertia of a body in its own axes, as if no axis were locked. Of a static or
+    /// kinematic body those that it would have as a dynamic one, all zero if it has none.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn mass_properties(&self, body: BodyHandle) -> Result<MassProperties, Error> {
+        let index = self.index(body)?;
+        let (details, moments) = (&self.bodies.details[index], self.bodies.mass[index].inertia);
+        if self.bodies.kind[index] == BodyKind::Dynamic {
+            let BodyDetails { mass, centre, axes, .. } = *details;
+            return Ok(MassProperties::from_principal(mass, centre, moments, axes));
+        }
+        Ok(self.idle_mass(index))
+    }
+
+    /// Whether the mass of a body follows from its shapes and their densities, and was not given.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn has_mass_from_shapes(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(self.bodies.details[self.index(body)?].mass_from_shapes)
+    }
+
+    /// The mass that a static or kinematic body would have as a dynamic one.
+    fn idle_mass(&self, index: usize) -> MassProperties {
+        let details = &self.bodies.details[index];
+        if details.mass_from_shapes {
+            let parts: Vec<MassProperties> = self.parts_of(index).collect();
+            return MassProperties::combine(&parts);
+        }
+        let kept = self.bodies.rare.kept_mass.get(self.bodies.slot[index]);
+        kept.map_or(MassProperties::ZERO, |KeptMass { mass, moments }| {
+            MassProperties::from_principal(mass, details.centre, moments, details.axes)
+        })
+    }
+
+    /// The mass of a body that is to become dynamic.
+    ///
+    /// # Errors
+    /// If it has none, or a shape that a dynamic body can't have.
+    pub(in crate::world) fn mass_as_dynamic(&self, index: usize) -> Result<MassProperties, Error> {
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.all[c as usize].geometry.require_convex()?;
+        }
+        let mass = self.idle_mass(index);
+        if mass.mass <= 0.0 {
+            return Err(Error::NoMass);
+        }
+        movable(&mass)?;
+        Ok(mass)
+    }
+
     /// Replaces the mass of a body; from now on it does not follow from the shapes.
     ///
     /// # Errors
@@ -25,6 +77,9 @@ impl World {
         let index = self.index(body)?;
         mass.validate()?;
         movable(&mass)?;
+        if self.bodies.kind[index] != BodyKind::Dynamic {
+            self.reserve_for_rare(RareCounts { kept_masses: 1, ..RareCounts::default() })?;
+        }
         self.note(Change::SetMass(body, mass));
         let index = self.wake_body(index);
         self.revise(index);
@@ -52,8 +107,9 @@ impl World {
     /// Moves the centre of mass and the principal axes; the colliders stay in place.
     pub(in crate::world) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
         let old = self.bodies.details[index];
-        let (details, columns) =
+        let MassColumns { details, mass: columns, kept } =
             columns_of(mass, self.bodies.kind[index], old.user_data, old.mass_from_shapes);
+        self.bodies.rare.kept_mass.set(self.bodies.slot[index], kept);
         let pose = self.bodies.pose[index];
         let body = pose.rotation * old.axes.conjugate();
         let shift = body * (details.centre - old.centre);
@@ -103,12 +159,20 @@ pub(in crate::world) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
 }
 
 /// The column entries for a body's mass.
+pub(in crate::world) struct MassColumns {
+    pub(in crate::world) details: BodyDetails,
+    pub(in crate::world) mass: Mass,
+    /// If it was given, and the body is not dynamic.
+    pub(in crate::world) kept: Option<KeptMass>,
+}
+
+/// Computes the column entries for a body's mass.
 pub(in crate::world) fn columns_of(
     mass: &MassProperties,
     kind: BodyKind,
     user_data: u64,
     mass_from_shapes: bool,
-) -> (BodyDetails, Mass) {
+) -> MassColumns {
     // Rounding must not turn the axes of a body that is aligned with them already.
     let (m, tiny) =
         (mass.inertia, 1e-6 * mass.inertia.x_axis.x.max(mass.inertia.y_axis.y).max(mass.inertia.z_axis.z));
@@ -120,10 +184,13 @@ pub(in crate::world) fn columns_of(
         (moments, axes.into())
     };
     let over = |x: f32| if x > 0.0 && x.is_finite() { 1.0 / x } else { 0.0 };
-    let details = BodyDetails { centre: mass.center, axes, mass: mass.mass, mass_from_shapes, user_data };
+    let details =
+        BodyDetails { centre: mass.centre_of_mass, axes, mass: mass.mass, mass_from_shapes, user_data };
     if kind != BodyKind::Dynamic {
-        return (BodyDetails { mass: 0.0, ..details }, Mass::default());
+        let kept = (!mass_from_shapes).then_some(KeptMass { mass: mass.mass, moments });
+        return MassColumns { details: BodyDetails { mass: 0.0, ..details }, mass: Mass::default(), kept };
     }
     let inverse_inertia = Vec3::new(over(moments.x), over(moments.y), over(moments.z));
-    (details, Mass { inverse: over(mass.mass), inertia: moments, inverse_inertia })
+    let columns = Mass { inverse: over(mass.mass), inertia: moments, inverse_inertia };
+    MassColumns { details, mass: columns, kept: None }
 }

@@ -2,12 +2,16 @@
 
 mod bodies;
 mod colliders;
+mod extents;
 mod joint_changes;
 mod joint_readings;
 mod joints;
 mod mass;
 mod motion;
 mod ragdolls;
+mod reshape;
 mod shapes;
+mod traits;
 
+pub use extents::Aabb;
 pub(crate) use motion::finite_position;

@@ -1,6 +1,6 @@
 //! Poses and velocities of bodies: look up, set, push.
 
-use crate::body::{BodyKind, Pose};
+use crate::body::{BodyKind, RareCounts, Target};
 use crate::error::Error;
 use crate::forces::world_inertia;
 use crate::handle::BodyHandle;
@@ -76,10 +76,8 @@ impl World {
         let rotation = unit;
         let index = self.disturb(index);
         let details = &self.bodies.details[index];
-        self.bodies.pose[index] = Pose {
-            position: position + (rotation * details.centre).as_dvec3(),
-            rotation: (rotation * details.axes).normalize(),
-        };
+        self.bodies.pose[index] = details.pose_at(position, rotation);
+        self.bodies.rare.targets.set(body.slot, None);
         self.place_colliders(index);
         self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
@@ -102,20 +100,65 @@ impl World {
         limits::speed("linear velocity", linear)?;
         limits::speed("angular velocity", angular)?;
         self.note(Change::SetVelocity(body, linear, angular));
-        if self.bodies.kind[index] != BodyKind::Static {
-            let index = self.wake_body(index);
-            let velocity = &mut self.bodies.velocity[index];
-            (velocity.linear, velocity.angular) = (linear, angular);
-        }
+        self.put_velocity(index, Some(linear), Some(angular));
         Ok(())
     }
 
-    /// Gives a kinematic body the velocity that takes its origin to a pose within the next step of `dt`
-    /// seconds.
+    /// Sets the velocity of a body's centre of mass [m/s]. Has no effect on a static body.
     ///
     /// # Errors
-    /// If the handle is stale, the pose is not one, `dt` is not the length of a step, or the velocity is
-    /// beyond [`limits::MAX_SPEED`].
+    /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
+    pub fn set_linear_velocity(&mut self, body: BodyHandle, linear: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::speed("linear velocity", linear)?;
+        self.note(Change::SetLinearVelocity(body, linear));
+        self.put_velocity(index, Some(linear), None);
+        Ok(())
+    }
+
+    /// Sets the angular velocity of a body about the world's axes [rad/s]. Has no effect on a static body.
+    ///
+    /// # Errors
+    /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
+    pub fn set_angular_velocity(&mut self, body: BodyHandle, angular: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::speed("angular velocity", angular)?;
+        self.note(Change::SetAngularVelocity(body, angular));
+        self.put_velocity(index, None, Some(angular));
+        Ok(())
+    }
+
+    fn put_velocity(&mut self, index: usize, linear: Option<Vec3>, angular: Option<Vec3>) {
+        if self.bodies.kind[index] == BodyKind::Static {
+            return;
+        }
+        let index = self.wake_body(index);
+        let velocity = &mut self.bodies.velocity[index];
+        velocity.linear = linear.unwrap_or(velocity.linear);
+        velocity.angular = angular.unwrap_or(velocity.angular);
+        self.bodies.rare.targets.set(self.bodies.slot[index], None);
+    }
+
+    /// Velocity of the point of a body that is at a point of the world now [m/s].
+    ///
+    /// # Errors
+    /// If the handle is stale or the point is beyond [`limits::MAX_POSITION`].
+    pub fn velocity_at(&self, body: BodyHandle, point: DVec3) -> Result<Vec3, Error> {
+        let index = self.index(body)?;
+        limits::position(point)?;
+        let (pose, velocity) = (&self.bodies.pose[index], &self.bodies.velocity[index]);
+        Ok(velocity.linear + velocity.angular.cross((point - pose.position).as_vec3()))
+    }
+
+    /// Moves a kinematic body to a pose of its origin within the next step, which takes `dt` seconds: gives
+    /// it the velocity that leads there, and after the step it is exactly where [`World::set_pose`] would
+    /// have put it. In a step of another length, and in the steps after, it moves on with that velocity. The
+    /// last call before a step counts; setting the pose or the velocity takes it back. Any other body just
+    /// gets the velocity.
+    ///
+    /// # Errors
+    /// If the handle is stale, the pose is not one, `dt` is not the length of a step, the velocity is beyond
+    /// [`limits::MAX_SPEED`], or the budget does not allow it.
     pub fn move_kinematic(
         &mut self,
         body: BodyHandle,
@@ -125,11 +168,13 @@ impl World {
     ) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::position(position)?;
+        let given = rotation;
         let rotation = unit_quat("rotation", rotation)?;
         limits::step(dt)?;
+        let target = Target { position, rotation, dt };
         let (pose, details) = (&self.bodies.pose[index], &self.bodies.details[index]);
-        let target = position + (rotation * details.centre).as_dvec3();
-        let linear = ((target - pose.position) / f64::from(dt)).as_vec3();
+        let centre = position + (rotation * details.centre).as_dvec3();
+        let linear = ((centre - pose.position) / f64::from(dt)).as_vec3();
         let mut turn = rotation * details.axes * pose.rotation.conjugate();
         if turn.w < 0.0 {
             turn = -turn;
@@ -138,7 +183,18 @@ impl World {
         let part = turn.xyz();
         let sine = part.length();
         let angle = if sine > 0.0 { 2.0 * libm::atan2f(sine, turn.w) / sine } else { 2.0 };
-        self.set_velocity(body, linear, part * (angle / dt))
+        let angular = part * (angle / dt);
+        limits::speed("linear velocity", linear)?;
+        limits::speed("angular velocity", angular)?;
+        let kinematic = self.bodies.kind[index] == BodyKind::Kinematic;
+        if kinematic {
+            self.reserve_for_rare(RareCounts { targets: 1, ..RareCounts::default() })?;
+        }
+        // As given: normalising twice may change a bit.
+        self.note(Change::MoveKinematic(body, position, given, dt));
+        self.put_velocity(index, Some(linear), Some(angular));
+        self.bodies.rare.targets.set(body.slot, kinematic.then_some(target));
+        Ok(())
     }
 
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
@@ -163,6 +219,38 @@ impl World {
         Ok(())
     }
 
+    /// Adds a force [N] at a point of the world to a dynamic body, for the next step.
+    ///
+    /// # Errors
+    /// As for [`World::add_force`]; the torque follows from the point. Also if the point is beyond
+    /// [`limits::MAX_POSITION`].
+    pub fn add_force_at(&mut self, body: BodyHandle, force: Vec3, point: DVec3) -> Result<(), Error> {
+        limits::position(point)?;
+        let arm = (point - self.bodies.pose[self.index(body)?].position).as_vec3();
+        self.add_force(body, force, arm.cross(force))
+    }
+
+    /// Changes the angular velocity of a dynamic body by an impulse about its centre of mass [N m s].
+    ///
+    /// # Errors
+    /// If the handle is stale, a number is beyond [`limits::MAX_FORCE`], or the velocity would be beyond
+    /// [`limits::MAX_SPEED`].
+    pub fn apply_angular_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::force("angular impulse", impulse)?;
+        let dynamic = self.bodies.kind[index] == BodyKind::Dynamic;
+        let velocity = self.after_impulses(index, Vec3::ZERO, impulse);
+        if dynamic {
+            limits::speed("angular velocity after the impulse", velocity.angular)?;
+        }
+        self.note(Change::ApplyAngularImpulse(body, impulse));
+        if dynamic {
+            let index = self.wake_body(index);
+            self.bodies.velocity[index] = velocity;
+        }
+        Ok(())
+    }
+
     /// Changes the velocity of a dynamic body by an impulse [N s] at a point of the world [m].
     ///
     /// # Errors
@@ -173,7 +261,8 @@ impl World {
         limits::force("impulse", impulse)?;
         limits::position(point)?;
         let dynamic = self.bodies.kind[index] == BodyKind::Dynamic;
-        let velocity = self.after_impulse(index, impulse, point);
+        let arm = (point - self.bodies.pose[index].position).as_vec3();
+        let velocity = self.after_impulses(index, impulse, arm.cross(impulse));
         if dynamic {
             limits::speed("linear velocity after the impulse", velocity.linear)?;
             limits::speed("angular velocity after the impulse", velocity.angular)?;
@@ -186,10 +275,9 @@ impl World {
         Ok(())
     }
 
-    /// The velocity of a body after an impulse at a point.
-    fn after_impulse(&self, index: usize, impulse: Vec3, point: DVec3) -> Record {
-        let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
-        let t = (point - pose.position).as_vec3().cross(impulse);
+    /// The velocity of a body after an impulse at its centre of mass, and `t` about it.
+    fn after_impulses(&self, index: usize, impulse: Vec3, t: Vec3) -> Record {
+        let mass = &self.bodies.mass[index];
         let inverse = world_inertia(&self.bodies, index);
         let mut velocity = self.bodies.velocity[index];
         velocity.linear += impulse * mass.inverse;

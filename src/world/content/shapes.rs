@@ -89,12 +89,12 @@ impl World {
         Ok(self.bodies.colliders[index].as_slice().iter().map(|&c| self.shape_handle(c)))
     }
 
-    /// Form of a shape.
+    /// The body that a shape is on.
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn geometry(&self, shape: ShapeHandle) -> Result<&Geometry, Error> {
-        Ok(&self.colliders.all[self.collider(shape)? as usize].geometry)
+    pub fn body_of(&self, shape: ShapeHandle) -> Result<BodyHandle, Error> {
+        Ok(self.handle_of(self.colliders.all[self.collider(shape)? as usize].body as usize))
     }
 
     /// Friction and restitution of a shape.
@@ -122,6 +122,14 @@ impl World {
         Ok(())
     }
 
+    /// Which shapes a shape collides with.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn filter(&self, shape: ShapeHandle) -> Result<Filter, Error> {
+        Ok(self.colliders.all[self.collider(shape)? as usize].filter)
+    }
+
     /// Changes which shapes a shape collides with.
     ///
     /// # Errors
@@ -135,6 +143,22 @@ impl World {
         self.broad.touch(index);
         self.disturb_box(&self.bounds(index));
         Ok(())
+    }
+
+    /// Whether contacts of a shape are reported as events.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn listens_to_events(&self, shape: ShapeHandle) -> Result<bool, Error> {
+        Ok(self.colliders.summaries[self.collider(shape)? as usize].has_events())
+    }
+
+    /// Whether contacts of a shape are passed to hooks.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn listens_to_hooks(&self, shape: ShapeHandle) -> Result<bool, Error> {
+        Ok(self.colliders.summaries[self.collider(shape)? as usize].has_hooks())
     }
 
     /// Sets whether contacts of a shape are reported as events, and whether they are passed to hooks. A shape
@@ -162,6 +186,14 @@ impl World {
         }
         self.revise(body);
         Ok(())
+    }
+
+    /// Whether a shape is a sensor.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn is_sensor(&self, shape: ShapeHandle) -> Result<bool, Error> {
+        Ok(self.colliders.summaries[self.collider(shape)? as usize].is_sensor())
     }
 
     /// Makes a shape a sensor, or solid again.
@@ -193,5 +225,17 @@ impl World {
     /// If the handle is stale.
     pub fn shape_user_data(&self, shape: ShapeHandle) -> Result<u64, Error> {
         Ok(self.colliders.all[self.collider(shape)? as usize].user_data)
+    }
+
+    /// Replaces the caller's number of a shape.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_shape_user_data(&mut self, shape: ShapeHandle, user_data: u64) -> Result<(), Error> {
+        let index = self.collider(shape)? as usize;
+        self.note(Change::SetShapeUserData(shape, user_data));
+        self.revise(self.colliders.all[index].body as usize);
+        self.colliders.all[index].user_data = user_data;
+        Ok(())
     }
 }

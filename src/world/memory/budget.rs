@@ -1,6 +1,6 @@
 //! Memory that the world holds, and that its budget allows.
 
-use crate::body::{BodyDesc, BodyKind};
+use crate::body::{BodyDesc, BodyKind, RareCounts};
 use crate::broad_phase::Population;
 use crate::config::{ContinuousMethod, Settings};
 use crate::constraint::WIDEST_JOINT_BATCH;
@@ -9,7 +9,7 @@ use crate::finish;
 use crate::joint::JointAdditions;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
-use crate::shape::{Kind, ShapeDesc};
+use crate::shape::{Geometry, Kind, ShapeDesc};
 use crate::world::World;
 
 /// Numbers of entries, present or future, in the buffers that a step can't do without.
@@ -20,6 +20,8 @@ pub(in crate::world) struct Counts {
     pub(in crate::world) dynamic: usize,
     pub(in crate::world) colliders: Population,
     pub(in crate::world) solved_after: bool,
+    /// Bodies with data that few have.
+    pub(in crate::world) rare: RareCounts,
     /// Whether there are joints, and meshes or height fields.
     pub(in crate::world) joined: bool,
     pub(in crate::world) meshed: bool,
@@ -146,6 +148,12 @@ impl World {
             more.dynamic += usize::from(pushed);
             more.once.add(Category::Bodies, list_bytes(0, desc.shapes.len()));
             more.solved_after |= desc.solved_after.is_some();
+            more.rare = more.rare
+                + RareCounts {
+                    damped: usize::from(desc.linear_damping > 0.0 || desc.angular_damping > 0.0),
+                    kept_masses: usize::from(!pushed && desc.mass.is_some()),
+                    targets: 0,
+                };
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         more
@@ -168,12 +176,55 @@ impl World {
         self.reserve_for(more, true)
     }
 
+    /// Reserves entries for another form of a shape.
+    pub(in crate::world) fn reserve_for_geometry(&mut self, geometry: &Geometry) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let (once, assets) = self.assets.cost(std::iter::once(geometry));
+        let mut more = Counts { once, assets, ..Counts::default() };
+        let kind = Kind::of(geometry);
+        more.meshed = matches!(kind, Kind::Mesh | Kind::HeightField);
+        more.colliders.endless = usize::from(kind == Kind::Plane);
+        self.reserve_for(more, false)
+    }
+
     /// Reserves sort keys for contacts of bodies that are solved after a group.
     pub(in crate::world) fn reserve_for_solved_after(&mut self, solved_after: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
         self.reserve_for(Counts { solved_after, ..Counts::default() }, false)
+    }
+
+    /// Reserves entries for bodies with data that few have.
+    pub(in crate::world) fn reserve_for_rare(&mut self, rare: RareCounts) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        self.reserve_for(Counts { rare, ..Counts::default() }, false)
+    }
+
+    /// Reserves entries for a body that becomes one of another kind.
+    pub(in crate::world) fn reserve_for_kind(&mut self, index: usize, kind: BodyKind) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let is = |kind: BodyKind| self.bodies.kind[index] == kind;
+        let mut more = Counts {
+            movers: usize::from(is(BodyKind::Static)),
+            dynamic: usize::from(kind == BodyKind::Dynamic),
+            rare: RareCounts { kept_masses: usize::from(is(BodyKind::Dynamic)), ..RareCounts::default() },
+            ..Counts::default()
+        };
+        if is(BodyKind::Static) != (kind == BodyKind::Static) {
+            for &c in self.bodies.colliders[index].as_slice() {
+                more.add_collider(kind, self.colliders.all[c as usize].kind);
+            }
+        }
+        // Their slots exist already.
+        more.colliders.slots = 0;
+        self.reserve_for(more, false)
     }
 
     /// Creates the column of forces, which exists only once a force was applied.
@@ -318,6 +369,7 @@ impl World {
             meets: more.meets || self.settings.method.meets_impacts(),
             solved_after: more.solved_after || self.bodies.solved_after_groups().next().is_some(),
             assets: self.assets.list.len() + more.assets,
+            rare: self.bodies.rare.counts() + more.rare,
             ..more
         }
     }
@@ -331,6 +383,7 @@ impl World {
     ) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
+        self.bodies.rare.each(n.rare, &mut |buffer, len| f(Bodies, buffer, len));
         self.colliders.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));

@@ -1,7 +1,7 @@
 //! Memory for restoring a snapshot, requested from the budget before anything changes.
 
 use super::budget::{Counts, check, list_bytes};
-use crate::body::{BodyKind, Traits};
+use crate::body::{BodyKind, Damping, NewBody, RareCounts};
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
@@ -25,6 +25,8 @@ pub(crate) struct Brings<'a> {
     pub(crate) sleeping_pairs: usize,
     pub(crate) contacts: ContactCount,
     pub(crate) forced: bool,
+    /// Number of kinematic bodies that are to be somewhere after the next step.
+    pub(crate) targets: usize,
     pub(crate) rests: bool,
     /// `None` if bodies, shapes and joints stay as they are.
     pub(crate) new: Option<Replacement<'a>>,
@@ -45,8 +47,14 @@ impl<'a> Replacement<'a> {
     }
 
     /// A body with shapes of these kinds.
-    pub(crate) fn add(&mut self, kind: BodyKind, traits: &Traits, shapes: impl Iterator<Item = Kind>) {
-        let counts = &mut self.counts;
+    pub(crate) fn add(&mut self, body: &NewBody, shapes: impl Iterator<Item = Kind>) {
+        let (counts, kind, traits) = (&mut self.counts, body.kind, &body.traits);
+        let rare = RareCounts {
+            damped: usize::from(body.damping != Damping::default()),
+            kept_masses: usize::from(body.kept_mass.is_some()),
+            targets: 0,
+        };
+        counts.rare = counts.rare + rare;
         counts.movers += usize::from(kind != BodyKind::Static);
         counts.solved_after |= traits.solved_after.is_some();
         counts.dynamic += usize::from(kind == BodyKind::Dynamic && !traits.disabled);
@@ -95,12 +103,16 @@ impl World {
             (brings.rests || brings.settings.sleeping, brings.settings.method.meets_impacts());
         if let Some(new) = &brings.new {
             let forced = brings.forced;
-            self.each_buffer(Counts { rests, meets, forced, once: Amounts::default(), ..new.counts }, f);
+            let rare = RareCounts { targets: brings.targets, ..new.counts.rare };
+            let once = Amounts::default();
+            self.each_buffer(Counts { rests, meets, forced, once, rare, ..new.counts }, f);
             self.joints.each(new.joints.more(), &mut |buffer, len| f(Category::Joints, buffer, len));
         } else {
             if brings.forced && !now.forced {
                 f(Category::Bodies, &mut self.bodies.force, now.bodies);
             }
+            let rare = RareCounts { targets: brings.targets, ..RareCounts::default() };
+            self.bodies.rare.each(rare, &mut |buffer, len| f(Category::Bodies, buffer, len));
             let switched = Counts { rests: rests && !now.rests, meets: meets && !now.meets, ..now };
             self.each_of_switched(switched, f);
         }

@@ -9,7 +9,7 @@ use crate::config::tuning::{
 use crate::config::{FrictionModel, Settings};
 use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
 use crate::finish::Counts;
-use crate::forces::Forces;
+use crate::forces::{Forces, damp};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
@@ -254,6 +254,13 @@ impl World {
         }
     }
 
+    /// Takes away half of the velocity that damped bodies lose in a step.
+    pub(crate) fn damp(&mut self, dt: f32) {
+        if self.bodies.rare.damping.len() > 0 {
+            damp(&mut self.bodies, dt);
+        }
+    }
+
     /// Clears forces, which last for one step.
     pub(crate) fn forget_forces(&mut self) {
         self.bodies.forget_forces(self.settings.budget.is_none());
@@ -364,7 +371,9 @@ impl World {
             settings: &self.settings,
             dt,
         };
-        meet_impacts(workers, &mut solved, &mut buffers.impacts, allowance)
+        let impacts = meet_impacts(workers, &mut solved, &mut buffers.impacts, allowance);
+        finish::reach_targets(&mut self.bodies, dt);
+        impacts
     }
 }
 

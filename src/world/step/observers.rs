@@ -1,13 +1,13 @@
 //! Observers: recorders of changes to a world, and meters of its steps. A world owns and calls them; how they
 //! use the calls is up to them.
 
-use crate::body::BodyDesc;
+use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{Filter, MassProperties, Material, ShapeDesc};
+use crate::shape::{Filter, Geometry, MassProperties, Material, ShapeDesc};
 use crate::world::{Stage, World};
 use glam::{DVec3, Vec3};
 
@@ -54,6 +54,18 @@ pub(crate) enum Change<'a> {
     SendToSleep(BodyHandle),
     SetCanSleep(BodyHandle, bool),
     SetEnabled(BodyHandle, bool),
+    SetKind(BodyHandle, BodyKind),
+    SetUserData(BodyHandle, u64),
+    SetDamping(BodyHandle, f32, f32),
+    SetLocks(BodyHandle, [bool; 3], [bool; 3]),
+    SetLinearVelocity(BodyHandle, Vec3),
+    SetAngularVelocity(BodyHandle, Vec3),
+    MoveKinematic(BodyHandle, DVec3, glam::Quat, f32),
+    ApplyAngularImpulse(BodyHandle, Vec3),
+    SetShapeUserData(ShapeHandle, u64),
+    SetGeometry(ShapeHandle, &'a Geometry),
+    SetShapePose(ShapeHandle, Vec3, glam::Quat),
+    SetDensity(ShapeHandle, f32),
 }
 
 /// Records the changes and the steps of a world.

@@ -97,6 +97,7 @@ impl World {
         self.keep_rest();
         self.events.start();
         self.faults.forget();
+        self.sleep.fell_asleep.clear();
         self.buffers.dt = dt;
         clock
     }
@@ -110,6 +111,7 @@ impl World {
         self.report = StepReport::new(self, times, did);
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
+        self.bodies.rare.targets.clear();
         self.stage = None;
     }
 }

@@ -73,7 +73,9 @@ fn a_change_of_mass_leaves_joints_where_they_are() {
     world.remove_shape(shape).unwrap();
     same(&world, "a shape less");
     let inertia = Mat3::from_diagonal(Vec3::new(1.0, 2.0, 2.5));
-    world.set_mass(a, MassProperties { mass: 7.0, center: Vec3::new(0.1, 0.2, -0.3), inertia }).unwrap();
+    world
+        .set_mass(a, MassProperties { mass: 7.0, centre_of_mass: Vec3::new(0.1, 0.2, -0.3), inertia })
+        .unwrap();
     same(&world, "another mass");
     // And nothing pulls, as nothing moved.
     world.step(DT).unwrap();

@@ -113,7 +113,7 @@ fn hub(rods: u32, mass_of_all: f32) -> (f64, f64) {
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let lump = |mass: f32, inertia: f32, at: DVec3| {
         let inertia = Mat3::from_diagonal(Vec3::splat(inertia));
-        let mass = Some(MassProperties { mass, center: Vec3::ZERO, inertia });
+        let mass = Some(MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia });
         BodyDesc { mass, ..BodyDesc::dynamic().at(at) }
     };
     let hub = world.add_body(&lump(2000.0, 200.0, DVec3::ZERO)).unwrap();

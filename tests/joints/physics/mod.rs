@@ -32,7 +32,7 @@ fn ground(world: &mut World) -> BodyHandle {
 
 /// A body without a shape.
 fn lump(mass: f32, inertia: Vec3) -> BodyDesc {
-    let mass = MassProperties { mass, center: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
+    let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
     BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
 }
 

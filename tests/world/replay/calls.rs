@@ -137,7 +137,7 @@ impl Churn {
             self.bodies.extend(self.world.add_body(&desc));
             return self.look_up();
         }
-        let (body, what) = (self.random.of(&self.bodies), self.random.below(31));
+        let (body, what) = (self.random.of(&self.bodies), self.random.below(43));
         let shape = self.shapes.get(self.random.below(self.shapes.len())).copied();
         let Some(shape) = shape else { return };
         let joint = self.joints.get(self.random.below(self.joints.len().max(1))).copied();
@@ -170,7 +170,8 @@ impl Churn {
             16 => world.set_continuous(body, if yes { Continuous::Volume } else { Continuous::Discrete }),
             17 => world.solve_body_after(body, above),
             18 => {
-                let mass = MassProperties { mass: 50.0, center: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
+                let mass =
+                    MassProperties { mass: 50.0, centre_of_mass: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
                 world.set_mass(body, mass)
             }
             19 => {
@@ -192,6 +193,24 @@ impl Churn {
             25 => world.send_to_sleep(body),
             26 => world.set_can_sleep(body, yes),
             30 => world.set_enabled(body, yes || also),
+            31 => {
+                let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic, BodyKind::Dynamic];
+                world.set_kind(body, kinds[usize::from(yes) + 2 * usize::from(also)])
+            }
+            32 => world.set_user_data(body, v.x.to_bits().into()),
+            33 => world.set_damping(body, if yes { v.x.abs() } else { 0.0 }, w.x.abs()),
+            34 => world.set_locks(body, [false, yes && also, false], [yes, false, also]),
+            35 => world.set_linear_velocity(body, v * 10.0),
+            36 => world.set_angular_velocity(body, w * 10.0),
+            37 => world.apply_angular_impulse(body, w * 20.0),
+            38 => world.set_shape_user_data(shape, w.x.to_bits().into()),
+            39 => {
+                let geometry = self.geometry(yes || also);
+                self.world.set_geometry(shape, geometry)
+            }
+            40 => world.set_shape_pose(shape, v * 0.1, q),
+            41 => world.set_density(shape, if yes && also { 0.0 } else { 1000.0 * (1.0 + v.x) }),
+            42 => world.add_force_at(body, v * 1e4, w.as_dvec3()),
             27 => world.set_origin((v * 1000.0).as_dvec3()),
             28 => {
                 let settings = self.settings();
@@ -260,7 +279,7 @@ fn change_joint(
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 46] = [
+const CALLS: [&str; 58] = [
     "add_bodies",
     "add_body",
     "add_force",
@@ -268,10 +287,12 @@ const CALLS: [&str; 46] = [
     "add_joints",
     "add_shape",
     "again",
+    "apply_angular_impulse",
     "apply_impulse",
     "height_field",
     "hull",
     "mesh",
+    "move_kinematic",
     "name_recorded",
     "solve_body_after",
     "solve_joint_after",
@@ -279,10 +300,14 @@ const CALLS: [&str; 46] = [
     "remove_joint",
     "remove_shape",
     "send_to_sleep",
+    "set_angular_velocity",
     "set_can_sleep",
     "set_continuous",
+    "set_damping",
+    "set_density",
     "set_enabled",
     "set_filter",
+    "set_geometry",
     "set_gravity_scale",
     "set_joint_drive",
     "remove_joint_drive",
@@ -296,13 +321,19 @@ const CALLS: [&str; 46] = [
     "set_joint_strength",
     "set_joint_thresholds",
     "set_joint_user_data",
+    "set_kind",
+    "set_linear_velocity",
     "set_listening",
+    "set_locks",
     "set_mass",
     "set_material",
     "set_origin",
     "set_pose",
     "set_sensor",
     "set_settings",
+    "set_shape_pose",
+    "set_shape_user_data",
+    "set_user_data",
     "set_velocity",
     "step",
     "wake",
@@ -355,7 +386,7 @@ fn no_method_is_forgotten() {
     const OTHERS: [(&str, &str); 10] = [
         ("remove_bodies", "calls remove_body"),
         ("restore", "is refused while a run is recorded"),
-        ("move_kinematic", "calls set_velocity"),
+        ("add_force_at", "calls add_force"),
         ("step", "calls step_with"),
         ("step_with", "step_taped writes it"),
         ("start_recording", "is not of the run"),

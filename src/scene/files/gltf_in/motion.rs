@@ -36,7 +36,7 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
         let center = finite3("centre of mass", center.into())?;
         // Only the centre: the inertia about it stays that of the shapes about theirs, as if the shapes were
         // shifted to it.
-        mass.center = (scale * center.as_dvec3()).as_vec3();
+        mass.centre_of_mass = (scale * center.as_dvec3()).as_vec3();
     }
     if let Some(diagonal) = motion.inertia_diagonal {
         let diagonal = finite3("inertia", diagonal.into())?;
@@ -83,7 +83,7 @@ fn from_shapes(desc: &BodyDesc, mass: Option<f32>) -> MassProperties {
     }
     // It has no shapes, so its inertia has no visible effect: take that of a mass 1 m away from the axis.
     let mass = mass.unwrap_or(1.0);
-    MassProperties { mass, center: Vec3::ZERO, inertia: Mat3::from_diagonal(Vec3::splat(mass)) }
+    MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(Vec3::splat(mass)) }
 }
 
 /// Axes of infinite inertia (zero in the file) can't turn: the body's lock is about the world's axes, so the

@@ -129,7 +129,7 @@ fn mass_comes_from_the_file_or_from_the_shapes() {
     assert!((mass.inertia - glam::Mat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-5));
     let moved = body(json!({ "mass": 6.0, "centerOfMass": [0, 0.25, 0], "inertiaDiagonal": [1, 2, 2] }));
     let mass = moved.mass.unwrap();
-    assert_eq!((mass.center, mass.inertia.y_axis.y), (Vec3::new(0.0, 0.25, 0.0), 2.0));
+    assert_eq!((mass.centre_of_mass, mass.inertia.y_axis.y), (Vec3::new(0.0, 0.25, 0.0), 2.0));
 }
 
 #[test]

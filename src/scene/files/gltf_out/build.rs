@@ -234,7 +234,7 @@ fn motion(desc: &BodyDesc) -> Value {
     if let Some(mass) = mass {
         let (moments, axes) = mass.principal();
         motion["mass"] = json!(mass.mass);
-        motion["centerOfMass"] = json!(mass.center.to_array());
+        motion["centerOfMass"] = json!(mass.centre_of_mass.to_array());
         motion["inertiaDiagonal"] = json!(moments.to_array());
         motion["inertiaOrientation"] = json!(axes.to_array());
     }

@@ -1,0 +1,166 @@
+//! What few bodies have, by slot: a body without it pays nothing, neither in bytes nor in a step.
+
+use crate::math::Quat;
+use crate::memory::{Buffer, List, buffers, bytes_of};
+use glam::{DVec3, Vec3};
+
+/// Rates at which a dynamic body loses velocity [1/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Damping {
+    pub(crate) linear: f32,
+    pub(crate) angular: f32,
+}
+
+/// Mass of a body that is not dynamic, and its principal moments: given by the caller, for the time when the
+/// body becomes dynamic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct KeptMass {
+    pub(crate) mass: f32,
+    pub(crate) moments: Vec3,
+}
+
+/// Where the origin of a kinematic body is to be at the end of the next step, if that takes `dt` seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Target {
+    pub(crate) position: DVec3,
+    pub(crate) rotation: Quat,
+    pub(crate) dt: f32,
+}
+
+/// Entries by body slot, sorted.
+#[derive(Debug)]
+pub(crate) struct BySlot<T>(Vec<(u32, T)>);
+
+impl<T> Default for BySlot<T> {
+    fn default() -> Self {
+        BySlot(Vec::new())
+    }
+}
+
+impl<T: Copy> BySlot<T> {
+    pub(crate) fn get(&self, slot: u32) -> Option<T> {
+        self.find(slot).ok().map(|place| self.0[place].1)
+    }
+
+    /// Sets or removes the entry of a slot.
+    pub(crate) fn set(&mut self, slot: u32, entry: Option<T>) {
+        match (self.find(slot), entry) {
+            (Ok(place), Some(entry)) => self.0[place].1 = entry,
+            (Ok(place), None) => drop(self.0.remove(place)),
+            (Err(place), Some(entry)) => self.0.insert(place, (slot, entry)),
+            (Err(_), None) => {}
+        }
+    }
+
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = (u32, T)> + '_ {
+        self.0.iter().copied()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn find(&self, slot: u32) -> Result<usize, usize> {
+        // Most come in the order of their slots.
+        if self.0.last().is_none_or(|last| last.0 < slot) {
+            return Err(self.0.len());
+        }
+        self.0.binary_search_by_key(&slot, |entry| entry.0)
+    }
+}
+
+impl<T> List for BySlot<T> {
+    fn bytes(&self) -> (usize, usize) {
+        bytes_of(&self.0)
+    }
+    fn each(&mut self, len: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.0, len);
+    }
+}
+
+/// What few bodies have.
+#[derive(Debug, Default)]
+pub(crate) struct RareColumns {
+    pub(crate) damping: BySlot<Damping>,
+    pub(crate) kept_mass: BySlot<KeptMass>,
+    pub(crate) targets: BySlot<Target>,
+}
+
+/// How many bodies have each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RareCounts {
+    pub(crate) damped: usize,
+    pub(crate) kept_masses: usize,
+    pub(crate) targets: usize,
+}
+
+buffers! {
+    RareColumns {
+        each(n: RareCounts) { damping(n.damped), kept_mass(n.kept_masses), targets(n.targets) }
+    }
+}
+
+impl RareColumns {
+    pub(crate) fn counts(&self) -> RareCounts {
+        RareCounts {
+            damped: self.damping.len(),
+            kept_masses: self.kept_mass.len(),
+            targets: self.targets.len(),
+        }
+    }
+
+    pub(crate) fn damping(&self, slot: u32) -> Damping {
+        self.damping.get(slot).unwrap_or_default()
+    }
+
+    pub(crate) fn set_damping(&mut self, slot: u32, damping: Damping) {
+        self.damping.set(slot, Some(damping).filter(|damping| *damping != Damping::default()));
+    }
+
+    /// The body in a slot is gone.
+    pub(super) fn forget(&mut self, slot: u32) {
+        self.damping.set(slot, None);
+        self.kept_mass.set(slot, None);
+        self.targets.set(slot, None);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.damping.clear();
+        self.kept_mass.clear();
+        self.targets.clear();
+    }
+}
+
+impl std::ops::Add for RareCounts {
+    type Output = RareCounts;
+
+    fn add(self, more: RareCounts) -> RareCounts {
+        RareCounts {
+            damped: self.damped + more.damped,
+            kept_masses: self.kept_masses + more.kept_masses,
+            targets: self.targets + more.targets,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_found_by_slot_in_whatever_order_they_come() {
+        let mut entries = BySlot::default();
+        for slot in [7u32, 3, 9, 1] {
+            entries.set(slot, Some(slot * 10));
+        }
+        entries.set(3, None);
+        entries.set(8, None);
+        entries.set(9, Some(5));
+        assert_eq!(entries.iter().collect::<Vec<_>>(), [(1, 10), (7, 70), (9, 5)]);
+        assert_eq!([0, 3, 7, 10].map(|slot| entries.get(slot)), [None, None, Some(70), None]);
+    }
+}

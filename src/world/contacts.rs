@@ -1,0 +1,254 @@
+//! Contacts of the last step for the caller, in world space.
+
+use super::World;
+use crate::body::{BodyKind, Pose, exp_map};
+use crate::broad_phase::Pair;
+use crate::config::tuning::TOUCH_DISTANCE;
+use crate::error::Error;
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::Quat;
+use crate::narrow_phase::{ContactRef, MAX_POINTS, NO_CONTACT, Point, Relative};
+use crate::shape::Kind;
+use glam::{DVec3, Vec3};
+
+/// A contact of a body with another one: up to four points with one normal. Two shapes may have several, if
+/// one is a mesh or a height field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BodyContact {
+    /// The shape of the body that was asked for, and the other one.
+    pub shapes: [ShapeHandle; 2],
+    /// The body that was asked for, and the other one.
+    pub bodies: [BodyHandle; 2],
+    /// Unit, from the first shape to the second: the contact pushes the body that was asked for against it.
+    pub normal: Vec3,
+    points: [ContactPoint; MAX_POINTS],
+    count: u8,
+}
+
+/// A point of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ContactPoint {
+    /// Midway between the two surfaces, where the bodies are now, in the world [m].
+    pub position: DVec3,
+    /// Distance of the surfaces along the normal where the bodies are now, negative in overlap [m].
+    pub separation: f32,
+    /// Normal impulse of the last substep, at least zero [N s]: divided by the length of the substep, the
+    /// normal force.
+    pub impulse: f32,
+}
+
+impl BodyContact {
+    /// Its points: at least one.
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..usize::from(self.count)]
+    }
+
+    /// Sum of the normal impulses of its points in the last substep, at least zero [N s].
+    pub fn impulse(&self) -> f32 {
+        self.points().iter().map(|point| point.impulse).sum()
+    }
+}
+
+impl World {
+    /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
+    /// vetoed; those with static geometry among them. Sensors have none. In an order that only the past
+    /// depends on. Looks through all pairs of the world, and allocates nothing.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn contacts_of(&self, body: BodyHandle) -> Result<impl Iterator<Item = BodyContact> + '_, Error> {
+        let index = self.index(body)?;
+        let own = move |c: u32| self.colliders.summaries[c as usize].body as usize == index;
+        // An awake dynamic body has none with islands that sleep.
+        let asleep = (index >= self.bodies.dynamic()).then(|| self.sleep.sleeping_pairs());
+        let pairs = self.broad.pairs.iter().chain(asleep.into_iter().flatten());
+        let met = pairs.filter(move |pair| {
+            pair.contact != NO_CONTACT
+                && (own(pair.a) || own(pair.b))
+                && self.events.vetoed.binary_search(&(pair.a, pair.b)).is_err()
+        });
+        Ok(met.flat_map(move |pair| self.contacts_of_pair(pair, own(pair.b))))
+    }
+
+    /// The contacts of a pair that touch or pushed; `turned`: with the second shape as the first.
+    fn contacts_of_pair(&self, pair: &Pair, turned: bool) -> impl Iterator<Item = BodyContact> + '_ {
+        let touching = TOUCH_DISTANCE * self.settings.length_unit;
+        let next = |slot: u32| Some(slot).filter(|&slot| slot != NO_CONTACT);
+        let all = std::iter::successors(next(pair.contact), move |&slot| next(self.contacts.at(slot).next));
+        all.map(|slot| self.contacts.at(slot))
+            .filter(move |contact| {
+                contact.points().iter().any(|p| p.separation <= touching || p.impulse > 0.0)
+            })
+            .map(move |contact| self.body_contact(contact, turned))
+    }
+
+    fn body_contact(&self, contact: ContactRef<'_>, turned: bool) -> BodyContact {
+        let now = relative_now(self, contact);
+        let bodies = [contact.a, contact.b].map(|c| self.colliders.summaries[c as usize].body as usize);
+        let mut found = BodyContact {
+            shapes: [contact.a, contact.b].map(|c| self.shape_handle(c)),
+            bodies: bodies.map(|index| self.handle_of(index)),
+            normal: Vec3::ZERO,
+            points: Default::default(),
+            count: contact.points().len() as u8,
+        };
+        let gaps = contact.separations(&now);
+        for ((to, point), gap) in found.points.iter_mut().zip(contact.points()).zip(gaps) {
+            let Place { on_a, normal, gap } = place_of(self, contact, point, gap, &now);
+            let position = on_a + (normal * (0.5 * gap)).as_dvec3();
+            *to = ContactPoint { position, separation: gap, impulse: point.impulse };
+            found.normal = normal;
+        }
+        if turned {
+            found.shapes.reverse();
+            found.bodies.reverse();
+            found.normal = -found.normal;
+        }
+        found
+    }
+
+    /// Awake dynamic bodies.
+    pub fn awake_bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
+        (0..self.bodies.dynamic()).map(|index| self.handle_of(index))
+    }
+
+    /// Bodies that the last step moved: dynamic ones that were awake in it, also if they fell asleep at its
+    /// end, and kinematic ones with a velocity. The time is that for the bodies which are awake, not for all
+    /// of the world: for a game that draws what moved.
+    ///
+    /// To be called after a step, before other calls change bodies: it also lists those that were added,
+    /// woken or given a velocity since.
+    pub fn moved_bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
+        let bodies = &self.bodies;
+        let end = |index: usize| if self.buffers.dt > 0.0 { index } else { 0 };
+        let moves = |&index: &usize| {
+            let velocity = &bodies.velocity[index];
+            bodies.kind[index] == BodyKind::Dynamic
+                || velocity.linear != Vec3::ZERO
+                || velocity.angular != Vec3::ZERO
+        };
+        let moved = (0..end(bodies.movers())).filter(moves).map(|index| self.handle_of(index));
+        let tired = self.sleep.fell_asleep.iter().copied();
+        moved.chain(tired.filter(|&body| self.is_asleep(body).unwrap_or(false)))
+    }
+}
+
+/// Pose of the second shape in the frame of the first, now.
+pub(crate) fn relative_now(world: &World, contact: ContactRef<'_>) -> Relative {
+    let [a, b] = [contact.a, contact.b].map(|c| world.collider_pose(c));
+    let back = a.rotation.conjugate();
+    Relative { position: back * (b.position - a.position).as_vec3(), rotation: back * b.rotation }
+}
+
+/// A point of contact where the bodies are now.
+pub(crate) struct Place {
+    /// On the surface of the first shape [m].
+    pub(crate) on_a: DVec3,
+    /// Unit, from the first shape to the second.
+    pub(crate) normal: Vec3,
+    /// From there to the surface of the second, negative in overlap [m].
+    pub(crate) gap: f32,
+}
+
+/// Where a point of contact is now. `gap`: its separation now, if the bodies did not roll; `now`: the pose of
+/// the second shape in the frame of the first.
+pub(crate) fn place_of(
+    world: &World,
+    contact: ContactRef<'_>,
+    point: &Point,
+    gap: f32,
+    now: &Relative,
+) -> Place {
+    if contact.fraction > 0.0 {
+        ahead(world, contact, point)
+    } else {
+        at_start(world, contact, point, gap, now)
+    }
+}
+
+/// A point that was found at the poses of the start of a step.
+fn at_start(world: &World, contact: ContactRef<'_>, point: &Point, gap: f32, now: &Relative) -> Place {
+    let a = world.collider_pose(contact.a);
+    if is_round(world, contact) {
+        // The point does not rotate with a rolling shape.
+        let start = world.colliders.poses[contact.a as usize].rotation;
+        let normal = start * contact.normal;
+        let on_a = start * point.position - normal * (0.5 * point.found);
+        return Place { on_a: a.position + on_a.as_dvec3(), normal, gap };
+    }
+    // The point moves with both bodies. Midway between its two positions is midway between the surfaces.
+    let turn = now.rotation * contact.found_at.rotation.conjugate();
+    let on_b = now.position + turn * (point.position - contact.found_at.position);
+    let on_a = (point.position + on_b) * 0.5 - contact.normal * (0.5 * gap);
+    Place { on_a: a.position + (a.rotation * on_a).as_dvec3(), normal: a.rotation * contact.normal, gap }
+}
+
+/// Whether the first shape touches with a round side.
+fn is_round(world: &World, contact: ContactRef<'_>) -> bool {
+    match world.colliders.all[contact.a as usize].kind {
+        Kind::Sphere | Kind::Capsule => true,
+        Kind::Cylinder => contact.count < 3,
+        _ => false,
+    }
+}
+
+/// A point that was found at a first touch within the step. Its separation was extrapolated back from there
+/// along the predicted motion, to first order; here it is carried forward along the actual motion.
+fn ahead(world: &World, contact: ContactRef<'_>, point: &Point) -> Place {
+    let [a, b] = [contact.a, contact.b].map(|c| Way::of(world, c));
+    let normal = a.shape * contact.normal;
+    let arm_a = a.lever + a.shape * point.position;
+    let between = (a.start.position - b.start.position).as_vec3();
+    let arm_b = arm_a + between + (a.predicted.0 - b.predicted.0) * contact.fraction;
+    let closing = |(way_a, turn_a): (Vec3, Vec3), (way_b, turn_b): (Vec3, Vec3)| {
+        normal.dot(way_a - way_b + turn_a.cross(arm_a) - turn_b.cross(arm_b))
+    };
+    // Other points than those that touched first were still apart there.
+    let apart = point.found - (contact.fraction * closing(a.predicted, b.predicted)).max(0.0);
+    let gap = point.found - closing(a.gone, b.gone);
+    let on_a = arm_a - normal * (0.5 * apart);
+    let rest = if is_round(world, contact) { 0.0 } else { 1.0 - contact.fraction };
+    Place { on_a: a.end + (exp_map(a.gone.1 * rest) * on_a).as_dvec3(), normal, gap }
+}
+
+/// The motion of a collider's body in the last step: displacements [m] and rotation vectors [rad].
+struct Way {
+    start: Pose,
+    /// Rotation of the shape at the start.
+    shape: Quat,
+    /// From the body's centre of mass to the shape's origin at the start [m].
+    lever: Vec3,
+    end: DVec3,
+    predicted: (Vec3, Vec3),
+    gone: (Vec3, Vec3),
+}
+
+impl Way {
+    fn of(world: &World, c: u32) -> Way {
+        let collider = &world.colliders.all[c as usize];
+        let (placed, end) = (&world.colliders.poses[c as usize], &world.bodies.pose[collider.body as usize]);
+        let rotation = placed.rotation * collider.rotation.conjugate();
+        let lever = rotation * collider.position;
+        let start = Pose { position: placed.position - lever.as_dvec3(), rotation };
+        let motion = world.buffers.forces.motion.get(collider.body as usize);
+        Way {
+            shape: placed.rotation,
+            lever,
+            end: end.position,
+            predicted: motion.map_or((Vec3::ZERO, Vec3::ZERO), |m| (m.linear, m.angular)),
+            gone: ((end.position - start.position).as_vec3(), turn_between(rotation, end.rotation)),
+            start,
+        }
+    }
+}
+
+/// The rotation vector that leads from one rotation to another, of at most half a turn [rad].
+fn turn_between(from: Quat, to: Quat) -> Vec3 {
+    let q = to * from.conjugate();
+    let q = if q.w < 0.0 { -q } else { q };
+    let sine = q.xyz().length();
+    // For a small angle, twice the sine of its half.
+    q.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, q.w) / sine }
+}

@@ -1,0 +1,240 @@
+//! Traits of the world's bodies: look up and change what their descriptions said.
+
+use crate::body::{BodyKind, Damping, KeptMass, RareCounts, Traits};
+use crate::config::{Continuous, RowGroup};
+use crate::error::Error;
+use crate::handle::BodyHandle;
+use crate::lanes::Record;
+use crate::limits;
+use crate::world::{Change, World};
+use glam::Vec3;
+
+impl World {
+    /// The kind of a body: static, kinematic or dynamic.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn kind(&self, body: BodyHandle) -> Result<BodyKind, Error> {
+        Ok(self.bodies.kind[self.index(body)?])
+    }
+
+    /// Makes a body static, kinematic or dynamic. It keeps its handle, pose, shapes and joints, and its
+    /// velocity unless it becomes static; forces that were added for the next step are dropped. A body that
+    /// becomes dynamic gets its given mass again, or that of its shapes. Joints between bodies of which none
+    /// is dynamic stay, and have no effect meanwhile.
+    ///
+    /// # Errors
+    /// If the handle is stale; if a body that would become dynamic has no mass, or a shape that a dynamic one
+    /// can't have; or if the budget does not allow it.
+    pub fn set_kind(&mut self, body: BodyHandle, kind: BodyKind) -> Result<(), Error> {
+        let index = self.index(body)?;
+        if self.bodies.kind[index] == kind {
+            return Ok(());
+        }
+        let mass = if kind == BodyKind::Dynamic { Some(self.mass_as_dynamic(index)?) } else { None };
+        self.reserve_for_kind(index, kind)?;
+        self.note(Change::SetKind(body, kind));
+        let index = self.disturb(index);
+        self.revise(index);
+        self.each_collider_of(index, World::leave_broad);
+        let index = self.become_kind(index, kind);
+        if let Some(mass) = mass {
+            self.bodies.rare.kept_mass.set(body.slot, None);
+            self.replace_mass(index, &mass);
+        }
+        self.pass_mode_on(index);
+        self.place_colliders(index);
+        self.each_collider_of(index, World::enter_broad);
+        self.revise(index);
+        self.joints.changed = true;
+        Ok(())
+    }
+
+    /// Gives a body its new place in the columns, without the mass of a dynamic one; returns its new index.
+    fn become_kind(&mut self, index: usize, kind: BodyKind) -> usize {
+        let World { bodies, colliders, .. } = self;
+        let (slot, was) = (bodies.slot[index], bodies.kind[index]);
+        if was == BodyKind::Dynamic {
+            let (details, mass) = (&mut bodies.details[index], bodies.mass[index]);
+            let kept = KeptMass { mass: details.mass, moments: mass.inertia };
+            let given = !details.mass_from_shapes;
+            details.mass = 0.0;
+            bodies.rare.kept_mass.set(slot, given.then_some(kept));
+            bodies.set_mass(index, crate::body::Mass::default());
+        }
+        bodies.rare.targets.set(slot, None);
+        if kind == BodyKind::Static {
+            bodies.velocity[index] = Record::default();
+        }
+        if let Some(force) = bodies.force.get_mut(index) {
+            *force = Record::default();
+        }
+        if let Some(rest) = bodies.rest.get_mut(index) {
+            *rest = 0.0;
+        }
+        bodies.set_kind(index as u32, kind, |own, index| colliders.follow_all(own, index)) as usize
+    }
+
+    /// Calls `f` with each collider of a body.
+    fn each_collider_of(&mut self, index: usize, f: impl Fn(&mut World, u32)) {
+        for place in 0..self.bodies.colliders[index].as_slice().len() {
+            let collider = self.bodies.colliders[index].as_slice()[place];
+            f(self, collider);
+        }
+    }
+
+    /// The caller's number of a body.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn user_data(&self, body: BodyHandle) -> Result<u64, Error> {
+        Ok(self.bodies.details[self.index(body)?].user_data)
+    }
+
+    /// Replaces the caller's number of a body.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_user_data(&mut self, body: BodyHandle, user_data: u64) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.note(Change::SetUserData(body, user_data));
+        self.revise(index);
+        self.bodies.details[index].user_data = user_data;
+        Ok(())
+    }
+
+    /// The factor on gravity of a body.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn gravity_scale(&self, body: BodyHandle) -> Result<f32, Error> {
+        Ok(self.bodies.traits[self.index(body)?].gravity_scale)
+    }
+
+    /// Sets the factor on gravity.
+    ///
+    /// # Errors
+    /// If the handle is stale or the number is beyond 1e6.
+    pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::acceleration("gravity scale", Vec3::splat(scale))?;
+        self.note(Change::SetGravityScale(body, scale));
+        let index = self.wake_body(index);
+        self.revise(index);
+        self.bodies.traits[index].gravity_scale = scale;
+        Ok(())
+    }
+
+    /// Linear and angular damping of a body [1/s]; see
+    /// [`BodyDesc::linear_damping`](crate::BodyDesc::linear_damping).
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn damping(&self, body: BodyHandle) -> Result<(f32, f32), Error> {
+        let index = self.index(body)?;
+        let Damping { linear, angular } = self.bodies.rare.damping(self.bodies.slot[index]);
+        Ok((linear, angular))
+    }
+
+    /// Sets linear and angular damping of a body [1/s]. Without effect while it is not dynamic. A sleeping
+    /// body goes on sleeping: it has no velocity to lose.
+    ///
+    /// # Errors
+    /// If the handle is stale, a number is not in 0..=[`limits::MAX_DAMPING`], or the budget does not allow
+    /// it.
+    pub fn set_damping(&mut self, body: BodyHandle, linear: f32, angular: f32) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::damping("linear damping", linear)?;
+        limits::damping("angular damping", angular)?;
+        self.reserve_for_rare(RareCounts { damped: 1, ..RareCounts::default() })?;
+        self.note(Change::SetDamping(body, linear, angular));
+        self.revise(index);
+        self.bodies.rare.set_damping(self.bodies.slot[index], Damping { linear, angular });
+        Ok(())
+    }
+
+    /// World axes along which a body can't move, and those about which it can't turn.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn locks(&self, body: BodyHandle) -> Result<([bool; 3], [bool; 3]), Error> {
+        let locks = self.bodies.traits[self.index(body)?].locks;
+        let bits = |from: u8| std::array::from_fn(|axis| locks >> (from + axis as u8) & 1 != 0);
+        Ok((bits(0), bits(3)))
+    }
+
+    /// Sets the world axes along which a body can't move, and those about which it can't turn: see
+    /// [`BodyDesc::lock_translation`](crate::BodyDesc::lock_translation). The next step takes away the
+    /// velocity that it has along and about them.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_locks(
+        &mut self,
+        body: BodyHandle,
+        translation: [bool; 3],
+        rotation: [bool; 3],
+    ) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.note(Change::SetLocks(body, translation, rotation));
+        let index = self.wake_body(index);
+        self.revise(index);
+        self.bodies.set_locks(index, Traits::lock_bits(translation, rotation));
+        // A body that can't rotate is in no tree.
+        self.joints.changed = true;
+        Ok(())
+    }
+
+    /// How a body is kept from passing through others.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn continuous(&self, body: BodyHandle) -> Result<Continuous, Error> {
+        Ok(self.bodies.traits[self.index(body)?].continuous)
+    }
+
+    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes;
+    /// static bodies have none.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.note(Change::SetContinuous(body, mode));
+        self.revise(index);
+        self.bodies.set_continuous(index, mode);
+        self.pass_mode_on(index);
+        Ok(())
+    }
+
+    /// Tells the shapes of a body how it is kept from passing through others.
+    fn pass_mode_on(&mut self, index: usize) {
+        let mode = self.bodies.mode(index);
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.summaries[c as usize].mode = mode;
+        }
+    }
+
+    /// The group after which the rows of a body are solved, if any.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn solved_after(&self, body: BodyHandle) -> Result<Option<RowGroup>, Error> {
+        Ok(self.bodies.traits[self.index(body)?].solved_after)
+    }
+
+    /// Has the rows of a body solved right after those of a group, or in their own place again; see
+    /// [`BodyDesc::solved_after`](crate::BodyDesc::solved_after).
+    ///
+    /// # Errors
+    /// If the handle is stale or the budget does not allow it.
+    pub fn solve_body_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.reserve_for_solved_after(above.is_some())?;
+        self.note(Change::SolveBodyAfter(body, above));
+        self.revise(index);
+        self.bodies.set_solved_after(index, above);
+        self.joints.changed = true;
+        Ok(())
+    }
+}
