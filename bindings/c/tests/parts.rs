@@ -93,6 +93,33 @@ fn shared_shapes_live_as_long_as_somebody_has_them() {
     assert_eq!(count, 36);
 }
 
+/// Expected: two triangles of a square, its corners in the order that was given; two triangles for each cell.
+#[test]
+fn meshes_and_fields_tell_their_triangles() {
+    let square = [vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0)];
+    let indices = [0_u32, 1, 2, 0, 2, 3, 0, 0, 1];
+    let heights = [0.0_f32; 6];
+    let (mut mesh, mut field, mut count) = (null(), null(), 0);
+    let mut corners = [vec3(9.0, 9.0, 9.0); 3];
+    // SAFETY: all pointers are to what lives here.
+    unsafe {
+        ok(bs_mesh_create(square.as_ptr(), 4, indices.as_ptr(), 3, &mut mesh));
+        ok(bs_mesh_triangle_count(mesh, &mut count));
+        assert_eq!(count, 2);
+        ok(bs_mesh_corners(mesh, 0, corners.as_mut_ptr()));
+        assert!(corners.iter().all(|corner| square.contains(corner)));
+        assert_eq!(bs_mesh_corners(mesh, 2, corners.as_mut_ptr()), BS_ERROR_CONSTANT);
+        bs_mesh_release(mesh);
+        ok(bs_height_field_create(3, 2, 1.0, 1.0, heights.as_ptr(), &mut field));
+        ok(bs_height_field_triangle_count(field, &mut count));
+        assert_eq!(count, 4);
+        ok(bs_height_field_corners(field, 3, corners.as_mut_ptr()));
+        bs_height_field_release(field);
+        let huge = usize::MAX / 2;
+        assert_eq!(bs_height_field_create(huge, 4, 1.0, 1.0, heights.as_ptr(), &mut field), BS_ERROR_NULL);
+    }
+}
+
 /// Expected: a ball that falls from rest crosses a box at its own time, `v = g t` on the way.
 #[test]
 fn a_sensor_notices_what_falls_through_it() {
