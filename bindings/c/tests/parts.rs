@@ -291,3 +291,27 @@ fn the_model_names_what_the_content_needs() {
     };
     assert_eq!((needed("joints"), needed("friction")), (Some(0), Some(1)));
 }
+
+/// Expected: threads that only read get the answer of one alone, and none is refused.
+#[test]
+fn any_number_of_threads_may_ask_at_once() {
+    let world = world();
+    add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
+    let ray = BsRay { from: dvec3(0.0, 5.0, 0.0), path: vec3(0.0, -10.0, 0.0), reserved: 0 };
+    // The address crosses threads; the interface says that it may.
+    let address = world.0 as usize;
+    let ask = move || {
+        let (mut hit, world) = (BsHit::default(), address as *const BsWorld);
+        for _ in 0..1000 {
+            // SAFETY: the world outlives the scope of the threads.
+            ok(unsafe { bs_world_cast_ray(world, ray, null(), &mut hit) });
+        }
+        hit
+    };
+    let hits: Vec<_> = std::thread::scope(|scope| {
+        let threads = [0; 4].map(|_| scope.spawn(ask));
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    // The top is at 1.5 m: 3.5 m of 10.
+    assert!(hits.iter().all(|hit| *hit == hits[0] && (hit.fraction - 0.35).abs() < 1e-6));
+}
