@@ -567,11 +567,16 @@ typedef struct BsJoint {
     uint32_t generation;
 } BsJoint;
 
-// Sliding or turning, one of `BS_MOTION_...`.
-typedef uint32_t BsMotion;
+// What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
+typedef uint32_t BsJointKind;
 
-// Which axes of a joint's first frame, one of `BS_AXIS_...`, `BS_AROUND_...` and `BS_AXES_ALL`.
-typedef uint32_t BsJointAxes;
+// Where a joint sits on a body, in the body's own axes and from its origin.
+typedef struct BsFrame {
+    // [m]
+    struct BsVec3 position;
+    // The joint's x, y and z in the body's axes.
+    struct BsQuat rotation;
+} BsFrame;
 
 // What a spring's numbers are, one of `BS_SPRING_...`.
 typedef uint32_t BsSpringKind;
@@ -585,6 +590,12 @@ typedef struct BsSpring {
     // By its kind.
     float damping;
 } BsSpring;
+
+// Sliding or turning, one of `BS_MOTION_...`.
+typedef uint32_t BsMotion;
+
+// Which axes of a joint's first frame, one of `BS_AXIS_...`, `BS_AROUND_...` and `BS_AXES_ALL`.
+typedef uint32_t BsJointAxes;
 
 // Keeps a displacement within a range. A range of no width locks.
 typedef struct BsLimitDesc {
@@ -619,17 +630,6 @@ typedef struct BsDriveDesc {
     // The most force [N] or torque [N m]; infinity for no bound.
     float max_force;
 } BsDriveDesc;
-
-// What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
-typedef uint32_t BsJointKind;
-
-// Where a joint sits on a body, in the body's own axes and from its origin.
-typedef struct BsFrame {
-    // [m]
-    struct BsVec3 position;
-    // The joint's x, y and z in the body's axes.
-    struct BsQuat rotation;
-} BsFrame;
 
 // A joint to be added. The relative motion is that of the second frame as seen from the first.
 typedef struct BsJointDesc {
@@ -1044,6 +1044,12 @@ typedef struct BsModelPart {
 // Refused for a reason that this header has no code for; `bs_last_error` has its words.
 #define BS_ERROR_OTHER 24
 
+// Three `double`s: in the world [m].
+#define BS_POSITIONS_F64 0
+
+// Three `float`s: relative to the world's origin [m].
+#define BS_POSITIONS_F32 1
+
 // Nothing: it has no velocity.
 #define BS_BODY_STATIC 0
 
@@ -1061,12 +1067,6 @@ typedef struct BsModelPart {
 
 // The z axis.
 #define BS_AXIS_BIT_Z 4
-
-// Three `double`s: in the world [m].
-#define BS_POSITIONS_F64 0
-
-// Three `float`s: relative to the world's origin [m].
-#define BS_POSITIONS_F32 1
 
 // A shape on a body.
 #define BS_ELEMENT_SHAPE 0
@@ -1370,6 +1370,9 @@ BS_API BsStatus bs_mesh_retain(const struct BsMesh *mesh);
 // One reference less. Null is no mesh, and fine.
 BS_API void bs_mesh_release(const struct BsMesh *mesh);
 
+// Number of triangles of a mesh: what is left of those that were given.
+BS_API BsStatus bs_mesh_triangle_count(const struct BsMesh *mesh, size_t *count);
+
 // The three corners of a triangle of a mesh [m], by the index that queries report.
 BS_API BsStatus bs_mesh_corners(const struct BsMesh *mesh, uint32_t triangle, struct BsVec3 *corners);
 
@@ -1389,14 +1392,14 @@ BS_API BsStatus bs_height_field_retain(const struct BsHeightField *field);
 // One reference less. Null is no height field, and fine.
 BS_API void bs_height_field_release(const struct BsHeightField *field);
 
+// Number of triangles of a height field.
+BS_API BsStatus bs_height_field_triangle_count(const struct BsHeightField *field, size_t *count);
+
 // The three corners of a triangle of a height field [m], by the index that queries report.
 BS_API
 BsStatus bs_height_field_corners(const struct BsHeightField *field,
                                  uint32_t triangle,
                                  struct BsVec3 *corners);
-
-// A dynamic body at the origin, at rest, without shapes.
-BS_API struct BsBodyDesc bs_body_desc_default(void);
 
 // Adds a body.
 BS_API BsStatus bs_world_add_body(struct BsWorld *world, const struct BsBodyDesc *desc, struct BsBody *body);
@@ -1516,6 +1519,9 @@ BsStatus bs_world_read_bodies(const struct BsWorld *world,
                               const struct BsBody *bodies,
                               size_t count,
                               const struct BsColumns *into);
+
+// A dynamic body at the origin, at rest, without shapes.
+BS_API struct BsBodyDesc bs_body_desc_default(void);
 
 // A character of 1.8 m and 80 kg.
 BS_API struct BsCharacterSettings bs_character_settings_default(void);
@@ -1654,22 +1660,6 @@ BsStatus bs_sensor_visitors(const struct BsWorld *world,
                             size_t capacity,
                             size_t *count);
 
-// A rigid limit.
-BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
-
-// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m]; friction at speed zero.
-BS_API struct BsDriveDesc bs_motor_desc(BsMotion motion, BsJointAxes axis, float velocity, float max_force);
-
-// A spring towards a position [m] or [rad].
-BS_API
-struct BsDriveDesc bs_spring_desc(BsMotion motion,
-                                  BsJointAxes axis,
-                                  float position,
-                                  struct BsSpring spring);
-
-// A joint of a kind between the origins of two bodies.
-BS_API struct BsJointDesc bs_joint_desc_default(BsJointKind kind, struct BsBody a, struct BsBody b);
-
 // Adds a joint. `joint` may be null.
 BS_API
 BsStatus bs_world_add_joint(struct BsWorld *world,
@@ -1725,6 +1715,22 @@ BS_API BsStatus bs_joint_solve_after(struct BsWorld *world, struct BsJoint joint
 
 // The caller's number of a joint.
 BS_API BsStatus bs_joint_user_data(const struct BsWorld *world, struct BsJoint joint, uint64_t *user_data);
+
+// A rigid limit.
+BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
+
+// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m]; friction at speed zero.
+BS_API struct BsDriveDesc bs_motor_desc(BsMotion motion, BsJointAxes axis, float velocity, float max_force);
+
+// A spring towards a position [m] or [rad].
+BS_API
+struct BsDriveDesc bs_spring_desc(BsMotion motion,
+                                  BsJointAxes axis,
+                                  float position,
+                                  struct BsSpring spring);
+
+// A joint of a kind between the origins of two bodies.
+BS_API struct BsJointDesc bs_joint_desc_default(BsJointKind kind, struct BsBody a, struct BsBody b);
 
 // A solid that is turned and then moved [m], as from a shape's frame into its body's.
 BS_API
@@ -1843,6 +1849,14 @@ BsStatus bs_world_closest_point(const struct BsWorld *world,
                                 float distance,
                                 const struct BsQueryFilter *filter,
                                 struct BsClosestPoint *closest);
+
+// Whether any shape is within a distance [m] of a point [m]; inside counts.
+BS_API
+BsStatus bs_world_closest_point_any(const struct BsWorld *world,
+                                    struct BsDVec3 point,
+                                    float distance,
+                                    const struct BsQueryFilter *filter,
+                                    BsBool *any);
 
 // The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
 BS_API

@@ -180,6 +180,17 @@ pub unsafe extern "C" fn bs_mesh_release(mesh: *const BsMesh) {
     unsafe { release(mesh) }
 }
 
+/// Number of triangles of a mesh: what is left of those that were given.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_mesh_triangle_count(mesh: *const BsMesh, count: *mut usize) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (mesh, out) = unsafe { (share(mesh)?, Out::new("the count", count)?) };
+        out.set(mesh.triangle_count());
+        Ok(())
+    })
+}
+
 /// The three corners of a triangle of a mesh [m], by the index that queries report.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_mesh_corners(
@@ -235,6 +246,20 @@ pub unsafe extern "C" fn bs_height_field_retain(field: *const BsHeightField) -> 
 pub unsafe extern "C" fn bs_height_field_release(field: *const BsHeightField) {
     // SAFETY: the caller keeps to the header.
     unsafe { release(field) }
+}
+
+/// Number of triangles of a height field.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_height_field_triangle_count(
+    field: *const BsHeightField,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (field, out) = unsafe { (share(field)?, Out::new("the count", count)?) };
+        out.set(field.triangle_count());
+        Ok(())
+    })
 }
 
 /// The three corners of a triangle of a height field [m], by the index that queries report.

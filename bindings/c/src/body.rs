@@ -1,149 +1,21 @@
 //! Bodies: added, looked up, moved, changed, removed.
 
-pub mod bulk;
+mod bulk;
+mod desc;
+
+pub use bulk::*;
+pub use desc::*;
+
+pub(crate) use desc::write_kind;
 
 use crate::abi::guard::{call, value_or};
-use crate::abi::pointers::{Buffer, Out, borrow, slice};
-use crate::abi::sized::{described, read, read_all};
+use crate::abi::pointers::{Buffer, Out, slice};
+use crate::abi::sized::{read, read_all};
 use crate::abi::status::{BsStatus, Outcome};
-use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsQuat, BsVec3, codes};
-use crate::mass::BsMassProperties;
-use crate::settings::{
-    BS_CONTINUOUS_SEGMENT, BS_ROWS_NONE, BsContinuous, BsRowGroup, read_continuous, read_place,
-};
-use crate::shape::BsShapeDesc;
+use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsVec3};
+use crate::settings::{BsContinuous, BsRowGroup, read_continuous, read_place};
 use crate::world::{BsWorld, changing, reading};
-use backstop::{BodyDesc, BodyHandle, BodyKind};
-use std::ptr::null;
-
-/// What moves a body, one of `BS_BODY_...`.
-pub type BsBodyKind = u32;
-/// Nothing: it has no velocity.
-pub const BS_BODY_STATIC: BsBodyKind = 0;
-/// Its velocity alone: it pushes and is not pushed.
-pub const BS_BODY_KINEMATIC: BsBodyKind = 1;
-/// Forces and contacts.
-pub const BS_BODY_DYNAMIC: BsBodyKind = 2;
-
-codes! { "kind of body", read_kind, write_kind, BodyKind {
-    BS_BODY_STATIC = BodyKind::Static,
-    BS_BODY_KINEMATIC = BodyKind::Kinematic,
-    BS_BODY_DYNAMIC = BodyKind::Dynamic,
-} }
-
-/// Axes of the world that a body can't move along or turn about, as bits: x is 1, y is 2, z is 4.
-pub type BsAxes = u8;
-/// The x axis.
-pub const BS_AXIS_BIT_X: BsAxes = 1;
-/// The y axis.
-pub const BS_AXIS_BIT_Y: BsAxes = 2;
-/// The z axis.
-pub const BS_AXIS_BIT_Z: BsAxes = 4;
-
-/// A body to be added.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsBodyDesc {
-    /// Size of this struct; `bs_body_desc_default` fills it in.
-    pub size: u32,
-    /// What moves it. Default dynamic.
-    pub kind: BsBodyKind,
-    /// Where its origin is [m].
-    pub position: BsDVec3,
-    /// How its axes are turned.
-    pub rotation: BsQuat,
-    /// Velocity of its centre of mass [m/s].
-    pub linear_velocity: BsVec3,
-    /// About the world's axes [rad/s].
-    pub angular_velocity: BsVec3,
-    /// Its shapes; several make a compound. Each has the size that the first says.
-    pub shapes: *const BsShapeDesc,
-    /// Number of shapes.
-    pub shape_count: usize,
-    /// Mass, centre and inertia; null: from the shapes and their densities.
-    pub mass: *const BsMassProperties,
-    /// Factor on gravity. Default 1.
-    pub gravity_scale: f32,
-    /// How it is kept from passing through others. Default `BS_CONTINUOUS_SEGMENT`.
-    pub continuous: BsContinuous,
-    /// Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
-    pub solved_after: BsRowGroup,
-    /// World axes along which it can't move, as bits of `BS_AXIS_BIT_...`.
-    pub lock_translation: BsAxes,
-    /// World axes about which it can't turn.
-    pub lock_rotation: BsAxes,
-    /// Whether it may fall asleep. Default yes.
-    pub can_sleep: BsBool,
-    /// Zero.
-    pub reserved: u8,
-    /// Free for the caller.
-    pub user_data: u64,
-}
-
-described! { BsBodyDesc, bs_body_desc_default(), [
-    size, kind, position, rotation, linear_velocity, angular_velocity, shapes, shape_count, mass,
-    gravity_scale, continuous, solved_after, lock_translation, lock_rotation, can_sleep, reserved, user_data,
-] }
-
-/// A dynamic body at the origin, at rest, without shapes.
-#[unsafe(no_mangle)]
-pub extern "C" fn bs_body_desc_default() -> BsBodyDesc {
-    BsBodyDesc {
-        size: size_of::<BsBodyDesc>() as u32,
-        kind: BS_BODY_DYNAMIC,
-        position: BsDVec3::default(),
-        rotation: BsQuat::IDENTITY,
-        linear_velocity: BsVec3::default(),
-        angular_velocity: BsVec3::default(),
-        shapes: null(),
-        shape_count: 0,
-        mass: null(),
-        gravity_scale: 1.0,
-        continuous: BS_CONTINUOUS_SEGMENT,
-        solved_after: BS_ROWS_NONE,
-        lock_translation: 0,
-        lock_rotation: 0,
-        can_sleep: 1,
-        reserved: 0,
-        user_data: 0,
-    }
-}
-
-fn axes(bits: BsAxes) -> Outcome<[bool; 3]> {
-    if bits > 7 {
-        let what = "set of axes";
-        return Err(crate::abi::status::Refusal::Constant { what, value: bits.into() });
-    }
-    Ok([0, 1, 2].map(|axis| bits >> axis & 1 == 1))
-}
-
-impl BsBodyDesc {
-    /// # Safety
-    /// Its pointers are null or valid, with those of its shapes.
-    pub(crate) unsafe fn to_engine(self) -> Outcome<BodyDesc> {
-        let mut desc = BodyDesc::new(read_kind(self.kind)?)
-            .at(self.position)
-            .rotated(backstop::glam::Quat::from(self.rotation))
-            .moving(self.linear_velocity.into(), self.angular_velocity.into());
-        // SAFETY: as this function.
-        for shape in unsafe { read_all(self.shapes, self.shape_count) }? {
-            // SAFETY: as this function.
-            desc.shapes.push(unsafe { shape.to_engine() }?);
-        }
-        if !self.mass.is_null() {
-            // SAFETY: as this function.
-            desc.mass = Some(unsafe { borrow("the mass", self.mass) }?.to_engine());
-        }
-        desc.gravity_scale = self.gravity_scale;
-        desc.continuous = read_continuous(self.continuous)?;
-        desc.solved_after = read_place(self.solved_after)?;
-        desc.lock_translation = axes(self.lock_translation)?;
-        desc.lock_rotation = axes(self.lock_rotation)?;
-        desc.can_sleep = self.can_sleep != 0;
-        desc.user_data = self.user_data;
-        Ok(desc)
-    }
-}
+use backstop::BodyHandle;
 
 /// Adds a body.
 #[unsafe(no_mangle)]

@@ -39,7 +39,6 @@ mod world;
 pub use abi::status::*;
 pub use abi::values::*;
 pub use asset::*;
-pub use body::bulk::*;
 pub use body::*;
 pub use character::*;
 pub use draw::*;

@@ -522,6 +522,27 @@ pub unsafe extern "C" fn bs_world_closest_point(
     })
 }
 
+/// Whether any shape is within a distance [m] of a point [m]; inside counts.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_closest_point_any(
+    world: *const BsWorld,
+    point: BsDVec3,
+    distance: f32,
+    filter: *const BsQueryFilter,
+    any: *mut BsBool,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", any)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            out.set(content.closest_point_any(point.into(), distance, filter)?.into());
+            Ok(())
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
 /// The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_closest_point_all(

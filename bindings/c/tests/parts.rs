@@ -93,6 +93,33 @@ fn shared_shapes_live_as_long_as_somebody_has_them() {
     assert_eq!(count, 36);
 }
 
+/// Expected: two triangles of a square, its corners in the order that was given; two triangles for each cell.
+#[test]
+fn meshes_and_fields_tell_their_triangles() {
+    let square = [vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0)];
+    let indices = [0_u32, 1, 2, 0, 2, 3, 0, 0, 1];
+    let heights = [0.0_f32; 6];
+    let (mut mesh, mut field, mut count) = (null(), null(), 0);
+    let mut corners = [vec3(9.0, 9.0, 9.0); 3];
+    // SAFETY: all pointers are to what lives here.
+    unsafe {
+        ok(bs_mesh_create(square.as_ptr(), 4, indices.as_ptr(), 3, &mut mesh));
+        ok(bs_mesh_triangle_count(mesh, &mut count));
+        assert_eq!(count, 2);
+        ok(bs_mesh_corners(mesh, 0, corners.as_mut_ptr()));
+        assert!(corners.iter().all(|corner| square.contains(corner)));
+        assert_eq!(bs_mesh_corners(mesh, 2, corners.as_mut_ptr()), BS_ERROR_CONSTANT);
+        bs_mesh_release(mesh);
+        ok(bs_height_field_create(3, 2, 1.0, 1.0, heights.as_ptr(), &mut field));
+        ok(bs_height_field_triangle_count(field, &mut count));
+        assert_eq!(count, 4);
+        ok(bs_height_field_corners(field, 3, corners.as_mut_ptr()));
+        bs_height_field_release(field);
+        let huge = usize::MAX / 2;
+        assert_eq!(bs_height_field_create(huge, 4, 1.0, 1.0, heights.as_ptr(), &mut field), BS_ERROR_NULL);
+    }
+}
+
 /// Expected: a ball that falls from rest crosses a box at its own time, `v = g t` on the way.
 #[test]
 fn a_sensor_notices_what_falls_through_it() {
@@ -263,4 +290,28 @@ fn the_model_names_what_the_content_needs() {
         parts[..count].iter().find(is).map(|part| part.count)
     };
     assert_eq!((needed("joints"), needed("friction")), (Some(0), Some(1)));
+}
+
+/// Expected: threads that only read get the answer of one alone, and none is refused.
+#[test]
+fn any_number_of_threads_may_ask_at_once() {
+    let world = world();
+    add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
+    let ray = BsRay { from: dvec3(0.0, 5.0, 0.0), path: vec3(0.0, -10.0, 0.0), reserved: 0 };
+    // The address crosses threads; the interface says that it may.
+    let address = world.0 as usize;
+    let ask = move || {
+        let (mut hit, world) = (BsHit::default(), address as *const BsWorld);
+        for _ in 0..1000 {
+            // SAFETY: the world outlives the scope of the threads.
+            ok(unsafe { bs_world_cast_ray(world, ray, null(), &mut hit) });
+        }
+        hit
+    };
+    let hits: Vec<_> = std::thread::scope(|scope| {
+        let threads = [0; 4].map(|_| scope.spawn(ask));
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    // The top is at 1.5 m: 3.5 m of 10.
+    assert!(hits.iter().all(|hit| *hit == hits[0] && (hit.fraction - 0.35).abs() < 1e-6));
 }

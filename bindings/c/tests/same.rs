@@ -277,6 +277,10 @@ fn same_queries(c: &World, rust: &backstop::World) {
         let low = BsPose { position: dvec3(0.0, 0.5, 0.0), ..at };
         ok(bs_world_overlap(c.0, &own, low, null(), overlaps.as_mut_ptr(), 64, &mut count));
         ok(bs_world_closest_point(c.0, at.position, 20.0, null(), &mut near));
+        let mut any = [9; 2];
+        ok(bs_world_closest_point_any(c.0, at.position, near.distance + 1e-3, null(), &mut any[0]));
+        ok(bs_world_closest_point_any(c.0, at.position, near.distance - 1e-3, null(), &mut any[1]));
+        assert_eq!(any, [1, 0]);
     }
     let cast = ShapeCast::new(&probe, at.position, path.into());
     let engine = rust.cast_shape(&cast, &filter).unwrap().unwrap();

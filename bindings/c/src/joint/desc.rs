@@ -1,0 +1,335 @@
+//! What a joint is made of: limits, drives, frames.
+
+use crate::abi::sized::{described, read_all};
+use crate::abi::status::{Outcome, Refusal};
+use crate::abi::values::{BsBody, BsBool, BsQuat, BsVec3};
+use crate::settings::{BS_ROWS_NONE, BsRowGroup, read_place};
+use backstop::{Axes, Axis, BodyHandle, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use std::ptr::null;
+
+/// Sliding or turning, one of `BS_MOTION_...`.
+pub type BsMotion = u32;
+/// [m]
+pub const BS_MOTION_LINEAR: BsMotion = 0;
+/// [rad]
+pub const BS_MOTION_ANGULAR: BsMotion = 1;
+
+/// Which axes of a joint's first frame, one of `BS_AXIS_...`, `BS_AROUND_...` and `BS_AXES_ALL`.
+pub type BsJointAxes = u32;
+/// Along or about x: a signed distance [m], or the twist [rad].
+pub const BS_AXIS_X: BsJointAxes = 0;
+/// Along or about y.
+pub const BS_AXIS_Y: BsJointAxes = 1;
+/// Along or about z.
+pub const BS_AXIS_Z: BsJointAxes = 2;
+/// The two others than x: the distance from the line along it [m], or the angle between the two frames' x, a
+/// cone [rad].
+pub const BS_AROUND_X: BsJointAxes = 3;
+/// The two others than y.
+pub const BS_AROUND_Y: BsJointAxes = 4;
+/// The two others than z.
+pub const BS_AROUND_Z: BsJointAxes = 5;
+/// The distance of the two frames [m], or the angle of the whole rotation between them [rad].
+pub const BS_AXES_ALL: BsJointAxes = 6;
+
+fn read_motion(value: BsMotion) -> Outcome<Motion> {
+    match value {
+        BS_MOTION_LINEAR => Ok(Motion::Linear),
+        BS_MOTION_ANGULAR => Ok(Motion::Angular),
+        _ => Err(Refusal::Constant { what: "motion", value }),
+    }
+}
+
+fn read_axis(value: BsJointAxes) -> Outcome<Axis> {
+    let none = Refusal::Constant { what: "axis of a joint", value };
+    Axis::ALL.get(value as usize).copied().ok_or(none)
+}
+
+fn read_axes(value: BsJointAxes) -> Outcome<Axes> {
+    match value {
+        BS_AXIS_X..=BS_AXIS_Z => read_axis(value).map(Axes::One),
+        BS_AROUND_X..=BS_AROUND_Z => read_axis(value - BS_AROUND_X).map(Axes::Around),
+        BS_AXES_ALL => Ok(Axes::All),
+        _ => Err(Refusal::Constant { what: "set of axes of a joint", value }),
+    }
+}
+
+/// What a spring's numbers are, one of `BS_SPRING_...`.
+pub type BsSpringKind = u32;
+/// No spring: rigid. A drive must have one.
+pub const BS_SPRING_NONE: BsSpringKind = 0;
+/// Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad]. Infinite
+/// damping holds the speed exactly.
+pub const BS_SPRING_COEFFICIENTS: BsSpringKind = 1;
+/// `stiffness` is the undamped frequency [Hz], `damping` the ratio: 1 is critical. Whatever the mass.
+pub const BS_SPRING_FREQUENCY: BsSpringKind = 2;
+/// Acceleration per displacement [1/s²] and per speed [1/s].
+pub const BS_SPRING_ACCELERATION: BsSpringKind = 3;
+
+/// A spring with a damper.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsSpring {
+    /// What its numbers are.
+    pub kind: BsSpringKind,
+    /// By its kind.
+    pub stiffness: f32,
+    /// By its kind.
+    pub damping: f32,
+}
+
+impl BsSpring {
+    const NONE: BsSpring = BsSpring { kind: BS_SPRING_NONE, stiffness: 0.0, damping: 0.0 };
+
+    fn to_engine(self) -> Outcome<Option<Spring>> {
+        let BsSpring { kind, stiffness, damping } = self;
+        Ok(match kind {
+            BS_SPRING_NONE => None,
+            BS_SPRING_COEFFICIENTS => Some(Spring::Coefficients { stiffness, damping }),
+            BS_SPRING_FREQUENCY => Some(Spring::Frequency { hertz: stiffness, ratio: damping }),
+            BS_SPRING_ACCELERATION => Some(Spring::Acceleration { stiffness, damping }),
+            value => return Err(Refusal::Constant { what: "kind of spring", value }),
+        })
+    }
+
+    fn needed(self) -> Outcome<Spring> {
+        let none = Refusal::Constant { what: "kind of spring of a drive", value: self.kind };
+        self.to_engine()?.ok_or(none)
+    }
+}
+
+/// Keeps a displacement within a range. A range of no width locks.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsLimitDesc {
+    /// Size of this struct; `bs_limit_desc` fills it in.
+    pub size: u32,
+    /// Sliding or turning.
+    pub motion: BsMotion,
+    /// Along or about which axes.
+    pub axes: BsJointAxes,
+    /// Least allowed [m] or [rad]; minus infinity for none.
+    pub min: f32,
+    /// Most allowed, not below `min`; infinity for none.
+    pub max: f32,
+    /// What pushes back beyond the range. Default none: rigid.
+    pub spring: BsSpring,
+}
+
+described! { BsLimitDesc, bs_limit_desc(BS_MOTION_LINEAR, BS_AXES_ALL, 0.0, 0.0), [
+    size, motion, axes, min, max, spring,
+] }
+
+/// A rigid limit.
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_limit_desc(motion: BsMotion, axes: BsJointAxes, min: f32, max: f32) -> BsLimitDesc {
+    let size = size_of::<BsLimitDesc>() as u32;
+    BsLimitDesc { size, motion, axes, min, max, spring: BsSpring::NONE }
+}
+
+/// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsDriveDesc {
+    /// Size of this struct; `bs_motor_desc` and others fill it in.
+    pub size: u32,
+    /// Sliding or turning.
+    pub motion: BsMotion,
+    /// `BS_AXIS_X`, `BS_AXIS_Y` or `BS_AXIS_Z`.
+    pub axis: BsJointAxes,
+    /// [m] or [rad]
+    pub position: f32,
+    /// [m/s] or [rad/s]
+    pub velocity: f32,
+    /// How hard it pulls.
+    pub spring: BsSpring,
+    /// The most force [N] or torque [N m]; infinity for no bound.
+    pub max_force: f32,
+}
+
+described! { BsDriveDesc, bs_motor_desc(BS_MOTION_ANGULAR, BS_AXIS_X, 0.0, 0.0), [
+    size, motion, axis, position, velocity, spring, max_force,
+] }
+
+/// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m]; friction at speed zero.
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_motor_desc(
+    motion: BsMotion,
+    axis: BsJointAxes,
+    velocity: f32,
+    max_force: f32,
+) -> BsDriveDesc {
+    let spring = BsSpring { kind: BS_SPRING_COEFFICIENTS, stiffness: 0.0, damping: f32::INFINITY };
+    let size = size_of::<BsDriveDesc>() as u32;
+    BsDriveDesc { size, motion, axis, position: 0.0, velocity, spring, max_force }
+}
+
+/// A spring towards a position [m] or [rad].
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_spring_desc(
+    motion: BsMotion,
+    axis: BsJointAxes,
+    position: f32,
+    spring: BsSpring,
+) -> BsDriveDesc {
+    let size = size_of::<BsDriveDesc>() as u32;
+    BsDriveDesc { size, motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
+}
+
+impl BsLimitDesc {
+    fn to_engine(self) -> Outcome<Limit> {
+        let (motion, axes) = (read_motion(self.motion)?, read_axes(self.axes)?);
+        Ok(Limit { motion, axes, min: self.min, max: self.max, spring: self.spring.to_engine()? })
+    }
+}
+
+impl BsDriveDesc {
+    fn to_engine(self) -> Outcome<Drive> {
+        Ok(Drive {
+            motion: read_motion(self.motion)?,
+            axis: read_axis(self.axis)?,
+            position: self.position,
+            velocity: self.velocity,
+            spring: self.spring.needed()?,
+            max_force: self.max_force,
+        })
+    }
+}
+
+/// What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
+pub type BsJointKind = u32;
+/// Nothing.
+pub const BS_JOINT_FREE: BsJointKind = 0;
+/// All motion.
+pub const BS_JOINT_FIXED: BsJointKind = 1;
+/// The frames' origins stay together.
+pub const BS_JOINT_BALL: BsJointKind = 2;
+/// Turns about the frames' x only.
+pub const BS_JOINT_HINGE: BsJointKind = 3;
+/// Slides along the frames' x only.
+pub const BS_JOINT_SLIDER: BsJointKind = 4;
+/// The frames' origins stay at a distance of `range_min` to `range_max` [m].
+pub const BS_JOINT_DISTANCE: BsJointKind = 5;
+/// A wheel (second body) on a car (first): its hub moves along y by up to `range_max` [m] to either side,
+/// held by `spring`; it turns about x.
+pub const BS_JOINT_WHEEL: BsJointKind = 6;
+
+/// Where a joint sits on a body, in the body's own axes and from its origin.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsFrame {
+    /// [m]
+    pub position: BsVec3,
+    /// The joint's x, y and z in the body's axes.
+    pub rotation: BsQuat,
+}
+
+impl BsFrame {
+    const NONE: BsFrame = BsFrame { position: BsVec3 { x: 0.0, y: 0.0, z: 0.0 }, rotation: BsQuat::IDENTITY };
+
+    fn to_engine(self) -> Frame {
+        Frame { position: self.position.into(), rotation: self.rotation.into() }
+    }
+}
+
+/// A joint to be added. The relative motion is that of the second frame as seen from the first.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsJointDesc {
+    /// Size of this struct; `bs_joint_desc_default` fills it in.
+    pub size: u32,
+    /// What it locks.
+    pub kind: BsJointKind,
+    /// The two bodies, at least one of them dynamic.
+    pub bodies: [BsBody; 2],
+    /// Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
+    pub frames: [BsFrame; 2],
+    /// Of a distance [m].
+    pub range_min: f32,
+    /// Of a distance, or the travel of a wheel [m].
+    pub range_max: f32,
+    /// Of a wheel.
+    pub spring: BsSpring,
+    /// The joint breaks above this force [N]. Default infinity.
+    pub break_force: f32,
+    /// The joint breaks above this torque [N m]. Default infinity.
+    pub break_torque: f32,
+    /// Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
+    pub solved_after: BsRowGroup,
+    /// Whether the two bodies collide with each other. Default no.
+    pub collide: BsBool,
+    /// Zero.
+    pub reserved: [u8; 7],
+    /// What is kept within a range, beside what the kind locks. Each has the size that the first says.
+    pub limits: *const BsLimitDesc,
+    /// Number of limits.
+    pub limit_count: usize,
+    /// What is driven.
+    pub drives: *const BsDriveDesc,
+    /// Number of drives.
+    pub drive_count: usize,
+    /// Free for the caller.
+    pub user_data: u64,
+}
+
+described! { BsJointDesc, bs_joint_desc_default(BS_JOINT_FREE, BsBody::NONE, BsBody::NONE), [
+    size, kind, bodies, frames, range_min, range_max, spring, break_force, break_torque, solved_after,
+    collide, reserved, limits, limit_count, drives, drive_count, user_data,
+] }
+
+/// A joint of a kind between the origins of two bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn bs_joint_desc_default(kind: BsJointKind, a: BsBody, b: BsBody) -> BsJointDesc {
+    BsJointDesc {
+        size: size_of::<BsJointDesc>() as u32,
+        kind,
+        bodies: [a, b],
+        frames: [BsFrame::NONE; 2],
+        range_min: 0.0,
+        range_max: 0.0,
+        spring: BsSpring::NONE,
+        break_force: f32::INFINITY,
+        break_torque: f32::INFINITY,
+        solved_after: BS_ROWS_NONE,
+        collide: 0,
+        reserved: [0; 7],
+        limits: null(),
+        limit_count: 0,
+        drives: null(),
+        drive_count: 0,
+        user_data: 0,
+    }
+}
+
+impl BsJointDesc {
+    /// # Safety
+    /// Its pointers are null or valid.
+    pub(super) unsafe fn to_engine(self) -> Outcome<JointDesc> {
+        let bodies: [BodyHandle; 2] = self.bodies.map(Into::into);
+        let frames = self.frames.map(BsFrame::to_engine);
+        let mut desc = match self.kind {
+            BS_JOINT_FREE => JointDesc::new(bodies, frames),
+            BS_JOINT_FIXED => JointDesc::fixed(bodies, frames),
+            BS_JOINT_BALL => JointDesc::ball(bodies, frames),
+            BS_JOINT_HINGE => JointDesc::hinge(bodies, frames),
+            BS_JOINT_SLIDER => JointDesc::slider(bodies, frames),
+            BS_JOINT_DISTANCE => JointDesc::distance(bodies, frames, self.range_min, self.range_max),
+            BS_JOINT_WHEEL => JointDesc::wheel(bodies, frames, self.range_max, self.spring.needed()?),
+            value => return Err(Refusal::Constant { what: "kind of joint", value }),
+        };
+        // SAFETY: as this function.
+        let (limits, drives) =
+            unsafe { (read_all(self.limits, self.limit_count)?, read_all(self.drives, self.drive_count)?) };
+        for limit in limits {
+            desc.limits.push(limit.to_engine()?);
+        }
+        for drive in drives {
+            desc.drives.push(drive.to_engine()?);
+        }
+        (desc.break_force, desc.break_torque) = (self.break_force, self.break_torque);
+        desc.solved_after = read_place(self.solved_after)?;
+        desc.collide = self.collide != 0;
+        desc.user_data = self.user_data;
+        Ok(desc)
+    }
+}
