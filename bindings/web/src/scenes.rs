@@ -1,4 +1,5 @@
-//! The scenes of the page. With their first size they are those of `examples/same_bits.rs`, where that has them.
+//! The scenes of the page. With their first size they are those of `examples/same_bits.rs`, where that has
+//! them.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, Terrain, builtin};

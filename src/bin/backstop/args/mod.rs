@@ -151,7 +151,7 @@ pub(crate) struct RunOptions {
     /// Write the scene with its motion as a glTF animation.
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) out: Option<PathBuf>,
-    /// Write a page with charts: index.html and its pictures.
+    /// Write a page with the scene in motion and charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
     /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/

@@ -41,19 +41,30 @@ function quantile(values, share) {
     return values[Math.min(values.length - 1, Math.floor(share * values.length))];
 }
 
+const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+
 /**
- * Centre and radius of a ball that holds most of some places, and the ground at height zero below them. By
- * quantiles, so that a few that fly off do not move the camera away. None without places.
+ * Centre and radius of a ball that holds some places, and the ground at height zero below them. `home`: the first
+ * frame, of which all is to be seen; later ones leave out what flew off, and by quantiles a little more, so that the
+ * camera stays with the rest. None without places.
  */
-export function frameOf(places) {
+export function frameOf(places, home) {
     if (places.length === 0) return null;
-    if (places.every((p) => p[1] > 0)) places = [...places, ...places.map((p) => [p[0], 0, p[2]])];
+    if (home) {
+        const stayed = places.filter((p) => distance(p, home.middle) < 2.5 * home.radius);
+        // Unless nearly all went.
+        if (4 * stayed.length >= places.length) places = stayed;
+    }
+    const onGround = places.every((p) => p[1] > 0);
+    const rest = home ? 0.04 : 0;
     const middle = [0, 1, 2].map((i) => {
         const along = places.map((p) => p[i]);
-        return 0.5 * (quantile(along, 0.1) + quantile(along, 0.9));
+        const low = onGround && i === 1 ? 0 : quantile(along, rest);
+        return 0.5 * (low + quantile(along, 1 - rest));
     });
-    const away = places.map((p) => Math.hypot(p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]));
-    return { middle, radius: Math.max(1.5, 1.4 * quantile(away, 0.8) + 0.5) };
+    if (onGround) places = [...places, ...places.map((p) => [p[0], 0, p[2]])];
+    const away = places.map((p) => distance(p, middle));
+    return { middle, radius: Math.max(1.5, 1.15 * quantile(away, 1 - rest) + 0.7) };
 }
 
 export class Camera {
@@ -69,15 +80,15 @@ export class Camera {
 
     /**
      * Goes towards what should be framed, or at once without a time [s]. From then on it goes no further away
-     * than to see half as much again: what flies apart leaves the picture.
+     * than to see a quarter more: what flies apart leaves the picture.
      */
     follow(frame, seconds) {
         if (!frame) return;
-        if (seconds === undefined) this.most = 1.5 * frame.radius;
+        if (seconds === undefined) this.home = frame;
         const share = seconds === undefined ? 1 : 1 - Math.exp(-RATE * seconds);
         const to = (a, b) => a + (b - a) * share;
         const middle = this.frame.middle.map((x, i) => to(x, frame.middle[i]));
-        this.frame = { middle, radius: to(this.frame.radius, Math.min(frame.radius, this.most)) };
+        this.frame = { middle, radius: to(this.frame.radius, Math.min(frame.radius, 1.25 * this.home.radius)) };
     }
 
     /** Direction from the target to the eye. */

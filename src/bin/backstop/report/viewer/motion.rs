@@ -107,14 +107,15 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use backstop::{BodyDesc, Settings};
+    use backstop::{BodyDesc, Geometry, Settings, ShapeDesc};
 
     #[test]
     fn long_runs_keep_fewer_frames_evenly_spaced() {
         let mut scene = Scene::new("one");
         scene.add("floor", BodyDesc::fixed());
         let far = DVec3::new(5000.25, 0.0, 0.0);
-        scene.add("ball", BodyDesc::dynamic().at(far).moving(Vec3::X, Vec3::ZERO));
+        let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+        scene.add("ball", BodyDesc::dynamic().at(far).moving(Vec3::X, Vec3::ZERO).with_shape(ball));
         let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
         let handles = scene.add_to(&mut world).unwrap().bodies;
         let mut motion = Motion { max_bytes: 10 * POSE_BYTES, ..Motion::new(&scene, 0.5) };

@@ -1,7 +1,7 @@
 // Draws meshes many times over, with one light and its shadows, by WebGL2.
 
 import { look, product } from './camera.js';
-import { withNormals } from './normals.js';
+import { CORNER, cornersOf } from './normals.js';
 import { MARK_FRAGMENT, MARK_VERTEX, SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX } from './shaders.js';
 
 /**
@@ -86,9 +86,10 @@ export class Renderer {
         const corners = gl.createBuffer();
         gl.bindVertexArray(array);
         gl.bindBuffer(gl.ARRAY_BUFFER, corners);
-        gl.bufferData(gl.ARRAY_BUFFER, withNormals(mesh), gl.STATIC_DRAW);
-        attribute(gl, 0, 3, 24, 0, 0);
-        attribute(gl, 1, 3, 24, 12, 0);
+        gl.bufferData(gl.ARRAY_BUFFER, cornersOf(mesh), gl.STATIC_DRAW);
+        attribute(gl, 0, 3, 4 * CORNER, 0, 0);
+        attribute(gl, 1, 3, 4 * CORNER, 12, 0);
+        attribute(gl, 6, 3, 4 * CORNER, 24, 0);
         gl.bindBuffer(gl.ARRAY_BUFFER, this.poses);
         const offset = 4 * POSE * first;
         attribute(gl, 2, 3, 4 * POSE, offset, 1);

@@ -21,12 +21,14 @@ layout(location = 2) in vec3 place;
 layout(location = 3) in vec4 turn;
 layout(location = 4) in float asleep;
 layout(location = 5) in vec2 look; // tone, tint
+layout(location = 6) in vec3 edges;
 uniform mat4 clip;
 uniform vec3 eye;
 uniform float pixel; // height of a pixel at a distance of 1
 uniform float wide;  // half of the mesh where it is widest
 out vec3 at;
 out vec3 facing;
+out vec3 edge;
 flat out vec3 style;
 
 vec3 turned(vec3 v) {
@@ -38,6 +40,7 @@ void main() {
     float grow = look.x < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
     at = place + turned(corner * grow);
     facing = turned(normal);
+    edge = edges;
     style = vec3(look, asleep);
     gl_Position = clip * vec4(at, 1.0);
 }
@@ -47,6 +50,7 @@ export const SHAPE_FRAGMENT = `${HEAD}
 precision highp sampler2DShadow;
 in vec3 at;
 in vec3 facing;
+in vec3 edge;
 flat in vec3 style;
 uniform vec3 tones[8];
 uniform vec3 eye;
@@ -96,6 +100,9 @@ void main() {
         float line = max(0.16 * lines(at.xz, 0.9), 0.3 * lines(at.xz * 0.1, 1.2));
         base *= 1.0 - line;
     }
+    vec3 change = fwidth(edge);
+    vec3 near = clamp(1.4 - edge / max(change, vec3(1e-6)), 0.0, 1.0) * clamp(1.5 - 5.0 * change, 0.0, 1.0);
+    base *= 1.0 - 0.4 * max(near.x, max(near.y, near.z));
     float direct = max(dot(n, sun), 0.0);
     if (direct > 0.0) direct *= lit(n);
     vec3 sky = mix(vec3(0.30, 0.28, 0.27), vec3(0.52, 0.57, 0.66), 0.5 + 0.5 * n.y);

@@ -22,7 +22,8 @@ export class View {
     /** `seconds`: since the last poses, for the camera to follow. */
     setPoses(poses, seconds) {
         this.renderer.setPoses(poses);
-        this.camera.follow(frameOf(this.renderer.moving()), this.fresh ? undefined : seconds);
+        const { camera, fresh } = this;
+        camera.follow(frameOf(this.renderer.moving(), fresh ? undefined : camera.home), fresh ? undefined : seconds);
         this.fresh = false;
         this.invalidate();
     }
