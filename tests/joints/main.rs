@@ -12,5 +12,6 @@ mod locks;
 mod loops;
 mod motors;
 mod physics;
+mod poses;
 mod ragdolls;
 mod vehicle;

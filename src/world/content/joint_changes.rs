@@ -306,3 +306,7 @@ impl World {
         Ok(())
     }
 }
+
+#[cfg(test)]
+#[path = "joint_changes_tests.rs"]
+mod tests;
