@@ -46,14 +46,19 @@ impl Models {
             Geometry::Mesh(mesh) => Form::Shared(Arc::as_ptr(mesh) as usize),
             Geometry::HeightField(field) => Form::Shared(Arc::as_ptr(field) as usize),
             Geometry::Plane => Form::Shared(0),
+            // Nothing is known by which to find it again.
+            _ => return Model::of(geometry),
         };
-        let made = self.made.entry(form).or_insert_with(|| {
-            let mut model = Model::default();
-            debug::triangles(geometry, None, &mut |corners| model.triangles.push(corners));
-            debug::wireframe(geometry, None, &mut |from, to| model.lines.push((from, to)));
-            Arc::new(model)
-        });
-        made.clone()
+        self.made.entry(form).or_insert_with(|| Model::of(geometry)).clone()
+    }
+}
+
+impl Model {
+    fn of(geometry: &Geometry) -> Arc<Model> {
+        let mut model = Model::default();
+        debug::triangles(geometry, None, &mut |corners| model.triangles.push(corners));
+        debug::wireframe(geometry, None, &mut |from, to| model.lines.push((from, to)));
+        Arc::new(model)
     }
 }
 
