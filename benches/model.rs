@@ -58,7 +58,7 @@ fn far(scene: &mut Scene, change: fn(&mut ShapeDesc)) {
 
 fn world(change: Change) -> World {
     let mut scene = builtin::large_pyramid(60);
-    let mut settings = Settings { gravity: scene.gravity, ..Settings::default() };
+    let mut settings = Settings::default().with_gravity(scene.gravity);
     change(&mut scene, &mut settings);
     let mut world = World::new(settings).expect("the settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");

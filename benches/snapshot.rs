@@ -30,8 +30,7 @@ fn advance(world: &mut World, steps: u32) {
 fn snapshots(c: &mut Criterion) {
     for &(name, scene, warm) in CASES {
         let scene = scene();
-        let mut world =
-            World::new(Settings { gravity: scene.gravity, ..Settings::default() }).expect("in range");
+        let mut world = World::new(Settings::default().with_gravity(scene.gravity)).expect("in range");
         scene.add_to(&mut world).expect("a builtin scene is valid");
         advance(&mut world, warm);
         let mut ring: Vec<Snapshot> = (0..=FRAMES).map(|_| Snapshot::new()).collect();

@@ -58,7 +58,8 @@ const CASES: &[Case] = &[
 ];
 
 fn warm(scene: &Scene, case: &Case, threads: usize) -> World {
-    let settings = Settings { gravity: scene.gravity, threads, sleeping: case.asleep, ..Settings::default() };
+    let settings =
+        Settings::default().with_gravity(scene.gravity).with_threads(threads).with_sleeping(case.asleep);
     let mut world = World::new(settings).expect("the default settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");
     advance(&mut world, case.warm);

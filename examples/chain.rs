@@ -19,7 +19,7 @@ const ROUNDS: usize = 9;
 
 /// Time of a step [us], and the widest joint ever [m].
 fn swing(level: bool, (substeps, iterations): (u32, u32), rows: bool) -> Result<(f64, f64), Error> {
-    let mut world = World::new(Settings { substeps, iterations, ..Settings::default() })?;
+    let mut world = World::new(Settings::default().with_substeps(substeps).with_iterations(iterations))?;
     let mut scene = builtin::chain(level);
     if rows {
         // Six loops are more than are cut.

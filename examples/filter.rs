@@ -28,7 +28,7 @@ impl ContactHooks for Teams {
 /// A ball in free flight along x, of a team.
 fn ball(world: &mut World, x: f64, row: f64, filter: Filter, team: u64) -> Result<BodyHandle, Error> {
     let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_hooks();
-    let shape = ShapeDesc { filter, user_data: team, ..shape };
+    let shape = shape.clone().with_filter(filter).with_user_data(team);
     let towards = Vec3::X * if x < 0.0 { 4.0 } else { -4.0 };
     world.add_body(
         &BodyDesc::dynamic().at(DVec3::new(x, 0.0, row)).moving(towards, Vec3::ZERO).with_shape(shape),
@@ -36,19 +36,16 @@ fn ball(world: &mut World, x: f64, row: f64, filter: Filter, team: u64) -> Resul
 }
 
 fn main() -> Result<(), Error> {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() })?;
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
     let plain = Filter::default();
     // A wall at x = 0 across the first two rows. A ghost is of its own category and has walls not in its
     // mask.
-    let wall = ShapeDesc {
-        filter: Filter { category: WALL, ..plain },
-        ..ShapeDesc::new(Geometry::cuboid(0.1, 2.0, 3.0))
-    };
+    let wall = ShapeDesc::new(Geometry::cuboid(0.1, 2.0, 3.0)).with_filter(plain.with_category(WALL));
     let wall = world.add_body(&BodyDesc::fixed().with_shape(wall))?;
     let solid = ball(&mut world, -4.0, -1.5, plain, 0)?;
-    let ghost = ball(&mut world, -4.0, 1.5, Filter { category: GHOST, mask: !WALL, ..plain }, 0)?;
+    let ghost = ball(&mut world, -4.0, 1.5, plain.with_category(GHOST).with_mask(!WALL), 0)?;
     // Pairs that fly at each other: of one negative group, of one team, of two.
-    let apart = Filter { group: -7, ..plain };
+    let apart = plain.with_group(-7);
     let group = [ball(&mut world, -4.0, 10.0, apart, 0)?, ball(&mut world, 4.0, 10.0, apart, 0)?];
     let mates = [ball(&mut world, -4.0, 20.0, plain, 1)?, ball(&mut world, 4.0, 20.0, plain, 1)?];
     let foes = [ball(&mut world, -4.0, 30.0, plain, 1)?, ball(&mut world, 4.0, 30.0, plain, 2)?];
@@ -56,7 +53,7 @@ fn main() -> Result<(), Error> {
     // A gaze along the second row: all, what a ghost would collide with, and what one's own word lets it see.
     let ray = Ray::new(DVec3::new(-8.0, 0.0, 1.5), Vec3::X * 20.0);
     let seen = |filter: QueryFilter<'_>| Ok(world.cast_ray(&ray, &filter)?.map(|hit| hit.body));
-    let ghosts = Filter { category: GAZE, mask: GHOST, ..plain };
+    let ghosts = plain.with_category(GAZE).with_mask(GHOST);
     let alive = |body: BodyHandle, _: ShapeHandle| body != ghost;
     assert_eq!(seen(QueryFilter::new())?, Some(ghost));
     assert_eq!(seen(QueryFilter::new().when(&alive))?, Some(wall));

@@ -33,7 +33,7 @@ fn measure(name: &str) -> Result<(), Box<dyn std::error::Error>> {
     let start = resident();
     let scene = builtin::build(name).ok_or("no such scene")?;
     let before = resident();
-    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })?;
+    let mut world = World::new(Settings::default().with_gravity(scene.gravity))?;
     // One by one: what a call for all of them needs for itself would count too.
     for body in &scene.bodies {
         world.add_body(&body.desc)?;

@@ -43,7 +43,9 @@ struct Worst {
 
 /// Presses for five seconds. The wall is the plane x = 0, and the figure comes from the left.
 fn press(order: Order, (substeps, iterations): (u32, u32), force: f32) -> Result<Worst, Error> {
-    let mut world = World::new(Settings { order, substeps, iterations, ..Settings::default() })?;
+    let mut world = World::new(
+        Settings::default().with_order(order).with_substeps(substeps).with_iterations(iterations),
+    )?;
     let corners = [[-4.0, -4.0], [6.0, -4.0], [6.0, 4.0], [-4.0, 4.0]].map(|[y, z]| Vec3::new(0.0, y, z));
     let wall = TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?;
     let wall = ShapeDesc::new(Geometry::Mesh(Arc::new(wall)));

@@ -39,7 +39,7 @@ struct Soak {
 
 impl Soak {
     fn new(threads: usize) -> Result<Soak, Error> {
-        let mut world = World::new(Settings { threads, sleeping: true, ..Settings::default() })?;
+        let mut world = World::new(Settings::default().with_threads(threads).with_sleeping(true))?;
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
                 let half_extents = (Vec3::ONE - axis) * (ROOM + 2.0 * WALL) + axis * WALL;

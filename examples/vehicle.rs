@@ -38,10 +38,14 @@ impl Car {
         let part = |geometry: Geometry, position: Vec3, rotation: Quat, mass: f32, at: DVec3| {
             let inertia =
                 MassProperties::of(&geometry, 1.0).scaled_to(mass).transformed(Vec3::ZERO, rotation);
-            let filter = Filter { group: -1, ..Filter::default() };
+            let filter = Filter::default().with_group(-1);
             let material = Material::default().with_friction(1.0);
-            let shape = ShapeDesc { position, rotation, filter, material, ..ShapeDesc::new(geometry) };
-            BodyDesc { mass: Some(inertia), ..BodyDesc::dynamic().at(at).with_shape(shape) }
+            let shape = ShapeDesc::new(geometry)
+                .with_position(position)
+                .with_rotation(rotation)
+                .with_filter(filter)
+                .with_material(material);
+            BodyDesc::dynamic().at(at).with_shape(shape).with_mass(Some(inertia))
         };
         let body = Geometry::cuboid(0.7, 0.3, 1.9);
         let chassis = world.add_body(&part(body, Vec3::Y * 0.2, Quat::IDENTITY, MASS, at))?;
@@ -63,7 +67,7 @@ impl Car {
             // In front a knuckle between the two slides on the spring and turns about it; the wheel spins on
             // the knuckle.
             let mass = MassProperties::of(&Geometry::cuboid(0.1, 0.1, 0.1), 1.0).scaled_to(15.0);
-            let knuckle = world.add_body(&BodyDesc { mass: Some(mass), ..BodyDesc::dynamic().at(hub) })?;
+            let knuckle = world.add_body(&BodyDesc::dynamic().at(hub).with_mass(Some(mass)))?;
             let frames = world.frames_at([chassis, knuckle], hub, Quat::IDENTITY)?;
             let mut strut = JointDesc::new([chassis, knuckle], frames);
             (strut.limits, strut.drives) = steered(0.0);

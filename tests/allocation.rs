@@ -92,7 +92,7 @@ fn count(world: &mut World, warm_up: u32, mut act: impl FnMut(&mut World, u32)) 
 }
 
 fn settings(threads: usize) -> Settings {
-    Settings { threads, ..Settings::default() }
+    Settings::default().with_threads(threads)
 }
 
 fn resting(threads: usize) -> usize {
@@ -156,10 +156,10 @@ fn a_pile_that_sheds_contacts_allocates_nothing() {
     let mut free = pile.world(settings(1));
     count(&mut free, 200, |_, _| {});
     let wanted = free.memory().iter().map(|(_, bytes)| bytes.peak).sum::<usize>();
-    let wide = pile.world(Settings { budget: Budget::total(1 << 30), ..settings(1) });
+    let wide = pile.world(settings(1).with_budget(Budget::total(1 << 30)));
     let own = wide.memory().total();
     let budget = Budget::total(own + (wanted - own) * 7 / 10);
-    let mut world = pile.world(Settings { budget, ..settings(1) });
+    let mut world = pile.world(settings(1).with_budget(budget));
     assert_eq!(count(&mut world, 600, |_, _| {}), 0);
     assert!(world.report().shed > 0);
 }
@@ -280,7 +280,7 @@ fn every_method_of_continuous_collision_allocates_nothing() {
     let _alone = one_at_a_time();
     use ContinuousMethod::{ConservativeAdvancement, LinearCast, Speculative, Talk};
     for method in [Speculative, LinearCast, ConservativeAdvancement, Talk] {
-        let settings = Settings { method, gravity: Vec3::ZERO, ..settings(1) };
+        let settings = settings(1).with_method(method).with_gravity(Vec3::ZERO);
         let mut world = World::new(settings).unwrap();
         let material = Material::default().with_restitution(1.0).with_friction(0.0);
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -371,7 +371,7 @@ fn a_rollback_allocates_nothing() {
     let _alone = one_at_a_time();
     for sleeping in [false, true] {
         let (mut world, bodies) =
-            common::world_of(&common::small_pile(), Settings { sleeping, ..settings(1) });
+            common::world_of(&common::small_pile(), settings(1).with_sleeping(sleeping));
         common::steps(&mut world, 400, 1.0 / 60.0);
         let mut ring: Vec<Snapshot> = (0..9).map(|_| Snapshot::new()).collect();
         let mut rounds = |count: usize| {
@@ -454,7 +454,7 @@ fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
 #[test]
 fn sleep_events_and_hooks_allocate_nothing() {
     let _alone = one_at_a_time();
-    let settings = Settings { sleeping: true, sleep_time: 0.1, ..settings(1) };
+    let settings = settings(1).with_sleeping(true).with_sleep_time(0.1);
     let mut world = World::new(settings).unwrap();
     let shape = |geometry: Geometry| common::shape(geometry, Material::default());
     world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();

@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 fn world(threads: usize) -> World {
     let mut scene = builtin::pile();
     scene.bodies.truncate(5 + 300);
-    let (world, bodies) = common::world_of(&scene, Settings { threads, ..Settings::default() });
+    let (world, bodies) = common::world_of(&scene, Settings::default().with_threads(threads));
     assert!(bodies.len() > 200, "enough for threads");
     world
 }

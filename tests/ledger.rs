@@ -225,7 +225,7 @@ fn of_ragdolls_that_lose_limbs() {
 /// about, asleep and awake.
 #[test]
 fn of_all_that_a_world_can_do() {
-    let settings = Settings { sleeping: true, sleep_time: 0.1, ..Settings::default() };
+    let settings = Settings::default().with_sleeping(true).with_sleep_time(0.1);
     let mut ledger = Ledger::new(settings);
     let world = &mut ledger.world;
     let shape = |geometry: Geometry| common::shape(geometry, Material::default().with_restitution(0.3));
@@ -306,7 +306,7 @@ fn at_two_threads() {
         for name in ["pile", "bullets", "talk"] {
             let scene = || if name == "pile" { common::small_pile() } else { builtin::build(name).unwrap() };
             let run = |threads: usize| {
-                let (mut world, _) = common::world_of(&scene(), Settings { threads, ..Settings::default() });
+                let (mut world, _) = common::world_of(&scene(), Settings::default().with_threads(threads));
                 common::steps(&mut world, steps, DT);
                 world
             };

@@ -20,7 +20,7 @@ const STEPS: u32 = if cfg!(miri) { 2 } else { 30 };
 const APART: f32 = 20.0;
 
 fn settings() -> Settings {
-    Settings { substeps: 2, ..Settings::default() }
+    Settings::default().with_substeps(2)
 }
 
 /// Steps the copies of a scene by one thread and by two: no bit may differ.
@@ -34,7 +34,7 @@ fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
 /// The same for what `add` adds at a place.
 fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) -> Vec<BodyHandle> + Sync)) {
     let run = |threads: usize| {
-        let mut world = World::new(Settings { threads, ..settings.clone() }).unwrap();
+        let mut world = World::new(settings.clone().with_threads(threads)).unwrap();
         let mut bodies = Vec::new();
         for copy in 0..COPIES {
             bodies.extend(add(&mut world, Vec3::X * (APART * copy as f32)));
@@ -186,7 +186,7 @@ fn a_slab_with_more_points_than_colours() {
         scene.push(BodyDesc::kinematic().at(at).with_shape(ShapeDesc::new(cube(0.5))));
     }
     scene.push(dynamic(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::NEG_Y * 0.001));
-    let per_point = Settings { friction_model: FrictionModel::Point, ..settings() };
+    let per_point = settings().with_friction_model(FrictionModel::Point);
     alone_and_shared(&per_point, &scene);
 }
 

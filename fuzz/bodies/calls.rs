@@ -12,8 +12,7 @@ const MOST: [usize; 3] = [24, 16, 24];
 
 pub fn run(bytes: &[u8]) {
     let input = &mut Input::new(bytes);
-    let settings =
-        Settings { sleeping: input.bool(), substeps: 1 + input.below(4) as u32, ..Settings::default() };
+    let settings = Settings::default().with_sleeping(input.bool()).with_substeps(1 + input.below(4) as u32);
     let mut world = World::new(settings).expect("usual settings");
     let (mut bodies, mut joints, mut steps) = (Vec::new(), Vec::new(), 0);
     let mut saved = None;

@@ -10,7 +10,7 @@ use backstop::{
 use std::sync::OnceLock;
 
 fn world() -> World {
-    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).expect("settings");
+    let mut world = World::new(Settings::default().with_sleeping(true)).expect("settings");
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).expect("a floor");
     let mut bodies = Vec::new();
     for i in 0..10 {

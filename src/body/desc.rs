@@ -21,6 +21,7 @@ pub enum BodyKind {
 
 /// A body to be added.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BodyDesc {
     /// What moves it.
     pub kind: BodyKind,

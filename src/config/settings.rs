@@ -10,6 +10,7 @@ use glam::Vec3;
 /// How a body is kept from passing through others. The modes are in the order of their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum Continuous {
     /// Collides at its current pose only: a fast body may pass through a thin one.
     Discrete,
@@ -36,6 +37,7 @@ impl Continuous {
 /// first exist for comparison; `docs/continuous.md` says how each works, its cost and what it misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum ContinuousMethod {
     /// Obstacles on the predicted path become manifolds of potential points, found at the pose of first touch
     /// and solved with all others (Vincent Robert, GDC 2012), and the guard checks the centres.
@@ -112,6 +114,7 @@ pub enum FrictionModel {
 /// Settings of a world. Change them between steps with [`World::set_settings`](crate::World::set_settings).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[non_exhaustive]
 pub struct Settings {
     /// Gravity [m/s²], within [`limits::MAX_ACCELERATION`] along each axis. Default (0, -9.81, 0).
     pub gravity: Vec3,

@@ -40,6 +40,7 @@ use std::sync::Arc;
 
 /// The form of a shape, in its own frame [m]. Lengths that are not zero lie in 1e-6..=1e6 ([`limits`]).
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Geometry {
     /// A ball around the origin.
     Sphere {
@@ -191,6 +192,7 @@ impl Geometry {
 /// How two values of a material become one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+#[non_exhaustive]
 pub enum Combine {
     /// (a + b) / 2
     #[default]
@@ -218,6 +220,7 @@ impl Combine {
 /// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[non_exhaustive]
 pub struct Material {
     /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
     pub static_friction: f32,
@@ -283,6 +286,7 @@ impl Material {
 /// ones always).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[non_exhaustive]
 pub struct Filter {
     /// Bits that this shape is. Default: bit 0.
     pub category: u64,
@@ -314,6 +318,7 @@ impl Filter {
 
 /// A shape to be put on a body.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ShapeDesc {
     /// Its form.
     pub geometry: Geometry,

@@ -69,7 +69,7 @@ pub(crate) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyD
 
 /// A world with the scene in it.
 pub(crate) fn world_of(scene: &Scene, settings: Settings) -> (World, Vec<BodyHandle>) {
-    let mut world = World::new(Settings { gravity: scene.gravity, ..settings }).unwrap();
+    let mut world = World::new(settings.with_gravity(scene.gravity)).unwrap();
     let bodies = scene.add_to(&mut world).unwrap().bodies;
     (world, bodies)
 }

@@ -95,7 +95,7 @@ impl Pile {
     }
 
     pub(crate) fn run(&self, budget: Budget, threads: usize) -> Run {
-        let mut world = self.world(Settings { budget, threads, ..Settings::default() });
+        let mut world = self.world(Settings::default().with_budget(budget).with_threads(threads));
         let mut run = Run { own: world.memory().total(), ..Run::default() };
         run.by_category = vec![0; Category::ALL.len()];
         let mut overlaps = Overlaps::new();

@@ -12,7 +12,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 const G: f64 = 9.81;
 
 fn world() -> World {
-    World::new(Settings { gravity: Vec3::new(0.0, -G as f32, 0.0), ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::new(0.0, -G as f32, 0.0))).unwrap()
 }
 
 fn fixed(world: &mut World) -> BodyHandle {
@@ -106,7 +106,8 @@ fn a_double_pendulum_keeps_its_energy() {
 
 /// The largest distance of two frames within 5 s [m].
 fn chain_gap(level: bool, substeps: u32, iterations: u32, joint_trees: bool) -> f64 {
-    let settings = Settings { substeps, iterations, joint_trees, ..Settings::default() };
+    let settings =
+        Settings::default().with_substeps(substeps).with_iterations(iterations).with_joint_trees(joint_trees);
     let mut world = World::new(settings).unwrap();
     let joints = builtin::chain(level).add_to(&mut world).unwrap().joints;
     let mut widest = 0.0_f64;
@@ -136,7 +137,7 @@ fn trees_can_be_switched_off_and_on_again() {
     let open = chain_gap(false, 4, 1, false);
     assert!(open > 0.05, "{open}");
 
-    let settings = Settings { joint_trees: false, ..Settings::default() };
+    let settings = Settings::default().with_joint_trees(false);
     let mut world = World::new(settings).unwrap();
     let joints = builtin::chain(false).add_to(&mut world).unwrap().joints;
     for _ in 0..300 {
@@ -152,7 +153,7 @@ fn trees_can_be_switched_off_and_on_again() {
 
 #[test]
 fn a_motor_reaches_its_speed_and_a_spring_has_its_frequency() {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let ground = fixed(&mut world);
     let wheel = body(&mut world, Geometry::cylinder(0.1, 0.5), DVec3::ZERO);
     let desc = JointDesc::hinge([ground, wheel], [Frame::default(); 2]).with_drive(Drive::motor(
@@ -255,7 +256,7 @@ fn locks_of_single_axes_act_as_one() {
 #[test]
 fn a_slider_off_its_centre_stops_at_its_end() {
     for arm in [0.0, 0.3] {
-        let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let ground = fixed(&mut world);
         let cube = ShapeDesc::new(Geometry::cuboid(0.1, 0.1, 0.1));
         let cube = BodyDesc::dynamic().moving(Vec3::X * 5.0, Vec3::ZERO).with_shape(cube);

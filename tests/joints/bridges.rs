@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_PI_2;
 /// A bridge of hinged planks, level and straight at the start, between two ends that are nearer by a slack:
 /// rms speed of the planks in a second of each ten, and how far the worst joint is open [lengths of a plank].
 fn bridge(planks: u32, slack: f64, hertz: u32, substeps: u32, seconds: u32) -> (Vec<f64>, f64) {
-    let mut world = World::new(Settings { substeps, sleeping: false, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_substeps(substeps).with_sleeping(false)).unwrap();
     let (length, axes) = (0.5, Quat::from_rotation_y(-FRAC_PI_2));
     // Along an arc that is as much longer than its chord: 1 + a²/6, and half the angle a at each end.
     let angle = (6.0 * slack).sqrt();

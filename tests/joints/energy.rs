@@ -25,13 +25,14 @@ const PACES: [Pace; 5] =
 
 fn world(gravity: f64, Pace(_, substeps, iterations): Pace) -> World {
     let gravity = Vec3::Y * -gravity as f32;
-    World::new(Settings { gravity, substeps, iterations, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(gravity).with_substeps(substeps).with_iterations(iterations))
+        .unwrap()
 }
 
 /// A body without a shape.
 fn lump(mass: f32, inertia: Vec3) -> BodyDesc {
     let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
-    BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
+    BodyDesc::dynamic().with_mass(Some(mass))
 }
 
 fn join(
@@ -123,7 +124,7 @@ fn a_top_precesses_as_theory_says() {
             let inertia = DVec3::new(across, along, across).as_vec3();
             let desc = lump(mass as f32, inertia).at(at).moving(whole.cross(at), whole);
             let rotation = Quat::from_rotation_arc(Vec3::Y, axis.as_vec3());
-            let top = world.add_body(&BodyDesc { rotation, ..desc }).unwrap();
+            let top = world.add_body(&desc.with_rotation(rotation)).unwrap();
             join(&mut world, [ground, top], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
             let (mut turned, mut last) = (0.0_f64, 0.0_f64);
             let seconds = 20.0;
@@ -162,7 +163,7 @@ fn a_rotor_keeps_its_spin() {
             let shape = ShapeDesc::new(geometry.clone());
             let desc = BodyDesc::dynamic().moving(Vec3::ZERO, Vec3::Y * 300.0).with_shape(shape);
             let rotation = Quat::from_rotation_x(*tilt);
-            let body = world.add_body(&BodyDesc { rotation, ..desc }).unwrap();
+            let body = world.add_body(&desc.with_rotation(rotation)).unwrap();
             join(&mut world, [ground, body], Vec3::ZERO, Quat::from_rotation_z(FRAC_PI_2), JointDesc::hinge);
             let energy = world.energy();
             keeps("rotor", pace, watch(&mut world, pace, 60.0, energy));
@@ -276,7 +277,7 @@ fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
         let inertia = (Vec3::splat(squares.element_sum()) - squares) * (mass / 3.0);
         let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + cube(&mut random) * spin * 0.3);
         let rotation = Quat::from_scaled_axis(cube(&mut random) * 2.0);
-        let body = world.add_body(&BodyDesc { rotation, ..desc }).unwrap();
+        let body = world.add_body(&desc.with_rotation(rotation)).unwrap();
         if let Some(&from) = places.get(parent) {
             let make = match random.congruential() {
                 x if x < 0.5 => JointDesc::ball,

@@ -37,7 +37,7 @@ const KINDS: [(&str, Make); 6] = [
 
 /// Two balls of 0.3 m, on arms of 1 m that are joined in the middle.
 fn two_balls(make: Make, turn: Quat) -> (World, [BodyHandle; 2]) {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let pair = [0.0, 2.0].map(|x| {
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.3 });
         world.add_body(&BodyDesc::dynamic().at(DVec3::X * x).with_shape(ball)).unwrap()
@@ -144,7 +144,8 @@ impl Case {
         let dt = [1.0 / 30.0, DT, 1.0 / 120.0, 1.0 / 240.0][rng.below(4)];
         let (substeps, iterations) = ([1, 2, 4, 8][rng.below(4)], if rng.chance(0.2) { 4 } else { 1 });
         let gravity = if rng.chance(0.3) { Vec3::Y * -9.81 } else { Vec3::ZERO };
-        let settings = Settings { gravity, substeps, iterations, ..Settings::default() };
+        let settings =
+            Settings::default().with_gravity(gravity).with_substeps(substeps).with_iterations(iterations);
         let mut case = Case {
             world: World::new(settings).unwrap(),
             bodies: Vec::new(),
@@ -267,7 +268,7 @@ fn lump(rng: &mut Random, mass: f32) -> BodyDesc {
     let square = half * half * (mass / 3.0);
     let moments = Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y);
     let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(moments) };
-    BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
+    BodyDesc::dynamic().with_mass(Some(mass))
 }
 
 /// Each axis locked, within a range, held by friction, or free.

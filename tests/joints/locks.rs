@@ -3,7 +3,7 @@
 
 use crate::common::{self, G, dynamic};
 use backstop::glam::{DVec3, Vec3};
-use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
+use backstop::{BodyHandle, Geometry, Material, Settings, World};
 
 /// A cube between two jaws that are free along x only, and pressed together.
 struct Grip {
@@ -19,9 +19,8 @@ const FRICTION: f32 = 0.6;
 impl Grip {
     /// `factor`: how much more than just enough the jaws press. `size`: edge of the cube [m].
     fn new(size: f32, density: f32, factor: f32, substeps: u32) -> Grip {
-        let mut world = World::new(Settings { substeps, sleeping: false, ..Settings::default() }).unwrap();
-        let material =
-            Material { static_friction: FRICTION, dynamic_friction: FRICTION, ..Material::default() };
+        let mut world = World::new(Settings::default().with_substeps(substeps).with_sleeping(false)).unwrap();
+        let material = Material::default().with_static_friction(FRICTION).with_dynamic_friction(FRICTION);
         let half = 0.5 * size;
         let cube = |at: Vec3| {
             let mut cube = dynamic(Geometry::cuboid(half, half, half), material, at);
@@ -29,11 +28,9 @@ impl Grip {
             cube
         };
         let jaws = [-size, size].map(|x| {
-            let jaw = BodyDesc {
-                lock_translation: [false, true, true],
-                lock_rotation: [true; 3],
-                ..cube(Vec3::new(x, 0.0, 0.0))
-            };
+            let jaw = cube(Vec3::new(x, 0.0, 0.0))
+                .with_lock_translation([false, true, true])
+                .with_lock_rotation([true; 3]);
             world.add_body(&jaw).unwrap()
         });
         let cube = world.add_body(&cube(Vec3::ZERO)).unwrap();
@@ -99,15 +96,13 @@ fn no_contact_moves_what_is_locked() {
             let bit = |i: u32| locks >> i & 1 != 0;
             let locked = |at: Vec3| {
                 let turned = common::turned(Vec3::new(0.3, 0.2, 0.9).normalize(), 20.0);
-                let material = Material { restitution: 0.3, ..Material::default() };
-                BodyDesc {
-                    lock_translation: [bit(0), bit(1), bit(2)],
-                    lock_rotation: [bit(3), bit(4), bit(5)],
-                    rotation: turned,
-                    ..dynamic(Geometry::cuboid(0.5, 0.3, 0.4), material, at)
-                }
+                let material = Material::default().with_restitution(0.3);
+                dynamic(Geometry::cuboid(0.5, 0.3, 0.4), material, at)
+                    .with_lock_translation([bit(0), bit(1), bit(2)])
+                    .with_lock_rotation([bit(3), bit(4), bit(5)])
+                    .with_rotation(turned)
             };
-            let mut world = World::new(Settings { sleeping: false, ..Settings::default() }).unwrap();
+            let mut world = World::new(Settings::default().with_sleeping(false)).unwrap();
             world.add_body(&common::Floor::Plane.desc(Material::default())).unwrap();
             let low = world.add_body(&locked(Vec3::new(0.0, 0.8, 0.0))).unwrap();
             let mut high = locked(Vec3::new(0.2, 1.8, 0.1));

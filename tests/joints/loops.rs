@@ -7,7 +7,7 @@ use backstop::{BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, Settings,
 use std::f32::consts::FRAC_PI_2;
 
 fn world(substeps: u32) -> World {
-    World::new(Settings { substeps, sleeping: false, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_substeps(substeps).with_sleeping(false)).unwrap()
 }
 
 fn widest(world: &World, joints: &[JointHandle]) -> f64 {

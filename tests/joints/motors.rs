@@ -11,11 +11,11 @@ use backstop::{
 use std::f32::consts::FRAC_PI_2;
 
 fn world(substeps: u32) -> World {
-    World::new(Settings { substeps, sleeping: false, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_substeps(substeps).with_sleeping(false)).unwrap()
 }
 
 fn body(world: &mut World, geometry: Geometry, mass: f32, at: DVec3) -> BodyHandle {
-    let desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc { density: 1.0, ..ShapeDesc::new(geometry) });
+    let desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry).with_density(1.0));
     let body = world.add_body(&desc).unwrap();
     let unit = world.mass(body).unwrap();
     world.remove_body(body).unwrap();
@@ -197,8 +197,7 @@ fn a_motor_turns_a_four_bar_linkage() {
 /// What a motor pushes at is pushed back: two bodies that nothing else holds keep their momentum of zero.
 #[test]
 fn a_motor_between_two_free_bodies_makes_no_momentum() {
-    let mut world =
-        World::new(Settings { gravity: Vec3::ZERO, sleeping: false, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO).with_sleeping(false)).unwrap();
     let one = body(&mut world, Geometry::Sphere { radius: 0.3 }, 10.0, DVec3::ZERO);
     let other = body(&mut world, Geometry::Sphere { radius: 0.2 }, 1.0, DVec3::X);
     hinge(&mut world, [one, other], DVec3::X * 0.2, Some((3.0, 5.0)));

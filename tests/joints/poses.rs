@@ -44,7 +44,7 @@ fn errors(world: &World, figure: &Skeleton, doll: &Ragdoll, rest: &[Quat], pose:
 #[test]
 fn a_figure_takes_the_pose_and_follows_it() {
     let figure = Skeleton::humanoid().with_friction(0.5);
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let turn = common::turned(Vec3::new(1.0, 2.0, 3.0).normalize(), 80.0);
     let doll = figure.add_to(&mut world, DVec3::new(3.0, 2.0, 1.0), turn, Vec3::ZERO).unwrap();
     let rest: Vec<Quat> = doll.bodies.iter().map(|&body| world.rotation(body).unwrap()).collect();
@@ -99,7 +99,7 @@ fn poses_are_refused_whole() {
     assert!(doll.joints.iter().filter(|&&j| world.contains_joint(j)).count() == 9);
     // A memory budget that has no place for the drives.
     let budget = backstop::Budget::total(world.memory().total() + 100);
-    world.set_settings(Settings { budget, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_budget(budget)).unwrap();
     assert!(matches!(doll.drive_to(&mut world, &good, SERVO, 100.0), Err(Error::Budget { .. })));
     let left = doll.joints.iter().filter(|&&j| world.contains_joint(j));
     assert!(left.into_iter().all(|&j| world.joint_drives(j).unwrap().count() == 0));

@@ -22,7 +22,7 @@ const WIDEST: f64 = 0.050;
 const AT_REST: f64 = 0.003;
 
 fn world((substeps, iterations): (u32, u32)) -> World {
-    World::new(Settings { substeps, iterations, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_substeps(substeps).with_iterations(iterations)).unwrap()
 }
 
 /// Distance of a joint's two frames [m].

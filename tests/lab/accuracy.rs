@@ -52,7 +52,8 @@ fn load(world: &World) -> f64 {
 fn a_box_at_rest_bears_its_weight_and_breaks_no_law() {
     for substeps in [1, 4] {
         for friction_model in [FrictionModel::Patch, FrictionModel::Point] {
-            let mut world = world(Settings { substeps, friction_model, ..Settings::default() });
+            let mut world =
+                world(Settings::default().with_substeps(substeps).with_friction_model(friction_model));
             world.add_body(&Floor::Box.desc(Material::default())).unwrap();
             let body = world.add_body(&boxed(0.5, 2.0, DVec3::Y * 0.5, 0.5)).unwrap();
             common::steps(&mut world, 120, DT);
@@ -81,7 +82,7 @@ fn a_box_at_rest_bears_its_weight_and_breaks_no_law() {
 #[test]
 fn a_ball_that_hits_a_floor_gets_its_momentum() {
     for substeps in [1, 4, 8] {
-        let mut world = world(Settings { substeps, ..Settings::default() });
+        let mut world = world(Settings::default().with_substeps(substeps));
         world.add_body(&Floor::Box.desc(Material::default().with_friction(0.0))).unwrap();
         world.add_body(&ball(DVec3::Y * 0.52, Vec3::Y * -3.0, 0.0)).unwrap();
         world.step(DT).unwrap();
@@ -166,7 +167,8 @@ fn friction_on_a_ramp_is_coulombs() {
 
 /// Ten boxes, the topmost a thousand times heavier: the residual after some sweeps from nothing.
 fn spoiled(iterations: u32) -> f64 {
-    let mut world = world(Settings { substeps: 1, iterations, warm_starting: false, ..Settings::default() });
+    let mut world =
+        world(Settings::default().with_substeps(1).with_iterations(iterations).with_warm_starting(false));
     world.add_body(&Floor::Box.desc(Material::default())).unwrap();
     for i in 0..10 {
         let density = if i == 9 { 1000.0 } else { 1.0 };
@@ -210,7 +212,7 @@ fn islands_are_what_rows_connect() {
 /// the joint holds.
 #[test]
 fn a_door_with_a_motor_gains_what_the_motor_gives() {
-    let mut world = world(Settings { gravity: Vec3::ZERO, ..Settings::default() });
+    let mut world = world(Settings::default().with_gravity(Vec3::ZERO));
     let post = world.add_body(&BodyDesc::fixed()).unwrap();
     let mut door = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.05));
     door.density = 100.0;
@@ -294,7 +296,10 @@ fn friction_never_exceeds_its_cone() {
     for (hz, substeps, iterations) in [(30.0, 1, 4), (60.0, 4, 1), (120.0, 2, 1)] {
         for friction_model in [FrictionModel::Patch, FrictionModel::Point] {
             for scene in [builtin::talk(), common::small_pile()] {
-                let settings = Settings { substeps, iterations, friction_model, ..Settings::default() };
+                let settings = Settings::default()
+                    .with_substeps(substeps)
+                    .with_iterations(iterations)
+                    .with_friction_model(friction_model);
                 let (mut world, _) = common::world_of(&scene, settings);
                 world.measure_accuracy(true);
                 for step in 0..(2.0 * hz) as u32 {

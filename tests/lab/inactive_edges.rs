@@ -25,7 +25,7 @@ fn swerve(geometry: &Geometry, inactive: bool) -> f64 {
     };
     let mesh = Arc::new(mesh.unwrap());
     let material = Material::default().with_friction(0.0);
-    let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
+    let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
     let mut worst = 0.0_f64;
     for i in 0..8 {
         let mut world = World::new(Settings::default()).unwrap();

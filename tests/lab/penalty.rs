@@ -37,11 +37,10 @@ fn a_penalty_is_stable_up_to_its_limit() {
 #[test]
 fn what_went_in_comes_out_where_it_went_in() {
     let end = |direction_memory| {
-        let settings =
-            Settings { gravity: Vec3::ZERO, continuous: Continuous::Discrete, ..Settings::default() };
+        let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(Continuous::Discrete);
         let mut world = World::new(settings).unwrap();
         let material = Material::default().with_friction(0.0).with_restitution(0.0);
-        let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
+        let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
         world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::cuboid(2.0, 0.1, 2.0)))).unwrap();
         let cube = BodyDesc::dynamic().at(DVec3::Y * 0.21).moving(Vec3::NEG_Y * 5.0, Vec3::ZERO);
         let cube = world.add_body(&cube.with_shape(shape(Geometry::cuboid(0.1, 0.1, 0.1)))).unwrap();

@@ -17,7 +17,7 @@ fn stack(count: usize, ratio: f64, most: f64) -> (World, Vec<BodyHandle>) {
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     let boxes = (0..count).map(|i| {
         let density = ratio.powi(i as i32).min(most) as f32;
-        let cube = ShapeDesc { density, ..ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)) };
+        let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(density);
         world.add_body(&BodyDesc::dynamic().at(DVec3::Y * (i as f64 + 0.5)).with_shape(cube)).unwrap()
     });
     let boxes = boxes.collect();
@@ -80,10 +80,10 @@ fn how_all_methods_stand() {
 
 /// Balls of 1 m in a row that touch, the first of which arrives at 2 m/s; what they do after one step.
 fn cradle(count: usize, restitution: f32, method: &str) -> Vec<f64> {
-    let settings = Settings { gravity: Vec3::ZERO, ..Settings::default() };
+    let settings = Settings::default().with_gravity(Vec3::ZERO);
     let mut world = World::new(settings).unwrap();
     let material = Material::default().with_friction(0.0).with_restitution(restitution);
-    let ball = ShapeDesc { material, ..ShapeDesc::new(Geometry::Sphere { radius: 0.5 }) };
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_material(material);
     let balls: Vec<BodyHandle> = (0..count)
         .map(|i| {
             let speed = if i == 0 { Vec3::X * 2.0 } else { Vec3::ZERO };
@@ -129,10 +129,10 @@ fn a_cradle_follows_either_law() {
 #[test]
 fn an_inelastic_collapse_ends() {
     for restitution in [0.07, 0.05, 0.01] {
-        let settings = Settings { gravity: Vec3::ZERO, ..Settings::default() };
+        let settings = Settings::default().with_gravity(Vec3::ZERO);
         let mut world = World::new(settings).unwrap();
         let material = Material::default().with_friction(0.0).with_restitution(restitution);
-        let ball = ShapeDesc { material, ..ShapeDesc::new(Geometry::Sphere { radius: 0.5 }) };
+        let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_material(material);
         let balls: Vec<BodyHandle> = (0..3)
             .map(|i| {
                 let speed = Vec3::X * [100.0, 0.0, -100.0][i];
@@ -160,7 +160,7 @@ fn two_balls_on_a_plane_end() {
         for method in ["sequential", "guendelman", "impulse-based", "lemke", "gs-cone"] {
             let mut world = World::new(Settings::default()).unwrap();
             let material = Material::default().with_friction(0.0).with_restitution(restitution);
-            let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
+            let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
             world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
             let ball = shape(Geometry::Sphere { radius: 0.5 });
             let fast = BodyDesc::dynamic().at(DVec3::new(-1.5, 0.5, 0.0)).moving(Vec3::X * 3.0, Vec3::ZERO);
@@ -203,7 +203,7 @@ fn a_box_that_falls_flat_does_not_turn() {
         for quarter in 0..4 {
             let mut world = World::new(Settings::default()).unwrap();
             let material = Material::default().with_restitution(0.5);
-            let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
+            let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
             world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
             // Turned by a quarter its points come in another order.
             let turn = Quat::from_rotation_y(quarter as f32 * std::f32::consts::FRAC_PI_2);
@@ -311,7 +311,7 @@ fn a_ball_keeps_bouncing() {
     for method in ["gs-cone", "lemke"] {
         let mut world = World::new(Settings::default()).unwrap();
         let material = Material::default().with_friction(0.0).with_restitution(1.0);
-        let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
+        let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
         world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
         let ball = BodyDesc::dynamic().at(DVec3::Y * 2.5).with_shape(shape(Geometry::Sphere { radius: 0.5 }));
         let ball = world.add_body(&ball).unwrap();

@@ -11,7 +11,7 @@ fn ball() -> BodyDesc {
 }
 
 fn free(desc: &BodyDesc, gravity: Vec3, substeps: u32) -> (World, BodyHandle) {
-    let mut world = World::new(Settings { gravity, substeps, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(gravity).with_substeps(substeps)).unwrap();
     let body = world.add_body(desc).unwrap();
     (world, body)
 }
@@ -49,7 +49,7 @@ fn velocity_decays_exponentially_at_any_rate() {
 #[test]
 fn a_damped_body_has_a_terminal_velocity() {
     for hertz in RATES {
-        let (mut world, body) = free(&BodyDesc { linear_damping: 2.0, ..ball() }, Vec3::NEG_Y * 10.0, 4);
+        let (mut world, body) = free(&ball().with_linear_damping(2.0), Vec3::NEG_Y * 10.0, 4);
         run(&mut world, hertz, 10);
         let speed = world.linear_velocity(body).unwrap().y;
         // (c dt)² / 24 at 30 Hz: 2e-4.
@@ -63,7 +63,7 @@ fn others_keep_their_velocity() {
     let (mut world, damped) = free(&ball().moving(Vec3::X, Vec3::Y), Vec3::ZERO, 4);
     let other = world.add_body(&ball().at(DVec3::Z * 9.0).moving(Vec3::X, Vec3::Y)).unwrap();
     let carrier = BodyDesc::kinematic().at(DVec3::Z * 20.0).moving(Vec3::X, Vec3::Y);
-    let carrier = world.add_body(&BodyDesc { linear_damping: 3.0, ..carrier }).unwrap();
+    let carrier = world.add_body(&carrier.clone().with_linear_damping(3.0)).unwrap();
     world.set_damping(damped, 1.0, 2.0).unwrap();
     assert_eq!((world.damping(damped), world.damping(other)), (Ok((1.0, 2.0)), Ok((0.0, 0.0))));
     assert_eq!(world.damping(carrier), Ok((3.0, 0.0)));
@@ -76,7 +76,7 @@ fn others_keep_their_velocity() {
     assert_eq!(world.linear_velocity(damped), before);
     for bad in [-1.0, f32::NAN, f32::INFINITY, 1e7] {
         assert!(world.set_damping(damped, bad, 0.0).is_err() && world.set_damping(damped, 0.0, bad).is_err());
-        assert!(world.add_body(&BodyDesc { angular_damping: bad, ..ball() }).is_err());
+        assert!(world.add_body(&ball().with_angular_damping(bad)).is_err());
     }
 }
 

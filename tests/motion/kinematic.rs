@@ -16,7 +16,7 @@ fn table(centre: Vec3) -> BodyDesc {
 fn a_kinematic_body_is_where_it_was_told_to_be() {
     for dt in [1.0 / 30.0, 1.0 / 60.0, 1.0 / 144.0, 0.001, 0.25] {
         for (substeps, centre) in [(1, Vec3::ZERO), (4, Vec3::ZERO), (3, Vec3::new(0.3, -0.2, 0.7))] {
-            let mut world = World::new(Settings { substeps, ..Settings::default() }).unwrap();
+            let mut world = World::new(Settings::default().with_substeps(substeps)).unwrap();
             let [moved, put] = [(); 2].map(|()| world.add_body(&table(centre)).unwrap());
             for step in 0..50 {
                 let s = f64::from(step);

@@ -7,7 +7,7 @@ use backstop::glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, MassProperties, Settings, ShapeDesc, World};
 
 fn alone(inertia: Vec3, spin: Vec3) -> (World, BodyHandle) {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let mut desc = BodyDesc::dynamic().moving(Vec3::ZERO, spin);
     desc.mass =
         Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });

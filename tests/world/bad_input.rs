@@ -193,11 +193,11 @@ fn materials_must_be_in_range() {
     let good = Material::default();
     let mut bad = Vec::new();
     for x in [-0.1, f32::NAN, f32::INFINITY] {
-        bad.push(Material { static_friction: x, ..good });
-        bad.push(Material { dynamic_friction: x, ..good });
-        bad.push(Material { restitution: x, ..good });
+        bad.push(good.with_static_friction(x));
+        bad.push(good.with_dynamic_friction(x));
+        bad.push(good.with_restitution(x));
     }
-    bad.push(Material { restitution: 1.1, ..good });
+    bad.push(good.with_restitution(1.1));
     for material in bad {
         let mut desc = ball();
         desc.shapes[0].material = material;
@@ -243,24 +243,24 @@ fn a_step_must_last() {
 fn settings_must_be_in_range() {
     let good = Settings::default();
     let mut bad = vec![
-        Settings { substeps: 0, ..good.clone() },
-        Settings { substeps: 65, ..good.clone() },
-        Settings { iterations: 0, ..good.clone() },
-        Settings { iterations: 257, ..good.clone() },
-        Settings { threads: 0, ..good.clone() },
-        Settings { threads: 1025, ..good.clone() },
-        Settings { slop: 1.1, ..good.clone() },
+        good.clone().with_substeps(0),
+        good.clone().with_substeps(65),
+        good.clone().with_iterations(0),
+        good.clone().with_iterations(257),
+        good.clone().with_threads(0),
+        good.clone().with_threads(1025),
+        good.clone().with_slop(1.1),
     ];
     for x in [-1.0, f32::NAN, f32::INFINITY] {
-        bad.push(Settings { length_unit: x, ..good.clone() });
-        bad.push(Settings { restitution_threshold: x, ..good.clone() });
-        bad.push(Settings { slop: x, ..good.clone() });
-        bad.push(Settings { contact_hertz: x, ..good.clone() });
-        bad.push(Settings { contact_damping: x, ..good.clone() });
-        bad.push(Settings { push_speed: x, ..good.clone() });
+        bad.push(good.clone().with_length_unit(x));
+        bad.push(good.clone().with_restitution_threshold(x));
+        bad.push(good.clone().with_slop(x));
+        bad.push(good.clone().with_contact_hertz(x));
+        bad.push(good.clone().with_contact_damping(x));
+        bad.push(good.clone().with_push_speed(x));
     }
     for x in BAD {
-        bad.push(Settings { gravity: Vec3::new(0.0, x, 0.0), ..good.clone() });
+        bad.push(good.clone().with_gravity(Vec3::new(0.0, x, 0.0)));
     }
     let (mut world, _) = world();
     for settings in bad {
@@ -326,7 +326,7 @@ fn a_stale_handle_never_names_another_body() {
 fn a_budget_refuses_what_does_not_fit() {
     let (mut world, body) = world();
     let used = world.memory().total();
-    world.set_settings(Settings { budget: Budget::total(used + 100_000), ..Settings::default() }).unwrap();
+    world.set_settings(Settings::default().with_budget(Budget::total(used + 100_000))).unwrap();
     world.add_body(&ball().at(DVec3::Y * 20.0)).unwrap();
     let many: Vec<BodyDesc> = (0..10_000).map(|i| ball().at(DVec3::Y * (30.0 + f64::from(i)))).collect();
     let error = refused("many bodies", &mut world, |w| w.add_bodies(&many));
@@ -337,7 +337,7 @@ fn a_budget_refuses_what_does_not_fit() {
     let error = refused("a mesh", &mut world, |w| w.add_body(&terrain));
     assert!(matches!(error, Error::Budget { category: Category::Meshes, .. }), "{error}");
 
-    world.set_settings(Settings { budget: Budget::total(used), ..Settings::default() }).unwrap();
+    world.set_settings(Settings::default().with_budget(Budget::total(used))).unwrap();
     let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
     let error = refused("a shape", &mut world, |w| w.add_shape(body, &shape));
     assert!(matches!(error, Error::Budget { .. }), "{error}");
@@ -385,7 +385,7 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
         refused_body("spin", &ball().moving(Vec3::ZERO, v));
         refused("velocity", w, |w| w.set_velocity(body, v, Vec3::ZERO));
         refused("spin", w, |w| w.set_velocity(body, Vec3::ZERO, -v));
-        refused("gravity", w, |w| w.set_settings(Settings { gravity: v, ..Settings::default() }));
+        refused("gravity", w, |w| w.set_settings(Settings::default().with_gravity(v)));
         refused("gravity scale", w, |w| w.set_gravity_scale(body, fast));
     }
     for size in [1.1e6, 1.8e19, f32::MAX, 0.9e-6, 1e-30] {

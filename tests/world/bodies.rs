@@ -71,7 +71,7 @@ fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random)
                 let material = Material::default().with_friction(random.range(0.0, 2.0));
                 world.set_material(part, material.with_restitution(random.range(0.0, 1.0))).unwrap();
                 let mask = random.bits() & 7;
-                world.set_filter(part, Filter { mask, ..Filter::default() }).unwrap();
+                world.set_filter(part, Filter::default().with_mask(mask)).unwrap();
             }
         }
         13 => {
@@ -226,7 +226,7 @@ fn gravity_scale_scales_gravity() {
 /// v = F t / m and w = T t / I, for the steps in which they act; an impulse acts at once.
 #[test]
 fn forces_act_for_a_step_and_impulses_at_once() {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let mut desc = BodyDesc::dynamic();
     let inertia = Mat3::from_diagonal(Vec3::splat(3.0));
     desc.mass = Some(MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia });

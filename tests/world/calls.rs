@@ -34,18 +34,16 @@ impl Game {
             ContinuousMethod::Speculative,
             ContinuousMethod::Talk,
         ];
-        let settings = Settings {
-            gravity: if rng.below(3) == 0 { Vec3::ZERO } else { Vec3::Y * -9.81 },
-            sleeping: rng.below(8) != 0,
-            sleep_time: [0.0, 0.03, 0.5][rng.below(3)],
-            sleep_speed: [0.05, 1.0, 100.0][rng.below(3)],
-            method: methods[rng.below(5)],
-            friction_model: [FrictionModel::Patch, FrictionModel::Point][rng.below(2)],
-            substeps: 1 + rng.below(4) as u32,
-            recycling: rng.below(5) != 0,
-            joint_trees: rng.below(5) != 0,
-            ..Settings::default()
-        };
+        let settings = Settings::default()
+            .with_gravity(if rng.below(3) == 0 { Vec3::ZERO } else { Vec3::Y * -9.81 })
+            .with_sleeping(rng.below(8) != 0)
+            .with_sleep_time([0.0, 0.03, 0.5][rng.below(3)])
+            .with_sleep_speed([0.05, 1.0, 100.0][rng.below(3)])
+            .with_method(methods[rng.below(5)])
+            .with_friction_model([FrictionModel::Patch, FrictionModel::Point][rng.below(2)])
+            .with_substeps(1 + rng.below(4) as u32)
+            .with_recycling(rng.below(5) != 0)
+            .with_joint_trees(rng.below(5) != 0);
         let world = World::new(settings).unwrap();
         let mut game = Game { world, rng, bodies: vec![], shapes: vec![], joints: vec![], saved: None };
         if game.rng.below(3) != 0 {
@@ -165,7 +163,7 @@ impl Game {
             8 => world.set_density(shape, 2000.0 * rng.unit()),
             0 => world.remove_shape(shape),
             1 => world.set_material(shape, Material::default().with_restitution(rng.unit())),
-            2 => world.set_filter(shape, Filter { group: rng.below(3) as i32 - 1, ..Filter::default() }),
+            2 => world.set_filter(shape, Filter::default().with_group(rng.below(3) as i32 - 1)),
             3 => world.set_listening(shape, rng.below(2) == 0, rng.below(2) == 0),
             _ => world.set_sensor(shape, rng.below(4) == 0),
         }
@@ -194,7 +192,7 @@ impl Game {
             6 => {
                 let sleeping = self.rng.below(4) != 0;
                 let gravity = self.world.settings().gravity * [1.0, 1.0, 0.0][self.rng.below(3)];
-                let settings = Settings { sleeping, gravity, ..self.world.settings().clone() };
+                let settings = self.world.settings().clone().with_sleeping(sleeping).with_gravity(gravity);
                 self.world.set_settings(settings).unwrap();
             }
             7 => {

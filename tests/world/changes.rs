@@ -14,7 +14,7 @@ fn cube() -> ShapeDesc {
 }
 
 fn floor(sleeping: bool) -> (World, BodyHandle) {
-    let mut world = World::new(Settings { sleeping, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_sleeping(sleeping)).unwrap();
     let floor = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     (world, floor)
 }
@@ -48,7 +48,7 @@ fn a_disabled_body_is_not_there_until_it_is_enabled() {
         let ray = Ray::between(DVec3::X * 20.0 + DVec3::Y * 9.0, DVec3::X * 20.0 + DVec3::Y * 1.0);
         assert_eq!(world.cast_ray(&ray, &QueryFilter::new()).unwrap(), None);
         // Changed while it was away.
-        world.add_shape(bodies[1], &ShapeDesc { position: Vec3::X, ..cube() }).unwrap();
+        world.add_shape(bodies[1], &cube().with_position(Vec3::X)).unwrap();
         world.set_velocity(bodies[1], Vec3::X, Vec3::ZERO).unwrap();
         world.set_enabled(bodies[1], true).unwrap();
         let hit = world.cast_ray(&ray, &QueryFilter::new()).unwrap().unwrap();
@@ -119,7 +119,7 @@ fn what_is_changed_holds_at_once() {
     let (mut world, _) = floor(true);
     let body = add(&mut world, 0.5);
     run(&mut world, 2.0);
-    world.set_settings(Settings { gravity: Vec3::Y * 5.0, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_gravity(Vec3::Y * 5.0)).unwrap();
     run(&mut world, 1.0);
     assert!((world.linear_velocity(body).unwrap().y - 5.0).abs() < 0.2);
     world.set_gravity_scale(body, -1.0).unwrap();

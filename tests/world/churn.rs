@@ -96,8 +96,7 @@ struct Churn {
 
 impl Churn {
     fn new() -> Churn {
-        let mut world =
-            World::new(Settings { sleeping: true, sleep_time: 0.1, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_sleeping(true).with_sleep_time(0.1)).unwrap();
         let mut model = Model::default();
         let fixed =
             [ShapeDesc::new(Geometry::Plane), ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).sensing()].map(
@@ -158,7 +157,7 @@ impl Churn {
         match what {
             4 | 5 => self.remove(body),
             6 => {
-                let shape = ShapeDesc { position: v, ..ShapeDesc::new(Geometry::Sphere { radius: 0.2 }) };
+                let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.2 }).with_position(v);
                 let shape = world.add_shape(body, &shape.with_events()).unwrap();
                 model.bodies.get_mut(&body).unwrap().0.push(shape);
             }

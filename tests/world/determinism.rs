@@ -29,7 +29,7 @@ fn crossfire() -> Scene {
 }
 
 fn hash_after(scene: &Scene, steps: u32, threads: usize) -> u64 {
-    let (mut world, _) = common::world_of(scene, Settings { threads, ..Settings::default() });
+    let (mut world, _) = common::world_of(scene, Settings::default().with_threads(threads));
     common::steps(&mut world, steps, 1.0 / 60.0);
     assert!(common::all_finite(&world));
     world.hash()
@@ -100,7 +100,9 @@ fn points_without_a_colour_give_the_same_bits() {
     }
     let run = |threads: usize| {
         let friction_model = FrictionModel::Point;
-        let mut world = World::new(Settings { threads, friction_model, ..Settings::default() }).unwrap();
+        let mut world =
+            World::new(Settings::default().with_threads(threads).with_friction_model(friction_model))
+                .unwrap();
         world.add_bodies(&bodies).unwrap();
         common::steps(&mut world, 30, 1.0 / 60.0);
         assert!(world.report().uncoloured > 0);
@@ -119,7 +121,7 @@ fn unit(q: [f32; 4]) -> Quat {
 /// Ragdolls fall on a mesh and on each other, beside a chain with a heavy ball, and joints of every kind
 /// swing above it.
 fn joints_after(steps: u32, threads: usize) -> u64 {
-    let mut world = World::new(Settings { threads, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_threads(threads)).unwrap();
     let (vertices, triangles) = Terrain::bumpy(32, 0.5).mesh();
     let ground = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(ground))).unwrap();

@@ -22,7 +22,7 @@ fn ball(radius: f32) -> ShapeDesc {
 }
 
 fn weightless() -> World {
-    World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap()
 }
 
 fn shape(world: &World, body: BodyHandle) -> ShapeHandle {
@@ -43,7 +43,7 @@ fn who_lands_is_heard_of_once_with_its_speed_and_impulse() {
     for per_point in [false, true] {
         let friction_model = [FrictionModel::Patch, FrictionModel::Point][usize::from(per_point)];
         // Above what an edge does that comes down second.
-        let settings = Settings { friction_model, hit_speed: 2.0, ..Settings::default() };
+        let settings = Settings::default().with_friction_model(friction_model).with_hit_speed(2.0);
         let mut world = World::new(settings).unwrap();
         let floor = fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
         let body = add(&mut world, DVec3::Y * 5.5, cube().with_events());
@@ -83,7 +83,7 @@ fn who_lands_is_heard_of_once_with_its_speed_and_impulse() {
 /// Who ceases to listen hears no end, not even when it is removed; who listens again hears a begin.
 #[test]
 fn a_shape_may_listen_now_and_then() {
-    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
     fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
     let body = add(&mut world, DVec3::Y * 0.5, cube());
     let shape = shape(&world, body);
@@ -114,10 +114,10 @@ fn who_is_fast_is_heard_of_when_it_strikes_and_when_it_is_off_again() {
     let mut world = weightless();
     let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]].map(|[y, z]| Vec3::new(0.0, y, z));
     let wall = TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
-    let material = Material { restitution: 1.0, ..Material::default().with_friction(0.0) };
-    let wall = ShapeDesc { material, ..ShapeDesc::new(Geometry::Mesh(Arc::new(wall))) };
+    let material = Material::default().with_friction(0.0).with_restitution(1.0);
+    let wall = ShapeDesc::new(Geometry::Mesh(Arc::new(wall))).with_material(material);
     let wall = fixed(&mut world, DVec3::ZERO, wall);
-    let bullet = ShapeDesc { material, ..ball(0.1).with_events() };
+    let bullet = ball(0.1).with_events().with_material(material);
     let bullet = BodyDesc::dynamic().at(DVec3::NEG_X * 33.0).with_shape(bullet);
     let bullet = world.add_body(&bullet.moving(Vec3::X * 300.0, Vec3::ZERO)).unwrap();
     let mass = world.mass(bullet).unwrap();
@@ -166,7 +166,7 @@ fn listening_changes_nothing_and_not_to_listen_takes_no_bytes() {
 
 #[test]
 fn what_there_is_no_place_for_is_counted() {
-    let settings = Settings { event_capacity: 3, ..Settings::default() };
+    let settings = Settings::default().with_event_capacity(3);
     let mut world = World::new(settings).unwrap();
     fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane).with_events());
     for i in 0..10 {
@@ -182,7 +182,7 @@ fn what_there_is_no_place_for_is_counted() {
 fn every_crossing_of_a_sensor_is_reported_once() {
     for threads in [1, 2] {
         let settings =
-            Settings { gravity: Vec3::ZERO, event_capacity: 1 << 20, threads, ..Settings::default() };
+            Settings::default().with_gravity(Vec3::ZERO).with_event_capacity(1 << 20).with_threads(threads);
         let mut world = World::new(settings).unwrap();
         let sensors: BTreeMap<ShapeHandle, f64> = (0..100)
             .map(|i| {
@@ -238,7 +238,7 @@ fn every_crossing_of_a_sensor_is_reported_once() {
 
 #[test]
 fn a_sensor_knows_who_is_in_it() {
-    let settings = Settings { sleeping: true, ..Settings::default() };
+    let settings = Settings::default().with_sleeping(true);
     let mut world = World::new(settings).unwrap();
     fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
     let sensor = fixed(&mut world, DVec3::Y, ShapeDesc::new(Geometry::cuboid(2.0, 2.0, 2.0)).sensing());
@@ -297,7 +297,7 @@ fn a_sensor_may_be_on_a_body_that_moves() {
     let wall =
         fixed(&mut world, DVec3::new(12.0, 0.0, 0.0), ShapeDesc::new(Geometry::cuboid(0.01, 9.0, 9.0)));
     let scout = BodyDesc::dynamic().at(DVec3::Y * 1.0).with_shape(ball(0.1));
-    let scout = ShapeDesc { density: 0.0, ..ball(2.0).sensing() }.into_body(scout);
+    let scout = ball(2.0).sensing().with_density(0.0).into_body(scout);
     let scout = world.add_body(&scout.moving(Vec3::X * 200.0, Vec3::ZERO)).unwrap();
     let (mut begins, mut ends) = (Vec::new(), Vec::new());
     for _ in 0..30 {
@@ -384,7 +384,7 @@ impl ContactHooks for Belt {
 fn a_belt_carries_what_is_on_it() {
     for points in [false, true] {
         let friction_model = [FrictionModel::Patch, FrictionModel::Point][usize::from(points)];
-        let mut world = World::new(Settings { friction_model, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_friction_model(friction_model)).unwrap();
         let belt = ShapeDesc::new(Geometry::cuboid(100.0, 0.5, 20.0)).with_hooks();
         let belt = fixed(&mut world, DVec3::Y * -0.5, belt);
         let cubes: Vec<BodyHandle> = (0..11)
@@ -446,9 +446,9 @@ impl ContactHooks for Ground {
 fn hooks_change_friction_and_restitution() {
     let slide = |friction: f32| {
         let mut world = World::new(Settings::default()).unwrap();
-        let plane = ShapeDesc { user_data: 0, ..ShapeDesc::new(Geometry::Plane) };
+        let plane = ShapeDesc::new(Geometry::Plane).with_user_data(0);
         fixed(&mut world, DVec3::ZERO, plane);
-        let body = ShapeDesc { user_data: 7, ..cube().with_hooks() };
+        let body = cube().with_hooks().with_user_data(7);
         let body = BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(body);
         let body = world.add_body(&body.moving(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
         for _ in 0..240 {
@@ -465,7 +465,7 @@ fn hooks_change_friction_and_restitution() {
     let bounce = |restitution: f32| {
         let mut world = World::new(Settings::default()).unwrap();
         fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
-        let body = ShapeDesc { user_data: 7, ..ball(0.5).with_hooks() };
+        let body = ball(0.5).with_hooks().with_user_data(7);
         let body = add(&mut world, DVec3::Y * 5.5, body);
         let (mut highest, mut landed) = (0.0_f64, false);
         for _ in 0..150 {

@@ -146,7 +146,7 @@ fn faults_do_not_depend_on_threads() {
     let run = |threads: usize| {
         let mut scene = backstop::scene::builtin::pile();
         scene.bodies.truncate(5 + 300);
-        let (mut world, bodies) = common::world_of(&scene, Settings { threads, ..Settings::default() });
+        let (mut world, bodies) = common::world_of(&scene, Settings::default().with_threads(threads));
         (0..120)
             .map(|step: usize| {
                 if step % 7 == 3 {

@@ -10,7 +10,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn world() -> World {
-    World::new(Settings { sleeping: true, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_sleeping(true)).unwrap()
 }
 
 fn block(y: f64) -> BodyDesc {
@@ -87,7 +87,7 @@ fn a_given_mass_comes_back() {
     let inertia = Mat3::from_cols_array(&[2.0, 0.1, 0.0, 0.1, 3.0, 0.2, 0.0, 0.2, 4.0]);
     let mass = MassProperties { mass: 7.0, centre_of_mass: Vec3::new(0.1, 0.0, -0.1), inertia };
     for kind in [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic] {
-        let desc = BodyDesc { kind, mass: Some(mass), ..ball(3.0) };
+        let desc = ball(3.0).with_kind(kind).with_mass(Some(mass));
         let body = world.add_body(&desc).unwrap();
         for other in [BodyKind::Kinematic, BodyKind::Static, BodyKind::Dynamic] {
             world.set_kind(body, other).unwrap();
@@ -105,7 +105,7 @@ fn what_can_not_be_dynamic_is_refused_and_stays_what_it_is() {
     let mut world = world();
     let ground = world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
     let bare = world.add_body(&BodyDesc::kinematic()).unwrap();
-    let weightless = ShapeDesc { density: 0.0, ..ShapeDesc::new(Geometry::Sphere { radius: 1.0 }) };
+    let weightless = ShapeDesc::new(Geometry::Sphere { radius: 1.0 }).with_density(0.0);
     let light = world.add_body(&BodyDesc::fixed().with_shape(weightless)).unwrap();
     steps(&mut world, 1);
     let before = world.hash();
@@ -149,7 +149,7 @@ fn a_joint_waits_for_a_dynamic_body() {
 #[test]
 fn queries_and_snapshots_know_the_new_kind() {
     let mut world = world();
-    let floor = world.add_body(&BodyDesc { kind: BodyKind::Static, ..block(0.0) }).unwrap();
+    let floor = world.add_body(&block(0.0).with_kind(BodyKind::Static)).unwrap();
     let block = world.add_body(&block(3.0)).unwrap();
     let down = Ray::new(DVec3::Y * 10.0, Vec3::NEG_Y * 20.0);
     let seen = |world: &World| {

@@ -10,7 +10,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn world() -> World {
-    World::new(Settings { sleeping: true, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_sleeping(true)).unwrap()
 }
 
 fn ball() -> ShapeDesc {
@@ -68,11 +68,16 @@ fn each_field_of_a_body_is_read_as_it_was_written() {
 #[test]
 fn each_field_of_a_shape_is_read_as_it_was_written() {
     let mut world = world();
-    let filter = Filter { category: 2, mask: 7, group: -1 };
-    let material = Material { restitution_combine: Combine::Maximum, ..Material::default() };
+    let filter = Filter::default().with_category(2).with_mask(7).with_group(-1);
+    let material = Material::default().with_restitution_combine(Combine::Maximum);
     let (place, turn) = (Vec3::new(0.25, 0.5, -1.0), Quat::from_rotation_x(0.3));
-    let shape = ShapeDesc { position: place, rotation: turn, density: 0.0, filter, material, ..ball() };
-    let shape = ShapeDesc { sensor: true, events: true, user_data: 5, ..shape };
+    let shape = ball()
+        .with_position(place)
+        .with_rotation(turn)
+        .with_density(0.0)
+        .with_filter(filter)
+        .with_material(material);
+    let shape = shape.clone().with_sensor(true).with_events().with_user_data(5);
     let body = world.add_body(&BodyDesc::dynamic().with_shape(cube()).with_shape(shape)).unwrap();
     let shape = world.shapes(body).unwrap().nth(1).unwrap();
     assert_eq!(world.body_of(shape), Ok(body));
@@ -171,7 +176,7 @@ fn boxes_are_around_shapes_where_they_are() {
 /// v + ω × r, and its counterparts.
 #[test]
 fn forces_and_velocities_at_a_point() {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let mut add = |desc: BodyDesc| world.add_body(&desc.with_shape(cube())).unwrap();
     let [moved, at, apart, spun] = [0.0, 5.0, 10.0, 15.0].map(|x| add(BodyDesc::dynamic().at(DVec3::X * x)));
     world.set_linear_velocity(moved, Vec3::Y).unwrap();

@@ -10,7 +10,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn settings() -> Settings {
-    Settings { sleeping: true, ..Settings::default() }
+    Settings::default().with_sleeping(true)
 }
 
 /// A world with a floor at y = 0.
@@ -99,7 +99,7 @@ fn a_ball_wakes_the_stack_that_it_hits_and_no_other() {
 fn an_impact_is_that_of_bodies_that_are_awake() {
     let hit = |sleeping: bool, speed: f32| {
         let mut world =
-            World::new(Settings { gravity: Vec3::ZERO, sleeping, ..Settings::default() }).unwrap();
+            World::new(Settings::default().with_gravity(Vec3::ZERO).with_sleeping(sleeping)).unwrap();
         let body = add(&mut world, DVec3::ZERO);
         run(&mut world, 2.0);
         assert_eq!(world.is_asleep(body).unwrap(), sleeping);
@@ -126,9 +126,9 @@ fn whatever_changes_about_a_stack_wakes_it() {
         ("gravity scale", |w, s| w.set_gravity_scale(s[1], 0.5).unwrap()),
         ("gravity", |w, _| {
             let gravity = Vec3::Y * -3.0;
-            w.set_settings(Settings { gravity, ..w.settings().clone() }).unwrap();
+            w.set_settings(w.settings().clone().with_gravity(gravity)).unwrap();
         }),
-        ("no sleep", |w, _| w.set_settings(Settings { sleeping: false, ..w.settings().clone() }).unwrap()),
+        ("no sleep", |w, _| w.set_settings(w.settings().clone().with_sleeping(false)).unwrap()),
         ("sleepless", |w, s| w.set_can_sleep(s[1], false).unwrap()),
         ("material", |w, s| {
             let shape = w.shapes(s[1]).unwrap().next().unwrap();
@@ -304,7 +304,7 @@ fn sleep_does_not_depend_on_threads() {
     let play = |threads: usize| {
         let mut scene = builtin::pile();
         scene.bodies.truncate(300);
-        let (mut world, handles) = common::world_of(&scene, Settings { threads, ..settings() });
+        let (mut world, handles) = common::world_of(&scene, settings().with_threads(threads));
         let (mut hashes, mut most) = (Vec::new(), 0);
         for step in 0..900 {
             if step > 600 && step % 50 == 0 {
@@ -355,7 +355,7 @@ fn bodies_come_and_go_while_others_sleep() {
             8 if !bodies.is_empty() => world.wake(bodies[below(bodies.len())]).unwrap(),
             9 if round % 20 == 0 => {
                 let sleeping = !world.settings().sleeping;
-                world.set_settings(Settings { sleeping, ..world.settings().clone() }).unwrap();
+                world.set_settings(world.settings().clone().with_sleeping(sleeping)).unwrap();
             }
             _ => {}
         }
@@ -381,12 +381,12 @@ fn bodies_come_and_go_while_others_sleep() {
 
 #[test]
 fn sleepers_keep_to_the_budget() {
-    let mut world = World::new(Settings { budget: Budget::total(1 << 30), ..settings() }).unwrap();
+    let mut world = World::new(settings().with_budget(Budget::total(1 << 30))).unwrap();
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     let all: Vec<[BodyHandle; 3]> = (0..20).map(|i| stack(&mut world, f64::from(i) * 2.0)).collect();
     world.step(DT).unwrap();
     let budget = world.memory().total() + 40_000;
-    world.set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_budget(Budget::total(budget))).unwrap();
     for round in 0..20 {
         run(&mut world, 2.0);
         assert!(world.memory().total() <= budget, "{round}");
@@ -402,11 +402,11 @@ fn sleepers_keep_to_the_budget() {
 /// of the last step. The step after it once went out of bounds.
 #[test]
 fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
-    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
     let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::ZERO);
     let [ball, other] = [ball.clone(), ball.at(Vec3::X * 0.9)].map(|desc| world.add_body(&desc).unwrap());
     world.step(1.0 / 60.0).unwrap();
-    world.set_settings(Settings { sleeping: false, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_sleeping(false)).unwrap();
     world.send_to_sleep(ball).unwrap();
     assert!(!world.is_asleep(ball).unwrap() && !world.is_asleep(other).unwrap());
     world.step(1.0 / 60.0).unwrap();
@@ -420,7 +420,7 @@ fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
 #[test]
 fn an_island_sleeps_on_what_is_kinematic_and_at_rest() {
     let round = ShapeDesc::new(Geometry::Sphere { radius: 2.0 });
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..settings() }).unwrap();
+    let mut world = World::new(settings().with_gravity(Vec3::ZERO)).unwrap();
     let support = world.add_body(&BodyDesc::kinematic().with_shape(round)).unwrap();
     let boxes = [0.5, 0.4].map(|half| {
         let shape = ShapeDesc::new(Geometry::cuboid(half, 0.5, 0.5));

@@ -197,13 +197,7 @@ pub struct BsMaterial {
 
 impl BsMaterial {
     pub(crate) fn to_engine(self) -> Outcome<Material> {
-        Ok(Material {
-            static_friction: self.static_friction,
-            dynamic_friction: self.dynamic_friction,
-            restitution: self.restitution,
-            friction_combine: read_combine(self.friction_combine)?,
-            restitution_combine: read_combine(self.restitution_combine)?,
-        })
+        Ok(Material::default().with_static_friction(self.static_friction).with_dynamic_friction(self.dynamic_friction).with_restitution(self.restitution).with_friction_combine(read_combine(self.friction_combine)?).with_restitution_combine(read_combine(self.restitution_combine)?))
     }
 
     pub(crate) fn of_engine(material: Material) -> BsMaterial {
@@ -235,7 +229,7 @@ pub struct BsFilter {
 
 impl BsFilter {
     pub(crate) fn to_engine(self) -> Filter {
-        Filter { category: self.category, mask: self.mask, group: self.group }
+        Filter::default().with_category(self.category).with_mask(self.mask).with_group(self.group)
     }
 
     pub(crate) fn of_engine(filter: Filter) -> BsFilter {

@@ -32,14 +32,14 @@ fn locked_bodies_can_be_joined() {
                 let mut world = world(G);
                 let ground = world.add_body(&BodyDesc::fixed()).unwrap();
                 let first = if both {
-                    world.add_body(&BodyDesc { lock_rotation, ..ball(DVec3::ZERO) }).unwrap()
+                    world.add_body(&ball(DVec3::ZERO).with_lock_rotation(lock_rotation)).unwrap()
                 } else {
                     ground
                 };
                 if both {
                     world.add_joint(&JointDesc::ball([ground, first], [Frame::default(); 2])).unwrap();
                 }
-                let body = BodyDesc { lock_rotation, ..ball(DVec3::NEG_Y) };
+                let body = ball(DVec3::NEG_Y).with_lock_rotation(lock_rotation);
                 let body = world.add_body(&body).unwrap();
                 let bodies = [first, body];
                 let frames = world.frames_at(bodies, DVec3::NEG_Y * 0.5, Quat::IDENTITY).unwrap();

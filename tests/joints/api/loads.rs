@@ -23,7 +23,7 @@ fn steps_of_changing_length_bear_the_same_load() {
 #[test]
 fn a_mass_hangs_from_a_body_that_is_locked_in_place() {
     let mut world = world(G);
-    let anchor = BodyDesc { lock_translation: [true; 3], lock_rotation: [true; 3], ..ball(DVec3::ZERO) };
+    let anchor = ball(DVec3::ZERO).with_lock_translation([true; 3]).with_lock_rotation([true; 3]);
     let anchor = world.add_body(&anchor).unwrap();
     let body = world.add_body(&ball(DVec3::NEG_Y)).unwrap();
     let frames = [Frame::default(), Frame::at(Vec3::Y)];
@@ -44,8 +44,10 @@ fn force_of_a_hanging_mass() {
     for flip in [false, true] {
         for (substeps, iterations) in [(1, 8), (4, 1)] {
             let gravity = Vec3::Y * -G as f32;
-            let mut world =
-                World::new(Settings { gravity, substeps, iterations, ..Settings::default() }).unwrap();
+            let mut world = World::new(
+                Settings::default().with_gravity(gravity).with_substeps(substeps).with_iterations(iterations),
+            )
+            .unwrap();
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let body = world.add_body(&ball(DVec3::NEG_Y)).unwrap();
             let (mut bodies, mut frames) = ([ground, body], [Frame::default(), Frame::at(Vec3::Y)]);
@@ -119,7 +121,7 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let joint = world.add_joint(&desc).unwrap();
         for step in 1..=240_u8 {
             let gravity = Vec3::Y * -(G as f32 * f32::from(step.min(120)) / 120.0);
-            world.set_settings(Settings { gravity, ..world.settings().clone() }).unwrap();
+            world.set_settings(world.settings().clone().with_gravity(gravity)).unwrap();
             world.step(DT).unwrap();
         }
         assert_eq!(world.contains_joint(joint), holds, "{share}");

@@ -47,7 +47,7 @@ fn fair() -> World {
 
 fn fair_after(steps: u32, threads: usize) -> (u64, usize) {
     let mut world = fair();
-    world.set_settings(Settings { threads, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_threads(threads)).unwrap();
     let all = world.joint_count();
     common::steps(&mut world, steps, DT);
     assert!(world.body_count() > 400 && world.report().real > 0 && common::all_finite(&world));
@@ -114,7 +114,7 @@ fn hub(rods: u32, mass_of_all: f32) -> (f64, f64) {
     let lump = |mass: f32, inertia: f32, at: DVec3| {
         let inertia = Mat3::from_diagonal(Vec3::splat(inertia));
         let mass = Some(MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia });
-        BodyDesc { mass, ..BodyDesc::dynamic().at(at) }
+        BodyDesc::dynamic().at(at).with_mass(mass)
     };
     let hub = world.add_body(&lump(2000.0, 200.0, DVec3::ZERO)).unwrap();
     let top = world.add_joint(&JointDesc::fixed([ground, hub], [Frame::default(); 2])).unwrap();

@@ -22,7 +22,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn world(gravity: f64) -> World {
-    World::new(Settings { gravity: Vec3::Y * -gravity as f32, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::Y * -gravity as f32)).unwrap()
 }
 
 fn ball(at: DVec3) -> BodyDesc {

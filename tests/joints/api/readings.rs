@@ -219,7 +219,7 @@ fn joints_above_their_thresholds_are_reported() {
 /// What sleeps is not solved, and not reported; it is when it wakes.
 #[test]
 fn joints_that_sleep_are_not_reported() {
-    let settings = Settings { sleeping: true, gravity: Vec3::Y * -G as f32, ..Settings::default() };
+    let settings = Settings::default().with_sleeping(true).with_gravity(Vec3::Y * -G as f32);
     let mut world = World::new(settings).unwrap();
     let (_, body, joint) = hanging(&mut world);
     world.set_joint_thresholds(joint, 1.0, f32::INFINITY).unwrap();

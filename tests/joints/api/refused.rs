@@ -146,15 +146,14 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
         // Limited from the start, so that a step has its place already.
         let gravity = Vec3::Y * -G as f32;
         let mut world =
-            World::new(Settings { gravity, budget: Budget::total(1 << 30), ..Settings::default() }).unwrap();
+            World::new(Settings::default().with_gravity(gravity).with_budget(Budget::total(1 << 30)))
+                .unwrap();
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let bodies: Vec<BodyHandle> =
             (0..300).map(|i| world.add_body(&ball(DVec3::X * f64::from(i))).unwrap()).collect();
         world.step(DT).unwrap();
         let used = world.memory().total();
-        world
-            .set_settings(Settings { budget: Budget::total(used + budget), ..world.settings().clone() })
-            .unwrap();
+        world.set_settings(world.settings().clone().with_budget(Budget::total(used + budget))).unwrap();
         let mut random = Random(5);
         for (i, &body) in bodies.iter().enumerate() {
             let before = (world.hash(), world.joint_count(), world.memory());
@@ -188,12 +187,12 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
 /// One joint with many rows is as dear as they are.
 #[test]
 fn rows_count_towards_the_budget() {
-    let settings = Settings { budget: Budget::total(1 << 30), ..Settings::default() };
+    let settings = Settings::default().with_budget(Budget::total(1 << 30));
     let mut world = World::new(settings).unwrap();
     let (ground, body, joint) = hanging(&mut world);
     world.step(DT).unwrap();
     let budget = world.memory().total() + 100_000;
-    world.set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_budget(Budget::total(budget))).unwrap();
     let mut desc = JointDesc::new([ground, body], [Frame::default(); 2]);
     desc.drives = vec![Drive::friction(Motion::Angular, Axis::X, 1.0); 10_000];
     assert!(matches!(world.add_joint(&desc), Err(Error::Budget { category: Category::Joints, .. })));

@@ -91,7 +91,8 @@ fn a_change_in_place_is_as_good_as_another_joint() {
     {
         let run = |in_place: bool| {
             let gravity = Vec3::Y * -G as f32;
-            let mut world = World::new(Settings { gravity, joint_trees, ..Settings::default() }).unwrap();
+            let mut world =
+                World::new(Settings::default().with_gravity(gravity).with_joint_trees(joint_trees)).unwrap();
             let (door, joint) = door(&mut world);
             let bob = world.add_body(&ball(DVec3::new(1.0, -0.5, 0.0))).unwrap();
             let frames = world.frames_at([door, bob], DVec3::X, Quat::IDENTITY).unwrap();
@@ -246,7 +247,7 @@ fn what_else_a_joint_has_changes_too() {
 /// What is refused is refused by name and changes nothing; what changes nothing wakes nobody.
 #[test]
 fn targets_without_a_drive_are_refused_and_the_same_target_wakes_nobody() {
-    let settings = Settings { sleeping: true, gravity: Vec3::Y * -G as f32, ..Settings::default() };
+    let settings = Settings::default().with_sleeping(true).with_gravity(Vec3::Y * -G as f32);
     let mut world = World::new(settings).unwrap();
     let (body, joint) = door(&mut world);
     let target = |world: &mut World, axis, position| {

@@ -19,7 +19,8 @@ const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
 const STEPS: [f64; 3] = [1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0];
 
 fn world_with(gravity: Vec3, (substeps, iterations): (u32, u32)) -> World {
-    World::new(Settings { gravity, substeps, iterations, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(gravity).with_substeps(substeps).with_iterations(iterations))
+        .unwrap()
 }
 
 fn world(gravity: Vec3) -> World {
@@ -33,7 +34,7 @@ fn ground(world: &mut World) -> BodyHandle {
 /// A body without a shape.
 fn lump(mass: f32, inertia: Vec3) -> BodyDesc {
     let mass = MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
-    BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
+    BodyDesc::dynamic().with_mass(Some(mass))
 }
 
 fn run(world: &mut World, seconds: f64, dt: f64) {

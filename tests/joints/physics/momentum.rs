@@ -188,7 +188,7 @@ fn a_cone_does_not_brake_what_circles_in_it() {
         // Across its axis, about the plane in which that is tilted: the axis sets out along the edge.
         let spin = turn * Vec3::Y * 4.0;
         let body = lump(1.0, Vec3::splat(0.1)).moving(Vec3::ZERO, spin);
-        let body = world.add_body(&BodyDesc { rotation: turn, ..body }).unwrap();
+        let body = world.add_body(&body.clone().with_rotation(turn)).unwrap();
         let cone_limit = Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, cone);
         let desc = JointDesc::ball([ground, body], [Frame::default(); 2]).with_limit(cone_limit);
         let joint = world.add_joint(&desc).unwrap();

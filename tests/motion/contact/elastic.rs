@@ -14,7 +14,7 @@ use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
 const RATES: [f32; 3] = [30.0, 60.0, 120.0];
 
 fn world(gravity: f32, substeps: u32) -> World {
-    World::new(Settings { gravity: Vec3::Y * -gravity, substeps, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::Y * -gravity).with_substeps(substeps)).unwrap()
 }
 
 fn bouncy(e: f32, friction: f32) -> Material {
@@ -386,8 +386,7 @@ fn a_rod_that_is_hit_off_its_centre_turns_as_it_should() {
 fn the_number_of_collisions_is_that_of_pi() {
     for (ratio, want) in [(1.0, 3), (100.0, 31), (1e4, 314)] {
         for hz in [60.0, 240.0] {
-            let settings =
-                Settings { gravity: Vec3::ZERO, restitution_threshold: 0.0, ..Settings::default() };
+            let settings = Settings::default().with_gravity(Vec3::ZERO).with_restitution_threshold(0.0);
             let mut world = World::new(settings).unwrap();
             let e = bouncy(1.0, 0.0);
             let wall = shape(Geometry::cuboid(0.5, 2.0, 2.0), e);

@@ -8,7 +8,11 @@ use backstop::{
 };
 
 fn world((substeps, iterations): (u32, u32), length_unit: f32) -> World {
-    let settings = Settings { substeps, iterations, length_unit, sleeping: false, ..Settings::default() };
+    let settings = Settings::default()
+        .with_substeps(substeps)
+        .with_iterations(iterations)
+        .with_length_unit(length_unit)
+        .with_sleeping(false);
     World::new(settings).unwrap()
 }
 

@@ -31,7 +31,7 @@ fn a_box_slides_as_far_as_coulomb_says_in_every_direction() {
     for model in [FrictionModel::Patch, FrictionModel::Point] {
         for floor in Floor::ALL {
             for degrees in [0.0, 22.5, 45.0, 60.0] {
-                let settings = Settings { friction_model: model, ..Settings::default() };
+                let settings = Settings::default().with_friction_model(model);
                 let way = slide(settings, floor, Material::default().with_friction(mu), speed, degrees);
                 let along = f64::from(degrees).to_radians();
                 let (far, aside) =
@@ -48,7 +48,7 @@ fn a_box_slides_as_far_as_coulomb_says_in_every_direction() {
 #[test]
 fn a_long_box_slides_straight() {
     for model in [FrictionModel::Patch, FrictionModel::Point] {
-        let mut world = World::new(Settings { friction_model: model, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_friction_model(model)).unwrap();
         let material = Material::default().with_friction(0.5);
         world.add_body(&Floor::Box.desc(material)).unwrap();
         let push = Vec3::new(1.0, 0.0, 1.0).normalize() * 5.0;
@@ -69,7 +69,7 @@ fn the_friction_box_is_too_strong_along_its_diagonal_by_root_two() {
     let (speed, mu) = (5.0f32, 0.5f32);
     let cone = f64::from(speed * speed) / (2.0 * f64::from(mu) * G);
     for (degrees, want) in [(0.0, cone), (90.0, cone), (45.0, cone / 2f64.sqrt())] {
-        let settings = Settings { friction_cone: FrictionCone::Box, ..Settings::default() };
+        let settings = Settings::default().with_friction_cone(FrictionCone::Box);
         let way = slide(settings, Floor::Box, Material::default().with_friction(mu), speed, degrees);
         let far = common::sideways(way);
         assert!((far - want).abs() < 0.01 * want, "{degrees}: {far} for {want}");
@@ -83,7 +83,7 @@ fn a_spinning_box_stops_after_the_time_that_its_corners_need() {
     let (mu, spin, side) = (0.5f64, 10.0f64, 1.0f64);
     let want = spin * side * side / 6.0 / (mu * G * side / 2f64.sqrt());
     for model in [FrictionModel::Patch, FrictionModel::Point] {
-        let mut world = World::new(Settings { friction_model: model, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_friction_model(model)).unwrap();
         let material = Material::default().with_friction(mu as f32);
         world.add_body(&Floor::Box.desc(material)).unwrap();
         let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, Vec3::new(0.0, 0.2, 0.0));
@@ -173,7 +173,7 @@ fn a_sliding_ball_ends_up_rolling_at_five_sevenths_of_its_speed() {
 /// law.
 #[test]
 fn static_friction_holds_what_dynamic_friction_would_not() {
-    let material = Material { static_friction: 0.6, dynamic_friction: 0.3, ..Material::default() };
+    let material = Material::default().with_static_friction(0.6).with_dynamic_friction(0.3);
     let degrees = 0.45f32.atan().to_degrees();
     let (mut world, body, down) = on_slope(Floor::Box, degrees, material);
     common::steps(&mut world, 60, DT);

@@ -10,7 +10,7 @@ use backstop::{BodyHandle, Geometry, Material, Settings, World};
 const RADIUS: f32 = 0.1;
 
 fn world() -> World {
-    World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap()
 }
 
 /// Something that is thrown at a floor, without spin, and its velocities after it landed.

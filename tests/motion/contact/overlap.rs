@@ -11,7 +11,7 @@ const DT: f32 = 1.0 / 60.0;
 const BOUND: f32 = 5.0 * 3.0;
 
 fn crowd(count: usize, spread: f64, geometry: &Geometry, settings: Settings) -> World {
-    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..settings }).unwrap();
+    let mut world = World::new(settings.with_gravity(Vec3::ZERO)).unwrap();
     let mut random = Random(7);
     let body = |at| BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry.clone()));
     let bodies: Vec<BodyDesc> = (0..count).map(|_| body(random.cube64() * 0.5 * spread)).collect();
@@ -64,7 +64,7 @@ fn geometry_size(geometry: &Geometry) -> f32 {
 #[test]
 fn a_budget_bounds_what_a_crowd_takes() {
     let limit = 16 << 20;
-    let settings = Settings { budget: Budget::total(limit), ..Settings::default() };
+    let settings = Settings::default().with_budget(Budget::total(limit));
     let mut world = crowd(600, 0.0, &Geometry::cuboid(0.5, 0.5, 0.5), settings);
     let mut shed = 0;
     for _ in 0..20 {

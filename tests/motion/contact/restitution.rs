@@ -104,7 +104,7 @@ fn two_balls_that_meet_head_on_keep_their_momentum() {
     for e in [0.0, 0.5, 1.0] {
         for dt in STEPS {
             for (density, speeds) in [(1000.0, [3.0, -3.0]), (3000.0, [4.0, -1.0]), (1000.0, [5.0, 0.0])] {
-                let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+                let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
                 let material = Material::default().with_restitution(e);
                 let mut add = |x: f64, u: f32, density: f32| {
                     let mut ball = shape(Geometry::Sphere { radius: 0.5 }, material);

@@ -28,7 +28,7 @@ fn bullets() -> Vec<Geometry> {
 const REACH: f32 = 300.0;
 
 fn world_with_wall(origin: DVec3) -> World {
-    let settings = Settings { gravity: Vec3::ZERO, ..Settings::default() };
+    let settings = Settings::default().with_gravity(Vec3::ZERO);
     let mut world = World::new(settings).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(REACH, HALF_WALL, REACH));
     world.add_body(&BodyDesc::fixed().at(origin).with_shape(wall)).unwrap();

@@ -83,7 +83,7 @@ fn a_scene_scaled_with_its_gravity_is_the_same_run() {
             let conditions = Conditions { size, gravity: size, ..Conditions::default() };
             let cell = Cell { trial, axis: Axis::Size, label: String::new(), conditions };
             let scene = cell.scene();
-            let settings = Settings { gravity: scene.gravity, length_unit: size, ..Settings::default() };
+            let settings = Settings::default().with_gravity(scene.gravity).with_length_unit(size);
             let mut world = World::new(settings).unwrap();
             let bodies = scene.add_to(&mut world).unwrap().bodies;
             for _ in 0..600 {
@@ -110,7 +110,7 @@ fn a_tower_and_a_house_of_cards_stand_alike_however_far_from_the_origin() {
         let run = |distance: f64| {
             let conditions = Conditions { distance, ..Conditions::default() };
             let scene = Cell { trial, axis: Axis::Distance, label: String::new(), conditions }.scene();
-            let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() }).unwrap();
+            let mut world = World::new(Settings::default().with_gravity(scene.gravity)).unwrap();
             let bodies = scene.add_to(&mut world).unwrap().bodies;
             let start: Vec<_> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
             for _ in 0..1200 {

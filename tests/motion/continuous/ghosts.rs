@@ -94,7 +94,7 @@ struct Flight {
 }
 
 fn world(continuous: Continuous) -> World {
-    World::new(Settings { gravity: Vec3::ZERO, continuous, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::ZERO).with_continuous(continuous)).unwrap()
 }
 
 fn flight(seed: u64, speeds: &[f64]) -> Flight {

@@ -15,7 +15,7 @@ const DT: f32 = 1.0 / 60.0;
 const METHODS: [ContinuousMethod; 5] = [OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk];
 
 fn without_gravity(method: ContinuousMethod) -> World {
-    World::new(Settings { method, gravity: Vec3::ZERO, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_method(method).with_gravity(Vec3::ZERO)).unwrap()
 }
 
 fn ball(radius: f32, at: DVec3, velocity: Vec3, restitution: f32) -> BodyDesc {
@@ -35,7 +35,8 @@ fn wall(half: Vec3, at: DVec3, restitution: f32) -> BodyDesc {
 #[test]
 fn only_discrete_physics_lets_a_bullet_through_a_thin_wall() {
     let run = |continuous, method, start: f64| {
-        let settings = Settings { continuous, method, gravity: Vec3::ZERO, ..Settings::default() };
+        let settings =
+            Settings::default().with_continuous(continuous).with_method(method).with_gravity(Vec3::ZERO);
         let mut world = World::new(settings).unwrap();
         world.add_body(&wall(Vec3::new(0.005, 5.0, 5.0), DVec3::ZERO, 0.0)).unwrap();
         let bullet = ball(0.05, DVec3::new(start, 0.1, 0.2), Vec3::X * 300.0, 0.0);
@@ -143,7 +144,7 @@ fn the_talk_s_method_lets_past_what_misses_the_end_of_a_wall() {
 fn the_gates_of_the_talk_s_method_keep_ghosts_out_of_the_field_of_posts() {
     let scene = builtin::build("posts").unwrap();
     let turned_at = |method| {
-        let (mut world, bodies) = common::world_of(&scene, Settings { method, ..Settings::default() });
+        let (mut world, bodies) = common::world_of(&scene, Settings::default().with_method(method));
         let velocity = |world: &World| -> Vec<Vec3> {
             bodies.iter().map(|&body| world.linear_velocity(body).unwrap()).collect()
         };
@@ -190,7 +191,7 @@ fn a_linear_cast_does_not_see_what_a_spinning_blade_strikes() {
 #[test]
 fn an_elastic_bounce_keeps_its_energy_under_both_methods_with_sub_steps() {
     for method in [LinearCast, ConservativeAdvancement] {
-        let mut world = World::new(Settings { method, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_method(method)).unwrap();
         let mut floor = ShapeDesc::new(Geometry::Plane);
         floor.material = Material::default().with_restitution(1.0).with_friction(0.0);
         world.add_body(&BodyDesc::fixed().with_shape(floor)).unwrap();
@@ -286,7 +287,8 @@ fn hash_after(method: ContinuousMethod, threads: usize) -> (u64, u32) {
     for body in &mut scene.bodies {
         body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
     }
-    let (mut world, _) = common::world_of(&scene, Settings { threads, method, ..Settings::default() });
+    let (mut world, _) =
+        common::world_of(&scene, Settings::default().with_threads(threads).with_method(method));
     let mut struck = 0;
     for _ in 0..30 {
         world.step(DT).unwrap();
@@ -318,7 +320,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn a_snapshot_keeps_the_method_and_its_future() {
     for method in METHODS {
         let scene = builtin::talk();
-        let (mut world, _) = common::world_of(&scene, Settings { method, ..Settings::default() });
+        let (mut world, _) = common::world_of(&scene, Settings::default().with_method(method));
         common::steps(&mut world, 20, DT);
         let mut snapshot = Snapshot::new();
         world.snapshot(&mut snapshot);
@@ -338,7 +340,7 @@ fn the_method_may_be_changed_between_steps() {
     let (mut world, bodies) = common::world_of(&builtin::talk(), Settings::default());
     for step in 0..120_usize {
         let method = METHODS[step % METHODS.len()];
-        world.set_settings(Settings { method, ..world.settings().clone() }).unwrap();
+        world.set_settings(world.settings().clone().with_method(method)).unwrap();
         world.step(DT).unwrap();
     }
     assert!(common::all_finite(&world));
@@ -359,13 +361,11 @@ fn within_a_budget_touches_are_left_out() {
         // Half of what the steps would take, on top of what the bodies do.
         let mut half = None;
         for _ in 0..2 {
-            let settings = Settings { method, budget: Budget::total(1 << 30), ..Settings::default() };
+            let settings = Settings::default().with_method(method).with_budget(Budget::total(1 << 30));
             let (mut world, _) = common::world_of(&scene, settings);
             let empty = world.memory().total();
             let budget = half.unwrap_or(1 << 30);
-            world
-                .set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() })
-                .unwrap();
+            world.set_settings(world.settings().clone().with_budget(Budget::total(budget))).unwrap();
             let mut shed = 0;
             for _ in 0..20 {
                 world.step(DT).unwrap();

@@ -12,13 +12,13 @@ const DT: f32 = 1.0 / 60.0;
 const SPEED: f32 = 300.0;
 
 fn world(continuous: Continuous) -> World {
-    World::new(Settings { gravity: Vec3::ZERO, continuous, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_gravity(Vec3::ZERO).with_continuous(continuous)).unwrap()
 }
 
 fn body(kind: BodyKind, geometry: Geometry, at: DVec3, continuous: Continuous) -> BodyDesc {
     let velocity = if kind == BodyKind::Dynamic { Vec3::X * SPEED } else { Vec3::ZERO };
     let desc = BodyDesc::new(kind).at(at).moving(velocity, Vec3::ZERO).with_shape(ShapeDesc::new(geometry));
-    BodyDesc { continuous, ..desc }
+    desc.with_continuous(continuous)
 }
 
 fn bullet(at: DVec3, mode: Continuous) -> BodyDesc {

@@ -37,9 +37,9 @@ impl Plate {
             + across * random.range(-1.0, 1.0)
             + Vec3::Y * (half + radius + random.range(0.0, 0.01));
         let velocity = along * speed + Vec3::Y * spin.cross(at).y;
-        let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let shape = Geometry::cuboid(0.5 * SIDE, half, 0.5 * SIDE);
-        let shape = ShapeDesc { density: plate_mass / (2.0 * half * SIDE * SIDE), ..ShapeDesc::new(shape) };
+        let shape = ShapeDesc::new(shape).with_density(plate_mass / (2.0 * half * SIDE * SIDE));
         let desc = BodyDesc::dynamic().rotated(turned).moving(Vec3::ZERO, turned * spin);
         let plate = world.add_body(&desc.with_shape(shape)).unwrap();
         let desc = BodyDesc::dynamic().at(turned * at).rotated(turned).moving(turned * velocity, Vec3::ZERO);
@@ -178,7 +178,7 @@ fn rods_that_spin_into_each_other_gain_no_energy() {
     let (mut held, mut worst) = (0, 0.0_f32);
     for rate in [30.0, 60.0] {
         for _ in 0..200 {
-            let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+            let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
             let rods: Vec<BodyHandle> = [-1.0, 1.0]
                 .map(|side| {
                     let rod = BodyDesc::dynamic()

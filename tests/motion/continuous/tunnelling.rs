@@ -72,7 +72,10 @@ mod moving {
 
     fn world((substeps, iterations): (u32, u32), gravity: f32) -> World {
         let gravity = Vec3::Y * gravity;
-        World::new(Settings { gravity, substeps, iterations, ..Settings::default() }).unwrap()
+        World::new(
+            Settings::default().with_gravity(gravity).with_substeps(substeps).with_iterations(iterations),
+        )
+        .unwrap()
     }
 
     fn body(kind: BodyKind, geometry: Geometry, at: DVec3, velocity: Vec3) -> BodyDesc {

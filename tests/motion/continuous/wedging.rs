@@ -32,7 +32,7 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
                 _ => Geometry::Cylinder { half_height: 0.05, radius_bottom: 0.3, radius_top: 0.02 },
             });
             // They meet the ground, not each other.
-            shape.filter = Filter { group: -1, ..Filter::default() };
+            shape.filter = Filter::default().with_group(-1);
             let (x, z) = (random.range(-25.0, 25.0), random.range(-25.0, 25.0));
             let down = random.range(20.0, 60.0);
             let velocity = Vec3::new(random.range(-0.4, 0.4) * down, -down, random.range(-0.4, 0.4) * down);

@@ -13,7 +13,8 @@ use std::sync::Arc;
 const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
 
 fn world(order: Order, (substeps, iterations): (u32, u32)) -> World {
-    World::new(Settings { order, substeps, iterations, ..Settings::default() }).unwrap()
+    World::new(Settings::default().with_order(order).with_substeps(substeps).with_iterations(iterations))
+        .unwrap()
 }
 
 /// A door of 2 cm, 1 m wide, that turns about the y axis, driven at 5 rad/s by a motor against a mesh without
@@ -96,7 +97,7 @@ fn a_motor_that_is_too_strong_drives_no_door_through_a_wall_unless_joints_come_l
 /// A figure pressed by its hips against a wall whose face is the plane x = 0, for five seconds: how deep
 /// anything of it gets [m].
 fn pressed(force: f32) -> f64 {
-    let mut world = World::new(Settings { substeps: 1, iterations: 8, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_substeps(1).with_iterations(8)).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(1.0, 5.0, 5.0));
     let wall = world.add_body(&BodyDesc::fixed().at(DVec3::X).with_shape(wall)).unwrap();
     let skeleton = Skeleton::humanoid();
@@ -183,10 +184,10 @@ fn a_wall_that_is_solved_after_joints_stops_its_door_and_no_other() {
 /// Eleven balls of 1 kg in a row, pressed together by 20 N, the first in its own place or solved after a
 /// group: how deep each is in the next after a second [m].
 fn squeezed(solved_after: Option<RowGroup>) -> Vec<f64> {
-    let settings = Settings { gravity: Vec3::ZERO, substeps: 1, iterations: 1, ..Settings::default() };
-    let mut world = World::new(Settings { warm_starting: false, ..settings }).unwrap();
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_substeps(1).with_iterations(1);
+    let mut world = World::new(settings.with_warm_starting(false)).unwrap();
     let density = 6.0 / std::f32::consts::PI;
-    let ball = ShapeDesc { density, ..ShapeDesc::new(Geometry::Sphere { radius: 0.5 }) };
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_density(density);
     let balls: Vec<BodyHandle> = (0..11)
         .map(|i| {
             world.add_body(&BodyDesc::dynamic().at(DVec3::X * f64::from(i)).with_shape(ball.clone())).unwrap()
@@ -231,7 +232,7 @@ fn what_is_put_back_into_its_own_place_is_as_it_was() {
 #[test]
 fn bodies_solved_after_a_group_are_the_same_at_any_number_of_threads() {
     let run = |threads: usize| {
-        let settings = Settings { threads, ..Settings::default() };
+        let settings = Settings::default().with_threads(threads);
         let mut world = World::new(settings).unwrap();
         world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
         let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
@@ -271,7 +272,7 @@ fn an_order_has_every_group_once() {
     let mut groups = Order::default().0;
     groups[0] = RowGroup::Joints;
     let mut world = World::new(Settings::default()).unwrap();
-    let settings = Settings { order: Order(groups), ..Settings::default() };
+    let settings = Settings::default().with_order(Order(groups));
     assert!(matches!(world.set_settings(settings), Err(Error::Incomplete { .. })));
     assert_eq!(world.settings().order, Order::default());
 }

@@ -61,11 +61,11 @@ fn what_stands_does_so_at_other_rates() {
 #[test]
 fn what_stands_does_so_with_any_passes() {
     for (substeps, iterations) in [(1, 1), (1, 8), (2, 1), (8, 1)] {
-        let settings = Settings { substeps, iterations, ..Settings::default() };
+        let settings = Settings::default().with_substeps(substeps).with_iterations(iterations);
         stands_with(settings, Standing::Tower(30), 60, 1e-3, 1e-3);
     }
     for structure in [Standing::Crib(40), Standing::Edge(20), Standing::Layers(40)] {
-        let settings = Settings { substeps: 1, ..Settings::default() };
+        let settings = Settings::default().with_substeps(1);
         stands_with(settings, structure, 60, 1e-3, 1e-3);
     }
 }
@@ -81,13 +81,13 @@ fn what_is_small_or_heavy_stands() {
     for structure in
         [Standing::Tower(30), Standing::Tower(50), wall, Standing::Pyramid(20), crib, edge, layers]
     {
-        stands_with(Settings { length_unit: 0.01, ..Settings::default() }, structure, 60, 1e-5, 1e-5);
+        stands_with(Settings::default().with_length_unit(0.01), structure, 60, 1e-5, 1e-5);
         let gravity = Vec3::new(0.0, -981.0, 0.0);
-        stands_with(Settings { gravity, ..Settings::default() }, structure, 60, 1e-3, 1e-4);
+        stands_with(Settings::default().with_gravity(gravity), structure, 60, 1e-3, 1e-4);
     }
     let gravity = Vec3::new(0.0, -78.0, 0.0);
     for boxes in [2, 8] {
-        let settings = Settings { length_unit: 0.01, gravity, ..Settings::default() };
+        let settings = Settings::default().with_length_unit(0.01).with_gravity(gravity);
         stands_with(settings, Standing::Tower(boxes), 60, 1e-5, 1e-5);
     }
 }
@@ -118,7 +118,7 @@ fn cribs_planks_and_layers_stand_for_two_minutes() {
 fn towers_stand_with_friction_at_points() {
     for structure in [Standing::Tower(30), Standing::Crib(40)] {
         let friction_model = FrictionModel::Point;
-        stands_with(Settings { friction_model, ..Settings::default() }, structure, 60, 1e-3, 1e-3);
+        stands_with(Settings::default().with_friction_model(friction_model), structure, 60, 1e-3, 1e-3);
     }
 }
 

@@ -89,16 +89,16 @@ fn stand(structure: Standing, settings: Settings, hz: f32) {
 
 /// Friction at every point.
 fn points() -> Settings {
-    Settings { friction_model: FrictionModel::Point, ..Settings::default() }
+    Settings::default().with_friction_model(FrictionModel::Point)
 }
 
 fn passes(substeps: u32, iterations: u32) -> Settings {
-    Settings { substeps, iterations, ..Settings::default() }
+    Settings::default().with_substeps(substeps).with_iterations(iterations)
 }
 
 /// For a world whose bodies measure centimetres.
 fn centimetres() -> Settings {
-    Settings { length_unit: 0.01, ..Settings::default() }
+    Settings::default().with_length_unit(0.01)
 }
 
 /// A test of its own for each structure, with the settings and the rate [Hz] it stands at.

@@ -39,7 +39,7 @@ fn print(name: &str, way: &[[f64; 2]]) {
 #[test]
 fn a_tower_of_thirty_boxes_stands_for_twenty_seconds() {
     for substeps in [4, 8] {
-        let (way, _) = stand(Settings { substeps, ..Settings::default() }, DVec3::ZERO);
+        let (way, _) = stand(Settings::default().with_substeps(substeps), DVec3::ZERO);
         print(&format!("{substeps} substeps"), &way);
         for second in [10, 20] {
             let [side, down] = way[second - 1];
@@ -72,7 +72,7 @@ fn the_tower_stands_ten_kilometres_from_the_origin_as_it_does_there() {
 
 /// Drift of the top box [m] and mean speed [m/s] of a pyramid of sixty rows after five seconds.
 fn pyramid(substeps: u32) -> (f64, f64) {
-    let settings = Settings { substeps, ..Settings::default() };
+    let settings = Settings::default().with_substeps(substeps);
     let (mut world, bodies) = common::world_of(&builtin::large_pyramid(60), settings);
     let height = |w: &World, b| w.position(b).unwrap().y;
     let top = *bodies.iter().max_by(|a, b| height(&world, **a).total_cmp(&height(&world, **b))).unwrap();

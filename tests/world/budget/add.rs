@@ -27,7 +27,7 @@ fn world() -> (World, Vec<BodyHandle>) {
 }
 
 fn limit(world: &mut World, budget: Budget) {
-    world.set_settings(Settings { budget, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_budget(budget)).unwrap();
 }
 
 /// All that a snapshot has, and the bytes.

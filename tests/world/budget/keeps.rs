@@ -11,7 +11,7 @@ const STEPS: u32 = 150;
 
 fn settings(budget: Option<usize>, threads: usize) -> Settings {
     let budget = budget.map_or(Budget::NONE, Budget::total);
-    Settings { budget, threads, ..Settings::default() }
+    Settings::default().with_budget(budget).with_threads(threads)
 }
 
 /// What a run shows: hash, what was shed step by step, the most memory after a step and before the first one.

@@ -28,12 +28,12 @@ fn heap(settings: Settings) -> (World, Vec<BodyHandle>) {
 }
 
 fn wide() -> Settings {
-    Settings { budget: Budget::total(1 << 30), ..Settings::default() }
+    Settings::default().with_budget(Budget::total(1 << 30))
 }
 
 /// A budget alone is never refused.
 fn limit(world: &mut World, bytes: usize) {
-    world.set_settings(Settings { budget: Budget::total(bytes), ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_budget(Budget::total(bytes))).unwrap();
 }
 
 fn held(world: &World) -> usize {
@@ -76,7 +76,7 @@ fn asks<T: std::fmt::Debug>(
 /// and steps keep to it.
 #[test]
 fn another_world_restores_what_its_own_budget_allows() {
-    let (from, _) = heap(Settings { budget: Budget::total(1 << 22), ..Settings::default() });
+    let (from, _) = heap(Settings::default().with_budget(Budget::total(1 << 22)));
     let mut snapshot = Snapshot::new();
     from.snapshot(&mut snapshot);
     let mut world = World::new(Settings::default()).unwrap();
@@ -105,7 +105,7 @@ fn a_limit_of_contacts_refuses_a_snapshot_that_has_more() {
     from.snapshot(&mut snapshot);
     for category in [Category::Bodies, Category::Manifolds, Category::BroadPhase, Category::Scratch] {
         let budget = Budget::NONE.with(category, 100);
-        let mut world = World::new(Settings { budget, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_budget(budget)).unwrap();
         match world.restore(&snapshot) {
             Err(Error::Budget { category: short, asked, left: 100 }) => {
                 assert_eq!(short, category);
@@ -121,7 +121,7 @@ fn a_limit_of_contacts_refuses_a_snapshot_that_has_more() {
 #[test]
 fn a_rollback_is_never_refused_in_the_world_that_took_the_snapshot() {
     for sleeping in [false, true] {
-        let (mut world, bodies) = heap(Settings { sleeping, ..wide() });
+        let (mut world, bodies) = heap(wide().with_sleeping(sleeping));
         let mut used = held(&world);
         limit(&mut world, used);
         let mut ring = [Snapshot::new(), Snapshot::new(), Snapshot::new()];
@@ -151,10 +151,10 @@ fn a_rollback_is_never_refused_in_the_world_that_took_the_snapshot() {
 /// The settings that come back are in force: what they switch on is asked for.
 #[test]
 fn a_snapshot_that_switches_sleeping_on_asks_for_it() {
-    let (mut world, _) = heap(Settings { sleeping: true, ..wide() });
+    let (mut world, _) = heap(wide().with_sleeping(true));
     let mut snapshot = Snapshot::new();
     world.snapshot(&mut snapshot);
-    world.set_settings(Settings { sleeping: false, ..wide() }).unwrap();
+    world.set_settings(wide().with_sleeping(false)).unwrap();
     world.step(DT).unwrap();
     asks(&mut world, |world| world.restore(&snapshot));
     assert!(world.settings().sleeping);
@@ -225,7 +225,7 @@ fn what_settings_switch_on_later_is_asked_for() {
 /// nothing.
 #[test]
 fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
-    let mut world = World::new(Settings { sleeping: true, ..wide() }).unwrap();
+    let mut world = World::new(wide().with_sleeping(true)).unwrap();
     world.add_body(&common::Floor::Box.desc(Material::default())).unwrap();
     let many: Vec<BodyDesc> =
         (0..36).map(|i| ball(DVec3::new(f64::from(i % 6) * 0.8, 0.3, f64::from(i / 6) * 0.8))).collect();
@@ -237,7 +237,7 @@ fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
     let used = held(&world);
     limit(&mut world, used);
     // It wakes all.
-    world.set_settings(Settings { gravity: Vec3::Y * -9.0, ..world.settings().clone() }).unwrap();
+    world.set_settings(world.settings().clone().with_gravity(Vec3::Y * -9.0)).unwrap();
     assert_eq!(world.asleep(), 0);
     assert!(held(&world) <= used);
     common::steps(&mut world, 10, DT);

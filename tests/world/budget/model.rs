@@ -16,7 +16,7 @@ const DT: f32 = 1.0 / 60.0;
 const IDLE: u32 = 257;
 
 fn smooth(geometry: Geometry) -> ShapeDesc {
-    ShapeDesc { material: Material::default().with_friction(0.0), ..ShapeDesc::new(geometry) }
+    ShapeDesc::new(geometry).with_material(Material::default().with_friction(0.0))
 }
 
 fn ball() -> ShapeDesc {
@@ -25,7 +25,7 @@ fn ball() -> ShapeDesc {
 
 /// Nothing is continuous in it.
 fn settings() -> Settings {
-    Settings { continuous: Continuous::Discrete, ..Settings::default() }
+    Settings::default().with_continuous(Continuous::Discrete)
 }
 
 /// A floor without friction, and balls on it that touch each other.
@@ -185,7 +185,7 @@ fn where_all_is_discrete_nothing_is_kept_of_paths() {
 
 #[test]
 fn without_gravity_and_forces_no_accelerations() {
-    let (mut world, balls) = plain(Settings { gravity: Vec3::ZERO, ..settings() });
+    let (mut world, balls) = plain(settings().with_gravity(Vec3::ZERO));
     absent(&world, Feature::Acceleration);
     absent(&world, Feature::Forces);
     world.add_force(balls[0], Vec3::Y, Vec3::ZERO).unwrap();
@@ -200,7 +200,7 @@ fn without_gravity_and_forces_no_accelerations() {
     absent(&world, Feature::Forces);
     step(&mut world, 1);
     absent(&world, Feature::Acceleration);
-    let settings = Settings { gravity: Vec3::NEG_Y, ..settings() };
+    let settings = settings().with_gravity(Vec3::NEG_Y);
     world.set_settings(settings).unwrap();
     step(&mut world, 1);
     present(&world, Feature::Acceleration, 4);
@@ -209,7 +209,7 @@ fn without_gravity_and_forces_no_accelerations() {
 #[test]
 fn whether_there_is_a_column_of_forces_changes_no_bit() {
     let run = |force: bool| {
-        let (mut world, balls) = plain(Settings { gravity: -9.81 * Vec3::Y, ..Settings::default() });
+        let (mut world, balls) = plain(Settings::default().with_gravity(-9.81 * Vec3::Y));
         world.set_gravity_scale(balls[1], -1.0).unwrap();
         if force {
             world.add_force(balls[0], Vec3::ZERO, Vec3::ZERO).unwrap();
@@ -226,7 +226,7 @@ fn locked_axes_and_unequal_moments_are_counted() {
     let free = BodyDesc::dynamic().at(DVec3::Y * 5.0).with_shape(smooth(Geometry::cuboid(1.0, 0.5, 0.2)));
     let body = world.add_body(&free).unwrap();
     counted(&world, Feature::GyroscopicTurning, 1);
-    let locked = BodyDesc { lock_rotation: [true, false, false], ..free };
+    let locked = free.with_lock_rotation([true, false, false]);
     let other = world.add_body(&locked).unwrap();
     // What is locked has no axis that wanders.
     counted(&world, Feature::GyroscopicTurning, 1);
@@ -391,7 +391,7 @@ fn a_net_has_locks_outside_of_trees() {
 
 #[test]
 fn without_sleep_nothing_is_kept_of_rest() {
-    let (mut world, _) = plain(Settings { sleeping: true, sleep_time: 0.1, ..settings() });
+    let (mut world, _) = plain(settings().with_sleeping(true).with_sleep_time(0.1));
     step(&mut world, 300);
     assert_eq!(world.asleep(), 4);
     present(&world, Feature::Sleeping, 4);
@@ -504,7 +504,7 @@ fn an_order_of_its_own_only_for_what_is_solved_after_a_group() {
 
 #[test]
 fn a_budget_keeps_the_place_that_was_made() {
-    let (mut world, balls) = plain(Settings { budget: backstop::Budget::total(1 << 24), ..settings() });
+    let (mut world, balls) = plain(settings().with_budget(backstop::Budget::total(1 << 24)));
     let joint = {
         let bodies = [balls[0], balls[1]];
         let frames = world.frames_at(bodies, DVec3::new(0.5, 0.5, 0.0), Default::default()).unwrap();

@@ -8,7 +8,7 @@ const BULLETS: usize = 64;
 /// Bullets that are about to hit a wall, all in the next step, but are further from it than discrete physics
 /// looks.
 fn volley(continuous: Continuous) -> World {
-    let settings = Settings { gravity: Vec3::ZERO, continuous, ..Settings::default() };
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(continuous);
     let mut world = World::new(settings).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(0.1, 50.0, 50.0));
     world.add_body(&BodyDesc::fixed().with_shape(wall)).unwrap();

@@ -11,7 +11,7 @@ const PILE: Pile = Pile { of: Of::Boxes, bodies: 300, seed: 1, dt: 1.0 / 60.0 };
 /// have of their own, which are never shed.
 fn runs(pile: Pile, shares: &[f64]) -> (Run, Vec<Run>) {
     let free = pile.run(Budget::NONE, 1);
-    let own = pile.world(backstop::Settings { budget: Budget::total(1 << 30), ..Default::default() });
+    let own = pile.world(backstop::Settings::default().with_budget(Budget::total(1 << 30)));
     let own = own.memory().total();
     println!(
         "{pile:?}: {} bytes, {own} of them the bodies'; deepest overlap {:.4} m",
@@ -58,7 +58,7 @@ fn a_wide_budget_on_a_running_world_changes_nothing() {
     let mut worlds = [(); 2].map(|()| pile.world(backstop::Settings::default()));
     for step in 0..240 {
         let budget = if step / 40 % 2 == 1 { Budget::total(1 << 30) } else { Budget::NONE };
-        worlds[1].set_settings(backstop::Settings { budget, ..worlds[1].settings().clone() }).unwrap();
+        worlds[1].set_settings(worlds[1].settings().clone().with_budget(budget)).unwrap();
         let shed = worlds.each_mut().map(|world| world.step(PILE.dt).unwrap().shed);
         assert_eq!(shed, [0; 2], "{step}");
     }

@@ -18,7 +18,7 @@ fn plans_of_builtin_scenes_are_about_what_they_take() {
     ] {
         let scene = builtin::build(name).unwrap();
         let budget = Budget::total(usize::MAX);
-        let settings = Settings { budget, gravity: scene.gravity, ..Settings::default() };
+        let settings = Settings::default().with_budget(budget).with_gravity(scene.gravity);
         let plan = Plan::of(&scene, &settings);
         let mut world = World::new(settings).unwrap();
         scene.add_to(&mut world).unwrap();

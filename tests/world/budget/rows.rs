@@ -10,7 +10,7 @@ const LIMIT: usize = 16 << 20;
 /// Unit boxes at one point, their lower faces on a floor.
 fn crowd(count: usize, gravity: f32) -> (World, Vec<BodyHandle>) {
     let gravity = Vec3::Y * gravity;
-    let settings = Settings { budget: Budget::total(LIMIT), gravity, ..Settings::default() };
+    let settings = Settings::default().with_budget(Budget::total(LIMIT)).with_gravity(gravity);
     let mut world = World::new(settings).unwrap();
     let floor =
         BodyDesc::fixed().at(DVec3::Y * -1.0).with_shape(ShapeDesc::new(Geometry::cuboid(100.0, 1.0, 100.0)));

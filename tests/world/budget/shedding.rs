@@ -33,7 +33,8 @@ fn held(world: &World) -> Vec<usize> {
 }
 
 fn run(scene: &Scene, budget: Budget, threads: usize, mut each: impl FnMut(u32, &World)) -> Run {
-    let (mut world, _) = common::world_of(scene, Settings { budget, threads, ..Settings::default() });
+    let (mut world, _) =
+        common::world_of(scene, Settings::default().with_budget(budget).with_threads(threads));
     let first = held(&world);
     let (mut most, mut shed) = (first.clone(), Vec::new());
     for step in 0..STEPS {

@@ -143,7 +143,8 @@ fn it_pushes_what_it_can_and_weighs_on_what_it_stands_on() {
     let material = Material::default().with_friction(0.3);
     // 20 kg take 59 N to slide, 8 t more than it has.
     let add = |world: &mut World, at: DVec3, density: f32| {
-        let shape = ShapeDesc { density, material, ..ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)) };
+        let shape =
+            ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(density).with_material(material);
         world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
     };
     let light = add(&mut world, DVec3::new(2.0, 0.5, 0.0), 20.0);
@@ -162,7 +163,7 @@ fn it_pushes_what_it_can_and_weighs_on_what_it_stands_on() {
     near(world.position(heavy).unwrap().x, 2.0, 1e-3);
     near(characters[1].feet().x, 1.5 - 0.32, 1e-3);
     // A seesaw goes down on the side where it stands.
-    let beam = ShapeDesc { density: 50.0, ..ShapeDesc::new(Geometry::cuboid(2.0, 0.05, 0.5)) };
+    let beam = ShapeDesc::new(Geometry::cuboid(2.0, 0.05, 0.5)).with_density(50.0);
     let beam = world.add_body(&BodyDesc::dynamic().at(DVec3::new(0.0, 0.45, -9.0)).with_shape(beam)).unwrap();
     fixed(&mut world, DVec3::new(0.0, 0.2, -9.0), Quat::IDENTITY, Geometry::cuboid(0.05, 0.2, 0.5));
     let mut character = standing(&world, DVec3::new(0.9, 0.5, -9.0), CharacterSettings::default());

@@ -11,7 +11,7 @@ fn filters_leave_out_what_they_say() {
     let kinematic = add(&mut world, BodyDesc::kinematic().at(DVec3::Y * 20.0), slab());
     let dynamic = add(&mut world, BodyDesc::dynamic().at(DVec3::Y * 30.0), slab());
     let mut red = ShapeDesc::new(slab());
-    red.filter = Filter { category: 4, mask: 8, group: 0 };
+    red.filter = Filter::default().with_category(4).with_mask(8).with_group(0);
     let red = world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 40.0).with_shape(red)).unwrap();
     let order = |filter: &QueryFilter<'_>| {
         let (mut rays, mut casts, mut near, mut over) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -40,9 +40,9 @@ fn filters_leave_out_what_they_say() {
     assert_eq!(order(&ALL().without(red)), [dynamic, kinematic, fixed]);
     let shape = world.shapes(dynamic).unwrap().next().unwrap();
     assert_eq!(order(&ALL().without_shape(shape)), [red, kinematic, fixed]);
-    let bullet = Filter { category: 1, ..Filter::default() };
+    let bullet = Filter::default().with_category(1);
     assert_eq!(order(&ALL().collides(bullet)), [dynamic, kinematic, fixed]);
-    assert_eq!(order(&ALL().collides(Filter { category: 8, mask: 4, group: 0 })), [red]);
+    assert_eq!(order(&ALL().collides(Filter::default().with_category(8).with_mask(4).with_group(0))), [red]);
     let says = |body: BodyHandle, asked: ShapeHandle| body != kinematic && asked != shape;
     assert_eq!(order(&ALL().when(&says)), [red, fixed]);
     assert_eq!(order(&ALL().when(&|_, _| false)), []);
@@ -118,7 +118,7 @@ fn queries_see_the_world_as_it_is_now() {
 /// Asleep or not, everything is where it is.
 #[test]
 fn what_sleeps_is_seen_as_well() {
-    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
     let floor = add(&mut world, BodyDesc::fixed().at(DVec3::Y * -0.5), Geometry::cuboid(50.0, 0.5, 5.0));
     let balls: Vec<BodyHandle> = (0..5)
         .map(|i| add(&mut world, BodyDesc::dynamic().at(DVec3::new(f64::from(i) * 4.0, 1.0, 0.0)), ball(0.5)))

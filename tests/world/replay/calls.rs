@@ -97,19 +97,19 @@ impl Churn {
     fn settings(&mut self) -> Settings {
         let r = &mut self.random;
         let order = if r.chance(0.5) { Order::default() } else { Order::default().reversed() };
-        Settings {
-            substeps: 1 + r.below(5) as u32,
-            iterations: 1 + r.below(3) as u32,
-            warm_starting: r.below(4) > 0,
-            recycling: r.below(4) > 0,
-            sleeping: r.below(8) > 0,
-            gravity: Vec3::NEG_Y * (9.0 + r.unit()),
-            continuous: r.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume]),
-            order,
-            joint_trees: r.below(4) > 0,
-            guard: r.below(4) > 0,
-            ..self.world.settings().clone()
-        }
+        self.world
+            .settings()
+            .clone()
+            .with_substeps(1 + r.below(5) as u32)
+            .with_iterations(1 + r.below(3) as u32)
+            .with_warm_starting(r.below(4) > 0)
+            .with_recycling(r.below(4) > 0)
+            .with_sleeping(r.below(8) > 0)
+            .with_gravity(Vec3::NEG_Y * (9.0 + r.unit()))
+            .with_continuous(r.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume]))
+            .with_order(order)
+            .with_joint_trees(r.below(4) > 0)
+            .with_guard(r.below(4) > 0)
     }
 
     fn joint(&mut self) -> JointDesc {
@@ -158,7 +158,7 @@ impl Churn {
             }
             3 => world.remove_shape(shape),
             4 => world.set_material(shape, Material::default().with_friction(v.x.abs())),
-            5 => world.set_filter(shape, Filter { category: 1 + u64::from(yes), ..Filter::default() }),
+            5 => world.set_filter(shape, Filter::default().with_category(1 + u64::from(yes))),
             6 => world.set_listening(shape, yes, also),
             7 => world.set_sensor(shape, yes && also),
             8 => world.set_pose(body, (v * 4.0 + Vec3::Y * 4.0).as_dvec3(), q),
@@ -345,7 +345,7 @@ fn thousands_of_calls_at_random_play_again() {
     // What is drawn depends on the world, so no single run need have all of them.
     let mut drawn = BTreeSet::new();
     for seed in 1..=3 {
-        let settings = Settings { sleeping: true, ..Settings::default() };
+        let settings = Settings::default().with_sleeping(true);
         let (mut churn, buffer) = Churn::new(settings, seed);
         churn.run(600, 8);
         let hash = churn.world.hash();
@@ -367,7 +367,7 @@ fn thousands_of_calls_at_random_play_again() {
 /// with whom, has to be the same too.
 #[test]
 fn a_run_within_a_budget_plays_again() {
-    let settings = Settings { sleeping: true, budget: Budget::total(1_400_000), ..Settings::default() };
+    let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
     let (mut churn, buffer) = Churn::new(settings, 4);
     churn.run(600, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());

@@ -48,7 +48,7 @@ fn recorded(settings: Settings) -> (World, RecordingBuffer) {
 }
 
 fn record_scene(scene: &Scene, settings: Settings, steps: u32) -> (Vec<u8>, Recorded, u64) {
-    let (mut world, buffer) = recorded(Settings { gravity: scene.gravity, ..settings });
+    let (mut world, buffer) = recorded(settings.with_gravity(scene.gravity));
     scene.add_to(&mut world).unwrap();
     common::steps(&mut world, steps, DT);
     let recorded = world.stop_recording().unwrap();
@@ -86,7 +86,7 @@ fn scenes_play_again() {
         (common::small_pile(), false, 120),
         (builtin::large_pyramid(12), true, 180),
     ] {
-        let settings = Settings { sleeping, ..Settings::default() };
+        let settings = Settings::default().with_sleeping(sleeping);
         // What is written before the first step: bodies and meshes.
         let (_, start, _) = record_scene(&scene, settings.clone(), 0);
         let (bytes, recorded, hash) = record_scene(&scene, settings, steps);

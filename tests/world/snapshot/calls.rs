@@ -94,7 +94,7 @@ fn events_go_on_where_they_were() {
     use backstop::{Geometry, ShapeDesc};
     for bytes in [false, true] {
         let build = || {
-            let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+            let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
             let cube = || ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_events();
             world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
             let sensor = ShapeDesc::new(Geometry::cuboid(9.0, 2.0, 9.0)).sensing();

@@ -36,12 +36,10 @@ impl Shared {
 
 /// A little of everything, some of which sleeps, in different worlds by their number.
 fn world(which: usize, shared: &Shared) -> World {
-    let settings = Settings {
-        sleeping: which != 1,
-        sleep_time: 0.1,
-        gravity: if which == 2 { Vec3::ZERO } else { Vec3::Y * -9.81 },
-        ..Settings::default()
-    };
+    let settings = Settings::default()
+        .with_sleeping(which != 1)
+        .with_sleep_time(0.1)
+        .with_gravity(if which == 2 { Vec3::ZERO } else { Vec3::Y * -9.81 });
     let mut world = World::new(settings).unwrap();
     let fixed = |at: DVec3, geometry: Geometry| BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry));
     world.add_body(&fixed(DVec3::Y * -0.5, Geometry::cuboid(6.0, 0.5, 6.0))).unwrap();

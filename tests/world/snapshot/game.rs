@@ -12,7 +12,7 @@ pub(super) struct Game {
 
 impl Game {
     pub(super) fn new(sleeping: bool, threads: usize) -> Game {
-        let settings = Settings { sleeping, threads, sleep_time: 0.2, ..Settings::default() };
+        let settings = Settings::default().with_sleeping(sleeping).with_threads(threads).with_sleep_time(0.2);
         let mut game = Game { world: World::new(settings).unwrap(), ..Game::default() };
         game.world.add_body(&common::Floor::Mesh.desc(Material::default())).unwrap();
         let wall = ShapeDesc::new(Geometry::cuboid(0.2, 1.0, 4.0));
@@ -131,7 +131,7 @@ impl Game {
                 let shape = world.shapes(body).unwrap().next();
                 if let Some(shape) = shape {
                     let group = rng.below(3) as i32 - 1;
-                    world.set_filter(shape, Filter { group, ..Filter::default() }).unwrap();
+                    world.set_filter(shape, Filter::default().with_group(group)).unwrap();
                 }
             }
             18 => world.set_gravity_scale(body, rng.unit()).unwrap(),
@@ -147,7 +147,13 @@ impl Game {
                 let sleeping = if rng.below(4) == 0 { !settings.sleeping } else { settings.sleeping };
                 let gravity = Vec3::Y * (-9.0 - rng.unit());
                 world
-                    .set_settings(Settings { substeps, length_unit, sleeping, gravity, ..settings })
+                    .set_settings(
+                        settings
+                            .with_substeps(substeps)
+                            .with_length_unit(length_unit)
+                            .with_sleeping(sleeping)
+                            .with_gravity(gravity),
+                    )
                     .unwrap();
             }
             22 => world.solve_body_after(body, None).unwrap(),

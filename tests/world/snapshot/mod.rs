@@ -99,7 +99,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn world_of(case: &Case, threads: usize) -> (World, Vec<BodyHandle>) {
-    let settings = Settings { threads, sleeping: case.sleeping, ..Settings::default() };
+    let settings = Settings::default().with_threads(threads).with_sleeping(case.sleeping);
     common::world_of(&case.scene, settings)
 }
 

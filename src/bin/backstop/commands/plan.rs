@@ -78,13 +78,11 @@ pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
 }
 
 fn settings(options: &PlanOptions, scene: &Scene, budget: usize) -> Settings {
-    Settings {
-        gravity: scene.gravity,
-        continuous: options.continuous,
-        sleeping: options.sleep,
-        budget: Budget::total(budget),
-        ..Settings::default()
-    }
+    Settings::default()
+        .with_gravity(scene.gravity)
+        .with_continuous(options.continuous)
+        .with_sleeping(options.sleep)
+        .with_budget(Budget::total(budget))
 }
 
 /// The result of a run.

@@ -235,17 +235,16 @@ impl Chosen {
         let solver =
             solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
         let (dt, base) = file.map_or((None, Settings::default()), |file| (file.dt, file.world));
-        let settings = Settings {
-            gravity: scene.gravity,
-            substeps: options.substeps.unwrap_or(base.substeps),
-            iterations: options.iterations.unwrap_or(base.iterations),
-            threads: options.threads.unwrap_or(base.threads),
-            continuous: options.continuous.unwrap_or(base.continuous),
-            method: options.method.unwrap_or(base.method),
-            sleeping: options.sleep || base.sleeping,
-            budget: options.budget.map_or(base.budget, Budget::total),
-            ..base
-        };
+        let settings = base
+            .clone()
+            .with_gravity(scene.gravity)
+            .with_substeps(options.substeps.unwrap_or(base.substeps))
+            .with_iterations(options.iterations.unwrap_or(base.iterations))
+            .with_threads(options.threads.unwrap_or(base.threads))
+            .with_continuous(options.continuous.unwrap_or(base.continuous))
+            .with_method(options.method.unwrap_or(base.method))
+            .with_sleeping(options.sleep || base.sleeping)
+            .with_budget(options.budget.map_or(base.budget, Budget::total));
         Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings, solver }
     }
 }

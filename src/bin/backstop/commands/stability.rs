@@ -50,11 +50,9 @@ pub(crate) fn stability_of(options: &StabilityOptions) -> anyhow::Result<()> {
 }
 
 fn settings_of(options: &StabilityOptions) -> Settings {
-    let mut settings = Settings {
-        friction_model: options.friction_model.unwrap_or_default(),
-        length_unit: options.scale,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default()
+        .with_friction_model(options.friction_model.unwrap_or_default())
+        .with_length_unit(options.scale);
     settings.substeps = options.substeps.unwrap_or(settings.substeps);
     settings.iterations = options.iterations.unwrap_or(settings.iterations);
     settings
@@ -69,8 +67,7 @@ fn scene_of(name: &str, options: &StabilityOptions) -> anyhow::Result<Scene> {
 
 fn find(scene: &Scene, settings: Settings, hertz: f32, options: &StabilityOptions) -> anyhow::Result<Found> {
     let about = || format!("can't probe {}", scene.name);
-    let mut world =
-        World::new(Settings { gravity: scene.gravity, ..settings.clone() }).with_context(about)?;
+    let mut world = World::new(settings.clone().with_gravity(scene.gravity)).with_context(about)?;
     let bodies = scene.add_to(&mut world).with_context(about)?.bodies;
     let defaults = Probe::new(1.0 / hertz);
     let probe = Probe {
@@ -251,7 +248,10 @@ fn set(options: &StabilityOptions) -> anyhow::Result<()> {
         for &hz in &hertz {
             for &(substeps, iterations) in &efforts {
                 for &friction_model in &models {
-                    let settings = Settings { substeps, iterations, friction_model, ..settings_of(options) };
+                    let settings = settings_of(options)
+                        .with_substeps(substeps)
+                        .with_iterations(iterations)
+                        .with_friction_model(friction_model);
                     let found = find(&scene, settings, hz, options)?;
                     let s = &found.stability;
                     (unstable, all) = (unstable + usize::from(found.verdict() != STABLE), all + 1);

@@ -21,12 +21,10 @@ pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {
         lowered: options.lowered,
         ..Cube::default()
     };
-    let settings = Settings {
-        substeps: options.substeps,
-        iterations: options.iterations,
-        friction_model: options.friction_model,
-        ..Settings::default()
-    };
+    let settings = Settings::default()
+        .with_substeps(options.substeps)
+        .with_iterations(options.iterations)
+        .with_friction_model(options.friction_model);
     let solver = options.solver.map(WorldSolver::new);
     let mut deviations = Vec::new();
     for file in files(&options.folder)? {

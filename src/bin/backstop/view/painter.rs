@@ -33,6 +33,8 @@ impl Form {
             Geometry::Mesh(mesh) => Form::Shared(Arc::as_ptr(mesh) as usize),
             Geometry::HeightField(field) => Form::Shared(Arc::as_ptr(field) as usize),
             Geometry::Plane => Form::Shared(0),
+            // A kind that is not known here: each by itself.
+            _ => Form::Shared(std::ptr::from_ref(geometry) as usize),
         }
     }
 }

@@ -88,14 +88,13 @@ impl Pairing {
         dt: f32,
         repeats: usize,
     ) -> anyhow::Result<Pairing> {
-        let continuous = Settings {
-            threads: 1,
-            gravity: Vec3::NEG_Y * 9.81,
-            sleeping: false,
-            recycling: false,
-            ..base.clone()
-        };
-        let discrete = Settings { continuous: Continuous::Discrete, ..continuous.clone() };
+        let continuous = base
+            .clone()
+            .with_threads(1)
+            .with_gravity(Vec3::NEG_Y * 9.81)
+            .with_sleeping(false)
+            .with_recycling(false);
+        let discrete = continuous.clone().with_continuous(Continuous::Discrete);
         let mut world = World::new(continuous.clone())?;
         world.add_body(&BodyDesc::fixed().with_shape(ground_of(ground)?))?;
         let (geometry, height, lies) = shape_of(shape)?;

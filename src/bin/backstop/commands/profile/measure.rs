@@ -95,7 +95,7 @@ impl Times {
 pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyhow::Result<Measured> {
     let mut world = World::new(way.settings.clone()).context("these settings are refused")?;
     scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
-    let discrete = Settings { continuous: Continuous::Discrete, ..way.settings.clone() };
+    let discrete = way.settings.clone().with_continuous(Continuous::Discrete);
     let modes = [discrete, way.settings.clone()];
     let mut before = Snapshot::new();
     let mut times: [Times; 2] = Default::default();

@@ -67,20 +67,19 @@ fn open(options: &ProfileOptions) -> anyhow::Result<Scene> {
 fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger> {
     let steps = options.steps.unwrap_or_else(|| run::default_steps(scene, options.dt));
     let default = Settings::default();
-    let settings = Settings {
-        gravity: scene.gravity,
-        substeps: options.substeps.unwrap_or(default.substeps),
-        iterations: options.iterations.unwrap_or(default.iterations),
-        continuous: options.continuous,
-        method: options.method,
-        ..default
-    };
+    let settings = default
+        .clone()
+        .with_gravity(scene.gravity)
+        .with_substeps(options.substeps.unwrap_or(default.substeps))
+        .with_iterations(options.iterations.unwrap_or(default.iterations))
+        .with_continuous(options.continuous)
+        .with_method(options.method);
     let bar =
         output::progress(!options.common.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
     let mut runs = Vec::new();
     let mut last: Option<Measured> = None;
     for &threads in &options.threads {
-        let settings = Settings { threads, ..settings.clone() };
+        let settings = settings.clone().with_threads(threads);
         let way = Way { dt: options.dt, steps, repeats: options.repeats as usize, settings };
         let measured = with_threads(threads, || measure(scene, &way, || bar.inc(1)))?;
         if last.as_ref().is_some_and(|last| last.hash != measured.hash) {

@@ -56,7 +56,7 @@ impl Candidate {
         if 1.0 / hz != dt {
             bail!("{}: its dt, {dt} s, does not make a whole number of steps per second", path.display());
         }
-        let settings = Settings { gravity: scene.gravity, threads: 1, ..file.world };
+        let settings = file.world.clone().with_gravity(scene.gravity).with_threads(1);
         let name = path.display().to_string();
         Ok(Candidate { name, hz: hz as u32, settings, solver: file.solver, cell: None })
     }

@@ -116,7 +116,7 @@ mod tests {
         let far = DVec3::new(5000.25, 0.0, 0.0);
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
         scene.add("ball", BodyDesc::dynamic().at(far).moving(Vec3::X, Vec3::ZERO).with_shape(ball));
-        let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+        let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let handles = scene.add_to(&mut world).unwrap().bodies;
         let mut motion = Motion { max_bytes: 10 * POSE_BYTES, ..Motion::new(&scene, 0.5) };
         assert_eq!((&motion.bodies[..], motion.origin.x), (&[1][..], 5000.0));
