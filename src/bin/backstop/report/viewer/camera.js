@@ -51,7 +51,7 @@ const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 export function frameOf(places, home) {
     if (places.length === 0) return null;
     if (home) {
-        const stayed = places.filter((p) => distance(p, home.middle) < 2.5 * home.radius);
+        const stayed = places.filter((p) => distance(p, home.middle) < 1.6 * home.radius);
         // Unless nearly all went.
         if (4 * stayed.length >= places.length) places = stayed;
     }
