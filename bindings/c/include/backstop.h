@@ -193,7 +193,7 @@ typedef struct BsMassProperties {
     // [kg]
     float mass;
     // In the frame of the shape or body [m].
-    struct BsVec3 center;
+    struct BsVec3 centre_of_mass;
     // About the centre, in the axes of the shape or body [kg m²]: a symmetric matrix.
     float inertia[9];
 } BsMassProperties;

@@ -80,7 +80,9 @@ pub unsafe extern "C" fn bs_joint_set(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (mut content, desc) = unsafe { (changing(world)?, read(desc)?.to_engine()?) };
-        Ok(content.set_joint(joint.into(), &desc.limits, &desc.drives)?)
+        desc.validate()?;
+        content.set_joint_limits(joint.into(), &desc.limits)?;
+        Ok(content.set_joint_drives(joint.into(), &desc.drives)?)
     })
 }
 

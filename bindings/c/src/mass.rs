@@ -15,7 +15,7 @@ pub struct BsMassProperties {
     /// [kg]
     pub mass: f32,
     /// In the frame of the shape or body [m].
-    pub center: BsVec3,
+    pub centre_of_mass: BsVec3,
     /// About the centre, in the axes of the shape or body [kg m²]: a symmetric matrix.
     pub inertia: [f32; 9],
 }
@@ -23,12 +23,12 @@ pub struct BsMassProperties {
 impl BsMassProperties {
     pub(crate) fn to_engine(self) -> MassProperties {
         let inertia = Mat3::from_cols_array(&self.inertia);
-        MassProperties { mass: self.mass, center: self.center.into(), inertia }
+        MassProperties { mass: self.mass, centre_of_mass: self.centre_of_mass.into(), inertia }
     }
 
     pub(crate) fn of_engine(mass: MassProperties) -> BsMassProperties {
         let inertia = mass.inertia.to_cols_array();
-        BsMassProperties { mass: mass.mass, center: mass.center.into(), inertia }
+        BsMassProperties { mass: mass.mass, centre_of_mass: mass.centre_of_mass.into(), inertia }
     }
 }
 

@@ -147,11 +147,12 @@ impl BsBoneDesc {
             ..bs_bone_desc_default()
         };
         match bone.joint {
-            BoneJoint::Fixed => desc,
             BoneJoint::Ball { swing, twist } => BsBoneDesc { joint: BS_BONE_BALL, swing, twist, ..desc },
             BoneJoint::Hinge { axis, min, max } => {
                 BsBoneDesc { joint: BS_BONE_HINGE, axis: axis.into(), min, max, ..desc }
             }
+            // Fixed; other kinds have no constants yet.
+            _ => desc,
         }
     }
 }
@@ -198,13 +199,11 @@ pub unsafe extern "C" fn bs_world_add_ragdoll(
             (bodies, Buffer::new("joints", joints, joint_capacity, joint_count)?)
         };
         joints.reserve(bones.iter().filter(|bone| bone.parent.is_some()).count())?;
-        let skeleton = Skeleton {
-            bones,
-            density: desc.density,
-            material: desc.material.to_engine()?,
-            filter: desc.filter.to_engine(),
-            friction: desc.friction,
-        };
+        let skeleton = Skeleton::new(bones)
+            .with_density(desc.density)
+            .with_material(desc.material.to_engine()?)
+            .with_filter(desc.filter.to_engine())
+            .with_friction(desc.friction);
         let (position, rotation) = (pose.position.into(), Quat::from(pose.rotation));
         let ragdoll = skeleton.add_to(&mut content.world, position, rotation, velocity.into())?;
         bodies.fill(ragdoll.bodies.into_iter().map(Into::into))?;

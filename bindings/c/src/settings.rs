@@ -187,7 +187,32 @@ pub extern "C" fn bs_settings_default() -> BsSettings {
 
 impl BsSettings {
     pub(crate) fn to_engine(self) -> Outcome<Settings> {
-        let settings = Settings::default().with_gravity(self.gravity.into()).with_substeps(self.substeps).with_iterations(self.iterations).with_threads(self.threads as usize).with_continuous(read_continuous(self.continuous)?).with_method(read_method(self.method)?).with_friction_cone(read_cone(self.friction_cone)?).with_friction_model(read_friction(self.friction_model)?).with_length_unit(self.length_unit).with_restitution_threshold(self.restitution_threshold).with_slop(self.slop).with_contact_hertz(self.contact_hertz).with_contact_damping(self.contact_damping).with_push_speed(self.push_speed).with_warm_starting(self.warm_starting != 0).with_recycling(self.recycling != 0).with_joint_trees(self.joint_trees != 0).with_guard(self.guard != 0).with_order(self.order()?).with_sleeping(self.sleeping != 0).with_sleep_speed(self.sleep_speed).with_sleep_time(self.sleep_time).with_hit_speed(self.hit_speed).with_event_capacity(self.event_capacity).with_budget(self.budget());
+        let settings = Settings::default()
+            .with_gravity(backstop::glam::Vec3::from(self.gravity))
+            .with_substeps(self.substeps)
+            .with_iterations(self.iterations)
+            .with_threads(self.threads as usize)
+            .with_continuous(read_continuous(self.continuous)?)
+            .with_method(read_method(self.method)?)
+            .with_friction_cone(read_cone(self.friction_cone)?)
+            .with_friction_model(read_friction(self.friction_model)?)
+            .with_length_unit(self.length_unit)
+            .with_restitution_threshold(self.restitution_threshold)
+            .with_slop(self.slop)
+            .with_contact_hertz(self.contact_hertz)
+            .with_contact_damping(self.contact_damping)
+            .with_push_speed(self.push_speed)
+            .with_warm_starting(self.warm_starting != 0)
+            .with_recycling(self.recycling != 0)
+            .with_joint_trees(self.joint_trees != 0)
+            .with_guard(self.guard != 0)
+            .with_order(self.order()?)
+            .with_sleeping(self.sleeping != 0)
+            .with_sleep_speed(self.sleep_speed)
+            .with_sleep_time(self.sleep_time)
+            .with_hit_speed(self.hit_speed)
+            .with_event_capacity(self.event_capacity)
+            .with_budget(self.budget());
         Ok(settings)
     }
 

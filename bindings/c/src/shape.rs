@@ -107,6 +107,8 @@ impl BsGeometry {
             Geometry::Plane => bs_plane(),
             Geometry::Mesh(mesh) => bs_mesh(lend(mesh)),
             Geometry::HeightField(field) => bs_height_field(lend(field)),
+            // A kind without a constant yet: no call takes it back.
+            _ => BsGeometry { kind: u32::MAX, ..plain },
         }
     }
 }
@@ -197,7 +199,12 @@ pub struct BsMaterial {
 
 impl BsMaterial {
     pub(crate) fn to_engine(self) -> Outcome<Material> {
-        Ok(Material::default().with_static_friction(self.static_friction).with_dynamic_friction(self.dynamic_friction).with_restitution(self.restitution).with_friction_combine(read_combine(self.friction_combine)?).with_restitution_combine(read_combine(self.restitution_combine)?))
+        Ok(Material::default()
+            .with_static_friction(self.static_friction)
+            .with_dynamic_friction(self.dynamic_friction)
+            .with_restitution(self.restitution)
+            .with_friction_combine(read_combine(self.friction_combine)?)
+            .with_restitution_combine(read_combine(self.restitution_combine)?))
     }
 
     pub(crate) fn of_engine(material: Material) -> BsMaterial {
@@ -233,7 +240,7 @@ impl BsFilter {
     }
 
     pub(crate) fn of_engine(filter: Filter) -> BsFilter {
-        let Filter { category, mask, group } = filter;
+        let Filter { category, mask, group, .. } = filter;
         BsFilter { category, mask, group, reserved: 0 }
     }
 }

@@ -60,7 +60,7 @@ FIELD(BsShapeDesc, user_data, 144);
 
 SIZE(BsMassProperties, 52);
 FIELD(BsMassProperties, mass, 0);
-FIELD(BsMassProperties, center, 4);
+FIELD(BsMassProperties, centre_of_mass, 4);
 FIELD(BsMassProperties, inertia, 16);
 
 SIZE(BsBodyDesc, 120);

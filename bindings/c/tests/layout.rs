@@ -40,7 +40,7 @@ fn values_and_shapes_are_where_they_were() {
         material 96, filter 120, user_data 144,
     ]);
     pinned!(BsMassProperties, 52, 4, [
-        mass 0, center 4, inertia 16,
+        mass 0, centre_of_mass 4, inertia 16,
     ]);
     pinned!(BsBody, 8, 4, [
         slot 0, generation 4,

@@ -80,10 +80,10 @@ fn shared_shapes_live_as_long_as_somebody_has_them() {
         ok(bs_hull_retain(geometry.hull));
         ok(bs_world_remove_body(world.0, body));
         ok(bs_hull_vertices(geometry.hull, vertices.as_mut_ptr(), 8, &mut count));
-        let mut mass = BsMassProperties { mass: 0.0, center: vec3(0.0, 0.0, 0.0), inertia: [0.0; 9] };
+        let mut mass = BsMassProperties { mass: 0.0, centre_of_mass: vec3(0.0, 0.0, 0.0), inertia: [0.0; 9] };
         // A cube of 1 m and 1000 kg: its centre in the middle, m/6 about each axis.
         ok(bs_geometry_mass(&geometry, 1000.0, &mut mass));
-        assert!((mass.mass - 1000.0).abs() < 0.01 && (mass.center.x - 0.5).abs() < 1e-5);
+        assert!((mass.mass - 1000.0).abs() < 0.01 && (mass.centre_of_mass.x - 0.5).abs() < 1e-5);
         assert!((mass.inertia[0] - 1000.0 / 6.0).abs() < 0.01);
         assert_eq!(bs_geometry_triangles(&geometry, null_mut(), 0, &mut count), BS_ERROR_BUFFER);
         bs_hull_release(geometry.hull);
