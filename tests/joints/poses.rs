@@ -1,5 +1,7 @@
 //! Ragdolls that are driven to poses.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+
 use crate::common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
