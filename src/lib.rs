@@ -43,6 +43,8 @@
 //! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
+//! - [`World::moved_bodies`], [`World::contacts_of`], [`World::aabb`]: what moved in the last step, what a
+//!   body touches, and the box around it.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
 //! - [`Character`]: a capsule that walks.

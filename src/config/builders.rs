@@ -9,7 +9,13 @@ macro_rules! with_fields {
         }
     };
     (@one $with:ident $field:ident: into $kind:ty) => {
-        #[doc = concat!("The same with another [`", stringify!($field), "`](Self#structfield.", stringify!($field), ").")]
+        #[doc = concat!(
+            "The same with another [`",
+            stringify!($field),
+            "`](Self#structfield.",
+            stringify!($field),
+            ")."
+        )]
         #[must_use]
         pub fn $with(mut self, $field: impl Into<$kind>) -> Self {
             self.$field = $field.into();
@@ -17,7 +23,13 @@ macro_rules! with_fields {
         }
     };
     (@one $with:ident $field:ident: $kind:ty) => {
-        #[doc = concat!("The same with another [`", stringify!($field), "`](Self#structfield.", stringify!($field), ").")]
+        #[doc = concat!(
+            "The same with another [`",
+            stringify!($field),
+            "`](Self#structfield.",
+            stringify!($field),
+            ")."
+        )]
         #[must_use]
         pub fn $with(mut self, $field: $kind) -> Self {
             self.$field = $field;

@@ -28,7 +28,7 @@ impl MassProperties {
         Moments::of(geometry).scaled(density.into()).rounded()
     }
 
-    /// Those of a body whose principal moments [kg m²] are known; `axes`: the rotation from its principal axes
+    /// Those of a body with known principal moments [kg m²]; `axes`: the rotation from its principal axes
     /// into its own. The inverse of [`MassProperties::principal`].
     pub fn from_principal(
         mass: f32,

@@ -193,6 +193,34 @@ impl Churn {
             25 => world.send_to_sleep(body),
             26 => world.set_can_sleep(body, yes),
             30 => world.set_enabled(body, yes || also),
+            27 => world.set_origin((v * 1000.0).as_dvec3()),
+            28 => {
+                let settings = self.settings();
+                self.world.set_settings(settings)
+            }
+            31.. => return self.call_on([v, w], [yes, also], q, body, shape, what),
+            _ => {
+                world.name_recorded(body, "one of many");
+                let ray = Ray::new(DVec3::new(0.0, 9.0, 0.0), Vec3::NEG_Y * 20.0);
+                let _ = world.cast_ray(&ray, &QueryFilter::default());
+                Ok(())
+            }
+        };
+        self.look_up();
+    }
+
+    /// A call on a body or a shape of it that changes what its description said.
+    fn call_on(
+        &mut self,
+        [v, w]: [Vec3; 2],
+        [yes, also]: [bool; 2],
+        q: Quat,
+        body: BodyHandle,
+        shape: ShapeHandle,
+        what: usize,
+    ) {
+        let world = &mut self.world;
+        let _ = match what {
             31 => {
                 let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic, BodyKind::Dynamic];
                 world.set_kind(body, kinds[usize::from(yes) + 2 * usize::from(also)])
@@ -210,18 +238,7 @@ impl Churn {
             }
             40 => world.set_shape_pose(shape, v * 0.1, q),
             41 => world.set_density(shape, if yes && also { 0.0 } else { 1000.0 * (1.0 + v.x) }),
-            42 => world.add_force_at(body, v * 1e4, w.as_dvec3()),
-            27 => world.set_origin((v * 1000.0).as_dvec3()),
-            28 => {
-                let settings = self.settings();
-                self.world.set_settings(settings)
-            }
-            _ => {
-                world.name_recorded(body, "one of many");
-                let ray = Ray::new(DVec3::new(0.0, 9.0, 0.0), Vec3::NEG_Y * 20.0);
-                let _ = world.cast_ray(&ray, &QueryFilter::default());
-                Ok(())
-            }
+            _ => world.add_force_at(body, v * 1e4, w.as_dvec3()),
         };
         self.look_up();
     }
