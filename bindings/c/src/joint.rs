@@ -79,7 +79,9 @@ pub unsafe extern "C" fn bs_joint_set(
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
-        let (mut content, desc) = unsafe { (changing(world)?, read(desc)?.to_engine()?) };
+        let (mut content, mut desc) = unsafe { (changing(world)?, read(desc)?.to_engine()?) };
+        // All is checked before anything changes, as of the joint that there is.
+        desc.bodies = content.joint_bodies(joint.into())?;
         desc.validate()?;
         content.set_joint_limits(joint.into(), &desc.limits)?;
         Ok(content.set_joint_drives(joint.into(), &desc.drives)?)
