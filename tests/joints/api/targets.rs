@@ -276,7 +276,8 @@ fn targets_without_a_drive_are_refused_and_the_same_target_wakes_nobody() {
 fn rows_keep_the_order_of_their_joints() {
     let run = |late: bool, joint_trees: bool| {
         let gravity = Vec3::Y * -G as f32;
-        let mut world = World::new(Settings { gravity, joint_trees, ..Settings::default() }).unwrap();
+        let mut world =
+            World::new(Settings::default().with_gravity(gravity).with_joint_trees(joint_trees)).unwrap();
         let mut last = world.add_body(&BodyDesc::fixed()).unwrap();
         let mut joints = Vec::new();
         let motor = Drive::motor(Motion::Angular, Axis::Z, 1.0, 5.0);
