@@ -74,7 +74,8 @@ fn a_file_that_is_cut_off_plays_as_far_as_it_goes() {
             Err(error) => break error,
         }
     };
-    assert!(steps > 20, "{steps}");
+    // What is behind the last whole block of the half is gone.
+    assert!(steps > 10, "{steps}");
     assert!(matches!(error, ReplayError::CutOff { steps: n } if n == steps), "{error}");
     for length in 0..200 {
         let error = outcome(&bytes[..length]).unwrap_err();
