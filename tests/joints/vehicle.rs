@@ -124,7 +124,9 @@ fn perturbed() {
                         })
                         .collect();
                     all.iter().for_each(|&joint| world.remove_joint(joint).unwrap());
-                    descs.iter().for_each(|desc| drop(world.add_joint(desc).unwrap()));
+                    for desc in &descs {
+                        world.add_joint(desc).unwrap();
+                    }
                 }
                 let from = world.position(car.chassis).unwrap();
                 for _ in 0..480 {
