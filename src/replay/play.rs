@@ -342,19 +342,6 @@ impl<R: Read> Replay<R> {
                 self.world.add_joints(&descs)?;
             }
             Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
-            call @ (Call::SetJointDrive(..)
-            | Call::RemoveJointDrive(..)
-            | Call::SetJointTarget(..)
-            | Call::SetJointLimit(..)
-            | Call::RemoveJointLimit(..)
-            | Call::SetJointLimits(..)
-            | Call::SetJointDrives(..)
-            | Call::SetJointFrames(..)
-            | Call::SetJointCollide(..)
-            | Call::SetJointStrength(..)
-            | Call::SetJointThresholds(..)
-            | Call::SetJointUserData(..)
-            | Call::SolveJointAfter(..)) => change_joint(&mut self.world, call)?,
             Call::Wake(body) => self.world.wake(body)?,
             Call::SendToSleep(body) => self.world.send_to_sleep(body)?,
             Call::SetCanSleep(body, can_sleep) => self.world.set_can_sleep(body, can_sleep)?,
@@ -365,14 +352,15 @@ impl<R: Read> Replay<R> {
             Call::Asked() => {
                 self.world.current()?;
             }
+            other => change_joint(&mut self.world, other)?,
         }
         Ok(())
     }
 }
 
 /// Changes a joint as a call did.
-fn change_joint(world: &mut World, call: Call) -> Result<(), Error> {
-    match call {
+fn change_joint(world: &mut World, call: Call) -> Result<(), Failed> {
+    let done = match call {
         Call::SetJointDrive(joint, drive) => world.set_joint_drive(joint, drive),
         Call::RemoveJointDrive(joint, motion, axis) => {
             world.remove_joint_drive(joint, motion, axis).map(drop)
@@ -392,8 +380,9 @@ fn change_joint(world: &mut World, call: Call) -> Result<(), Error> {
         Call::SetJointThresholds(joint, [force, torque]) => world.set_joint_thresholds(joint, force, torque),
         Call::SetJointUserData(joint, user_data) => world.set_joint_user_data(joint, user_data),
         Call::SolveJointAfter(joint, above) => world.solve_joint_after(joint, above),
-        _ => Ok(()),
-    }
+        _ => return Err(Failed::Damaged("a call is none that a replay can make")),
+    };
+    Ok(done?)
 }
 
 /// Sets a budget of `bytes` unless there is a lower one; returns whether it did.

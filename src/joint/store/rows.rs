@@ -159,12 +159,24 @@ impl Joints {
         }
     }
 
-    /// Replaces what is limited and driven. What stays of its kind keeps its impulses.
+    /// Replaces what is limited and driven. What stays of its kind keeps its impulses, and all of it has the
+    /// place that the joint had: the order of joints, in which rows are solved, does not depend on which of
+    /// them were changed.
     pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
-        let mut locks: Vec<Lock> = self.locks.drain(self.lock_range(joint)).collect();
-        let mut rows: Vec<Row> = self.rows.drain(self.row_range(joint)).collect();
-        self.find_starts();
+        let (own_locks, own_rows) = (self.lock_range(joint), self.row_range(joint));
+        let mut locks: Vec<Lock> = self.locks.drain(own_locks.clone()).collect();
+        let mut rows: Vec<Row> = self.rows.drain(own_rows.clone()).collect();
+        let others = [self.locks.len(), self.rows.len()];
         self.add_rows(joint, limits, drives);
+        if !own_locks.is_empty() {
+            let added = self.locks.len() - others[0];
+            self.locks[own_locks.start..].rotate_right(added);
+        }
+        if !own_rows.is_empty() {
+            let added = self.rows.len() - others[1];
+            self.rows[own_rows.start..].rotate_right(added);
+        }
+        self.find_starts();
         let [new_locks, new_rows] = [self.lock_range(joint), self.row_range(joint)];
         for new in &mut self.locks[new_locks] {
             let old = locks.iter().position(|old| old.kind == new.kind).map(|i| locks.remove(i));

@@ -101,7 +101,8 @@ impl World {
         }))
     }
 
-    /// Whether the two bodies of a joint may collide with each other. If several join them, all must allow it.
+    /// Whether the two bodies of a joint may collide with each other. If several join them, all must allow
+    /// it.
     ///
     /// # Errors
     /// If the handle is stale.
