@@ -1,5 +1,5 @@
-//! A small game: hills, 200 bodies, a ragdoll, a door with a motor, a sensor, events, rays, a character, rollback
-//! and removal.
+//! A small game: hills, 200 bodies, a ragdoll, a door with a motor, a sensor, events, rays, a character,
+//! rollback and removal.
 //!
 //!     cargo run --release --example game
 

@@ -12,7 +12,8 @@ struct Uniforms {
     scale: f32,
 }
 
-/// glam's documentation: these are SIMD types, aligned to 16 bytes, where the target has SSE2, NEON or SIMD128.
+/// glam's documentation: these are SIMD types, aligned to 16 bytes, where the target has SSE2, NEON or
+/// SIMD128.
 #[cfg(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"))]
 #[test]
 fn glam_keeps_its_alignment() {
@@ -31,7 +32,8 @@ fn no_feature_of_glam_is_asked_for_that_changes_it() {
     }
 }
 
-/// A debug build of a caller's may not make hooks need more, or less, than a release build or one without threads.
+/// A debug build of a caller's may not make hooks need more, or less, than a release build or one without
+/// threads.
 #[test]
 fn worlds_go_to_other_threads() {
     fn sends<T: Send + Sync>() {}

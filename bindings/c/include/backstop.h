@@ -325,8 +325,8 @@ typedef struct BsShape {
     uint32_t generation;
 } BsShape;
 
-// The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not change
-// it, nor throw or jump out of the call.
+// The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not
+// change it, nor throw or jump out of the call.
 typedef BsBool (*BsQueryPredicate)(void *user, struct BsBody body, struct BsShape shape);
 
 // Which shapes a query sees.
@@ -986,8 +986,8 @@ typedef struct BsModelPart {
 // The object is in use by a call of another thread, or by the one whose callback this is.
 #define BS_ERROR_BUSY 5
 
-// A defect of this library: a call panicked, and what it had to change may be half done. If that was a world,
-// all calls but `bs_world_restore` and `bs_world_destroy` return this until it is restored.
+// A defect of this library: a call panicked, and what it had to change may be half done. If that was a
+// world, all calls but `bs_world_restore` and `bs_world_destroy` return this until it is restored.
 #define BS_ERROR_PANIC 6
 
 // The body handle is stale: its body was removed.
@@ -1355,8 +1355,8 @@ BsStatus bs_hull_vertices(const struct BsHull *hull,
                           size_t capacity,
                           size_t *count);
 
-// A mesh of `triangle_count` triangles, three indices of vertices each, counter-clockwise seen from the front.
-// Equal vertices become one; triangles without area, or given twice, are dropped.
+// A mesh of `triangle_count` triangles, three indices of vertices each, counter-clockwise seen from the
+// front. Equal vertices become one; triangles without area, or given twice, are dropped.
 BS_API
 BsStatus bs_mesh_create(const struct BsVec3 *vertices,
                         size_t vertex_count,
@@ -1376,8 +1376,8 @@ BS_API BsStatus bs_mesh_triangle_count(const struct BsMesh *mesh, size_t *count)
 // The three corners of a triangle of a mesh [m], by the index that queries report.
 BS_API BsStatus bs_mesh_corners(const struct BsMesh *mesh, uint32_t triangle, struct BsVec3 *corners);
 
-// A field of `columns` times `rows` heights [m], row by row, with cells of `cell_x` along x and `cell_z` along
-// z [m]. Its first sample is at its origin.
+// A field of `columns` times `rows` heights [m], row by row, with cells of `cell_x` along x and `cell_z`
+// along z [m]. Its first sample is at its origin.
 BS_API
 BsStatus bs_height_field_create(size_t columns,
                                 size_t rows,
@@ -1512,8 +1512,9 @@ BS_API BsStatus bs_body_set_can_sleep(struct BsWorld *world, struct BsBody body,
 // No columns.
 BS_API struct BsColumns bs_columns_default(void);
 
-// Writes poses and velocities of `count` bodies into columns, in their order; `bodies` null: of all bodies, in
-// the order of `bs_world_bodies`, of which there must be `count`. If a handle is stale nothing is written.
+// Writes poses and velocities of `count` bodies into columns, in their order; `bodies` null: of all bodies,
+// in the order of `bs_world_bodies`, of which there must be `count`. If a handle is stale nothing is
+// written.
 BS_API
 BsStatus bs_world_read_bodies(const struct BsWorld *world,
                               const struct BsBody *bodies,
@@ -1526,8 +1527,8 @@ BS_API struct BsBodyDesc bs_body_desc_default(void);
 // A character of 1.8 m and 80 kg.
 BS_API struct BsCharacterSettings bs_character_settings_default(void);
 
-// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs to
-// no world: each walk says in which.
+// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs
+// to no world: each walk says in which.
 BS_API
 BsStatus bs_character_create(const struct BsCharacterSettings *settings,
                              struct BsDVec3 position,
@@ -1537,7 +1538,8 @@ BsStatus bs_character_create(const struct BsCharacterSettings *settings,
 BS_API void bs_character_destroy(struct BsCharacter *character);
 
 // Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow. On ground the velocity is relative to
-// it, in the air it is that in the world; gravity is the caller's to add. `filter` may be null, `report` too.
+// it, in the air it is that in the world; gravity is the caller's to add. `filter` may be null, `report`
+// too.
 BS_API
 BsStatus bs_character_walk(struct BsCharacter *character,
                            const struct BsWorld *world,
@@ -1598,8 +1600,8 @@ BsStatus bs_world_draw(const struct BsWorld *world,
                        const struct BsDrawOptions *options,
                        const struct BsDrawCalls *calls);
 
-// Draws what the options ask for as lines and points, into arrays. The counts become their numbers; if either
-// buffer is too short, nothing else is written.
+// Draws what the options ask for as lines and points, into arrays. The counts become their numbers; if
+// either buffer is too short, nothing else is written.
 BS_API
 BsStatus bs_world_draw_arrays(const struct BsWorld *world,
                               const struct BsDrawOptions *options,
@@ -1679,15 +1681,15 @@ BS_API BsStatus bs_world_remove_joint(struct BsWorld *world, struct BsJoint join
 // Whether a handle is that of a joint of the world; no if there is no such world.
 BS_API BsBool bs_world_contains_joint(const struct BsWorld *world, struct BsJoint joint);
 
-// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max` and
-// `spring`, its limits and its drives. Nothing else of the description is looked at.
+// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max`
+// and `spring`, its limits and its drives. Nothing else of the description is looked at.
 BS_API
 BsStatus bs_joint_set(struct BsWorld *world,
                       struct BsJoint joint,
                       const struct BsJointDesc *desc);
 
-// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the axes
-// that a rotation gives x, y and z. `frames` has two places.
+// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the
+// axes that a rotation gives x, y and z. `frames` has two places.
 BS_API
 BsStatus bs_joint_frames_at(const struct BsWorld *world,
                             struct BsBody a,
@@ -1702,8 +1704,8 @@ BS_API BsStatus bs_joint_frames(const struct BsWorld *world, struct BsJoint join
 // The two bodies of a joint. `bodies` has two places.
 BS_API BsStatus bs_joint_bodies(const struct BsWorld *world, struct BsJoint joint, struct BsBody *bodies);
 
-// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first body
-// gets the opposite. Each pointer may be null.
+// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
+// body gets the opposite. Each pointer may be null.
 BS_API
 BsStatus bs_joint_force(const struct BsWorld *world,
                         struct BsJoint joint,
@@ -1842,7 +1844,8 @@ BsStatus bs_world_overlap_any(const struct BsWorld *world,
                               const struct BsQueryFilter *filter,
                               BsBool *any);
 
-// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is one.
+// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is
+// one.
 BS_API
 BsStatus bs_world_closest_point(const struct BsWorld *world,
                                 struct BsDVec3 point,
@@ -1874,8 +1877,8 @@ BS_API struct BsBoneDesc bs_bone_desc_default(void);
 // A skeleton of ordinary flesh without bones.
 BS_API struct BsSkeletonDesc bs_skeleton_desc_default(void);
 
-// The bones of a figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso
-// and head, and upper and lower arms and legs. `count` becomes their number.
+// The bones of a figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis,
+// torso and head, and upper and lower arms and legs. `count` becomes their number.
 BS_API BsStatus bs_humanoid_bones(struct BsBoneDesc *bones, size_t capacity, size_t *count);
 
 // Adds a skeleton that stands somewhere, turned, and moves [m/s]: a body for each bone, and a joint for each
@@ -2028,8 +2031,8 @@ BsStatus bs_snapshot_to_whole_bytes(const struct BsSnapshot *snapshot,
                                     size_t capacity,
                                     size_t *count);
 
-// A snapshot from bytes of `bs_snapshot_to_bytes` or `bs_snapshot_to_whole_bytes`. Whether it fits a world is
-// checked when it is restored.
+// A snapshot from bytes of `bs_snapshot_to_bytes` or `bs_snapshot_to_whole_bytes`. Whether it fits a world
+// is checked when it is restored.
 BS_API BsStatus bs_snapshot_from_bytes(const uint8_t *bytes, size_t count, struct BsSnapshot **snapshot);
 
 // An empty world. `settings` may be null: the defaults.

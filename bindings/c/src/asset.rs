@@ -141,8 +141,8 @@ pub unsafe extern "C" fn bs_hull_vertices(
     })
 }
 
-/// A mesh of `triangle_count` triangles, three indices of vertices each, counter-clockwise seen from the front.
-/// Equal vertices become one; triangles without area, or given twice, are dropped.
+/// A mesh of `triangle_count` triangles, three indices of vertices each, counter-clockwise seen from the
+/// front. Equal vertices become one; triangles without area, or given twice, are dropped.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_mesh_create(
     vertices: *const BsVec3,
@@ -211,8 +211,8 @@ fn corners_of(corners: Option<[backstop::glam::Vec3; 3]>, triangle: u32) -> Outc
     corners.map(|corners| corners.map(Into::into)).ok_or(none)
 }
 
-/// A field of `columns` times `rows` heights [m], row by row, with cells of `cell_x` along x and `cell_z` along
-/// z [m]. Its first sample is at its origin.
+/// A field of `columns` times `rows` heights [m], row by row, with cells of `cell_x` along x and `cell_z`
+/// along z [m]. Its first sample is at its origin.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_height_field_create(
     columns: usize,

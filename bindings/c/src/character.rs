@@ -193,7 +193,8 @@ pub struct BsCharacterReport {
 }
 
 described! { BsCharacterReport, BsCharacterReport::default(), [
-    size, stepped, position, moved, carried, pushed_out, velocity, turned, overlap, ground, on_ground, reserved,
+    size, stepped, position, moved, carried, pushed_out, velocity, turned, overlap, ground, on_ground,
+    reserved,
 ] }
 
 impl Default for BsCharacterReport {
@@ -243,8 +244,8 @@ unsafe fn moving<'a>(character: *const BsCharacter) -> Outcome<RwLockWriteGuard<
     }
 }
 
-/// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs to
-/// no world: each walk says in which.
+/// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs
+/// to no world: each walk says in which.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_character_create(
     settings: *const BsCharacterSettings,
@@ -276,7 +277,8 @@ pub unsafe extern "C" fn bs_character_destroy(character: *mut BsCharacter) {
 }
 
 /// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow. On ground the velocity is relative to
-/// it, in the air it is that in the world; gravity is the caller's to add. `filter` may be null, `report` too.
+/// it, in the air it is that in the world; gravity is the caller's to add. `filter` may be null, `report`
+/// too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_character_walk(
     character: *mut BsCharacter,

@@ -335,8 +335,8 @@ impl DebugDraw for Sketch {
     }
 }
 
-/// Draws what the options ask for as lines and points, into arrays. The counts become their numbers; if either
-/// buffer is too short, nothing else is written.
+/// Draws what the options ask for as lines and points, into arrays. The counts become their numbers; if
+/// either buffer is too short, nothing else is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_draw_arrays(
     world: *const BsWorld,

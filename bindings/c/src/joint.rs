@@ -69,8 +69,8 @@ pub unsafe extern "C" fn bs_world_contains_joint(world: *const BsWorld, joint: B
     value_or(0, || unsafe { reading(world) }.is_ok_and(|content| content.contains_joint(joint.into())).into())
 }
 
-/// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max` and
-/// `spring`, its limits and its drives. Nothing else of the description is looked at.
+/// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max`
+/// and `spring`, its limits and its drives. Nothing else of the description is looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_set(
     world: *mut BsWorld,
@@ -88,8 +88,8 @@ pub unsafe extern "C" fn bs_joint_set(
     })
 }
 
-/// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the axes
-/// that a rotation gives x, y and z. `frames` has two places.
+/// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the
+/// axes that a rotation gives x, y and z. `frames` has two places.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_frames_at(
     world: *const BsWorld,
@@ -146,8 +146,8 @@ pub unsafe extern "C" fn bs_joint_bodies(
     })
 }
 
-/// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first body
-/// gets the opposite. Each pointer may be null.
+/// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
+/// body gets the opposite. Each pointer may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_force(
     world: *const BsWorld,

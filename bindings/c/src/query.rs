@@ -14,8 +14,8 @@ use backstop::{
 use std::ffi::c_void;
 use std::ptr::null_mut;
 
-/// The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not change
-/// it, nor throw or jump out of the call.
+/// The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not
+/// change it, nor throw or jump out of the call.
 pub type BsQueryPredicate =
     Option<unsafe extern "C" fn(user: *mut c_void, body: BsBody, shape: BsShape) -> BsBool>;
 
@@ -500,7 +500,8 @@ impl BsClosestPoint {
     }
 }
 
-/// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is one.
+/// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is
+/// one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_closest_point(
     world: *const BsWorld,

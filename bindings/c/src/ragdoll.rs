@@ -157,8 +157,8 @@ impl BsBoneDesc {
     }
 }
 
-/// The bones of a figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso
-/// and head, and upper and lower arms and legs. `count` becomes their number.
+/// The bones of a figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis,
+/// torso and head, and upper and lower arms and legs. `count` becomes their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_humanoid_bones(
     bones: *mut BsBoneDesc,

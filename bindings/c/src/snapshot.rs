@@ -144,8 +144,8 @@ pub unsafe extern "C" fn bs_snapshot_to_whole_bytes(
     call(|| buffer()?.fill(unsafe { read(snapshot) }?.to_whole_bytes().into_iter()))
 }
 
-/// A snapshot from bytes of `bs_snapshot_to_bytes` or `bs_snapshot_to_whole_bytes`. Whether it fits a world is
-/// checked when it is restored.
+/// A snapshot from bytes of `bs_snapshot_to_bytes` or `bs_snapshot_to_whole_bytes`. Whether it fits a world
+/// is checked when it is restored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_snapshot_from_bytes(
     bytes: *const u8,

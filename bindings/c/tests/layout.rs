@@ -1,5 +1,6 @@
-//! The layout of every struct is pinned: what a program was built with is what a later library finds. The numbers
-//! are those that gcc gave for the header on x86-64; tests/layout.c has them again, for the C compiler to check.
+//! The layout of every struct is pinned: what a program was built with is what a later library finds. The
+//! numbers are those that gcc gave for the header on x86-64; tests/layout.c has them again, for the C
+//! compiler to check.
 
 #![cfg(target_pointer_width = "64")]
 

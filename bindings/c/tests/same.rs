@@ -1,5 +1,5 @@
-//! A scene that is built through the interface is the scene that is built in Rust: the same bits after the same
-//! steps, and the same answers. Expected values are those of the crate `backstop`.
+//! A scene that is built through the interface is the scene that is built in Rust: the same bits after the
+//! same steps, and the same answers. Expected values are those of the crate `backstop`.
 
 mod common;
 

@@ -91,7 +91,8 @@ pub extern "C" fn catalogue() -> usize {
 pub extern "C" fn open(scene: usize, size: u32, substeps: u32, iterations: u32, sleeping: bool) -> usize {
     page(|page| {
         page.open = None;
-        let settings = Settings::default().with_substeps(substeps).with_iterations(iterations).with_sleeping(sleeping);
+        let settings =
+            Settings::default().with_substeps(substeps).with_iterations(iterations).with_sleeping(sleeping);
         let opened = Run::open(scene, size, &settings).map(|run| {
             let drawing = Drawing::of(&run.world, &run.joints);
             page.open = Some((run, drawing));

@@ -60,8 +60,8 @@ impl<T> Out<T> {
     }
 
     pub(crate) fn set(self, value: T) {
-        // SAFETY: `new` checked the pointer, and its caller promised the rest. What was there is the caller's,
-        // who may not have written anything yet: it is not dropped.
+        // SAFETY: `new` checked the pointer, and its caller promised the rest. What was there is the
+        // caller's, who may not have written anything yet: it is not dropped.
         unsafe { self.0.write(value) }
     }
 }

@@ -21,8 +21,8 @@ pub const BS_ERROR_BUFFER: BsStatus = 3;
 pub const BS_ERROR_CONSTANT: BsStatus = 4;
 /// The object is in use by a call of another thread, or by the one whose callback this is.
 pub const BS_ERROR_BUSY: BsStatus = 5;
-/// A defect of this library: a call panicked, and what it had to change may be half done. If that was a world,
-/// all calls but `bs_world_restore` and `bs_world_destroy` return this until it is restored.
+/// A defect of this library: a call panicked, and what it had to change may be half done. If that was a
+/// world, all calls but `bs_world_restore` and `bs_world_destroy` return this until it is restored.
 pub const BS_ERROR_PANIC: BsStatus = 6;
 /// The body handle is stale: its body was removed.
 pub const BS_ERROR_STALE_BODY: BsStatus = 7;

@@ -93,8 +93,9 @@ impl Column {
     }
 }
 
-/// Writes poses and velocities of `count` bodies into columns, in their order; `bodies` null: of all bodies, in
-/// the order of `bs_world_bodies`, of which there must be `count`. If a handle is stale nothing is written.
+/// Writes poses and velocities of `count` bodies into columns, in their order; `bodies` null: of all bodies,
+/// in the order of `bs_world_bodies`, of which there must be `count`. If a handle is stale nothing is
+/// written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_read_bodies(
     world: *const BsWorld,
