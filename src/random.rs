@@ -101,6 +101,9 @@ impl Random {
 
     /// Any rotation, not evenly.
     pub(crate) fn rotation(&mut self) -> Quat {
-        Quat::from_vec4(self.cube().extend(self.range(0.01, 1.0))).normalize()
+        // By hand: glam sums in another order on each instruction set.
+        let q = self.cube().extend(self.range(0.01, 1.0)).to_array();
+        let scale = 1.0 / q.iter().map(|part| part * part).sum::<f32>().sqrt();
+        Quat::from_array(q.map(|part| part * scale))
     }
 }

@@ -291,7 +291,10 @@ fn change_joint(
         8 => world.set_joint_collide(joint, v > 0.0),
         9 => world.set_joint_strength(joint, 1000.0, 1e4),
         10 => world.set_joint_thresholds(joint, 100.0, 10.0),
-        _ => world.set_joint_user_data(joint, 7),
+        _ => {
+            world.set_joint_user_data(joint, 7)?;
+            world.remove_joint_drive(joint, drive.motion, drive.axis).map(drop)
+        }
     }
 }
 
