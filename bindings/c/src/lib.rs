@@ -4,7 +4,7 @@
 //! From Rust use the crate `backstop`.
 //!
 //! - Worlds, snapshots and characters are opaque and locked: a call that comes beside another which it must
-//! not   is refused with `BS_ERROR_BUSY`.
+//!   not is refused with `BS_ERROR_BUSY`.
 //! - Handles are 8 bytes, by value. Hulls, meshes and height fields are counted references.
 //! - Descriptions begin with their size: a shorter one means defaults for the rest, so that later versions
 //!   can add to them. Fields follow each other without gaps. All other structs stay as they are.

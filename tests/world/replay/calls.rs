@@ -280,7 +280,10 @@ fn change_joint(
 ) -> Result<(), Error> {
     let v = drive.velocity;
     match what {
-        0 => world.set_joint_drive(joint, drive),
+        0 => {
+            world.set_joint_drive(joint, drive)?;
+            world.set_joint_target(joint, drive.motion, drive.axis, 0.0, v)
+        }
         1 => world.remove_joint_drive(joint, drive.motion, drive.axis).map(drop),
         2 => world.set_joint_target(joint, drive.motion, drive.axis, 0.0, v),
         3 => world.set_joint_limit(joint, limit),
