@@ -1683,10 +1683,7 @@ BS_API BsBool bs_world_contains_joint(const struct BsWorld *world, struct BsJoin
 
 // Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max`
 // and `spring`, its limits and its drives. Nothing else of the description is looked at.
-BS_API
-BsStatus bs_joint_set(struct BsWorld *world,
-                      struct BsJoint joint,
-                      const struct BsJointDesc *desc);
+BS_API BsStatus bs_joint_set(struct BsWorld *world, struct BsJoint joint, const struct BsJointDesc *desc);
 
 // Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the
 // axes that a rotation gives x, y and z. `frames` has two places.
