@@ -120,7 +120,7 @@ impl Quat {
     }
 }
 
-/// Of two rotations one after the other: `self * other` turns by `other` first.
+/// Two rotations, one after the other: `self * other` turns by `other` first.
 impl Mul for Quat {
     type Output = Quat;
     #[inline]

@@ -76,7 +76,7 @@ pub struct Ragdoll {
     pub bodies: Vec<BodyHandle>,
     /// One for each bone but the roots.
     pub joints: Vec<JointHandle>,
-    /// Of each joint, what it joins.
+    /// What each joint joins.
     pub(crate) links: Vec<Link>,
     /// Torque of friction in each joint [N m].
     pub(crate) friction: f32,

@@ -92,7 +92,7 @@ impl Block {
         (self.used[0] + self.used[1]) as usize + usize::from(self.grown)
     }
 
-    /// Of so many of its contacts, those that may get more points than they have.
+    /// Those of so many of its contacts that may get more points than they have.
     pub(crate) fn growing(&self, contacts: u32) -> u32 {
         const SPHERE: u8 = Kind::Sphere as u8;
         let kinds = [self.bin.0 / KINDS, self.bin.0 % KINDS];

@@ -202,8 +202,8 @@ fn ahead(world: &World, contact: ContactRef<'_>, point: &Point) -> Place {
     let arm_a = a.lever + a.shape * point.position;
     let between = (a.start.position - b.start.position).as_vec3();
     let arm_b = arm_a + between + (a.predicted.0 - b.predicted.0) * contact.fraction;
-    let closing = |(way_a, turn_a): (Vec3, Vec3), (way_b, turn_b): (Vec3, Vec3)| {
-        normal.dot(way_a - way_b + turn_a.cross(arm_a) - turn_b.cross(arm_b))
+    let closing = |(moved_a, turn_a): (Vec3, Vec3), (moved_b, turn_b): (Vec3, Vec3)| {
+        normal.dot(moved_a - moved_b + turn_a.cross(arm_a) - turn_b.cross(arm_b))
     };
     // Other points than those that touched first were still apart there.
     let apart = point.found - (contact.fraction * closing(a.predicted, b.predicted)).max(0.0);

@@ -122,11 +122,11 @@ typedef struct BsGeometry {
     struct BsVec3 half_extents;
     // Zero.
     uint32_t reserved;
-    // Of a hull. A shape that is made of it keeps a reference of its own.
+    // The hull of such a shape, which keeps a reference of its own.
     const struct BsHull *hull;
-    // Of a mesh.
+    // The mesh of such a shape.
     const struct BsMesh *mesh;
-    // Of a height field.
+    // The field of such a shape.
     const struct BsHeightField *height_field;
 } BsGeometry;
 
@@ -641,11 +641,11 @@ typedef struct BsJointDesc {
     struct BsBody bodies[2];
     // Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
     struct BsFrame frames[2];
-    // Of a distance [m].
+    // Distance joints: the range [m].
     float range_min;
-    // Of a distance, or the travel of a wheel [m].
+    // Distance joints: the end of the range; wheels: the travel [m].
     float range_max;
-    // Of a wheel.
+    // Wheels alone.
     struct BsSpring spring;
     // The joint breaks above this force [N]. Default infinity.
     float break_force;
@@ -756,11 +756,11 @@ typedef struct BsBoneDesc {
     float swing;
     // To either side, of a ball, 0..=pi [rad].
     float twist;
-    // Of a hinge, in the skeleton's axes; its length is of no matter.
+    // Hinges: the axis, in the skeleton's axes; its length does not matter.
     struct BsVec3 axis;
-    // Of a hinge, at most zero [rad].
+    // Hinges: the least angle, at most zero [rad].
     float min;
-    // Of a hinge, at least zero [rad].
+    // Hinges: the greatest angle, at least zero [rad].
     float max;
 } BsBoneDesc;
 

@@ -45,11 +45,11 @@ pub struct BsBoneDesc {
     pub swing: f32,
     /// To either side, of a ball, 0..=pi [rad].
     pub twist: f32,
-    /// Of a hinge, in the skeleton's axes; its length is of no matter.
+    /// Hinges: the axis, in the skeleton's axes; its length does not matter.
     pub axis: BsVec3,
-    /// Of a hinge, at most zero [rad].
+    /// Hinges: the least angle, at most zero [rad].
     pub min: f32,
-    /// Of a hinge, at least zero [rad].
+    /// Hinges: the greatest angle, at least zero [rad].
     pub max: f32,
 }
 

@@ -50,11 +50,11 @@ pub struct BsGeometry {
     pub half_extents: BsVec3,
     /// Zero.
     pub reserved: u32,
-    /// Of a hull. A shape that is made of it keeps a reference of its own.
+    /// The hull of such a shape, which keeps a reference of its own.
     pub hull: *const BsHull,
-    /// Of a mesh.
+    /// The mesh of such a shape.
     pub mesh: *const BsMesh,
-    /// Of a height field.
+    /// The field of such a shape.
     pub height_field: *const BsHeightField,
 }
 

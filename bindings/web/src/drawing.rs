@@ -82,7 +82,7 @@ fn tone(kind: BodyKind, geometry: &Geometry) -> u32 {
         (_, Geometry::Capsule { .. }) => 1,
         (_, Geometry::Box { .. }) => 2,
         (_, Geometry::Cylinder { .. }) => 3,
-        (_, Geometry::Hull(_)) => 4,
+        _ => 4,
     }
 }
 

@@ -1,9 +1,8 @@
 //! The scenes of the page. With their first size they are those of `examples/same_bits.rs`, where that has
 //! them.
 
-use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, Terrain, builtin};
-use backstop::{BodyDesc, Error, Geometry, JointHandle, Settings, ShapeDesc, Skeleton, TriangleMesh, World};
+use backstop::{BodyDesc, Error, Geometry, JointHandle, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
 
 /// A world, and its joints for drawing.
@@ -63,7 +62,7 @@ pub(crate) const OFFERS: [Offer; 7] = [
         about: "Figures of bones and joints fall among boxes, cylinders and balls",
         unit: "figures",
         sizes: [6, 1, 30],
-        build: ragdolls,
+        build: |settings, size| world(settings, &builtin::ragdolls(size)),
     },
     Offer {
         name: "pile",
@@ -101,7 +100,7 @@ impl Offer {
 }
 
 fn world(settings: &Settings, scene: &Scene) -> Result<Built, Error> {
-    let mut world = World::new(Settings { gravity: scene.gravity, ..settings.clone() })?;
+    let mut world = World::new(settings.clone().with_gravity(scene.gravity))?;
     let added = scene.add_to(&mut world)?;
     Ok((world, added.joints))
 }
@@ -115,30 +114,4 @@ fn keep_dynamic(scene: &mut Scene, count: usize) {
         left -= usize::from(kept && !fixed);
         kept
     });
-}
-
-fn ragdolls(settings: &Settings, figures: usize) -> Result<Built, Error> {
-    let mut world = World::new(settings.clone())?;
-    world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
-    for i in 0..100u8 {
-        let geometry = match i % 4 {
-            0 => Geometry::cuboid(0.2, 0.3, 0.2),
-            1 => Geometry::Sphere { radius: 0.25 },
-            2 => Geometry::capsule(0.2, 0.15),
-            _ => Geometry::cylinder(0.25, 0.2),
-        };
-        let at =
-            DVec3::new(f64::from(i % 5) - 2.0, 0.5 + 0.7 * f64::from(i / 25), f64::from(i / 5 % 5) - 2.0);
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry)))?;
-    }
-    let figure = Skeleton::humanoid();
-    let mut joints = Vec::new();
-    for i in 0..figures {
-        // Six side by side, then further up.
-        let (column, row) = (i % 6, i / 6);
-        let at = DVec3::new(0.6 * column as f64 - 1.5, 4.0 + 0.3 * column as f64 + 2.5 * row as f64, 0.0);
-        let added = figure.add_to(&mut world, at, Quat::IDENTITY, Vec3::new(0.0, -5.0, 1.0))?;
-        joints.extend(added.joints);
-    }
-    Ok((world, joints))
 }

@@ -12,12 +12,14 @@ pub(super) mod terrain;
 mod tests;
 
 use super::comparison::scenes;
+use super::joined::throw;
 use super::rng::Rng;
 use super::{Scene, SceneJoint, Standing, Terrain};
 use crate::body::{BodyDesc, BodyKind};
-use crate::joint::{Axes, Frame, Limit, Motion};
+use crate::joint::{Axes, Frame, Limit, Motion, Skeleton};
+use crate::math::Quat;
 use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::Arc;
 
@@ -206,6 +208,30 @@ pub fn chain(level: bool) -> Scene {
         let under = if i == 0 { 0.0 } else { -0.5 * pitch };
         let over = if i == 20 { ball } else { 0.5 * pitch };
         scene.joints.push(ball_joint([i, i + 1], [Vec3::Y * under, Vec3::Y * over]));
+    }
+    scene
+}
+
+/// Figures of bones and joints fall among a hundred boxes, balls, capsules and cylinders: six side by side, the
+/// others above them.
+pub fn ragdolls(figures: usize) -> Scene {
+    let mut scene = Scene::new("ragdolls");
+    scene.add("ground", BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)));
+    for i in 0..100u8 {
+        let geometry = match i % 4 {
+            0 => Geometry::cuboid(0.2, 0.3, 0.2),
+            1 => Geometry::sphere(0.25),
+            2 => Geometry::capsule(0.2, 0.15),
+            _ => Geometry::cylinder(0.25, 0.2),
+        };
+        let at = Vec3::new(f32::from(i % 5) - 2.0, 0.5 + 0.7 * f32::from(i / 25), f32::from(i / 5 % 5) - 2.0);
+        scene.add("rubble", dynamic(geometry, at));
+    }
+    let figure = Skeleton::humanoid();
+    for i in 0..figures {
+        let (column, row) = ((i % 6) as f64, (i / 6) as f64);
+        let at = DVec3::new(0.6 * column - 1.5, 4.0 + 0.3 * column + 2.5 * row, 0.0);
+        throw(&mut scene, &figure, (at, Quat::IDENTITY), Vec3::new(0.0, -5.0, 1.0));
     }
     scene
 }

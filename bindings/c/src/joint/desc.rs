@@ -244,11 +244,11 @@ pub struct BsJointDesc {
     pub bodies: [BsBody; 2],
     /// Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
     pub frames: [BsFrame; 2],
-    /// Of a distance [m].
+    /// Distance joints: the range [m].
     pub range_min: f32,
-    /// Of a distance, or the travel of a wheel [m].
+    /// Distance joints: the end of the range; wheels: the travel [m].
     pub range_max: f32,
-    /// Of a wheel.
+    /// Wheels alone.
     pub spring: BsSpring,
     /// The joint breaks above this force [N]. Default infinity.
     pub break_force: f32,

@@ -26,9 +26,9 @@ struct Mesh {
 #[derive(Debug, Serialize)]
 pub(crate) struct Film {
     meshes: Vec<Mesh>,
-    /// Of each shape: its mesh, its tone, and its body among those that move, or -1.
+    /// Mesh and tone of each shape, and its body among those that move, or -1.
     shapes: Vec<[i32; 3]>,
-    /// Of each shape its pose on its body; in the world if that does not move.
+    /// Pose of each shape on its body; in the world if that does not move.
     places: Vec<[f32; 7]>,
     /// Pairs of shapes whose bodies are joined.
     links: Vec<[usize; 2]>,
@@ -63,7 +63,7 @@ fn packed<const N: usize>(bytes: impl Iterator<Item = [u8; N]>) -> String {
 }
 
 impl Film {
-    /// Of a scene, and how it moved; an error says why that can't be shown.
+    /// The film of a scene, and how it moved; an error says why that can't be shown.
     pub(crate) fn of(scene: &Scene, motion: &Motion) -> Result<Film, &'static str> {
         if motion.bodies.is_empty() {
             return Err("nothing in the scene can move");

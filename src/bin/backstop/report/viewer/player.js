@@ -47,7 +47,7 @@ class Film {
             return from + (to - from) * share;
         });
         const [from, to] = [a, b].map((pose) => this.rotations.subarray(4 * pose, 4 * pose + 4));
-        // Of the two numbers for one rotation, those on the same side.
+        // Two quaternions are one rotation: the one on the same side.
         const side = from[0] * to[0] + from[1] * to[1] + from[2] * to[2] + from[3] * to[3] < 0 ? -1 : 1;
         const turn = [0, 1, 2, 3].map((i) => from[i] + (side * to[i] - from[i]) * share);
         const length = Math.hypot(...turn) || 1;

@@ -161,7 +161,7 @@ export class Renderer {
 
     drawShadows(view) {
         const { gl } = this;
-        // Of what is framed and a little around it, in steps of whole texels: edges of shadows stay still.
+        // Covers what is framed and a little around it, in steps of whole texels: edges of shadows stay still.
         const reach = 1.7 * view.radius;
         const texel = (2 * reach) / MAP;
         const turn = look([0, 0, 0], SUN);
