@@ -641,9 +641,9 @@ typedef struct BsJointDesc {
     struct BsBody bodies[2];
     // Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
     struct BsFrame frames[2];
-    // Distance joints: the range [m].
+    // Distance joints: the least distance [m].
     float range_min;
-    // Distance joints: the end of the range; wheels: the travel [m].
+    // Distance joints: the greatest distance; wheels: the travel [m].
     float range_max;
     // Wheels alone.
     struct BsSpring spring;

@@ -244,9 +244,9 @@ pub struct BsJointDesc {
     pub bodies: [BsBody; 2],
     /// Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
     pub frames: [BsFrame; 2],
-    /// Distance joints: the range [m].
+    /// Distance joints: the least distance [m].
     pub range_min: f32,
-    /// Distance joints: the end of the range; wheels: the travel [m].
+    /// Distance joints: the greatest distance; wheels: the travel [m].
     pub range_max: f32,
     /// Wheels alone.
     pub spring: BsSpring,
