@@ -212,8 +212,8 @@ pub fn chain(level: bool) -> Scene {
     scene
 }
 
-/// Figures of bones and joints fall among a hundred boxes, balls, capsules and cylinders: six side by side, the
-/// others above them.
+/// Figures of bones and joints fall among a hundred boxes, balls, capsules and cylinders: six side by side,
+/// the others above them.
 pub fn ragdolls(figures: usize) -> Scene {
     let mut scene = Scene::new("ragdolls");
     scene.add("ground", BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)));
