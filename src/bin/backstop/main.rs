@@ -18,8 +18,8 @@ fn main() -> ExitCode {
     match commands::execute(args::Options::parse().command) {
         Ok(code) => code,
         Err(error) => {
-            // The whole chain of causes on one line.
-            eprintln!("error: {}", Escaped(format!("{error:#}")));
+            // On one line.
+            eprintln!("error: {}", Escaped(report::output::causes(&error)));
             ExitCode::FAILURE
         }
     }

@@ -1,6 +1,7 @@
 //! Files of settings: `trade --out` writes them, `run --settings` takes them.
 
 use crate::args;
+use crate::report::output::exact;
 use anyhow::{Context, bail};
 use backstop::Settings;
 use backstop::lab::WorldMethod;
@@ -83,7 +84,7 @@ fn method(name: &Value) -> anyhow::Result<WorldMethod> {
 }
 
 fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
-    match serde_json::to_value(settings)? {
+    match exact(settings)? {
         Value::Object(fields) => Ok(fields),
         _ => bail!("settings are no object"),
     }

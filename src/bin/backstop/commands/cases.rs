@@ -2,6 +2,7 @@
 
 use crate::args::{AnyMethod, CaseOptions};
 use crate::report::output;
+use crate::report::table;
 use anyhow::{Context, bail};
 use backstop::lab::WorldSolver;
 use backstop::lab::cases::{Case, Outcome, Setting};
@@ -143,31 +144,22 @@ fn tables(cases: &[&Case], columns: &[Vec<Setting>], runs: &[Run]) -> String {
 }
 
 fn table(cases: &[&Case], settings: &[Setting], rows: &[&[Run]]) -> String {
-    let mut text = format!("\n{:<22}{:>9}", settings[0].method_name(), "bar");
-    for setting in settings {
-        let _ = write!(text, "  {:>15}", setting.name());
-    }
     let halved = halved(settings);
-    text += if halved.is_some() { "   order\n" } else { "\n" };
-    let mut within = vec![0; settings.len()];
-    for (case, row) in cases.iter().zip(rows) {
-        let mut line = format!("{:<22}{:>9}", case.name, figure(case.bar));
-        for (run, within) in row.iter().zip(&mut within) {
-            *within += usize::from(run.within);
+    let mut headings = vec![settings[0].method_name().to_owned(), "bar".into()];
+    headings.extend(settings.iter().map(|setting| setting.name() + " "));
+    headings.extend(halved.map(|_| "order".into()));
+    let line = |(case, row): (&&Case, &&[Run])| {
+        let mut line = vec![case.name.to_string(), figure(case.bar)];
+        line.extend(row.iter().map(|run| {
             let mark = if run.within { ' ' } else { '!' };
-            let _ = write!(line, "  {:>14}{mark}", run.error.map_or("-".into(), figure));
-        }
-        if let Some([coarse, fine]) = halved {
-            let _ = write!(line, "  {:>6}", order(row, coarse, fine, settings));
-        }
-        text += line.trim_end();
-        text.push('\n');
-    }
-    let mut line = format!("{:<22}{:>9}", "within the bar", format!("of {}", cases.len()));
-    within.iter().for_each(|n| {
-        let _ = write!(line, "  {n:>14} ");
-    });
-    text + line.trim_end() + "\n"
+            format!("{}{mark}", run.error.map_or("-".into(), figure))
+        }));
+        line.extend(halved.map(|[coarse, fine]| order(row, coarse, fine, settings)));
+        line
+    };
+    let mut last = vec!["within the bar".into(), format!("of {}", cases.len())];
+    last.extend((0..settings.len()).map(|i| format!("{} ", rows.iter().filter(|row| row[i].within).count())));
+    format!("\n{}", table::table(&headings, 1, cases.iter().zip(rows).map(line).chain([last])))
 }
 
 /// The first setting, and the one that differs from it only by the shortest steps.

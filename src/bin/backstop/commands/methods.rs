@@ -2,11 +2,11 @@
 
 use crate::args::{AnyMethod, MethodsOptions};
 use crate::report::output;
+use crate::report::table::table;
 use anyhow::Context;
 use backstop::lab::structures::{Outcome, Structure};
 use backstop::lab::{WorldMethod, WorldSolver};
 use serde::Serialize;
-use std::fmt::Write;
 
 #[derive(Serialize)]
 struct Row {
@@ -66,23 +66,30 @@ pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
 }
 
 fn text(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "structure   method            time a step  residual m/s     drift m  joints off m    gained J  \
-         refused\n",
-    );
-    for row in rows {
-        let _ = writeln!(
-            text,
-            "{:<11} {:<17} {:>11}  {:>12.1e}  {:>10.1e}  {:>12.1e}  {:>10.1e}  {:>7}",
-            row.structure,
-            row.method,
-            output::micros(row.time_us),
-            row.residual,
-            row.drift_m,
-            row.joint_error_m,
-            row.gained_j,
-            row.refused
-        );
-    }
-    text
+    let headings = [
+        "structure",
+        "method",
+        "time a step",
+        "residual m/s",
+        "drift m",
+        "joints off m",
+        "gained J",
+        "refused",
+    ];
+    let row = |row: &Row| {
+        let [residual, drift, joints, gained] =
+            [row.residual, row.drift_m, row.joint_error_m, row.gained_j].map(|x| format!("{x:.1e}"));
+        let (time, refused) = (output::micros(row.time_us), row.refused.to_string());
+        vec![
+            row.structure.to_string(),
+            row.method.to_string(),
+            time,
+            residual,
+            drift,
+            joints,
+            gained,
+            refused,
+        ]
+    };
+    table(&headings, 2, rows.iter().map(row))
 }

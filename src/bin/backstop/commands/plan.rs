@@ -3,6 +3,7 @@
 use crate::args::PlanOptions;
 use crate::commands::run;
 use crate::report::output;
+use crate::report::table::table;
 use anyhow::Context;
 use backstop::scene::{self, Plan, Scene};
 use backstop::{Budget, Category, Error, MemoryReport, Settings, World};
@@ -126,19 +127,19 @@ fn attempt(options: &PlanOptions, scene: &Scene, bytes: usize, steps: u32) -> an
 
 fn text(document: &Document) -> String {
     let Document { scene, steps, categories, planned, measured, budget } = document;
-    let mut text = format!("{scene}, {} steps [bytes]\n", output::count((*steps).into()));
-    let _ = writeln!(text, "{:<14}{:>14}{:>14}{:>12}", "category", "planned", "measured", "difference");
-    let mut line = |name: &str, planned: usize, measured: usize| {
+    let mut text = format!("{scene}, {} [bytes]\n", output::plural((*steps).into(), "step", "steps"));
+    let row = |name: &str, planned: usize, measured: usize| {
         let difference = match measured {
             0 if planned == 0 => String::new(),
             0 => "-".into(),
             _ => format!("{:+.1} %", (planned as f64 / measured as f64 - 1.0) * 100.0),
         };
         let [planned, measured] = [planned, measured].map(|n| output::count(n as u64));
-        let _ = writeln!(text, "{:<14}{planned:>14}{measured:>14}{difference:>12}", name.replace('_', " "));
+        vec![name.replace('_', " "), planned, measured, difference]
     };
-    categories.iter().for_each(|l| line(l.name, l.planned, l.measured));
-    line("in all", *planned, *measured);
+    let all = row("in all", *planned, *measured);
+    let rows = categories.iter().map(|l| row(l.name, l.planned, l.measured)).chain([all]);
+    text += &table(&["category", "planned", "measured", "difference"], 1, rows);
     if let Some(trial) = budget {
         let size = output::bytes(trial.bytes);
         let _ = match (&trial.refused, trial.first) {

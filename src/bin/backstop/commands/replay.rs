@@ -2,7 +2,7 @@
 
 use crate::args::ReplayOptions;
 use crate::report::output;
-use crate::report::output::{bytes, count, micros};
+use crate::report::output::{bytes, count, count_threads, micros};
 use anyhow::{Context, bail};
 use backstop::replay::{DivergedBody, Divergence, Played, Replay};
 use serde::Serialize;
@@ -109,9 +109,10 @@ fn text(document: &Document) -> String {
         (
             "steps",
             format!(
-                "{} in {seconds:.2} s, {} each, {threads} threads",
+                "{} in {seconds:.2} s, {} each, {}",
                 count(*steps),
-                micros(if *steps > 0 { seconds * 1e6 / *steps as f64 } else { 0.0 })
+                micros(if *steps > 0 { seconds * 1e6 / *steps as f64 } else { 0.0 }),
+                count_threads(*threads)
             ),
         ),
         ("hash", document.hash.clone()),

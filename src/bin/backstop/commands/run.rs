@@ -1,6 +1,6 @@
 //! `run`: runs a scene from a file and writes its results.
 
-use crate::args::RunOptions;
+use crate::args::{PictureOptions, RunOptions};
 use crate::report::accuracy::{self, Course};
 use crate::report::document::Document;
 use crate::report::trace::{SolverSum, Trace};
@@ -8,7 +8,7 @@ use crate::report::viewer::{self, Motion};
 use crate::report::{output, page, summary};
 use crate::settings_file::SettingsFile;
 use crate::threads::with_threads;
-use crate::view::{self, Frames, Look, Opened, Viewer};
+use crate::view::{self, Frames, Look, Opened, Player, Viewer, Wanted};
 use anyhow::{Context, bail};
 use backstop::lab::WorldSolver;
 use backstop::lab::system::System;
@@ -56,12 +56,8 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     }
     let mut folder = options.frames.clone();
     if options.view {
-        match Opened::new(&scene.name, options.pictures.size) {
-            Ok(window) => {
-                let viewer = viewer(options, &scene, 1)?;
-                let start = || Ok(world(&chosen, &scene)?.0);
-                return view::show(window, viewer, &scene.name, chosen.dt, &start);
-            }
+        match Opened::new() {
+            Ok(window) => return watch(window, options, &chosen, &scene),
             Err(reason) => {
                 let instead = PathBuf::from(format!("{}-frames", scene.name));
                 if !options.common.quiet {
@@ -83,17 +79,22 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
 
 /// `scale`: pixels drawn for each that is shown, each way.
 fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<Viewer> {
-    let pictures = &options.pictures;
-    let camera = view::camera_for(scene, pictures.eye, pictures.look_at)?;
-    let look = pictures.show.clone().unwrap_or_else(|| Look::of(scene));
-    Ok(Viewer::new(camera, look, pictures.size, scale))
+    let PictureOptions { eye, look_at, .. } = options.pictures;
+    if eye.is_some() && eye == look_at {
+        bail!("--eye is where --look-at is");
+    }
+    let look = options.pictures.show.clone().unwrap_or_else(|| Look::of(scene));
+    Ok(Viewer::new(Wanted { eye, target: look_at }, look, options.pictures.size, scale))
 }
 
-fn world(chosen: &Chosen, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
+/// `--view`: until its window is closed.
+fn watch(window: Opened, options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Result<()> {
     let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
     world.solve_with(chosen.solver.clone());
-    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
-    Ok((world, added.bodies))
+    scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    let follows = options.pictures.eye.is_none() && options.pictures.look_at.is_none();
+    let player = Player::new(viewer(options, scene, 1)?, world, chosen.dt, follows);
+    view::show(window, player, &scene.name)
 }
 
 /// The motion of a run, for what is asked for.
@@ -271,8 +272,8 @@ fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Res
     }
     let document = Document::new(options, dt, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
-        let viewer = films.motion.as_ref().map(|motion| viewer::html(scene, motion)).unwrap_or_default();
-        written.push(page::write(folder, &document, trace, &viewer)?);
+        let viewer = films.motion.as_ref().map(|motion| viewer::part(scene, motion)).transpose()?;
+        written.push(page::write(folder, &document, trace, viewer)?);
     }
     if options.common.json {
         output::print_json(&document)?;

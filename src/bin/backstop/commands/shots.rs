@@ -3,6 +3,7 @@
 
 use crate::args::ShotOptions;
 use crate::report::output;
+use crate::report::table;
 use anyhow::Context;
 use backstop::scene::shots::{
     Count, Flights, MODES, MOVING_TARGETS, MovingShot, Outcome, Quantiles, SHAPES, Shot, TARGETS, Tally,
@@ -183,39 +184,39 @@ fn table(options: &ShotOptions, result: &Result) -> String {
 }
 
 fn through_table(text: &mut String, title: &str, groups: &[(&str, &Through)], of: fn(&Through) -> [u64; 3]) {
-    let [discrete, segment, volume] = mode_names();
-    let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
-    for (name, count) in groups {
-        let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
-        for through in of(count) {
+    let headings = [title.to_owned(), "shots".into()].into_iter().chain(mode_names()).collect::<Vec<_>>();
+    let row = |(name, count): &(&str, &Through)| {
+        let shares = of(count).map(|through| {
             let share = 100.0 * through as f64 / count.shots.max(1) as f64;
-            let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
-        }
-        text.push('\n');
-    }
+            format!("{through} ({share:.2}%)")
+        });
+        [name.replace('_', " "), count.shots.to_string()].into_iter().chain(shares).collect()
+    };
+    *text += &table::table(&headings, 1, groups.iter().map(row));
     text.push('\n');
 }
 
 fn depth_table(text: &mut String, mode: usize, groups: &[(&str, &Count)]) {
     let title = format!("depth, {}", mode_names()[mode]);
-    let _ = write!(text, "{title:<20}{:>10}{:>10}{:>10}{:>10}", "met", "median mm", "99 % mm", "worst mm");
-    let _ = writeln!(
-        text,
-        "{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}",
-        "99 % share", "over", "stuck", "settled", "cut", "lifted", "gained"
-    );
-    for (name, count) in groups {
+    let measures = ["met", "median mm", "99 % mm", "worst mm", "99 % share"];
+    let counts = ["over", "stuck", "settled", "cut", "lifted", "gained"];
+    let headings = [&[title.as_str()], &measures[..], &counts[..]].concat();
+    let row = |(name, count): &(&str, &Count)| {
         let depths = &count.depths[mode];
-        let [median, p99, worst] = {
-            let Quantiles { median, p99, worst } = depths.metres();
-            [median, p99, worst].map(|depth| 1e3 * depth)
-        };
-        let name = name.replace('_', " ");
-        let _ = write!(text, "{name:<20}{:>10}{median:>10.2}{p99:>10.2}{worst:>10.2}", depths.count());
-        let _ = write!(text, "{:>12.2}{:>8}{:>8}", depths.shares().p99, depths.over, depths.stuck);
-        let [settled, cut, lifted] = [&count.settled, &count.cut, &count.lifted].map(|all| all[mode]);
-        let _ = writeln!(text, "{settled:>8}{cut:>8}{lifted:>8}{:>8}", count.gained[mode]);
-    }
+        let Quantiles { median, p99, worst } = depths.metres();
+        let mut row = vec![name.replace('_', " "), depths.count().to_string()];
+        row.extend([median, p99, worst].map(|depth| format!("{:.2}", 1e3 * depth)));
+        row.extend([
+            format!("{:.2}", depths.shares().p99),
+            depths.over.to_string(),
+            depths.stuck.to_string(),
+        ]);
+        row.extend(
+            [&count.settled, &count.cut, &count.lifted, &count.gained].map(|all| all[mode].to_string()),
+        );
+        row
+    };
+    *text += &table::table(&headings, 1, groups.iter().map(row));
     text.push('\n');
 }
 

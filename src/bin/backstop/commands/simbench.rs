@@ -2,6 +2,7 @@
 
 use crate::args::SimbenchOptions;
 use crate::report::output;
+use crate::report::table::table;
 use anyhow::Context;
 use backstop::lab::simbench::{Outcome, Published, Setting, Test};
 use backstop::lab::{WorldMethod, WorldSolver};
@@ -152,42 +153,47 @@ fn text(documents: &[Document]) -> String {
     for document in documents {
         let Document { test, unit, seconds, rows, published } = document;
         let _ = writeln!(text, "{test}: metric in {unit}, over {seconds} s");
-        let _ = writeln!(
-            text,
-            "  method             dt s       substeps  iterations      metric    relative  time a step  of \
-             default  left"
-        );
-        for row in rows {
-            let _ = writeln!(
-                text,
-                "  {:<18} {:<10.6} {:>8} {:>11}  {:>10.3e}  {:>10.2e}  {:>11} {:>11.2} {:>5}{}",
-                row.method,
-                row.dt,
-                row.substeps,
-                row.iterations,
-                row.metric,
-                row.relative,
+        let own = |row: &Row| {
+            vec![
+                row.method.to_string(),
+                output::seconds(row.dt as f32),
+                row.substeps.to_string(),
+                row.iterations.to_string(),
+                format!("{:.3e}", row.metric),
+                format!("{:.2e}", row.relative),
                 output::micros(row.time_us),
-                row.relative_time,
-                row.left,
-                if row.fell { "  fell" } else { "" }
-            );
-        }
-        text.push_str("  published (docs/simbench.md)\n");
-        for one in published {
-            let iterations = one.iterations.map_or_else(|| "-".into(), |n| n.to_string());
-            let _ = writeln!(
-                text,
-                "  {:<18} {:<19.6} {:>11}  {:>10.3e}  {:>10}  {:>11}{}",
+                format!("{:.2}", row.relative_time),
+                row.left.to_string(),
+                if row.fell { "fell".into() } else { String::new() },
+            ]
+        };
+        let headings = [
+            "method",
+            "dt",
+            "substeps",
+            "iterations",
+            "metric",
+            "relative",
+            "time a step",
+            "of default",
+            "left",
+            "",
+        ];
+        text += &table(&headings, 1, rows.iter().map(own));
+        let other = |one: &Other| {
+            vec![
                 format!("{}, {}", one.engine, short(one.solver)),
-                one.dt,
-                iterations,
-                one.metric,
-                "",
+                output::seconds(one.dt as f32),
+                one.iterations.map_or_else(|| "-".into(), |n| n.to_string()),
+                format!("{:.3e}", one.metric),
                 output::micros(one.time_us),
-                if one.error_reduction { "  with error reduction" } else { "" }
-            );
-        }
+                if one.error_reduction { "with error reduction".into() } else { String::new() },
+            ]
+        };
+        text.push('\n');
+        let headings = ["published (docs/simbench.md)", "dt", "iterations", "metric", "time a step", ""];
+        text += &table(&headings, 1, published.iter().map(other));
+        text.push('\n');
     }
     text
 }

@@ -1,7 +1,7 @@
 //! `stability`: whether rest is stable, for one structure or for the set that every step has to keep.
 
 use crate::args::StabilityOptions;
-use crate::report::output;
+use crate::report::output::{self, plural};
 use anyhow::{Context, bail};
 use backstop::lab::{Mode, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
 use backstop::scene::{Scene, Standing, open};
@@ -126,11 +126,11 @@ fn whereabouts(mode: &Mode) -> &'static str {
 fn text(found: &Found) -> String {
     let (s, settings) = (&found.stability, &found.settings);
     let mut text = format!(
-        "{} at {} Hz, {} substeps, {} iterations, friction per {}\n",
+        "{} at {} Hz, {}, {}, friction per {}\n",
         found.name,
         found.hertz,
-        settings.substeps,
-        settings.iterations,
+        plural(settings.substeps.into(), "substep", "substeps"),
+        plural(settings.iterations.into(), "iteration", "iterations"),
         model_name(settings.friction_model)
     );
     let mut line = |label: &str, value: String| _ = writeln!(text, "  {label:<34}{value}");

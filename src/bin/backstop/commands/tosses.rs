@@ -27,12 +27,16 @@ pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {
         .with_friction_model(options.friction_model);
     let solver = options.solver.map(WorldSolver::new);
     let mut deviations = Vec::new();
-    for file in files(&options.folder)? {
+    let files = files(&options.folder)?;
+    let bar = output::progress(!options.json, files.len() as u64, "tosses");
+    for file in files {
         let samples = read(&file).with_context(|| format!("can't read {}", file.display()))?;
         let one = deviation(&samples, &cube, &settings, solver.as_ref(), options.parts)
             .with_context(|| format!("{} is refused", file.display()))?;
         deviations.push((file, one));
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let all: Vec<Deviation> = deviations.iter().map(|(_, one)| *one).collect();
     let mean = Deviation::mean(&all);
     if options.json {

@@ -1,66 +1,125 @@
-//! The parts that all pages share.
+//! Pages, as parts that a template puts together: it escapes all text.
 
 use anyhow::Context;
+use askama::Template;
 use backstop::scene;
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-const STYLE: &str = "
-body { font: 15px/1.5 system-ui, sans-serif; color: #33383f; background: #fff; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; margin: 0 0 1rem; } h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
-figure { margin: 1.5rem 0; } figure img { width: 100%; height: auto; border: 1px solid #e2e5ea; border-radius: 4px; }
-figcaption { color: #5b636e; font-size: .9rem; }
-table { border-collapse: collapse; } th, td { padding: .25rem .9rem .25rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #e2e5ea; }
-th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; } code { font-size: .95em; }
-";
-
-/// The start of a page, up to its heading.
-pub(crate) fn head(title: &str) -> String {
-    let title = escape(title);
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
-         </head>\n<body>\n<h1>{title}</h1>\n"
-    )
+#[derive(Template)]
+#[template(path = "page.html")]
+pub(crate) struct Page {
+    title: String,
+    parts: Vec<Part>,
 }
 
-/// Its end.
-pub(crate) const TAIL: &str = "</body>\n</html>\n";
+/// What follows one another on a page.
+pub(crate) enum Part {
+    Heading(String),
+    Text(String),
+    /// HTML of its own.
+    Viewer(String),
+    /// A picture's file, and its caption.
+    Figure(String, String),
+    /// A table of names and what belongs to them.
+    Pairs(Vec<(String, String)>),
+    Table(Table),
+}
 
-/// Writes a file of the page.
+/// Headings, and rows of which all but the first `words` columns are numbers.
+pub(crate) struct Table {
+    headings: Vec<String>,
+    words: usize,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    fn class(&self, column: &usize) -> &'static str {
+        if *column < self.words { "" } else { "n" }
+    }
+}
+
+pub(crate) struct Cell {
+    pub(crate) text: String,
+    /// Class of its style, if it is not that of its column.
+    pub(crate) class: Option<&'static str>,
+}
+
+impl Cell {
+    fn class_or(&self, other: &'static str) -> &'static str {
+        self.class.unwrap_or(other)
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell { text, class: None }
+    }
+}
+
+impl Page {
+    pub(crate) fn new(title: impl Into<String>) -> Page {
+        Page { title: title.into(), parts: Vec::new() }
+    }
+
+    pub(crate) fn add(&mut self, part: Part) {
+        self.parts.push(part);
+    }
+
+    pub(crate) fn heading(&mut self, text: impl Into<String>) {
+        self.add(Part::Heading(text.into()));
+    }
+
+    pub(crate) fn text(&mut self, text: impl Into<String>) {
+        self.add(Part::Text(text.into()));
+    }
+
+    pub(crate) fn figure(&mut self, file: impl Into<String>, caption: impl Into<String>) {
+        self.add(Part::Figure(file.into(), caption.into()));
+    }
+
+    pub(crate) fn pairs(&mut self, rows: impl IntoIterator<Item = (impl Into<String>, String)>) {
+        self.add(Part::Pairs(rows.into_iter().map(|(name, value)| (name.into(), value)).collect()));
+    }
+
+    pub(crate) fn table<C: Into<Cell>>(
+        &mut self,
+        headings: &[impl AsRef<str>],
+        words: usize,
+        rows: impl IntoIterator<Item = Vec<C>>,
+    ) {
+        let headings = headings.iter().map(|heading| heading.as_ref().to_owned()).collect();
+        let rows = rows.into_iter().map(|row| row.into_iter().map(Into::into).collect()).collect();
+        self.add(Part::Table(Table { headings, words, rows }));
+    }
+
+    pub(crate) fn write(&self, path: &Path) -> anyhow::Result<()> {
+        put(path, &self.render().context("can't make the page")?)
+    }
+}
+
+/// Writes a file of a page.
 pub(crate) fn put(path: &Path, text: &str) -> anyhow::Result<()> {
     scene::write_file(path, |file| file.write_all(text.as_bytes()))
         .with_context(|| format!("can't write {}", path.display()))
 }
 
-/// A picture with its caption.
-pub(crate) fn figure(html: &mut String, file: &str, caption: &str) {
-    let _ = writeln!(
-        html,
-        "<figure><img src=\"{file}\" alt=\"{0}\"><figcaption>{0}</figcaption></figure>",
-        escape(caption)
-    );
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// A table: headings, and rows of which all but the first `words` columns are numbers.
-pub(crate) fn table(html: &mut String, headings: &[&str], words: usize, rows: &[Vec<String>]) {
-    let class = |i: usize| if i < words { "" } else { " class=\"n\"" };
-    *html += "<table>\n<tr>";
-    for (i, heading) in headings.iter().enumerate() {
-        let _ = write!(html, "<th{}>{}</th>", class(i), escape(heading));
-    }
-    *html += "</tr>\n";
-    for row in rows {
-        *html += "<tr>";
-        for (i, cell) in row.iter().enumerate() {
-            let _ = write!(html, "<td{}>{}</td>", class(i), escape(cell));
+    #[test]
+    fn what_is_put_in_is_text_and_numbers_are_on_the_right() {
+        let mut page = Page::new("a <b> & c");
+        page.text("</p><script>");
+        page.figure("x\".svg", "say \"x\"");
+        page.pairs([("<i>", "<u>".to_owned())]);
+        page.table(&["name", "count"], 1, [vec!["<td>".to_owned(), "7".to_owned()]]);
+        let html = page.render().unwrap();
+        for raw in ["<b>", "<script", "<i>", "<u>", "<td>", "x\".svg"] {
+            let free = html.replace("<td>&#60;", "").replace("<th>&#60;i&#62;</th><td>", "");
+            assert!(raw == "<td>" || !free.contains(raw), "{raw} in {html}");
         }
-        *html += "</tr>\n";
+        assert!(html.contains(r#"<td class="n">7</td>"#) && html.contains("a &#60;b&#62; &#38; c"), "{html}");
     }
-    *html += "</table>\n";
-}
-
-pub(crate) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -7,5 +7,6 @@ pub(crate) mod html;
 pub(crate) mod output;
 pub(crate) mod page;
 pub(crate) mod summary;
+pub(crate) mod table;
 pub(crate) mod trace;
 pub(crate) mod viewer;

@@ -96,9 +96,37 @@ pub(crate) fn count(n: u64) -> String {
     text
 }
 
+/// A value as JSON with numbers as short as they are told from their neighbours: `serde_json::to_value` turns
+/// 1/60 as `f32` into 0.01666666753590107.
+pub(crate) fn exact(value: &impl serde::Serialize) -> serde_json::Result<serde_json::Value> {
+    serde_json::from_str(&serde_json::to_string(value)?)
+}
+
+/// A length of time, as a fraction if that is what it is: 1/60 s.
+pub(crate) fn seconds(s: f32) -> String {
+    let whole = (1.0 / s).round();
+    if whole >= 2.0 && 1.0 / whole == s { format!("1/{whole} s") } else { format!("{s} s") }
+}
+
+/// The causes of an error, each once: some have their own in their text.
+pub(crate) fn causes(error: &anyhow::Error) -> String {
+    let mut told = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !told.contains(&cause) {
+            told = if told.is_empty() { cause } else { format!("{told}: {cause}") };
+        }
+    }
+    told
+}
+
+/// How many of something: of one, or of several.
+pub(crate) fn plural(n: u64, one: &str, several: &str) -> String {
+    format!("{} {}", count(n), if n == 1 { one } else { several })
+}
+
 /// How many threads.
 pub(crate) fn count_threads(n: usize) -> String {
-    if n == 1 { "1 thread".into() } else { format!("{n} threads") }
+    plural(n as u64, "thread", "threads")
 }
 
 /// Bytes in a suitable unit.
@@ -124,5 +152,17 @@ mod tests {
         assert_eq!(["7", "1 000", "1 234 567"], [7, 1000, 1_234_567].map(count).each_ref().map(|s| &s[..]));
         assert_eq!(bytes(1536), "1.5 KiB");
         assert_eq!(micros(2500.0), "2.50 ms");
+        assert_eq!([plural(1, "step", "steps"), plural(2000, "step", "steps")], ["1 step", "2 000 steps"]);
+        assert_eq!(
+            [1.0 / 60.0, 0.02, 1.0 / 59.5, 2.0].map(seconds),
+            ["1/60 s", "1/50 s", "0.016806724 s", "2 s"]
+        );
+        assert_eq!(exact(&(1.0f32 / 60.0)).unwrap().to_string(), "0.016666668");
+    }
+
+    #[test]
+    fn a_cause_is_told_once() {
+        let error = anyhow!("no such file").context("scene.glb: no such file").context("can't run");
+        assert_eq!(causes(&error), "can't run: scene.glb: no such file");
     }
 }

@@ -2,21 +2,23 @@
 
 use crate::report::accuracy::{Spread, Summary};
 use crate::report::charts;
-use crate::report::document::{CategoryBytes, Document, Part};
-use crate::report::html::{self, escape, figure, put, table};
-use crate::report::output::{bytes, count, micros};
+#[cfg(test)]
+use crate::report::document::RunSettings;
+use crate::report::document::{self, CategoryBytes, Document};
+use crate::report::html::{Page, Part, put};
+use crate::report::output::{self, bytes, count, micros};
 use crate::report::summary;
 use crate::report::trace::{STAGES, Times, Trace};
 use anyhow::anyhow;
-use std::fmt::Write;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Writes the page and its pictures into a folder; returns the page's path. `viewer`: the HTML of the scene.
+/// Writes the page and its pictures into a folder; returns the page's path. `viewer`: shows the scene.
 pub(crate) fn write(
     folder: &Path,
     document: &Document,
     trace: &Trace,
-    viewer: &str,
+    viewer: Option<Part>,
 ) -> anyhow::Result<PathBuf> {
     let dt = f64::from(document.settings.dt);
     let save = |name: &str, svg: Result<String, Box<dyn std::error::Error>>| {
@@ -31,85 +33,76 @@ pub(crate) fn write(
     }
     save("memory.svg", charts::svg(|area| charts::memory(area, document)))?;
     let path = folder.join("index.html");
-    put(&path, &page(document, trace, viewer))?;
+    page(document, trace, viewer)?.write(&path)?;
     Ok(path)
 }
 
-fn page(document: &Document, trace: &Trace, viewer: &str) -> String {
-    let mut html = html::head(&format!("backstop: {}", document.scene));
-    html += viewer;
-    html += "<table>\n";
-    for (label, value) in summary::rows(document, trace) {
-        let _ = writeln!(html, "<tr><th>{label}</th><td>{}</td></tr>", escape(&value));
-    }
-    html += "</table>\n";
+fn page(document: &Document, trace: &Trace, viewer: Option<Part>) -> anyhow::Result<Page> {
+    let mut page = Page::new(format!("backstop: {}", document.scene));
+    viewer.into_iter().for_each(|part| page.add(part));
+    page.pairs(summary::rows(document, trace));
     let slowest = trace.reports.iter().enumerate().max_by(|a, b| a.1.times.step.total_cmp(&b.1.times.step));
     let slowest = slowest.map_or(String::new(), |(i, r)| {
         format!(
-            " The slowest step was number {} with {}; the axis ends where 99 of 100 columns fit.",
+            " The slowest step was number {} with {}; columns beyond the 99th percentile are cut off and marked.",
             i + 1,
             micros(r.times.step.into())
         )
     });
-    figure(&mut html, "times.svg", &format!("Stages of a step, piled up.{slowest}"));
-    time_table(&mut html, document, trace);
-    figure(
-        &mut html,
+    page.figure("times.svg", &format!("Stages of a step, piled up.{slowest}"));
+    time_table(&mut page, document, trace);
+    page.figure(
         "contacts.svg",
         "Real points touch, potential points may touch within the step. Pushed manifolds had to stop an \
          approach before the touch; ghosts are those whose gap had not closed by the next step.",
     );
-    figure(
-        &mut html,
+    page.figure(
         "energy.svg",
         "Of all dynamic bodies together. Friction, inelastic impacts and kinematic bodies change it; \
          nothing else should raise it.",
     );
     if let Some(accuracy) = &document.accuracy {
-        figure(
-            &mut html,
+        page.figure(
             "accuracy.svg",
             "What is left of the laws of contact, friction and joints after each step, the deepest overlap \
              and the greatest error of a joint.",
         );
-        accuracy_table(&mut html, accuracy);
+        accuracy_table(&mut page, accuracy);
     }
-    figure(
-        &mut html,
+    page.figure(
         "memory.svg",
         "Live bytes are in use, reserved ones are held, the peak is the most that was ever held. What \
          exists only because of continuous collision is a category of its own.",
     );
-    memory_table(&mut html, &document.memory.categories);
-    model_table(&mut html, document);
-    settings_table(&mut html, &document.settings);
-    html += html::TAIL;
-    html
+    memory_table(&mut page, &document.memory.categories);
+    model_table(&mut page, document);
+    settings_table(&mut page, &document.settings)?;
+    Ok(page)
 }
 
-fn time_table(html: &mut String, document: &Document, trace: &Trace) {
+fn time_table(page: &mut Page, document: &Document, trace: &Trace) {
     let row = |name: &str, t: &Times| -> Vec<String> {
         std::iter::once(name.to_owned()).chain([t.median, t.mean, t.p95, t.max].map(micros)).collect()
     };
     let mut rows: Vec<_> = STAGES.iter().map(|(name, stage)| row(name, &trace.stage_times(*stage))).collect();
     rows.push(row("whole step", &document.time_us.step));
-    table(html, &["stage", "median", "mean", "p95", "max"], 1, &rows);
+    page.table(&["stage", "median", "mean", "p95", "max"], 1, rows);
 }
 
-fn accuracy_table(html: &mut String, accuracy: &Summary) {
+fn accuracy_table(page: &mut Page, accuracy: &Summary) {
     let row = |figure: &Spread| {
         let number = |x: f64| format!("{x:.1e} {}", figure.unit);
         let name = figure.name.replace('_', " ");
         vec![name, number(figure.median), number(figure.worst), figure.worst_step.to_string()]
     };
     let rows: Vec<Vec<String>> = accuracy.figures.iter().map(row).collect();
-    table(html, &["accuracy", "median", "worst", "in step"], 1, &rows);
+    page.table(&["accuracy", "median", "worst", "in step"], 1, rows);
     let rows: Vec<Vec<String>> = accuracy.islands.iter().map(|island| vec![island.text()]).collect();
-    table(html, &["islands that were solved worst"], 1, &rows);
+    page.table(&["islands that were solved worst"], 1, rows);
 }
 
 /// Bytes of each category.
-pub(crate) fn memory_table(html: &mut String, categories: &[CategoryBytes]) {
+pub(crate) fn memory_table(page: &mut Page, categories: &[CategoryBytes]) {
     let rows: Vec<Vec<String>> = categories
         .iter()
         .map(|c| {
@@ -117,12 +110,12 @@ pub(crate) fn memory_table(html: &mut String, categories: &[CategoryBytes]) {
             vec![name, bytes(c.bytes.live), bytes(c.bytes.reserved), bytes(c.bytes.peak)]
         })
         .collect();
-    table(html, &["category", "live", "reserved", "peak"], 1, &rows);
+    page.table(&["category", "live", "reserved", "peak"], 1, rows);
 }
 
-fn model_table(html: &mut String, document: &Document) {
-    *html += "<h2>What the scene needs</h2>\n";
-    let row = |part: &Part| {
+fn model_table(page: &mut Page, document: &Document) {
+    page.heading("What the scene needs");
+    let row = |part: &document::Part| {
         let name = part.name.replace('_', " ");
         if !part.needed {
             return vec![name, "not needed".into(), String::new(), bytes(part.bytes)];
@@ -135,21 +128,62 @@ fn model_table(html: &mut String, document: &Document) {
         vec![name, format!("{} {}", count(part.count.into()), part.asked_by), time, bytes(part.bytes)]
     };
     let rows: Vec<Vec<String>> = document.model.iter().map(row).collect();
-    table(html, &["part", "asked for by", "time in the last step", "bytes"], 3, &rows);
+    page.table(&["part", "asked for by", "time in the last step", "bytes"], 3, rows);
 }
 
-pub(crate) fn settings_table(html: &mut String, settings: &impl serde::Serialize) {
-    *html += "<h2>Settings</h2>\n<table>\n";
-    if let Ok(serde_json::Value::Object(settings)) = serde_json::to_value(settings) {
-        for (name, value) in settings {
-            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-            let _ = writeln!(
-                html,
-                "<tr><th>{}</th><td><code>{}</code></td></tr>",
-                escape(&name.replace('_', " ")),
-                escape(&value)
-            );
+pub(crate) fn settings_table(page: &mut Page, settings: &impl serde::Serialize) -> anyhow::Result<()> {
+    page.heading("Settings");
+    page.pairs(settings_rows(&output::exact(settings)?));
+    Ok(())
+}
+
+/// Names and values as a person writes them; what is within a setting is a row of its own.
+fn settings_rows(settings: &Value) -> Vec<(String, String)> {
+    let mut rows = Vec::new();
+    for (name, value) in settings.as_object().into_iter().flatten() {
+        let name = name.replace('_', " ");
+        match value {
+            Value::Object(_) => {
+                let parts =
+                    settings_rows(value).into_iter().map(|(part, value)| (format!("{name}, {part}"), value));
+                rows.extend(parts);
+            }
+            _ if name == "dt" => {
+                rows.push((name, output::seconds(value.as_f64().unwrap_or_default() as f32)))
+            }
+            _ => rows.push((name, written(value))),
         }
     }
-    *html += "</table>\n";
+    rows
+}
+
+fn written(value: &Value) -> String {
+    match value {
+        Value::Null => "none".into(),
+        Value::Bool(true) => "yes".into(),
+        Value::Bool(false) => "no".into(),
+        Value::String(text) => text.clone(),
+        Value::Array(values) => values.iter().map(written).collect::<Vec<_>>().join(", "),
+        _ => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use backstop::Settings;
+
+    #[test]
+    fn settings_are_as_a_person_writes_them() {
+        let run = RunSettings { dt: 1.0 / 60.0, world: Settings::default(), drop: 0, seed: 1 };
+        let rows = settings_rows(&output::exact(&run).unwrap());
+        let of = |name: &str| rows.iter().find(|row| row.0 == name).map(|row| row.1.as_str());
+        assert_eq!(of("dt"), Some("1/60 s"));
+        assert_eq!(of("gravity"), Some("0.0, -9.81, 0.0"));
+        assert_eq!(
+            (of("sleeping"), of("budget, total"), of("substeps")),
+            (Some("no"), Some("none"), Some("4"))
+        );
+        assert!(rows.iter().all(|(_, value)| !value.contains(['{', '"'])), "{rows:?}");
+    }
 }

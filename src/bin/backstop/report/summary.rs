@@ -2,7 +2,7 @@
 
 use crate::report::accuracy::Summary;
 use crate::report::document::Document;
-use crate::report::output::{bytes, count, micros};
+use crate::report::output::{self, bytes, count, count_threads, micros, plural};
 use crate::report::trace::Trace;
 use backstop::BodyKind;
 use std::fmt::Write;
@@ -66,12 +66,12 @@ fn steps(document: &Document) -> String {
     let world = &document.settings.world;
     let seconds = document.steps as f64 * f64::from(document.settings.dt);
     format!(
-        "{} of {:.2} ms ({seconds:.2} s), {} substeps, {} iterations, {} threads, {}",
+        "{} of {} ({seconds:.2} s), {}, {}, {}, {}",
         count(document.steps as u64),
-        document.settings.dt * 1000.0,
-        world.substeps,
-        world.iterations,
-        world.threads,
+        output::seconds(document.settings.dt),
+        plural(world.substeps.into(), "substep", "substeps"),
+        plural(world.iterations.into(), "iteration", "iterations"),
+        count_threads(world.threads),
         format!("{:?}", world.continuous).to_lowercase(),
     )
 }

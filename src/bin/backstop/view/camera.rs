@@ -8,6 +8,11 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const HALF_ANGLE: f32 = 0.38;
 /// Near plane as a share of the distance to the target.
 const NEAR: f64 = 1e-3;
+/// Share of the picture that is filled with what is fitted in.
+const FILLED: f64 = 0.8;
+/// Limits of the distance to the target [m].
+const LEAST: f64 = 1e-2;
+const MOST: f64 = 1e7;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Camera {
@@ -22,10 +27,48 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// A camera that sees all of a ball, obliquely from above.
-    pub(crate) fn around(target: DVec3, radius: f64) -> Camera {
-        let distance = radius.max(0.1) / f64::from(libm::sinf(HALF_ANGLE));
+    /// Looks at a point from a distance [m], obliquely from above.
+    pub(crate) fn above(target: DVec3, distance: f64) -> Camera {
         Camera { target, distance, yaw: 0.6, pitch: 0.35 }
+    }
+
+    /// As near as it sees all of these balls, centre and radius [m], in a picture of this aspect (width over
+    /// height), without turning.
+    pub(crate) fn fitting(self, balls: &[(DVec3, f64)], aspect: f32) -> Camera {
+        let axes = self.axes();
+        let [right, up, ahead] = [axes.x_axis, axes.y_axis, axes.z_axis].map(Vec3::as_dvec3);
+        let half = f64::from(libm::tanf(HALF_ANGLE)) * FILLED;
+        let mut eye = DVec3::new(0.0, 0.0, f64::INFINITY);
+        for (i, (across, slope)) in [(right, half * f64::from(aspect)), (up, half)].into_iter().enumerate() {
+            // How far the planes of the frustum on either side must be out, where they leave the eye.
+            let stretch = (1.0 + slope * slope).sqrt();
+            let reach = |side: f64| {
+                let of = |(at, radius): &(DVec3, f64)| {
+                    let from = *at - self.target;
+                    side * from.dot(across) + radius * stretch - slope * from.dot(ahead)
+                };
+                balls.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let (high, low) = (reach(1.0), reach(-1.0));
+            eye[i] = 0.5 * (high - low);
+            eye.z = eye.z.min(-0.5 * (high + low) / slope);
+        }
+        if !eye.is_finite() {
+            return self;
+        }
+        let depths = balls.iter().map(|(at, _)| (*at - self.target).dot(ahead));
+        let depth = depths.sum::<f64>() / balls.len() as f64;
+        let target = self.target + right * eye.x + up * eye.y + ahead * depth;
+        Camera { target, distance: (depth - eye.z).clamp(LEAST, MOST), ..self }
+    }
+
+    /// A share of the way to where another is.
+    pub(crate) fn towards(self, other: Camera, share: f64) -> Camera {
+        Camera {
+            target: self.target.lerp(other.target, share),
+            distance: self.distance + (other.distance - self.distance) * share,
+            ..self
+        }
     }
 
     /// From one point to another.
@@ -47,7 +90,7 @@ impl Camera {
 
     /// Goes nearer or away by a factor.
     pub(crate) fn zoomed(self, factor: f64) -> Camera {
-        Camera { distance: (self.distance * factor).clamp(1e-2, 1e7), ..self }
+        Camera { distance: (self.distance * factor).clamp(LEAST, MOST), ..self }
     }
 
     /// Moves right and up, by shares of the visible height.
@@ -165,7 +208,7 @@ mod tests {
     #[test]
     fn what_is_looked_at_is_in_the_middle_and_right_is_right() {
         let far = DVec3::new(4e6, -7.0, 1e5);
-        for camera in [Camera::around(far, 3.0), Camera::between(far + DVec3::new(3.0, 4.0, -5.0), far)] {
+        for camera in [Camera::above(far, 8.0), Camera::between(far + DVec3::new(3.0, 4.0, -5.0), far)] {
             let view = camera.view(640.0, 400.0);
             let middle = view.spot(view.see(far)).unwrap();
             assert!((middle.x - 320.0).abs() < 1e-2 && (middle.y - 200.0).abs() < 1e-2, "{middle:?}");
@@ -178,6 +221,34 @@ mod tests {
         // From in front, x goes right.
         let view = Camera::between(DVec3::Z * 5.0, DVec3::ZERO).view(100.0, 100.0);
         assert!(view.spot(view.see(DVec3::X)).unwrap().x > 50.0);
+    }
+
+    /// Expected: the outermost balls reach four fifths of the picture's half, on at least one axis and on no
+    /// axis further.
+    #[test]
+    fn balls_are_fitted_in() {
+        let far = DVec3::new(-3e5, 20.0, 7e4);
+        let places = [DVec3::ZERO, DVec3::new(4.0, 1.0, -2.0), DVec3::new(-3.0, 5.0, 6.0)];
+        for (aspect, balls) in
+            [(1.0, &places[..1]), (2.0, &places[..]), (0.5, &places[..])].map(|(a, p)| (a, p.to_vec()))
+        {
+            let balls: Vec<_> = balls.into_iter().map(|p| (far + p, 0.5)).collect();
+            let camera = Camera::above(far, 100.0).fitting(&balls, aspect);
+            let view = camera.view(100.0 * aspect, 100.0);
+            let outermost = balls.iter().fold(0.0f32, |most, &(at, radius)| {
+                let seen = view.see(at);
+                let edge = |across: f32, half: f32| {
+                    // The tangent from the eye to the ball.
+                    let angle = libm::atan2f(across.abs(), seen.z)
+                        + libm::asinf(radius as f32 / across.hypot(seen.z));
+                    libm::tanf(angle) / half
+                };
+                let half = libm::tanf(HALF_ANGLE);
+                most.max(edge(seen.x, half * aspect)).max(edge(seen.y, half))
+            });
+            assert!((outermost - 0.8).abs() < 1e-2, "{outermost} at {aspect}");
+        }
+        assert_eq!(Camera::above(far, 7.0).fitting(&[], 1.0), Camera::above(far, 7.0));
     }
 
     #[test]

@@ -29,6 +29,9 @@ impl Frames {
         if !step.is_multiple_of(self.every) {
             return Ok(());
         }
+        if self.count == 0 {
+            self.viewer.frame(world);
+        }
         let path = self.folder.join(format!("frame-{:05}.png", self.count));
         self.count += 1;
         let picture = self.viewer.picture(world);

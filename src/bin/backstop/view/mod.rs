@@ -1,25 +1,30 @@
 //! Pictures of a scene: in a window, or as PNG files where there is no display.
 //!
-//! Both show what `World::draw` draws, on a canvas of our own. The window is minifb's, which shows a buffer
-//! of pixels and hands on keys: on Linux it loads X11 when it runs and builds without it. PNG is written by
-//! the crate of that name.
+//! Both show what `World::draw` draws, on a canvas of our own (docs/decisions/pictures.md says why). The window
+//! is winit's and softbuffer's, text on it is embedded-graphics', PNG is written by the crate of that name.
 
 mod camera;
 mod canvas;
 mod frames;
+mod history;
+mod overlay;
 mod painter;
+mod player;
+#[cfg(test)]
+mod tests;
 mod window;
 
+pub(crate) use camera::Camera;
 pub(crate) use frames::{Frames, SCALE};
 pub(crate) use painter::Form;
+pub(crate) use player::Player;
 pub(crate) use window::{Opened, show};
 
-use anyhow::bail;
 use backstop::debug::DrawOptions;
 use backstop::glam::DVec3;
+
 use backstop::scene::Scene;
-use backstop::{BodyKind, Geometry, World};
-use camera::Camera;
+use backstop::{BodyHandle, BodyKind, Geometry, QueryFilter, Ray, World};
 use canvas::Canvas;
 use painter::{Models, Painter};
 
@@ -101,17 +106,38 @@ impl Look {
     }
 }
 
+/// Where the eye is and what it looks at, as far as the user says it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wanted {
+    pub(crate) eye: Option<DVec3>,
+    pub(crate) target: Option<DVec3>,
+}
+
 /// A canvas, and what draws on it.
 pub(crate) struct Viewer {
     pub(crate) camera: Camera,
     pub(crate) look: Look,
+    wanted: Wanted,
     canvas: Canvas,
     models: Models,
 }
 
 impl Viewer {
-    pub(crate) fn new(camera: Camera, look: Look, (width, height): (usize, usize), scale: usize) -> Viewer {
-        Viewer { camera, look, canvas: Canvas::new(width, height, scale), models: Models::default() }
+    pub(crate) fn new(wanted: Wanted, look: Look, (width, height): (usize, usize), scale: usize) -> Viewer {
+        let camera = Camera::above(DVec3::ZERO, 10.0);
+        let canvas = Canvas::new(width, height, scale);
+        Viewer { camera, look, wanted, canvas, models: Models::default() }
+    }
+
+    /// Pixels of the picture across and down.
+    pub(crate) fn size(&self) -> (usize, usize) {
+        self.canvas.size()
+    }
+
+    /// Width of the picture over its height.
+    pub(crate) fn aspect(&self) -> f32 {
+        let (width, height) = self.size();
+        width as f32 / height as f32
     }
 
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
@@ -120,52 +146,70 @@ impl Viewer {
         }
     }
 
+    /// Puts the camera where the user wants it, else where it sees what moves, and what that will fall onto.
+    pub(crate) fn frame(&mut self, world: &World) {
+        let mut balls = moving(world);
+        let below: Vec<_> = balls.iter().filter_map(|ball| ground_below(world, ball)).collect();
+        balls.extend(below);
+        let fitting = self.camera.fitting(&balls, self.aspect());
+        self.camera = match (self.wanted.eye, self.wanted.target) {
+            (None, None) => fitting,
+            (None, Some(target)) => Camera { target, ..fitting },
+            (Some(eye), target) => Camera::between(eye, target.unwrap_or(fitting.target)),
+        };
+    }
+
     /// Draws a world; returns the picture, row by row from the top, each pixel as 0x00RRGGBB.
     pub(crate) fn picture(&mut self, world: &World) -> Vec<u32> {
         self.canvas.clear([0.17, 0.19, 0.23], [0.27, 0.29, 0.33]);
         let (width, height, _) = self.canvas.drawn();
         let view = self.camera.view(width as f32, height as f32);
         let (canvas, models) = (&mut self.canvas, &mut self.models);
-        let mut painter =
-            Painter { canvas, view, models, wireframe: self.look.wireframe, walls: self.look.walls };
+        let Look { ref draw, wireframe, walls, grid } = self.look;
+        let own = draw.palette.dynamic_body;
+        let mut painter = Painter { canvas, view, models, wireframe, walls, own };
         // Solids first: they hide lines, but lines hide nothing.
-        let DrawOptions { shapes, .. } = self.look.draw;
-        world.draw(&DrawOptions { shapes, ..DrawOptions::nothing() }, &mut painter);
-        if self.look.grid {
+        let DrawOptions { shapes, islands, .. } = *draw;
+        world.draw(&DrawOptions { shapes, islands, ..DrawOptions::nothing() }, &mut painter);
+        if grid {
             painter.grid(self.camera.target, 0.0, self.camera.distance);
         }
-        world.draw(&DrawOptions { shapes: false, ..self.look.draw.clone() }, &mut painter);
+        world.draw(&DrawOptions { shapes: false, ..draw.clone() }, &mut painter);
         self.canvas.picture()
     }
 }
 
-/// A camera that sees most moving bodies of a scene, even after they have fallen to the ground at height
-/// zero.
-pub(crate) fn camera_for(scene: &Scene, eye: Option<DVec3>, target: Option<DVec3>) -> anyhow::Result<Camera> {
-    let moves = |kind| kind != BodyKind::Static;
-    let moving = scene.bodies.iter().filter(|body| moves(body.desc.kind));
-    let mut places: Vec<DVec3> = moving.map(|body| body.desc.position).collect();
-    if places.is_empty() {
-        places = scene.bodies.iter().map(|body| body.desc.position).collect();
+/// The camera, as it looks, where it sees what moves; none while nothing does.
+pub(crate) fn framing(world: &World, camera: Camera, aspect: f32) -> Option<Camera> {
+    world.moved_bodies().next()?;
+    Some(camera.fitting(&moving(world), aspect))
+}
+
+/// Balls around the bodies that the last step moved, else around all that can move: centre and radius [m].
+fn moving(world: &World) -> Vec<(DVec3, f64)> {
+    let around = |body: BodyHandle| {
+        let bounds = world.aabb(body).ok().flatten().filter(|b| b.min.is_finite() && b.max.is_finite())?;
+        Some((bounds.centre(), bounds.half_extents().length()))
+    };
+    let moves = |body: &BodyHandle| world.kind(*body).is_ok_and(|kind| kind != BodyKind::Static);
+    let mut balls: Vec<_> = world.moved_bodies().filter_map(around).collect();
+    if balls.is_empty() {
+        balls = world.bodies().filter(moves).filter_map(around).collect();
     }
-    if scene.gravity.y < 0.0 && places.iter().all(|p| p.y > 0.0) {
-        places.extend(places.clone().iter().map(|p| DVec3::new(p.x, 0.0, p.z)));
-    }
-    // By the mean, so that a single ball from far away does not move the camera far away.
-    let share = 1.0 / places.len().max(1) as f64;
-    let middle = places.iter().sum::<DVec3>() * share;
-    let spread = (places.iter().map(|p| p.distance_squared(middle)).sum::<f64>() * share).sqrt();
-    // A row reaches 1.73 times as far, and a body is larger than its position.
-    let fitting = Camera::around(middle, 1.75 * spread + 1.0);
-    Ok(match (eye, target) {
-        (None, None) => fitting,
-        (None, Some(target)) => Camera { target, ..fitting },
-        (Some(eye), target) => {
-            let target = target.unwrap_or(fitting.target);
-            if eye == target {
-                bail!("--eye is where --look-at is");
-            }
-            Camera::between(eye, target)
-        }
-    })
+    // Without the furthest twentieth: a ball that flies off must not take the camera with it.
+    let middle = balls.iter().map(|ball| ball.0).sum::<DVec3>() / balls.len().max(1) as f64;
+    balls.sort_by(|a, b| a.0.distance_squared(middle).total_cmp(&b.0.distance_squared(middle)));
+    balls.truncate((balls.len() * 19).div_ceil(20));
+    balls
+}
+
+/// How far down ground is looked for [m].
+const DEEP: f32 = 1000.0;
+
+/// The same ball where it would rest, straight below.
+fn ground_below(world: &World, &(at, radius): &(DVec3, f64)) -> Option<(DVec3, f64)> {
+    let down = world.settings().gravity.try_normalize()?;
+    let ray = Ray::new(at, down * DEEP);
+    let hit = world.cast_ray(&ray, &QueryFilter::only_static()).ok().flatten()?;
+    Some((hit.point - down.as_dvec3() * radius.min(hit.point.distance(at)), radius))
 }

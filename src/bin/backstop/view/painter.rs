@@ -2,7 +2,7 @@
 
 use super::camera::View;
 use super::canvas::{Behind, Canvas, Rgb, lit};
-use backstop::debug::{self, DebugDraw, DrawnShape, Element, Ink};
+use backstop::debug::{self, Colour, DebugDraw, DrawnShape, Element, Ink};
 use backstop::glam::{DVec3, Mat3, Vec3};
 use backstop::{BodyKind, Geometry};
 use std::collections::HashMap;
@@ -73,6 +73,9 @@ pub(crate) struct Painter<'a> {
     pub(crate) wireframe: bool,
     /// Also those faces of static bodies that don't face up.
     pub(crate) walls: bool,
+    /// What the world draws dynamic bodies in that are awake; these are coloured by their shape, to tell them
+    /// apart.
+    pub(crate) own: Colour,
 }
 
 impl Painter<'_> {
@@ -105,7 +108,11 @@ impl Painter<'_> {
 impl DebugDraw for Painter<'_> {
     fn shape(&mut self, shape: &DrawnShape<'_>) {
         let model = self.models.of(shape.geometry);
-        let colour = colour_of(shape);
+        let colour = if shape.ink.colour == self.own {
+            colour_of(shape.geometry)
+        } else {
+            shape.ink.colour.to_array()
+        };
         let origin = self.view.see(shape.position);
         let turn = Mat3::from_quat(shape.rotation);
         let place = |view: &View, p: Vec3| origin + view.direction(turn * p);
@@ -162,12 +169,9 @@ fn is_closed(geometry: &Geometry) -> bool {
     !matches!(geometry, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_))
 }
 
-/// Moving bodies are coloured by their shape, to tell them apart.
-fn colour_of(shape: &DrawnShape<'_>) -> Rgb {
-    if shape.kind != BodyKind::Dynamic {
-        return shape.ink.colour.to_array();
-    }
-    match shape.geometry {
+/// A colour for each kind of shape.
+fn colour_of(geometry: &Geometry) -> Rgb {
+    match geometry {
         Geometry::Sphere { .. } => [0.93, 0.42, 0.33],
         Geometry::Capsule { .. } => [0.95, 0.68, 0.30],
         Geometry::Box { .. } => [0.40, 0.62, 0.90],

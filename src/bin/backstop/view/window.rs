@@ -1,134 +1,245 @@
-//! A window: the scene in motion, turned with the mouse, stopped and stepped with keys.
+//! A window: the scene in motion, turned with the mouse, stopped, stepped and wound back with keys.
 
-use super::Viewer;
-use backstop::World;
-use minifb::{Key, KeyRepeat, MouseButton, MouseMode, Scale, ScaleMode, Window, WindowOptions};
-use std::time::Instant;
+use super::Player;
+use std::num::NonZeroU32;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::{Key, NamedKey};
+use winit::window::{Window, WindowId};
 
 /// What the keys do, for the terminal.
 const HELP: &str = "\
 keys:
-  Space       pause, go on            N, Right    a step, while paused
-  R           from the start          Esc, Q      the end
+  Space       pause, go on            R, Home     back to the start
+  N, Right    a step on               P, Left     a step back
+  PageDown    sixty steps on          PageUp      sixty steps back
+  the line at the lower edge          back to any step that was shown
   drag        turn                    right drag  move
-  wheel, +-   nearer, away            W           faces or lines
+  wheel, +-   nearer, away            E           the camera follows what moves, or stays
   S shapes    C contacts              V normals   I impulses   J joints
   B boxes     F fat boxes             M motion    X centres    O colours of the solver
-  G grid      T walls                 L islands
+  G grid      T walls                 L islands   W faces or lines
+  Esc, Q      the end
 ";
 
 /// Switches by their keys.
-const SWITCHES: [(Key, &str); 14] = [
-    (Key::S, "shapes"),
-    (Key::C, "contacts"),
-    (Key::V, "normals"),
-    (Key::I, "impulses"),
-    (Key::J, "joints"),
-    (Key::B, "aabbs"),
-    (Key::F, "fat-aabbs"),
-    (Key::M, "motion"),
-    (Key::X, "centres"),
-    (Key::O, "colours"),
-    (Key::L, "islands"),
-    (Key::W, "wireframe"),
-    (Key::G, "grid"),
-    (Key::T, "walls"),
+const SWITCHES: [(&str, &str); 14] = [
+    ("s", "shapes"),
+    ("c", "contacts"),
+    ("v", "normals"),
+    ("i", "impulses"),
+    ("j", "joints"),
+    ("b", "aabbs"),
+    ("f", "fat-aabbs"),
+    ("m", "motion"),
+    ("x", "centres"),
+    ("o", "colours"),
+    ("l", "islands"),
+    ("w", "wireframe"),
+    ("g", "grid"),
+    ("t", "walls"),
 ];
 
-/// The most steps to catch up at once: a run slower than real time is shown slower.
-const CATCH_UP: u32 = 4;
+/// Steps of a page.
+const PAGE: i64 = 60;
+/// Time between pictures.
+const FRAME: Duration = Duration::from_micros(16_667);
 
-/// An open window.
-pub(crate) struct Opened(Window);
+/// The connection to a display.
+pub(crate) struct Opened(EventLoop<()>);
 
 impl Opened {
-    /// None where there is no display, with the reason.
-    pub(crate) fn new(title: &str, (width, height): (usize, usize)) -> Result<Opened, String> {
-        let options = WindowOptions {
-            resize: true,
-            scale: Scale::X1,
-            scale_mode: ScaleMode::UpperLeft,
-            ..WindowOptions::default()
-        };
-        let mut window = Window::new(title, width, height, options).map_err(|e| e.to_string())?;
-        window.set_target_fps(60);
-        Ok(Opened(window))
+    /// An error where there is no display, with the reason.
+    pub(crate) fn new() -> Result<Opened, String> {
+        EventLoop::new().map(Opened).map_err(|e| e.to_string())
     }
 }
 
-/// Shows a world until the window is closed. `start` makes it anew.
-pub(crate) fn show(
-    Opened(mut window): Opened,
-    mut viewer: Viewer,
-    name: &str,
-    dt: f32,
-    start: &dyn Fn() -> anyhow::Result<World>,
-) -> anyhow::Result<()> {
+/// Shows a run until the window is closed.
+pub(crate) fn show(Opened(events): Opened, player: Player, title: &str) -> anyhow::Result<()> {
     eprint!("{HELP}");
-    let mut world = start()?;
-    let (mut steps, mut paused, mut due) = (0u64, false, 0.0f32);
-    let mut last = Instant::now();
-    let mut mouse = None;
-    while window.is_open() && !window.is_key_down(Key::Escape) && !window.is_key_down(Key::Q) {
-        let passed = last.elapsed().as_secs_f32();
-        last = Instant::now();
-        due = if paused { 0.0 } else { (due + passed).min(CATCH_UP as f32 * dt) };
-        for key in window.get_keys_pressed(KeyRepeat::No) {
-            match key {
-                Key::Space => paused = !paused,
-                Key::R => (world, steps) = (start()?, 0),
-                _ => {
-                    let switch = SWITCHES.iter().find(|s| s.0 == key);
-                    if let Some(shown) = switch.and_then(|s| viewer.look.switch(s.1)) {
-                        *shown = !*shown;
+    let mut app =
+        App { player, title, shown: None, mouse: (0.0, 0.0), drag: None, last: Instant::now(), end: Ok(()) };
+    events.run_app(&mut app)?;
+    app.end
+}
+
+/// What a held mouse button does.
+#[derive(Clone, Copy)]
+enum Drag {
+    Turn,
+    Shift,
+    Scrub,
+}
+
+struct Shown {
+    window: Rc<Window>,
+    surface: softbuffer::Surface<Rc<Window>, Rc<Window>>,
+}
+
+struct App<'a> {
+    player: Player,
+    title: &'a str,
+    shown: Option<Shown>,
+    mouse: (f32, f32),
+    drag: Option<Drag>,
+    last: Instant,
+    end: anyhow::Result<()>,
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        let opened = self.open(events);
+        self.finish_on_error(events, opened);
+    }
+
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(shown)) = (cause, &self.shown) {
+            shown.window.request_redraw();
+            events.set_control_flow(ControlFlow::Wait);
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let done = self.on(events, event);
+        self.finish_on_error(events, done);
+    }
+}
+
+impl App<'_> {
+    fn finish_on_error(&mut self, events: &ActiveEventLoop, done: anyhow::Result<()>) {
+        if done.is_err() {
+            self.end = done;
+            events.exit();
+        }
+    }
+
+    fn open(&mut self, events: &ActiveEventLoop) -> anyhow::Result<()> {
+        let (width, height) = self.player.viewer.size();
+        let size = LogicalSize::new(width as f64, height as f64);
+        let title = format!("backstop: {}", self.title);
+        let attributes = Window::default_attributes().with_title(title).with_inner_size(size);
+        let window = Rc::new(events.create_window(attributes)?);
+        // Its errors are not for other threads, as anyhow wants them.
+        let context = softbuffer::Context::new(window.clone()).map_err(|e| anyhow::anyhow!("{e}"))?;
+        let surface =
+            softbuffer::Surface::new(&context, window.clone()).map_err(|e| anyhow::anyhow!("{e}"))?;
+        self.last = Instant::now();
+        window.request_redraw();
+        self.shown = Some(Shown { window, surface });
+        Ok(())
+    }
+
+    fn on(&mut self, events: &ActiveEventLoop, event: WindowEvent) -> anyhow::Result<()> {
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => {
+                self.draw()?;
+                events.set_control_flow(ControlFlow::WaitUntil(self.last + FRAME));
+            }
+            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
+                self.key(events, &event)?;
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                let to = (position.x as f32, position.y as f32);
+                let from = std::mem::replace(&mut self.mouse, to);
+                self.dragged(from, to)?;
+            }
+            WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => {
+                self.drag = match button {
+                    MouseButton::Left if self.player.scrub(self.mouse.0, self.mouse.1, false)? => {
+                        Some(Drag::Scrub)
                     }
+                    MouseButton::Left => Some(Drag::Turn),
+                    MouseButton::Right => Some(Drag::Shift),
+                    _ => None,
+                };
+            }
+            WindowEvent::MouseInput { .. } => self.drag = None,
+            WindowEvent::MouseWheel { delta, .. } => {
+                let lines = match delta {
+                    MouseScrollDelta::LineDelta(_, y) => y,
+                    MouseScrollDelta::PixelDelta(by) => by.y as f32 / 50.0,
+                };
+                self.zoom(lines.clamp(-3.0, 3.0));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn draw(&mut self) -> anyhow::Result<()> {
+        let passed = self.last.elapsed().as_secs_f32();
+        self.last = Instant::now();
+        self.player.pass(passed)?;
+        let Some(shown) = &mut self.shown else { return Ok(()) };
+        let size = shown.window.inner_size();
+        // Nothing to draw on while it is minimised.
+        let (Some(width), Some(height)) = (NonZeroU32::new(size.width), NonZeroU32::new(size.height)) else {
+            return Ok(());
+        };
+        self.player.viewer.resize(size.width as usize, size.height as usize);
+        let picture = self.player.picture();
+        let mut put = || {
+            shown.surface.resize(width, height)?;
+            let mut buffer = shown.surface.buffer_mut()?;
+            buffer.copy_from_slice(&picture);
+            buffer.present()
+        };
+        put().map_err(|e| anyhow::anyhow!("can't draw in the window: {e}"))
+    }
+
+    fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) -> anyhow::Result<()> {
+        let player = &mut self.player;
+        match event.logical_key.as_ref() {
+            Key::Named(NamedKey::Escape) | Key::Character("q" | "Q") => events.exit(),
+            Key::Named(NamedKey::ArrowRight) | Key::Character("n" | "N") => player.skip(1)?,
+            Key::Named(NamedKey::ArrowLeft) | Key::Character("p" | "P") => player.skip(-1)?,
+            Key::Named(NamedKey::PageDown) => player.skip(PAGE)?,
+            Key::Named(NamedKey::PageUp) => player.skip(-PAGE)?,
+            Key::Named(NamedKey::Home) | Key::Character("r" | "R") => player.go_to(0)?,
+            Key::Character("+" | "=") => self.zoom(1.0),
+            Key::Character("-") => self.zoom(-1.0),
+            // What follows are switches, which a key that is held would flip back and forth.
+            _ if event.repeat => {}
+            Key::Named(NamedKey::Space) => player.playing = !player.playing,
+            Key::Character("e" | "E") => player.follows = !player.follows,
+            Key::Character(key) => {
+                let key = key.to_lowercase();
+                let switch = SWITCHES.iter().find(|s| s.0 == key);
+                if let Some(shown) = switch.and_then(|s| player.viewer.look.switch(s.1)) {
+                    *shown = !*shown;
                 }
             }
+            _ => {}
         }
-        let pressed = |key| window.is_key_pressed(key, KeyRepeat::Yes);
-        if paused && (pressed(Key::N) || pressed(Key::Right)) {
-            due = dt;
-        }
-        while due >= dt {
-            world.step(dt)?;
-            steps += 1;
-            due -= dt;
-        }
-        steer(&window, &mut viewer, &mut mouse);
-        let (width, height) = window.get_size();
-        viewer.resize(width.max(1), height.max(1));
-        window.update_with_buffer(&viewer.picture(&world), width.max(1), height.max(1))?;
-        let report = world.report();
-        window.set_title(&format!(
-            "{name}: step {steps}, {:.2} ms, {} real and {} potential points, {} ghosts{}",
-            report.times.step / 1000.0,
-            report.real,
-            report.potential,
-            report.ghosts,
-            if paused { ", paused" } else { "" }
-        ));
+        Ok(())
     }
-    Ok(())
-}
 
-/// Turns, moves and zooms by mouse and keys.
-fn steer(window: &Window, viewer: &mut Viewer, mouse: &mut Option<(f32, f32)>) {
-    let (_, height) = window.get_size();
-    let now = window.get_mouse_pos(MouseMode::Pass);
-    if let (Some((x, y)), Some((old_x, old_y))) = (now, *mouse) {
-        let (dx, dy) = ((x - old_x) / height.max(1) as f32, (y - old_y) / height.max(1) as f32);
-        if window.get_mouse_down(MouseButton::Left) {
-            viewer.camera = viewer.camera.turned(-4.0 * dx, 4.0 * dy);
-        } else if window.get_mouse_down(MouseButton::Right) {
-            viewer.camera = viewer.camera.shifted(-dx, dy);
+    fn dragged(&mut self, from: (f32, f32), to: (f32, f32)) -> anyhow::Result<()> {
+        let (_, height) = self.player.viewer.size();
+        let (dx, dy) = ((to.0 - from.0) / height as f32, (to.1 - from.1) / height as f32);
+        let camera = self.player.viewer.camera;
+        match self.drag {
+            Some(Drag::Turn) => self.player.viewer.camera = camera.turned(-4.0 * dx, 4.0 * dy),
+            Some(Drag::Shift) => {
+                self.player.follows = false;
+                self.player.viewer.camera = camera.shifted(-dx, dy);
+            }
+            Some(Drag::Scrub) => _ = self.player.scrub(to.0, to.1, true)?,
+            None => {}
         }
+        Ok(())
     }
-    *mouse = now;
-    let mut zoom = window.get_scroll_wheel().map_or(0.0, |(_, y)| y.clamp(-1.0, 1.0));
-    let down = |keys: [Key; 2]| keys.iter().any(|key| window.is_key_down(*key));
-    zoom += if down([Key::Equal, Key::NumPadPlus]) { 0.3 } else { 0.0 };
-    zoom -= if down([Key::Minus, Key::NumPadMinus]) { 0.3 } else { 0.0 };
-    if zoom != 0.0 {
-        viewer.camera = viewer.camera.zoomed(f64::from(libm::expf(-0.1 * zoom)));
+
+    /// The camera then stays where it is put.
+    fn zoom(&mut self, lines: f32) {
+        self.player.follows = false;
+        let camera = self.player.viewer.camera;
+        self.player.viewer.camera = camera.zoomed(f64::from(libm::expf(-0.1 * lines)));
     }
 }

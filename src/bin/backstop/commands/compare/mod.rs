@@ -11,6 +11,7 @@ use crate::threads::with_threads;
 use anyhow::{Context, bail};
 use backstop::scene::comparison::{Contest, METHODS, SCENES, Verdict};
 use backstop::{Continuous, ContinuousMethod};
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 /// All results.
@@ -59,12 +60,14 @@ pub(crate) fn compare(options: &CompareOptions) -> anyhow::Result<Comparison> {
             bail!("there is no scene \"{wanted}\" to compare on, but {}", SCENES.join(", "));
         }
     }
-    let run = || scenes.iter().map(|name| scene(name, options)).collect::<anyhow::Result<_>>();
+    let bar = output::progress(!options.json, scenes.len() as u64 * u64::from(options.rounds), "rounds");
+    let run = || scenes.iter().map(|name| scene(name, options, &bar)).collect::<anyhow::Result<_>>();
     let scenes = with_threads(options.threads, run)?;
+    bar.finish_and_clear();
     Ok(Comparison { threads: options.threads, rounds: options.rounds, scenes })
 }
 
-fn scene(name: &'static str, options: &CompareOptions) -> anyhow::Result<SceneResult> {
+fn scene(name: &'static str, options: &CompareOptions, bar: &ProgressBar) -> anyhow::Result<SceneResult> {
     // By method and step, the times of all rounds.
     let mut times: Vec<Vec<Vec<f32>>> = Vec::new();
     let mut last = None;
@@ -79,6 +82,7 @@ fn scene(name: &'static str, options: &CompareOptions) -> anyhow::Result<SceneRe
             }
         }
         last = Some((steps, contest.verdicts()));
+        bar.inc(1);
     }
     // The same in every round.
     let (steps, verdicts) = last.context("no rounds")?;

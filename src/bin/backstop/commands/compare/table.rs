@@ -2,6 +2,7 @@
 
 use super::{Comparison, MethodResult, SceneResult};
 use crate::report::output::{bytes, micros};
+use crate::report::table::table;
 use std::fmt::Write;
 
 pub(crate) const HEAD: [&str; 13] = [
@@ -25,16 +26,7 @@ pub(crate) fn text(comparison: &Comparison) -> String {
     for scene in &comparison.scenes {
         let impacts = scene.methods.first().map_or(0, |method| method.verdict.impacts);
         let _ = writeln!(text, "{}: {} steps, {impacts} first impacts", scene.scene, scene.steps);
-        let head = HEAD.iter().map(|&name| name.to_owned()).collect();
-        let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows(scene)).collect();
-        let wide = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-        for row in &rows {
-            for (k, cell) in row.iter().enumerate() {
-                let width = wide(k) + if k == 0 { 0 } else { 2 };
-                let _ = if k == 0 { write!(text, "{cell:<width$}") } else { write!(text, "{cell:>width$}") };
-            }
-            text.push('\n');
-        }
+        text += &table(&HEAD, 1, rows(scene));
         text.push('\n');
     }
     text

@@ -2,51 +2,42 @@
 
 use super::map::counts;
 use super::results::Results;
-use crate::report::html;
+use crate::report::html::{Cell as Entry, Page};
 use backstop::lab::envelope::{Axis, Cell, Trial, Verdict};
-use std::fmt::Write;
 use std::path::Path;
 
-fn colour(verdict: Option<Verdict>) -> &'static str {
-    match verdict {
-        Some(Verdict::Stable) => "#cfe8d3",
-        Some(Verdict::Degraded) => "#fbe6b0",
-        Some(Verdict::Lost) => "#f4b8b3",
-        None => "#f0f1f3",
-    }
+fn class(verdict: Option<Verdict>) -> &'static str {
+    verdict.map_or("unknown", Verdict::name)
 }
 
 /// Writes a page with a table for each trial: a row for each point of an axis, a column for each engine.
 pub(crate) fn write(file: &Path, cells: &[Cell], ours: &Results, beside: &[Results]) -> anyhow::Result<()> {
     let engines: Vec<_> = std::iter::once(ours).chain(beside).collect();
-    let mut page = html::head("Envelope");
-    for engine in &engines {
-        let [stable, degraded, lost] = counts(cells, engine);
-        let name = html::escape(&engine.engine);
-        let _ = writeln!(page, "<p>{name}: {stable} stable, {degraded} degraded, {lost} lost.</p>");
+    let mut page = Page::new("Envelope");
+    for results in &engines {
+        let [stable, degraded, lost] = counts(cells, results);
+        page.text(format!("{}: {stable} stable, {degraded} degraded, {lost} lost.", results.engine));
     }
+    let names = engines.iter().map(|results| results.engine.as_str());
+    let headings: Vec<&str> = ["axis", ""].into_iter().chain(names).collect();
     for trial in Trial::ALL {
-        let rows: Vec<_> = cells.iter().filter(|cell| cell.trial == trial).collect();
-        if rows.is_empty() {
-            continue;
-        }
-        let _ = write!(page, "<h2>{}</h2>\n<table>\n<tr><th>axis</th><th></th>", trial.name());
-        engines.iter().for_each(|engine| page += &format!("<th>{}</th>", html::escape(&engine.engine)));
-        page += "</tr>\n";
         let mut last: Option<Axis> = None;
-        for cell in rows {
+        let row = |cell: &Cell| {
             let axis = if last == Some(cell.axis) { "" } else { cell.axis.name() };
             last = Some(cell.axis);
-            let _ = write!(page, "<tr><td>{axis}</td><td>{}</td>", html::escape(&cell.label));
-            for engine in &engines {
-                let worst = engine.worst(&cell.name());
+            let mut row: Vec<Entry> = vec![axis.to_owned().into(), cell.label.clone().into()];
+            row.extend(engines.iter().map(|results| {
+                let worst = results.worst(&cell.name());
                 let text = worst.map_or_else(|| "not run".into(), |worst| worst.text());
-                let colour = colour(worst.map(|worst| worst.verdict));
-                let _ = write!(page, "<td style=\"background:{colour}\">{}</td>", html::escape(&text));
-            }
-            page += "</tr>\n";
+                Entry { text, class: Some(class(worst.map(|worst| worst.verdict))) }
+            }));
+            row
+        };
+        let rows: Vec<_> = cells.iter().filter(|cell| cell.trial == trial).map(row).collect();
+        if !rows.is_empty() {
+            page.heading(trial.name());
+            page.table(&headings, headings.len(), rows);
         }
-        page += "</table>\n";
     }
-    html::put(file, &(page + html::TAIL))
+    page.write(file)
 }

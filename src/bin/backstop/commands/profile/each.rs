@@ -11,6 +11,7 @@ use backstop::{
     BodyDesc, BodyHandle, Continuous, ConvexHull, Geometry, Settings, ShapeDesc, Snapshot, TriangleMesh,
     World,
 };
+use indicatif::ProgressBar;
 use serde::Serialize;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 use std::sync::Arc;
@@ -29,6 +30,10 @@ const ROLL: f32 = 20.0;
 const HIGH: f32 = 100.0;
 /// Start above the margin of 2 cm within which discrete steps find contacts [m].
 const MARGIN: f32 = 0.025;
+const GROUNDS: [&str; 2] = ["mesh", "box"];
+const SHAPES: [&str; 4] = ["sphere", "capsule", "box", "hull"];
+/// Pairs that are measured.
+pub(crate) const PAIRS: u64 = (GROUNDS.len() * SHAPES.len()) as u64;
 /// Steps of 1/60 s until all rest.
 const SETTLE: u32 = 60;
 
@@ -53,12 +58,18 @@ pub(crate) struct Each {
 }
 
 /// Measures all pairs of a shape and a ground.
-pub(crate) fn measure(base: &Settings, dt: f32, repeats: usize) -> anyhow::Result<Vec<Each>> {
+pub(crate) fn measure(
+    base: &Settings,
+    dt: f32,
+    repeats: usize,
+    bar: &ProgressBar,
+) -> anyhow::Result<Vec<Each>> {
     let mut all = Vec::new();
-    for ground in ["mesh", "box"] {
-        for shape in ["sphere", "capsule", "box", "hull"] {
+    for ground in GROUNDS {
+        for shape in SHAPES {
             let each = Pairing::new(shape, ground, base, dt, repeats).and_then(Pairing::measure);
             all.push(each.with_context(|| format!("{shape} on {ground}"))?);
+            bar.inc(1);
         }
     }
     Ok(all)

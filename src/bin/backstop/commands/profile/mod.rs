@@ -89,9 +89,16 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         last = Some(measured);
     }
     bar.finish_and_clear();
-    let each = with_threads(1, || each::measure(&settings, options.dt, options.repeats as usize))?;
-    let compared =
-        CompareOptions { scene: None, steps: None, threads: 1, rounds: options.rounds, json: false };
+    let bar = output::progress(!options.common.quiet, each::PAIRS, "shapes over grounds");
+    let each = with_threads(1, || each::measure(&settings, options.dt, options.repeats as usize, &bar))?;
+    bar.finish_and_clear();
+    let compared = CompareOptions {
+        scene: None,
+        steps: None,
+        threads: 1,
+        rounds: options.rounds,
+        json: options.common.quiet,
+    };
     let last = last.context("no number of threads is given")?;
     Ok(Ledger {
         scene: scene.name.clone(),

@@ -5,11 +5,10 @@ use super::each::Each;
 use super::ledger::{Additional, Ledger, Memory, Run, Totals};
 use crate::commands::compare;
 use crate::report::charts::{Drawn, svg};
-use crate::report::html::{self, escape, figure, put, table};
-use crate::report::output::{bytes, count, count_threads, micros};
+use crate::report::html::{Page, put};
+use crate::report::output::{bytes, count, count_threads, micros, seconds};
 use crate::report::page::{memory_table, settings_table};
 use anyhow::anyhow;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes the page and its pictures into a folder; returns the page's path.
@@ -27,62 +26,53 @@ pub(crate) fn write(folder: &Path, ledger: &Ledger) -> anyhow::Result<PathBuf> {
     }
     save("memory.svg", &|area| charts::memory(area, ledger))?;
     let path = folder.join("index.html");
-    put(&path, &page(ledger))?;
+    page(ledger)?.write(&path)?;
     Ok(path)
 }
 
-fn page(ledger: &Ledger) -> String {
-    let mut html = html::head(&format!("backstop: what continuous collision costs in {}", ledger.scene));
-    html += "<table>\n";
-    for (label, value) in rows(ledger) {
-        let _ = writeln!(html, "<tr><th>{}</th><td>{}</td></tr>", escape(&label), escape(&value));
-    }
-    html += "</table>\n";
+fn page(ledger: &Ledger) -> anyhow::Result<Page> {
+    let mut page = Page::new(format!("backstop: what continuous collision costs in {}", ledger.scene));
+    page.pairs(rows(ledger));
     for run in &ledger.runs {
-        figure(
-            &mut html,
-            &format!("cost-{}.svg", run.threads),
+        page.figure(
+            format!("cost-{}.svg", run.threads),
             "In each frame the step is run both ways from the same snapshot, in turn and often; these are \
              the medians. Then the run goes on from the continuous one.",
         );
-        figure(
-            &mut html,
-            &format!("additional-{}.svg", run.threads),
-            &format!(
+        page.figure(
+            format!("additional-{}.svg", run.threads),
+            format!(
                 "How much longer the continuous step takes. Most in frame {} with {:.0} %; the axis ends \
                  where 19 of 20 columns fit.",
                 run.additional.max_step, run.additional.max
             ),
         );
-        stages(&mut html, run);
+        stages(&mut page, run);
     }
-    figure(
-        &mut html,
+    page.figure(
         "potential.svg",
         "Pairs that a discrete step from the same state does not have; points that may touch within the \
          step; manifolds that had to stop an approach before the touch; those whose gap had not closed by \
          the next step.",
     );
-    figure(
-        &mut html,
+    page.figure(
         "memory.svg",
         "Reserved bytes. Continuous: what exists only because of continuous collision.",
     );
-    memory_table(&mut html, &ledger.memory.categories);
+    memory_table(&mut page, &ledger.memory.categories);
     if let Some(comparison) = &ledger.comparison {
-        html += "<h2>Methods side by side</h2>\n<p>Six scenes, seven methods; docs/continuous.md says what \
-            the columns mean.</p>\n";
+        page.heading("Methods side by side");
+        page.text("Six scenes, seven methods; docs/continuous.md says what the columns mean.");
         for scene in &comparison.scenes {
-            let _ = writeln!(html, "<h3>{}: {} steps</h3>", escape(scene.scene), scene.steps);
-            table(&mut html, &compare::HEAD, 1, &compare::rows(scene));
+            page.text(format!("{}: {} steps", scene.scene, scene.steps));
+            page.table(&compare::HEAD, 1, compare::rows(scene));
         }
     }
-    settings_table(&mut html, &ledger.settings);
-    html += html::TAIL;
-    html
+    settings_table(&mut page, &ledger.settings)?;
+    Ok(page)
 }
 
-fn stages(html: &mut String, run: &Run) {
+fn stages(page: &mut Page, run: &Run) {
     let rows: Vec<Vec<String>> = run
         .stages
         .iter()
@@ -91,7 +81,7 @@ fn stages(html: &mut String, run: &Run) {
             vec![s.stage.to_owned(), micros(s.discrete_us), micros(s.continuous_us), micros(more)]
         })
         .collect();
-    table(html, &["stage, mean of a frame", "discrete", "continuous", "more"], 1, &rows);
+    page.table(&["stage, mean of a frame", "discrete", "continuous", "more"], 1, rows);
 }
 
 /// The rows of the summary, for page and terminal.
@@ -110,9 +100,9 @@ pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
 
 fn frames(ledger: &Ledger) -> String {
     format!(
-        "{} of {:.2} ms, each {} times both ways, {} bodies that can be pushed",
+        "{} of {}, each {} times both ways, {} bodies that can be pushed",
         count(ledger.steps as u64),
-        ledger.settings.dt * 1000.0,
+        seconds(ledger.settings.dt),
         ledger.settings.repeats,
         count(ledger.dynamic_bodies as u64)
     )

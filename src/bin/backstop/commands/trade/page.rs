@@ -3,10 +3,9 @@
 use super::charts;
 use super::outcome::{Outcome, Row};
 use super::text::{self, number};
-use crate::report::html::{self, escape, figure, put, table};
+use crate::report::html::{Page, put};
 use anyhow::anyhow;
 use backstop::lab::trade::{Axis, Measure};
-use std::fmt::Write;
 use std::path::Path;
 
 /// Writes the page and its pictures into a folder.
@@ -15,13 +14,12 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
         let svg = svg.map_err(|e| anyhow!("can't draw {name}: {e}"))?;
         put(&folder.join(name), &svg)
     };
-    let mut page = html::head(&format!("backstop: the trade of {}", outcome.header.scene));
+    let mut page = Page::new(format!("backstop: the trade of {}", outcome.header.scene));
     for line in text::about(outcome).lines() {
-        let _ = writeln!(page, "<p>{}</p>", escape(line));
+        page.text(line);
     }
     save("front.svg", crate::report::charts::svg(|area| charts::front(area, outcome)))?;
-    figure(
-        &mut page,
+    page.figure(
         "front.svg",
         "Each setting is a point. The line joins those than which no other is both cheaper and more \
          accurate; the diamond is the default setting, the circle what was picked.",
@@ -39,8 +37,8 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
         let name = format!("{}.svg", axis.name().replace(' ', "-"));
         let names: Vec<&str> = values.iter().map(|value| value.value.as_str()).collect();
         save(&name, crate::report::charts::svg(|area| charts::axis(area, outcome, at, axis, &names)))?;
-        let _ = writeln!(page, "<h2>{}</h2>", escape(axis.name()));
-        figure(&mut page, &name, "The front of the settings that have each value, all else being free.");
+        page.heading(axis.name());
+        page.figure(name, "The front of the settings that have each value, all else being free.");
         let list: Vec<Vec<String>> = values
             .iter()
             .map(|value| {
@@ -48,26 +46,25 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
                 vec![value.value.clone(), value.on_front.to_string(), number(value.least_error), ratio]
             })
             .collect();
-        table(
-            &mut page,
+        page.table(
             &["value", "on the front", "least error", "cheapest as good as the pick, of default"],
             1,
-            &list,
+            list,
         );
     }
     rows(&mut page, "All settings", &outcome.cells);
-    put(&folder.join("index.html"), &(page + html::TAIL))
+    page.write(&folder.join("index.html"))
 }
 
-fn rows(page: &mut String, title: &str, rows: &[Row]) {
-    let _ = writeln!(page, "<h2>{}</h2>", escape(title));
+fn rows(page: &mut Page, title: &str, rows: &[Row]) {
+    page.heading(title);
     let units = Measure::ALL.map(|measure| format!("{} [{}]", measure.name(), measure.unit()));
     let mut headings = vec!["setting", "cost", "of default", "error"];
     headings.extend(units.iter().map(String::as_str));
-    let row = |row: &Row| {
+    let row = |row: &Row| -> Vec<String> {
         let finite = |error: f64| number(Some(error).filter(|error| error.is_finite()));
         let others = Measure::ALL.map(|measure| finite(row.errors.of(measure)));
         std::iter::once(row.name.clone()).chain(text::cells(row)).chain(others).collect()
     };
-    table(page, &headings, 1, &rows.iter().map(row).collect::<Vec<_>>());
+    page.table(&headings, 1, rows.iter().map(row));
 }

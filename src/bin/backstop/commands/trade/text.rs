@@ -2,6 +2,7 @@
 
 use super::outcome::{Outcome, Row};
 use crate::report::output::micros;
+use crate::report::table::table;
 use std::fmt::Write;
 
 /// The reference and its accuracy.
@@ -36,38 +37,25 @@ pub(super) fn about(outcome: &Outcome) -> String {
 }
 
 pub(super) fn text(outcome: &Outcome) -> String {
-    let mut text = about(outcome);
-    let line = |row: &Row| {
-        let [cost, ratio, error] = cells(row);
-        format!("  {cost:>10} {ratio:>9} {error:>11}  {}\n", row.name)
-    };
-    let _ = writeln!(text, "\n  {:>10} {:>9} {:>11}  setting", "cost", "relative", "error");
-    outcome.front.iter().for_each(|row| text += &line(row));
-    text += "The default setting:\n";
-    text += &line(&outcome.default);
-    if let Some(picked) = &outcome.picked {
-        let _ = writeln!(text, "Picked, {}:", outcome.rule);
-        text += &line(picked);
-    }
+    let mut text = about(outcome) + "\n";
+    let row = |name: &str, row: &Row| cells(row).into_iter().chain([row.name.clone(), name.into()]).collect();
+    let front = outcome.front.iter().map(|one| row("", one));
+    let picked = format!("picked, {}", outcome.rule);
+    let picked = outcome.picked.iter().map(|one| row(&picked, one));
+    let rows = front.chain([row("the default setting", &outcome.default)]).chain(picked);
+    text += &table(&["cost", "relative", "error", "setting", ""], 0, rows);
     if !outcome.axes.is_empty() {
-        let _ = writeln!(
-            text,
-            "\n  {:<22} {:<26} {:>8} {:>12} {:>22}",
-            "axis", "value", "on front", "least error", "cheapest as good"
-        );
-    }
-    let mut last = "";
-    for value in &outcome.axes {
-        let axis = if value.axis.name() == last { "" } else { value.axis.name() };
-        last = value.axis.name();
-        let _ = writeln!(
-            text,
-            "  {axis:<22} {:<26} {:>8} {:>12} {:>22}",
-            value.value,
-            value.on_front,
-            number(value.least_error),
-            value.cheapest_ratio.map_or("none".into(), |ratio| format!("{ratio:.2} of default"))
-        );
+        let mut last = "";
+        let rows = outcome.axes.iter().map(|value| {
+            let axis = if value.axis.name() == last { "" } else { value.axis.name() };
+            last = value.axis.name();
+            let cheapest =
+                value.cheapest_ratio.map_or("none".into(), |ratio| format!("{ratio:.2} of default"));
+            let (count, least) = (value.on_front.to_string(), number(value.least_error));
+            vec![axis.to_owned(), value.value.clone(), count, least, cheapest]
+        });
+        let headings = ["axis", "value", "on front", "least error", "cheapest as good"];
+        text += &format!("\n{}", table(&headings, 2, rows));
     }
     text
 }

@@ -5,6 +5,7 @@ mod tests;
 
 use crate::report::accuracy::{Course, FIGURES};
 use crate::report::document::Document;
+use crate::report::output::micros;
 use crate::report::trace::{STAGES, Stage, Trace};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -130,18 +131,27 @@ macro_rules! draw_lines {
 
 pub(crate) use {draw_lines, frame, legend};
 
-/// Time of each stage, stacked. The axis ends where all but the slowest hundredth of columns fit; the caption
-/// of the page says how long the slowest step took.
+/// How high the bars of a chart are, at most: all but the highest hundredth of them fit.
+pub(crate) fn clipped_at(heights: &[f64]) -> f64 {
+    let mut sorted = heights.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.get((sorted.len().max(1) - 1) * 99 / 100).copied().unwrap_or(0.0).max(1e-3)
+}
+
+/// Time of each stage, stacked. Columns above the 99th percentile are cut off there, marked and counted; the
+/// caption of the page says how long the slowest step took.
 pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
     let reports = &trace.reports;
     let columns = Columns::of(reports.len());
     let mean = |stage: Stage| columns.means(|i| f64::from(stage(&reports[i])));
     let stages: Vec<Vec<(f64, f64)>> = STAGES.iter().map(|s| mean(s.1)).collect();
-    let mut sums: Vec<f64> = (0..stages[0].len()).map(|i| stages.iter().map(|s| s[i].1).sum()).collect();
-    sums.sort_unstable_by(f64::total_cmp);
-    let top = sums[(sums.len() - 1) * 99 / 100].max(1e-3) * 1.35;
-    let (unit, scale) = if top >= 1000.0 { ("ms", 1e-3) } else { ("µs", 1.0) };
-    let top = top * scale;
+    let sums: Vec<f64> = (0..stages[0].len()).map(|i| stages.iter().map(|s| s[i].1).sum()).collect();
+    let most = clipped_at(&sums);
+    let (unit, scale) = if most >= 1000.0 { ("ms", 1e-3) } else { ("µs", 1.0) };
+    // Room for the legend.
+    let (most_shown, top) = (most * scale, 1.35 * most * scale);
+    let beyond: Vec<f64> =
+        stages[0].iter().zip(&sums).filter(|(_, sum)| **sum > most).map(|(column, _)| column.0).collect();
     let mut chart = frame!(
         area,
         "Time per stage",
@@ -155,13 +165,21 @@ pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
     for last in (0..STAGES.len()).rev() {
         let pile = (0..stages[0].len()).map(|i| {
             let height: f64 = stages[..=last].iter().map(|s| s[i].1).sum();
-            (stages[0][i].0, (height * scale).min(top))
+            (stages[0][i].0, (height * scale).min(most_shown))
         });
         let colour = STAGE_COLOURS[last];
         chart
             .draw_series(AreaSeries::new(pile, 0.0, colour.filled()))?
             .label(STAGES[last].0)
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 16, y + 5)], colour.filled()));
+    }
+    if !beyond.is_empty() {
+        let name = format!("beyond {}: {}", micros(most), beyond.len());
+        let marks = beyond.into_iter().map(|x| TriangleMarker::new((x, 1.03 * most_shown), 5, INK.filled()));
+        chart
+            .draw_series(marks)?
+            .label(name)
+            .legend(|(x, y)| TriangleMarker::new((x + 8, y), 5, INK.filled()));
     }
     legend!(chart);
     Ok(())

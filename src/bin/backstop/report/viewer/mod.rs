@@ -7,6 +7,9 @@ mod motion;
 
 pub(crate) use motion::Motion;
 
+use crate::report::html::Part;
+use anyhow::Context;
+use askama::Template;
 use backstop::scene::Scene;
 use film::Film;
 
@@ -22,33 +25,25 @@ const MODULES: [&str; 6] = [
 
 const STYLE: &str = include_str!("player.css");
 
-const CONTROLS: &str = "
-<canvas aria-label=\"The scene. Drag to orbit, two fingers or shift to pan, wheel to zoom, double-click to frame.\"></canvas>
-<div>
-<button>Play</button>
-<input type=\"range\" min=\"0\" value=\"0\" step=\"any\" aria-label=\"Time\">
-<output>0.00 s</output>
-<select aria-label=\"Speed\">
-<option value=\"0.1\">1/10</option><option value=\"0.25\">1/4</option><option value=\"1\" selected>real time</option>
-</select>
-</div>
-";
+/// Text of these fields is put in as it is, but for the notes.
+#[derive(Template)]
+#[template(path = "viewer.html")]
+struct Viewer<'a> {
+    style: &'a str,
+    notes: &'a [String],
+    film: String,
+    module: String,
+}
 
 /// The viewer as a part of a page, or a sentence that says why there is none.
-pub(crate) fn html(scene: &Scene, motion: &Motion) -> String {
+pub(crate) fn part(scene: &Scene, motion: &Motion) -> anyhow::Result<Part> {
     let film = match Film::of(scene, motion) {
         Ok(film) => film,
-        Err(reason) => return format!("<p>No motion is shown: {reason}.</p>\n"),
+        Err(reason) => return Ok(Part::Text(format!("No motion is shown: {reason}."))),
     };
-    let module: String = MODULES.iter().map(|module| joined(module)).collect();
-    let notes: String = film.notes.iter().map(|note| format!(" {note}")).collect();
-    let film = film.json();
-    format!(
-        "<style>\n{STYLE}</style>\n<figure class=\"player\">{CONTROLS}<figcaption>Colours tell shapes apart; \
-         what is asleep is dim. Drag to orbit, wheel to zoom, double-click to frame what moves.{notes}\
-         </figcaption></figure>\n<script type=\"application/json\" id=\"film\">{film}</script>\n\
-         <script type=\"module\">\n{module}</script>\n"
-    )
+    let module = MODULES.iter().map(|module| joined(module)).collect();
+    let viewer = Viewer { style: STYLE, notes: &film.notes, film: film.json(), module };
+    Ok(Part::Viewer(viewer.render().context("can't make the page")?))
 }
 
 /// A module without its imports and exports: a page that is opened from disk can load no other file.
