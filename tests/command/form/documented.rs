@@ -19,8 +19,11 @@ fn rows(section: &str) -> Vec<(Vec<String>, String)> {
 fn documented(rows: &[(Vec<String>, String)]) -> BTreeMap<String, BTreeSet<String>> {
     let mut places = BTreeMap::<String, BTreeSet<String>>::new();
     for path in rows.iter().flat_map(|(names, _)| names) {
-        let (place, name) = path.rsplit_once('.').unwrap_or(("", path));
-        places.entry(place.trim_end_matches("[]").into()).or_default().insert(name.into());
+        let mut place = String::new();
+        for name in path.split('.').map(|part| part.trim_end_matches("[]")) {
+            places.entry(place.clone()).or_default().insert(name.into());
+            place = if place.is_empty() { name.into() } else { format!("{place}.{name}") };
+        }
     }
     places
 }
@@ -30,7 +33,7 @@ fn agrees(document: &Value, section: &str) {
     for (place, names) in documented(&rows) {
         let mut value = document;
         for part in place.split('.').filter(|part| !part.is_empty()) {
-            value = &value[part.trim_end_matches("[]")];
+            value = &value[part];
             value = value.get(0).unwrap_or(value);
         }
         // Of what is `null` there is nothing to compare.
