@@ -1,4 +1,4 @@
-//! docs/json.md names the fields that there are, and no other.
+//! docs/json.md names the fields that there are, README the examples and commands, and no other.
 
 use super::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -87,4 +87,38 @@ fn a_cause_is_told_once_and_one_is_no_plural() {
     assert_eq!(errors.matches("o such file").count(), 1, "{errors}");
     let text = String::from_utf8(backstop(&["run", "tall_stack", "--steps", "2"]).stdout).expect("UTF-8");
     assert!(text.contains("2 of 1/60 s (0.03 s), 4 substeps, 1 iteration, 1 thread, segment"), "{text}");
+}
+
+/// Names in backquotes at the start of a README line that `starts` with this.
+fn named(starts: &str) -> BTreeSet<String> {
+    let readme = include_str!("../../../README.md");
+    let names = |line: &str| Some(line.strip_prefix(starts)?.split(['|', ':']).next()?.to_owned());
+    let cells = readme.lines().filter_map(names);
+    let name = |part: &str| part.split([' ', '`']).next().map(str::to_owned);
+    cells.flat_map(|cell| cell.split("`, `").filter_map(name).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn readme_names_every_example() {
+    let named = named("| `");
+    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/examples")).expect("examples") {
+        let path = file.expect("a file").path();
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
+        assert!(named.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn readme_names_every_command() {
+    let named = named("`");
+    let help = String::from_utf8(backstop(&["--help"]).stdout).expect("UTF-8");
+    let commands = help.split("Commands:\n").nth(1).and_then(|text| text.split("\n\n").next());
+    for line in commands
+        .expect("commands")
+        .lines()
+        .filter(|line| line.starts_with("  ") && line.as_bytes()[2] != b' ')
+    {
+        let name = line.split_whitespace().next().expect("a name");
+        assert!(name == "help" || named.contains(name), "{name}");
+    }
 }

@@ -154,8 +154,8 @@ pub(crate) struct RunOptions {
     /// Write a page with the scene in motion and charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/
-    /// instead.
+    /// Show the scene in a window until it is closed, with a way back to any step; without a display, write
+    /// pictures to SCENE-frames/ instead.
     #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
     pub(crate) view: bool,
     /// Write pictures of the scene as PNG files.
@@ -231,11 +231,11 @@ pub(crate) struct PictureOptions {
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
     pub(crate) size: (usize, usize),
     /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion,
-    /// centres, colours, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where there is
-    /// no ground].
+    /// centres, colours, islands, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where
+    /// there is no ground].
     #[arg(long, value_name = "LIST", value_parser = Look::parse)]
     pub(crate) show: Option<Look>,
-    /// Where the eye is [default: where it sees most of what moves].
+    /// Where the eye is [default: where it sees what moves, and the ground below it].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
     pub(crate) eye: Option<DVec3>,
     /// What it looks at [default: the middle of what moves].

@@ -25,7 +25,8 @@ fn columns_cover_every_step_once() {
     assert_eq!(covered, (0..1000).collect::<Vec<_>>());
 }
 
-/// 400 steps of 10 µs, of which four, that is 1 %, took 1 ms. Expected: the axis suits the others; four marks.
+/// 400 steps of 10 µs, of which four, that is 1 %, took 1 ms. Expected: the axis suits the others, and four
+/// are marked.
 #[test]
 fn what_is_beyond_the_99th_percentile_is_cut_off_marked_and_counted() {
     let mut reports = vec![StepReport::default(); 400];
