@@ -156,7 +156,7 @@ fn text(documents: &[Document]) -> String {
         let own = |row: &Row| {
             vec![
                 row.method.to_string(),
-                output::seconds(row.dt as f32),
+                output::seconds(row.dt),
                 row.substeps.to_string(),
                 row.iterations.to_string(),
                 format!("{:.3e}", row.metric),

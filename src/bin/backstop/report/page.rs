@@ -49,7 +49,7 @@ fn page(document: &Document, trace: &Trace, viewer: Option<Part>) -> anyhow::Res
             micros(r.times.step.into())
         )
     });
-    page.figure("times.svg", &format!("Stages of a step, piled up.{slowest}"));
+    page.figure("times.svg", format!("Stages of a step, piled up.{slowest}"));
     time_table(&mut page, document, trace);
     page.figure(
         "contacts.svg",
@@ -125,7 +125,7 @@ fn model_table(page: &mut Page, document: &Document) {
             (None, Some(stage)) => format!("in {stage}"),
             (None, None) => String::new(),
         };
-        vec![name, format!("{} {}", count(part.count.into()), part.asked_by), time, bytes(part.bytes)]
+        vec![name, format!("{}: {}", part.asked_by, count(part.count.into())), time, bytes(part.bytes)]
     };
     let rows: Vec<Vec<String>> = document.model.iter().map(row).collect();
     page.table(&["part", "asked for by", "time in the last step", "bytes"], 3, rows);

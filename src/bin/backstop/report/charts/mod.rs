@@ -5,7 +5,7 @@ mod tests;
 
 use crate::report::accuracy::{Course, FIGURES};
 use crate::report::document::Document;
-use crate::report::output::micros;
+use crate::report::output::{micros, plural};
 use crate::report::trace::{STAGES, Stage, Trace};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -174,7 +174,7 @@ pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 16, y + 5)], colour.filled()));
     }
     if !beyond.is_empty() {
-        let name = format!("beyond {}: {}", micros(most), beyond.len());
+        let name = format!("{} beyond {}", plural(beyond.len() as u64, "column", "columns"), micros(most));
         let marks = beyond.into_iter().map(|x| TriangleMarker::new((x, 1.03 * most_shown), 5, INK.filled()));
         chart
             .draw_series(marks)?

@@ -37,6 +37,6 @@ fn what_is_beyond_the_99th_percentile_is_cut_off_marked_and_counted() {
     assert_eq!(clipped_at(&heights), 10.0);
     let trace = Trace { energy: Vec::new(), reports, accuracy: None, solver: None };
     let text = svg(|area| times(area, &trace)).unwrap();
-    assert!(text.contains("beyond 10.0 µs: 4"), "{text}");
+    assert!(text.contains("4 columns beyond 10.0 µs"), "{text}");
     assert_eq!(clipped_at(&[]), 1e-3);
 }
