@@ -117,6 +117,33 @@ fn a_ball_is_drawn_where_it_is() {
     }
 }
 
+/// A ball of 0.5 m at 6 m over a floor. Expected: where the camera puts itself it sees all of the ball at the
+/// start and where it ends: a disc each, of the same size within what perspective does to it.
+#[test]
+fn the_camera_sees_what_moves_and_where_it_falls() {
+    let mut scene = Scene::new("drop");
+    let floor = ShapeDesc::new(Geometry::cuboid(20.0, 0.5, 20.0));
+    scene.add("floor", BodyDesc::fixed().at(DVec3::new(0.0, -0.5, 0.0)).with_shape(floor));
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(3.0, 6.0, -2.0)).with_shape(ball));
+    let file = scratch("drop.gltf");
+    backstop::scene::write_scene(&scene, &file).expect("a file");
+    let folder = scratch("drop");
+    let [file, to] = [&file, &folder].map(|p| p.to_str().expect("a path of characters"));
+    let run = ["run", file, "--steps", "240", "--every", "240", "--frames", to, "--size", "320x240"];
+    assert!(backstop(&[&run[..], &["--show", "shapes"]].concat()).status.success());
+    let discs = pictures(&folder).into_iter().map(|path| {
+        let picture = Picture::read(&path);
+        let (x, y, count) = picture.middle_of(|[r, _, b]| r > b + 30);
+        let radius = (count / std::f64::consts::PI).sqrt();
+        assert!((x - 160.0).abs() < 4.0 && y - radius > 5.0 && y + radius < 235.0, "{x} {y} {radius}");
+        (y, radius)
+    });
+    let [(high, a), (low, b)] = discs.collect::<Vec<_>>()[..] else { panic!("two pictures") };
+    // The two are 5.5 m apart, which with the balls around them fills most of the height.
+    assert!(low - high > 110.0 && (a / b - 1.0).abs() < 0.4, "{high} {low} {a} {b}");
+}
+
 #[test]
 fn without_a_display_a_view_becomes_pictures() {
     let output = backstop(&["run", "chain", "--view", "--every", "50", "--size", "80x60"]);

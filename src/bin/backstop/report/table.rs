@@ -3,7 +3,8 @@
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 
-/// Columns under their headings: the first `words` of them of text, the others of numbers, on the right.
+/// Columns under their headings: the first `words` of them of text, the others of numbers, on the right,
+/// but for notes, which have no heading.
 pub(crate) fn table(
     headings: &[impl AsRef<str>],
     words: usize,
@@ -12,9 +13,10 @@ pub(crate) fn table(
     let mut table = Table::new();
     table.load_style(NOTHING).set_header(headings.iter().map(AsRef::as_ref));
     rows.into_iter().for_each(|row| _ = table.add_row(row));
-    for (i, column) in table.column_iter_mut().enumerate() {
+    for ((i, heading), column) in headings.iter().enumerate().zip(table.column_iter_mut()) {
+        let is_text = i < words || heading.as_ref().is_empty();
         column.set_padding((0, 2));
-        column.set_cell_alignment(if i < words { CellAlignment::Left } else { CellAlignment::Right });
+        column.set_cell_alignment(if is_text { CellAlignment::Left } else { CellAlignment::Right });
     }
     table.trim_fmt() + "\n"
 }
@@ -25,12 +27,12 @@ mod tests {
 
     #[test]
     fn words_are_on_the_left_and_numbers_on_the_right() {
-        let rows = [["stones", "7", "!"], ["µ", "12345", ""]].map(|row| row.map(str::to_owned).to_vec());
+        let rows = [["stones", "7", "falls"], ["µ", "12345", "a"]].map(|row| row.map(str::to_owned).to_vec());
         let expected = "\
-name    count  note
-stones      7     !
-µ       12345
+name    count
+stones      7  falls
+µ       12345  a
 ";
-        assert_eq!(table(&["name", "count", "note"], 1, rows), expected);
+        assert_eq!(table(&["name", "count", ""], 1, rows), expected);
     }
 }

@@ -38,12 +38,12 @@ pub(super) fn about(outcome: &Outcome) -> String {
 
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = about(outcome) + "\n";
-    let row = |name: &str, row: &Row| cells(row).into_iter().chain([row.name.clone(), name.into()]).collect();
+    let row = |name: &str, row: &Row| [&[row.name.clone()], &cells(row)[..], &[name.to_owned()]].concat();
     let front = outcome.front.iter().map(|one| row("", one));
     let picked = format!("picked, {}", outcome.rule);
     let picked = outcome.picked.iter().map(|one| row(&picked, one));
     let rows = front.chain([row("the default setting", &outcome.default)]).chain(picked);
-    text += &table(&["cost", "relative", "error", "setting", ""], 0, rows);
+    text += &table(&["setting", "cost", "relative", "error", ""], 1, rows);
     if !outcome.axes.is_empty() {
         let mut last = "";
         let rows = outcome.axes.iter().map(|value| {
