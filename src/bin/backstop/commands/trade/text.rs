@@ -38,7 +38,9 @@ pub(super) fn about(outcome: &Outcome) -> String {
 
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = about(outcome) + "\n";
-    let row = |name: &str, row: &Row| [&[row.name.clone()], &cells(row)[..], &[name.to_owned()]].concat();
+    let row = |name: &str, row: &Row| {
+        [std::slice::from_ref(&row.name), &cells(row)[..], &[name.to_owned()]].concat()
+    };
     let front = outcome.front.iter().map(|one| row("", one));
     let picked = format!("picked, {}", outcome.rule);
     let picked = outcome.picked.iter().map(|one| row(&picked, one));
