@@ -8,6 +8,7 @@
 mod common;
 
 mod bad_input;
+mod baked;
 mod basics;
 mod bodies;
 mod budget;
@@ -15,6 +16,7 @@ mod calls;
 mod changes;
 mod character;
 mod churn;
+mod descriptions;
 mod determinism;
 mod events;
 mod faults;

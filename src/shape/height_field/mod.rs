@@ -32,7 +32,7 @@ pub struct HeightField {
     pub(super) heights: Vec<f32>,
     /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z
     /// that start at the cell's own sample.
-    folds: Vec<u8>,
+    pub(super) folds: Vec<u8>,
     /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
     levels: Vec<Level>,
 }
@@ -69,6 +69,17 @@ impl HeightField {
     /// Fewer than two columns or rows, a number of heights that isn't their product, a height that is not
     /// finite or beyond 1e7, cells without size, or more than 2^31 triangles.
     pub fn new(columns: usize, rows: usize, cell: Vec2, heights: Vec<f32>) -> Result<HeightField, Error> {
+        HeightField::with_folds(columns, rows, cell, heights, Vec::new())
+    }
+
+    /// The same with known folds of edges; none: they are found.
+    pub(super) fn with_folds(
+        columns: usize,
+        rows: usize,
+        cell: Vec2,
+        heights: Vec<f32>,
+        folds: Vec<u8>,
+    ) -> Result<HeightField, Error> {
         let count = columns
             .checked_mul(rows)
             .filter(|&n| n < 1 << 30)
@@ -86,8 +97,14 @@ impl HeightField {
         for &height in &heights {
             within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
         }
-        let mut field = HeightField { columns, rows, cell, heights, folds: Vec::new(), levels: Vec::new() };
-        field.folds = field.find_folds();
+        if !folds.is_empty() && folds.len() != (columns - 1) * (rows - 1) {
+            let expected = "one for each cell";
+            return Err(Error::OutOfRange { what: "folds", expected, value: folds.len() as f64 });
+        }
+        let mut field = HeightField { columns, rows, cell, heights, folds, levels: Vec::new() };
+        if field.folds.is_empty() {
+            field.folds = field.find_folds();
+        }
         field.levels = field.find_levels();
         Ok(field)
     }
