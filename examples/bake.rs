@@ -8,7 +8,7 @@ use backstop::scene::Terrain;
 use backstop::{ConvexHull, Error, HeightField, TriangleMesh};
 use std::time::Instant;
 
-const CELLS: u32 = 224;
+const CELLS: usize = 224;
 const ROUNDS: usize = 15;
 
 /// The median time [ms].
@@ -44,7 +44,7 @@ fn compare<T>(
 
 fn main() -> Result<(), Error> {
     let (vertices, triangles) = Terrain::bumpy(CELLS, 1.0).mesh();
-    let side = CELLS as usize + 1;
+    let side = CELLS + 1;
     let heights: Vec<f32> = vertices.iter().map(|v| v.y).collect();
     // The corners of a ball.
     let points: Vec<Vec3> = vertices.iter().take(4000).map(|v| v.normalize_or(Vec3::Y)).collect();

@@ -13,6 +13,7 @@ mod height_field;
 mod hull;
 mod mass;
 pub(crate) mod mesh;
+mod scaled;
 mod slabs;
 #[cfg(feature = "serde")]
 mod stored;

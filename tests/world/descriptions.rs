@@ -1,5 +1,5 @@
 //! Descriptions through serde: there and back in text and in bytes, what may be left out, what is refused.
-#![cfg(feature = "cli")]
+#![cfg(all(feature = "gltf", feature = "bake"))]
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::*;

@@ -25,5 +25,6 @@ mod kinds;
 mod queries;
 mod reading;
 mod replay;
+mod scaled;
 mod sleep;
 mod snapshot;
