@@ -55,6 +55,9 @@ impl HeightField {
         positive("scale of a height field along x", scale.x)?;
         positive("scale of a height field along z", scale.z)?;
         let heights = self.heights.iter().map(|height| height * scale.y).collect();
-        HeightField::new(self.columns, self.rows, self.cell * Vec2::new(scale.x, scale.z), heights)
+        let cell = self.cell * Vec2::new(scale.x, scale.z);
+        let cells = self.columns - 1;
+        let holes = self.holes().map(|cell| cell as usize).map(|cell| [cell % cells, cell / cells]);
+        HeightField::new(self.columns, self.rows, cell, heights)?.with_holes(holes)
     }
 }

@@ -26,7 +26,7 @@ impl Level {
         Level {
             rock: ConvexHull::new(&points).unwrap(),
             hills: TriangleMesh::new(vertices, triangles).unwrap(),
-            field: HeightField::new(side, side, Vec2::ONE, heights).unwrap(),
+            field: HeightField::new(side, side, Vec2::ONE, heights).unwrap().with_holes([[2, 3]]).unwrap(),
         }
     }
 

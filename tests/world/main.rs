@@ -21,6 +21,7 @@ mod determinism;
 mod events;
 mod faults;
 mod fuzzed;
+mod holes;
 mod kinds;
 mod queries;
 mod reading;

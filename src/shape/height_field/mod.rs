@@ -1,5 +1,6 @@
 //! Height fields.
 
+mod holes;
 pub(crate) mod rays;
 
 use super::corners::beyond;
@@ -23,7 +24,8 @@ pub(super) const STACK: usize = 224;
 ///
 /// Sample (column, row) lies at x = column · cell.x and z = row · cell.y. A cell is two triangles whose
 /// common edge runs from (column + 1, row) to (column, row + 1), with their fronts up; triangle 2 c is the
-/// one at the cell's own sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
+/// one at the cell's own sample, 2 c + 1 the other. It is touched from both sides. Cells may be holes
+/// ([`HeightField::with_holes`]). About 5.6 bytes a sample.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     pub(super) columns: usize,
@@ -31,8 +33,10 @@ pub struct HeightField {
     pub(super) cell: Vec2,
     pub(super) heights: Vec<f32>,
     /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z
-    /// that start at the cell's own sample.
+    /// that start at the cell's own sample. Above them a bit that makes the cell a hole.
     pub(super) folds: Vec<u8>,
+    /// Whether any cell is a hole.
+    pub(super) has_holes: bool,
     /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
     levels: Vec<Level>,
 }
@@ -101,7 +105,8 @@ impl HeightField {
             let expected = "one for each cell";
             return Err(Error::OutOfRange { what: "folds", expected, value: folds.len() as f64 });
         }
-        let mut field = HeightField { columns, rows, cell, heights, folds, levels: Vec::new() };
+        let has_holes = folds.iter().any(|&bits| bits & holes::HOLE != 0);
+        let mut field = HeightField { columns, rows, cell, heights, folds, has_holes, levels: Vec::new() };
         if field.folds.is_empty() {
             field.folds = field.find_folds();
         }
@@ -241,7 +246,7 @@ impl HeightField {
         for row in cells(min.z, max.z, self.cell.y, self.rows - 1) {
             for column in columns.clone() {
                 let (low, high) = self.cell_bounds(column, row);
-                if low > max.y || high < min.y {
+                if low > max.y || high < min.y || self.is_hole(column, row) {
                     continue;
                 }
                 let first = 2 * (row * (self.columns - 1) + column) as u32;
@@ -292,10 +297,11 @@ impl HeightField {
         Square { level: self.levels.len() as u32, ..Square::default() }
     }
 
-    /// The two triangles of a cell.
-    pub(super) fn triangles_of(&self, cell: &Square) -> [u32; 2] {
-        let cell = cell.row as usize * (self.columns - 1) + cell.column as usize;
-        [2 * cell as u32, 2 * cell as u32 + 1]
+    /// The two triangles of a cell; none of a hole.
+    pub(super) fn triangles_of(&self, cell: &Square) -> std::ops::Range<u32> {
+        let (column, row) = (cell.column as usize, cell.row as usize);
+        let first = 2 * (row * (self.columns - 1) + column) as u32;
+        first..if self.is_hole(column, row) { first } else { first + 2 }
     }
 
     /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest
