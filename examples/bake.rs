@@ -1,5 +1,5 @@
-//! A level that loads without building: a mesh of 100,352 triangles, a height field of as many and a hull, and
-//! how long each takes to build and to load.
+//! A level that loads without building: a mesh of 100,352 triangles, a height field of as many and a hull,
+//! and how long each takes to build and to load.
 //!
 //!     cargo run --release --features bake --example bake
 

@@ -334,8 +334,8 @@ impl Filter {
 
 /// A shape to be put on a body.
 ///
-/// With the feature `serde` all but the geometry may be left out where it is the default. Geometry that shapes
-/// share is written with each of them.
+/// With the feature `serde` all but the geometry may be left out where it is the default. Geometry that
+/// shapes share is written with each of them.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

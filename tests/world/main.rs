@@ -8,7 +8,6 @@
 mod common;
 
 mod bad_input;
-mod baked;
 mod basics;
 mod bodies;
 mod budget;
@@ -16,16 +15,14 @@ mod calls;
 mod changes;
 mod character;
 mod churn;
-mod descriptions;
 mod determinism;
 mod events;
 mod faults;
 mod fuzzed;
-mod holes;
 mod kinds;
+mod levels;
 mod queries;
 mod reading;
 mod replay;
-mod scaled;
 mod sleep;
 mod snapshot;

@@ -15,7 +15,7 @@ fn field() -> HeightField {
 }
 
 fn world_of(threads: usize, field: HeightField) -> (World, BodyHandle) {
-    let mut world = World::new(Settings::default().with_threads(threads)).unwrap();
+    let mut world = World::new(Settings::default().with_threads(threads).with_sleeping(true)).unwrap();
     let ground = BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::height_field(field)));
     let ground = world.add_body(&ground).unwrap();
     (world, ground)
@@ -39,7 +39,7 @@ fn what_falls_over_a_hole_falls_through_and_what_stands_at_its_rim_stands() {
         };
         let through = [ball(10.0, 10.0), ball(9.0, 11.2)]
             .map(|desc| (world.add_body(&desc).unwrap(), empty.add_body(&desc).unwrap()));
-        let above = [ball(4.0, 4.0), ball(7.5, 10.0)].map(|desc| world.add_body(&desc).unwrap());
+        let above = [ball(4.0, 4.0), ball(7.6, 9.0)].map(|desc| world.add_body(&desc).unwrap());
         let [stays, goes] = [plank(7.9), plank(8.1)].map(|desc| world.add_body(&desc).unwrap());
         for step in 0..300 {
             world.step(1.0 / 60.0).unwrap();
@@ -110,7 +110,8 @@ fn a_hole_that_opens_lets_go_and_snapshots_know_of_it() {
                 .add_body(&common::dynamic(Geometry::cuboid(0.2, 0.2, 0.2), Material::default(), at))
                 .unwrap();
         }
-        common::steps(&mut world, 120, 1.0 / 60.0);
+        common::steps(&mut world, 300, 1.0 / 60.0);
+        assert!(world.bodies().filter(|body| world.is_asleep(*body).unwrap()).count() > 100);
         let mut before = Snapshot::new();
         world.snapshot(&mut before);
         let shape = world.shapes(ground).unwrap().next().unwrap();
