@@ -33,14 +33,14 @@ fn what_falls_over_a_hole_falls_through_and_what_stands_at_its_rim_stands() {
             let at = Vec3::new(x, 3.0, z);
             common::dynamic(Geometry::sphere(0.3), Material::default(), at).with_continuous(mode)
         };
-        let plank = |x: f32| {
-            let at = Vec3::new(x, 0.2, 10.0);
+        let plank = |x: f32, z: f32| {
+            let at = Vec3::new(x, 0.2, z);
             common::dynamic(Geometry::cuboid(0.5, 0.2, 0.5), Material::default(), at).with_continuous(mode)
         };
-        let through = [ball(10.0, 10.0), ball(9.0, 11.2)]
+        let through = [ball(10.0, 10.0), ball(10.5, 11.2)]
             .map(|desc| (world.add_body(&desc).unwrap(), empty.add_body(&desc).unwrap()));
         let above = [ball(4.0, 4.0), ball(7.6, 9.0)].map(|desc| world.add_body(&desc).unwrap());
-        let [stays, goes] = [plank(7.9), plank(8.1)].map(|desc| world.add_body(&desc).unwrap());
+        let [stays, goes] = [plank(7.9, 10.0), plank(8.1, 11.2)].map(|desc| world.add_body(&desc).unwrap());
         for step in 0..300 {
             world.step(1.0 / 60.0).unwrap();
             empty.step(1.0 / 60.0).unwrap();
