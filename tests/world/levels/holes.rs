@@ -147,3 +147,24 @@ fn holes_beyond_the_last_cell_are_refused() {
     let scaled = holed.scaled(Vec3::new(2.0, 1.0, 3.0)).unwrap();
     assert!(scaled.is_hole_at(1, 0) && !scaled.is_hole_at(0, 0));
 }
+
+/// Expected: a replay without divergence, at the hash of the run, with the hole in the field that the
+/// recording holds.
+#[cfg(feature = "replay")]
+#[test]
+fn a_recording_holds_the_holes() {
+    let buffer = backstop::replay::RecordingBuffer::default();
+    let mut world = World::new(Settings::default()).unwrap();
+    world.start_recording(buffer.clone()).unwrap();
+    world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::height_field(field())))).unwrap();
+    for x in [7.8, 8.2, 10.0] {
+        let at = Vec3::new(x, 1.0, 10.0);
+        world.add_body(&common::dynamic(Geometry::sphere(0.3), Material::default(), at)).unwrap();
+    }
+    common::steps(&mut world, 180, 1.0 / 60.0);
+    world.stop_recording().unwrap();
+    let bytes = buffer.bytes();
+    let mut replay = backstop::replay::Replay::open(&bytes[..]).unwrap();
+    assert_eq!(replay.run().unwrap().divergence, None);
+    assert_eq!(replay.world().hash(), world.hash());
+}
