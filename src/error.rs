@@ -106,6 +106,21 @@ pub enum Error {
         /// What this version of backstop writes and reads.
         expected: u32,
     },
+    /// Bytes that are no baked shape of this kind, or no longer: cut off, changed, or with numbers that can't
+    /// be.
+    #[error("the baked shape is broken: {what}")]
+    BrokenShape {
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A baked shape of another version of its format: bake it again.
+    #[error("the baked shape has version {found} of its format, this is {expected}")]
+    ShapeVersion {
+        /// The shape's.
+        found: u16,
+        /// What this version of backstop writes and reads.
+        expected: u16,
+    },
     /// A snapshot refers to something that the world does not have.
     #[error("the snapshot is of a world with {what}")]
     ForeignSnapshot {

@@ -64,7 +64,8 @@
 //!
 //! - `parallel` (default): a step may use several threads of the caller's rayon pool, see
 //!   [`Settings::threads`].
-//! - `serde`: settings, materials, filters and reports can be serialised.
+//! - `serde`: settings, descriptions, geometry and reports can be serialised.
+//! - `bake`: hulls, meshes and height fields to bytes and back, without building them again.
 //! - `mint`: vectors and quaternions of other maths crates, by `.into()`.
 //! - `web-time`: step times in a browser, where bare WebAssembly has no clock.
 //! - `gltf`: scenes from files, animations to files.

@@ -5,7 +5,7 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, Drive, Filter,
     Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap, QueryFilter, Ray,
-    Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, World,
+    Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
 };
 
 /// What the rows of the table find at hand.
@@ -20,6 +20,7 @@ struct AtHand<'a> {
     joint: JointHandle,
     frames: [Frame; 2],
     geometry: Geometry,
+    mesh: TriangleMesh,
     cast: ShapeCast<'a>,
     overlaps: Vec<Overlap>,
     snapshot: Snapshot,
@@ -40,8 +41,8 @@ macro_rules! rows {
 
 rows! {
     AtHand {
-        world, desc, shape_desc, joint_desc, bodies, body, shape, joint, frames, geometry, cast, mut overlaps,
-        mut snapshot, drawing,
+        world, desc, shape_desc, joint_desc, bodies, body, shape, joint, frames, geometry, mesh, cast,
+        mut overlaps, mut snapshot, drawing,
     } =>
     World::new(Settings::default());
     world.step(1.0 / 60.0);
@@ -74,6 +75,7 @@ rows! {
     Geometry::Sphere { radius: 0.5 };
     Geometry::cuboid(0.5, 0.5, 0.5);
     Geometry::capsule(0.5, 0.2);
+    mesh.scaled(Vec3::new(-1.0, 2.0, 1.0));
     world.add_shape(body, &shape_desc);
     world.body_of(shape);
     world.set_material(shape, Material::default().with_friction(0.3));

@@ -20,7 +20,14 @@ pub enum BodyKind {
 }
 
 /// A body to be added.
+///
+/// With the feature `serde` whatever is the default may be left out.
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub struct BodyDesc {
     /// What moves it.

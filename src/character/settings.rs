@@ -5,7 +5,11 @@ use glam::Vec3;
 
 /// A capsule that walks: its size, and what it may climb, push and stand on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct CharacterSettings {
     /// Radius of the capsule, above zero [m]. Default 0.3.
     pub radius: f32,

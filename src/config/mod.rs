@@ -4,6 +4,8 @@ mod builders;
 mod order;
 mod settings;
 pub(crate) mod tuning;
+#[cfg(feature = "serde")]
+pub(crate) mod unbounded;
 
 pub(crate) use builders::with_fields;
 pub(crate) use order::Place;

@@ -11,9 +11,19 @@ use glam::Vec3;
 /// Largest displacement that a limit or drive may name [m] or [rad].
 const MAX_DISPLACEMENT: f32 = limits::MAX_POSITION as f32;
 
+/// The default of bounds that serde finds left out.
+#[cfg(feature = "serde")]
+fn infinity() -> f32 {
+    f32::INFINITY
+}
+
 /// Where a joint sits on a body, in the body's own axes and from its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Frame {
     /// [m], within 1e6 along each axis.
     pub position: Vec3,
@@ -45,7 +55,7 @@ impl Frame {
 
 /// A direction of relative motion, along or about axes of the first body's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Axis {
     /// x
     X,
@@ -62,7 +72,7 @@ impl Axis {
 
 /// Which axes a limit restricts together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Axes {
     /// Linear: the signed distance along one axis [m]. Angular: the twist about it [rad].
     One(Axis),
@@ -76,7 +86,7 @@ pub enum Axes {
 
 /// Sliding or turning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Motion {
     /// [m]
     Linear,
@@ -86,7 +96,11 @@ pub enum Motion {
 
 /// A spring with a damper.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Spring {
     /// Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad].
@@ -94,6 +108,7 @@ pub enum Spring {
         /// At least zero.
         stiffness: f32,
         /// At least zero; infinite holds the speed exactly.
+        #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
         damping: f32,
     },
     /// The same by how it moves what is joined, whatever the mass.
@@ -108,6 +123,7 @@ pub enum Spring {
         /// At least zero.
         stiffness: f32,
         /// At least zero; infinite holds the speed exactly.
+        #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
         damping: f32,
     },
 }
@@ -171,17 +187,20 @@ impl Spring {
 
 /// Keeps a displacement within a range. A range of no width locks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Limit {
     /// What is limited.
     pub motion: Motion,
     /// Along or about which axes.
     pub axes: Axes,
     /// Least allowed [m] or [rad]; minus infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
     pub min: f32,
     /// Most allowed, not below `min`; infinity for none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
     pub max: f32,
     /// What pushes back beyond the range; rigid if there is none.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub spring: Option<Spring>,
 }
 
@@ -239,19 +258,22 @@ impl Limit {
 /// A spring without damping is an oscillator, one with infinite damping and no stiffness a motor that holds
 /// its velocity up to `max_force`, and such a motor at rest is friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Drive {
     /// Along or about the axis.
     pub motion: Motion,
     /// An axis of the first body's frame.
     pub axis: Axis,
     /// [m] or [rad], within 1e9.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub position: f32,
     /// [m/s] or [rad/s], within 1e6.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub velocity: f32,
     /// How hard it pulls.
     pub spring: Spring,
     /// The most force [N] or torque [N m]; infinity for no bound.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub max_force: f32,
 }
 
@@ -296,33 +318,46 @@ impl Drive {
 ///
 /// The relative motion is that of the second frame as seen from the first. Frames that coincide have no
 /// displacement.
+///
+/// With the feature `serde` all but the bodies may be left out where it is the default. Where numbers are
+/// text an infinite one is `"infinity"` or `"-infinity"`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct JointDesc {
     /// The two bodies, at least one of them dynamic.
     pub bodies: [BodyHandle; 2],
     /// Where the joint sits on each.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub frames: [Frame; 2],
     /// What is kept within a range.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub limits: Vec<Limit>,
     /// What is driven.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub drives: Vec<Drive>,
     /// Whether the two bodies collide with each other. Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub collide: bool,
     /// The joint breaks above this force [N]. Default infinity.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub break_force: f32,
     /// The joint breaks above this torque [N m]. Default infinity.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub break_torque: f32,
     /// The joint is among [`World::strained_joints`](crate::World::strained_joints) after each step in which
     /// its force is above this [N]. Default infinity.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub force_threshold: f32,
     /// The same of its torque [N m]. Default infinity.
+    #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub torque_threshold: f32,
     /// Has its rows solved right after those of this group, unless their own place is later: what is solved
     /// later wins. A tree of joints goes as a whole. Default none.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub solved_after: Option<RowGroup>,
     /// The caller's own.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub user_data: u64,
 }
 

@@ -11,7 +11,11 @@ use std::f32::consts::PI;
 
 /// How a bone moves on its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum BoneJoint {
     /// Within a cone around the direction that it has in the skeleton, and with a bounded twist.
@@ -36,7 +40,7 @@ pub enum BoneJoint {
 
 /// A capsule from its joint to its other end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bone {
     /// A bone before this one; none for the root.
     pub parent: Option<usize>,
@@ -54,17 +58,22 @@ pub struct Bone {
 
 /// Bones in the pose in which no joint is bent, y up, and what they are made of.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Skeleton {
     /// Parents before children.
     pub bones: Vec<Bone>,
     /// [kg/m³]. Default 1000.
+    #[cfg_attr(feature = "serde", serde(default = "ShapeDesc::default_density"))]
     pub density: f32,
     /// Material of all bones.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub material: Material,
     /// Filter of all bones. Neighbours never collide.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub filter: Filter,
     /// Torque of friction in each joint [N m]. Default 0.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub friction: f32,
 }
 

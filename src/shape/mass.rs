@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 /// Mass, centre of mass and inertia about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MassProperties {
     /// [kg]
     pub mass: f32,

@@ -3,6 +3,8 @@
 //! Every shape answers for its mass, bounds and features. A convex one is, to the narrow phase, a few points
 //! with a radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
+#[cfg(feature = "bake")]
+mod baked;
 mod collider;
 mod corners;
 mod extent;
@@ -11,8 +13,9 @@ mod height_field;
 mod hull;
 mod mass;
 pub(crate) mod mesh;
+mod scaled;
 mod slabs;
-#[cfg(feature = "replay")]
+#[cfg(feature = "serde")]
 mod stored;
 mod stream;
 
@@ -40,6 +43,11 @@ use std::sync::Arc;
 
 /// The form of a shape, in its own frame [m]. Lengths that are not zero lie in 1e-6..=1e6 ([`limits`]).
 #[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Geometry {
     /// A ball around the origin.
@@ -71,13 +79,13 @@ pub enum Geometry {
         radius_top: f32,
     },
     /// A convex hull.
-    Hull(Arc<ConvexHull>),
+    Hull(#[cfg_attr(feature = "serde", serde(with = "stored::shared"))] Arc<ConvexHull>),
     /// The half-space y <= 0; only static or kinematic.
     Plane,
     /// Triangles, from both sides; only static or kinematic.
-    Mesh(Arc<TriangleMesh>),
+    Mesh(#[cfg_attr(feature = "serde", serde(with = "stored::shared"))] Arc<TriangleMesh>),
     /// A grid of heights; only static or kinematic.
-    HeightField(Arc<HeightField>),
+    HeightField(#[cfg_attr(feature = "serde", serde(with = "stored::shared"))] Arc<HeightField>),
 }
 
 impl Geometry {
@@ -219,7 +227,11 @@ impl Combine {
 /// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
 /// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub struct Material {
     /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
@@ -285,7 +297,11 @@ impl Material {
 /// group other than 0, the groups differ or are positive (equal negative groups never collide, equal positive
 /// ones always).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub struct Filter {
     /// Bits that this shape is. Default: bit 0.
@@ -317,31 +333,44 @@ impl Filter {
 }
 
 /// A shape to be put on a body.
+///
+/// With the feature `serde` all but the geometry may be left out where it is the default. Geometry that
+/// shapes share is written with each of them.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct ShapeDesc {
     /// Its form.
     pub geometry: Geometry,
     /// Where its frame is in the body's [m], within 1e6 along each axis.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub position: Vec3,
     /// How its frame is turned in the body's.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub rotation: glam::Quat,
     /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
+    #[cfg_attr(feature = "serde", serde(default = "ShapeDesc::default_density"))]
     pub density: f32,
     /// Friction and restitution.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub material: Material,
     /// Which shapes it collides with.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub filter: Filter,
     /// It pushes nothing, and notices what comes into it:
     /// [`World::sensor_begins`](crate::World::sensor_begins). Convex or a plane; it notices convex shapes of
     /// bodies that move, of other bodies than its own, that its filter allows and that are no sensors.
     /// Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub sensor: bool,
     /// Contacts of it are heard of: [`World::contact_begins`](crate::World::contact_begins). Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub events: bool,
     /// Contacts of it are shown to [`ContactHooks`](crate::ContactHooks). Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub hooks: bool,
     /// Free for the caller.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub user_data: u64,
 }
 
@@ -365,7 +394,7 @@ impl ShapeDesc {
             geometry,
             position: Vec3::ZERO,
             rotation: glam::Quat::IDENTITY,
-            density: 1000.0,
+            density: Self::default_density(),
             material: Material::default(),
             filter: Filter::default(),
             sensor: false,
@@ -373,6 +402,11 @@ impl ShapeDesc {
             hooks: false,
             user_data: 0,
         }
+    }
+
+    /// That of water.
+    pub(crate) fn default_density() -> f32 {
+        1000.0
     }
 
     /// Pushes nothing, and notices what comes into it.

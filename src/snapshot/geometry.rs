@@ -100,6 +100,7 @@ fn print_of(geometry: &Geometry) -> u64 {
         }
         Geometry::HeightField(field) => {
             triangles(field.triangle_count(), &|i| field.triangle(i));
+            all.extend(field.holes());
             7
         }
         _ => 0,

@@ -20,6 +20,7 @@ mod events;
 mod faults;
 mod fuzzed;
 mod kinds;
+mod levels;
 mod queries;
 mod reading;
 mod replay;

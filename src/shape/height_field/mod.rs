@@ -1,5 +1,6 @@
 //! Height fields.
 
+mod holes;
 pub(crate) mod rays;
 
 use super::corners::beyond;
@@ -23,7 +24,8 @@ pub(super) const STACK: usize = 224;
 ///
 /// Sample (column, row) lies at x = column · cell.x and z = row · cell.y. A cell is two triangles whose
 /// common edge runs from (column + 1, row) to (column, row + 1), with their fronts up; triangle 2 c is the
-/// one at the cell's own sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
+/// one at the cell's own sample, 2 c + 1 the other. It is touched from both sides. Cells may be holes
+/// ([`HeightField::with_holes`]). About 5.6 bytes a sample.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     pub(super) columns: usize,
@@ -31,8 +33,10 @@ pub struct HeightField {
     pub(super) cell: Vec2,
     pub(super) heights: Vec<f32>,
     /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z
-    /// that start at the cell's own sample.
-    folds: Vec<u8>,
+    /// that start at the cell's own sample. Above them a bit that makes the cell a hole.
+    pub(super) folds: Vec<u8>,
+    /// Whether any cell is a hole.
+    pub(super) has_holes: bool,
     /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
     levels: Vec<Level>,
 }
@@ -69,6 +73,17 @@ impl HeightField {
     /// Fewer than two columns or rows, a number of heights that isn't their product, a height that is not
     /// finite or beyond 1e7, cells without size, or more than 2^31 triangles.
     pub fn new(columns: usize, rows: usize, cell: Vec2, heights: Vec<f32>) -> Result<HeightField, Error> {
+        HeightField::with_folds(columns, rows, cell, heights, Vec::new())
+    }
+
+    /// The same with known folds of edges; none: they are found.
+    pub(super) fn with_folds(
+        columns: usize,
+        rows: usize,
+        cell: Vec2,
+        heights: Vec<f32>,
+        folds: Vec<u8>,
+    ) -> Result<HeightField, Error> {
         let count = columns
             .checked_mul(rows)
             .filter(|&n| n < 1 << 30)
@@ -86,8 +101,15 @@ impl HeightField {
         for &height in &heights {
             within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
         }
-        let mut field = HeightField { columns, rows, cell, heights, folds: Vec::new(), levels: Vec::new() };
-        field.folds = field.find_folds();
+        if !folds.is_empty() && folds.len() != (columns - 1) * (rows - 1) {
+            let expected = "one for each cell";
+            return Err(Error::OutOfRange { what: "folds", expected, value: folds.len() as f64 });
+        }
+        let has_holes = folds.iter().any(|&bits| bits & holes::HOLE != 0);
+        let mut field = HeightField { columns, rows, cell, heights, folds, has_holes, levels: Vec::new() };
+        if field.folds.is_empty() {
+            field.folds = field.find_folds();
+        }
         field.levels = field.find_levels();
         Ok(field)
     }
@@ -224,7 +246,7 @@ impl HeightField {
         for row in cells(min.z, max.z, self.cell.y, self.rows - 1) {
             for column in columns.clone() {
                 let (low, high) = self.cell_bounds(column, row);
-                if low > max.y || high < min.y {
+                if low > max.y || high < min.y || self.is_hole(column, row) {
                     continue;
                 }
                 let first = 2 * (row * (self.columns - 1) + column) as u32;
@@ -275,10 +297,11 @@ impl HeightField {
         Square { level: self.levels.len() as u32, ..Square::default() }
     }
 
-    /// The two triangles of a cell.
-    pub(super) fn triangles_of(&self, cell: &Square) -> [u32; 2] {
-        let cell = cell.row as usize * (self.columns - 1) + cell.column as usize;
-        [2 * cell as u32, 2 * cell as u32 + 1]
+    /// The two triangles of a cell; none of a hole.
+    pub(super) fn triangles_of(&self, cell: &Square) -> std::ops::Range<u32> {
+        let (column, row) = (cell.column as usize, cell.row as usize);
+        let first = 2 * (row * (self.columns - 1) + column) as u32;
+        first..if self.is_hole(column, row) { first } else { first + 2 }
     }
 
     /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest

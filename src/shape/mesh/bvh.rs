@@ -19,7 +19,7 @@ const BINS: usize = 12;
 /// stack.
 const FREE_LEVELS: u32 = 8;
 /// Most levels: 8 + 13.
-#[cfg(feature = "replay")]
+#[cfg(feature = "serde")]
 pub(crate) const DEPTH: u32 = FREE_LEVELS + 13;
 /// Most nodes that wait: three for each of them.
 const STACK: usize = 64;
@@ -63,6 +63,14 @@ impl Node {
         };
         let all = |q| LaneVec3::new(axis(0, q), axis(1, q), axis(2, q));
         (all(&self.low), all(&self.high))
+    }
+    /// The box of one child.
+    #[cfg(feature = "serde")]
+    pub(crate) fn child_box(&self, lane: usize) -> (Vec3, Vec3) {
+        let at = |q: &[[u8; 4]; 3]| {
+            Vec3::new(self.at(0, q[0][lane]), self.at(1, q[1][lane]), self.at(2, q[2][lane]))
+        };
+        (at(&self.low), at(&self.high))
     }
     fn at(&self, axis: usize, steps: u8) -> f32 {
         self.origin[axis] + f32::from(steps) * self.step[axis]

@@ -371,6 +371,13 @@ impl Leaf {
     }
 }
 
+/// Whether a triangle's height is above a millionth of its length: of others f32 doesn't know the normal.
+pub(super) fn has_area(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    (b - a).cross(c - a).length() > 1e-6 * longest
+}
+
 /// Makes equal vertices one and drops triangles without area and those that are there already, either way
 /// round.
 fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
@@ -388,10 +395,7 @@ fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut kept: Vec<([u32; 3], u32)> = Vec::with_capacity(triangles.len());
     let welded: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
     for (i, t) in (0..).zip(&welded) {
-        let [a, b, c] = t.map(|v| vertices[v as usize].as_dvec3());
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        // A height of a millionth of the length: of such a triangle f32 doesn't know the normal.
-        if (b - a).cross(c - a).length() > 1e-6 * longest {
+        if has_area(t.map(|v| vertices[v as usize])) {
             let mut sorted = *t;
             sorted.sort_unstable();
             kept.push((sorted, i));

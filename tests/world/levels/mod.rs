@@ -1,0 +1,8 @@
+//! What levels are made of: shapes from bytes, at another scale and with holes, descriptions from files.
+
+use super::common;
+
+mod baked;
+mod descriptions;
+mod holes;
+mod scaled;
