@@ -14,7 +14,9 @@ use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
 use crate::limits;
 use crate::math::Quat;
-use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
+use crate::shape::{
+    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, ROLLS, RareMaterial, SENSOR,
+};
 use crate::words::{Reader, broken, words};
 use crate::world::World;
 use glam::{DVec3, Vec3};
@@ -147,8 +149,13 @@ fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mu
     let collider = &world.colliders.all[c as usize];
     out.extend([c, world.colliders.slots.generation(c)]);
     let (code, numbers) = code_of(&collider.geometry, table);
-    let Material { static_friction, dynamic_friction, restitution, friction_combine, restitution_combine } =
-        collider.material;
+    let BaseMaterial {
+        static_friction,
+        dynamic_friction,
+        restitution,
+        friction_combine,
+        restitution_combine,
+    } = collider.material;
     let combine = (friction_combine as u32) << 8 | (restitution_combine as u32) << 12;
     out.push(code | combine | u32::from(collider.flags) << 16);
     out.extend(numbers);
@@ -157,6 +164,13 @@ fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mu
     out.extend(words::<4>([collider.filter.category, collider.filter.mask]));
     out.push(collider.filter.group as u32);
     out.extend(words::<2>(collider.user_data));
+    let RareMaterial { rolling_friction, spinning_friction, surface_velocity } = world.colliders.rare(c);
+    if collider.flags & ROLLS != 0 {
+        out.extend([rolling_friction, spinning_friction].map(f32::to_bits));
+    }
+    if collider.flags & BELT != 0 {
+        out.extend(words::<3>(surface_velocity));
+    }
     if fixed {
         save_pose(&world.colliders.poses[c as usize], out);
         world.broad.save_static(c, out);
@@ -178,6 +192,7 @@ pub(super) struct ColliderRecord {
     pub(super) index: u32,
     pub(super) generation: u32,
     pub(super) collider: Collider,
+    pub(super) rare: RareMaterial,
     /// Pose and box of what is static.
     pub(super) pose: Pose,
     pub(super) bounds: [u32; 6],
@@ -372,7 +387,7 @@ fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
 /// Flags of a shape that may have them.
 fn flags_of(bits: u32, geometry: &crate::shape::Geometry) -> Result<u8, Error> {
     let flags = bits as u8;
-    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS);
+    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | ROLLS | BELT);
     let senses = flags & SENSOR == 0 || Kind::of(geometry) == Kind::Plane || Kind::of(geometry).is_convex();
     if known && senses { Ok(flags) } else { Err(broken("what a shape is for")) }
 }
@@ -395,18 +410,29 @@ fn read_collider(
         let all = [Combine::Average, Combine::Minimum, Combine::Maximum, Combine::Multiply];
         all.into_iter().find(|&how| how as u32 == code).ok_or_else(|| broken("a material"))
     };
-    let material = Material {
+    let mut material = Material {
         static_friction,
         dynamic_friction,
         restitution,
         friction_combine: combine(code >> 8 & 15)?,
         restitution_combine: combine(code >> 12 & 15)?,
+        ..Material::default()
     };
-    material.validate()?;
     within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
     let [category, mask]: [u64; 2] = from.record::<_, 4>()?;
     let filter = Filter { category, mask, group: from.one()? as i32 };
     let user_data = from.long()?;
+    if flags & ROLLS != 0 {
+        [material.rolling_friction, material.spinning_friction] = from.finite::<[f32; 2], 2>()?;
+    }
+    if flags & BELT != 0 {
+        material.surface_velocity = from.finite::<Vec3, 3>()?;
+    }
+    material.validate()?;
+    let rare = material.rare();
+    if rare.flags() != flags & (ROLLS | BELT) {
+        return Err(broken("a material"));
+    }
     let collider = Collider {
         kind: Kind::of(&geometry),
         body: u32::MAX,
@@ -417,7 +443,7 @@ fn read_collider(
         radius: geometry.radius(),
         inner_radius: geometry.inner_radius(),
         geometry,
-        material,
+        material: material.base(),
         filter,
         density,
         flags,
@@ -427,5 +453,5 @@ fn read_collider(
     let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
     let pose = if fixed { read_pose(from)? } else { nowhere };
     let bounds: [u32; 6] = if fixed { from.record::<_, 6>()? } else { [0; 6] };
-    Ok(ColliderRecord { index, generation, collider, pose, bounds })
+    Ok(ColliderRecord { index, generation, collider, rare, pose, bounds })
 }

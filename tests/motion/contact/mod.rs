@@ -6,4 +6,5 @@ mod friction;
 mod impact;
 mod overlap;
 mod restitution;
+mod rolling;
 mod sliding;
