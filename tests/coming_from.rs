@@ -77,6 +77,8 @@ rows! {
     world.add_shape(body, &shape_desc);
     world.body_of(shape);
     world.set_material(shape, Material::default().with_friction(0.3));
+    world.set_material(shape, Material::default().with_rolling_friction(0.01));
+    world.set_material(shape, Material::default().with_surface_velocity(Vec3::X));
     world.set_filter(shape, Filter::default());
     world.set_sensor(shape, true);
     world.shape_aabb(shape);

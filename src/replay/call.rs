@@ -8,7 +8,7 @@ use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
+use crate::shape::{BaseMaterial, Filter, MassProperties, Material, RareMaterial, ShapeDesc, StoredField};
 use crate::world::Change;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -273,7 +273,8 @@ pub(crate) struct Shape {
     position: Vec3,
     rotation: glam::Quat,
     density: f32,
-    material: Material,
+    material: BaseMaterial,
+    rare: Option<RareMaterial>,
     filter: Filter,
     /// Sensor, events, hooks.
     asks: [bool; 3],
@@ -299,7 +300,8 @@ impl Shape {
             position,
             rotation,
             density,
-            material,
+            material: material.base(),
+            rare: Some(material.rare()).filter(|rare| rare.flags() != 0),
             filter,
             asks: [sensor, events, hooks],
             user_data,
@@ -313,7 +315,7 @@ impl Shape {
             position: self.position,
             rotation: self.rotation,
             density: self.density,
-            material: self.material,
+            material: Material::of(self.material, self.rare.unwrap_or_default()),
             filter: self.filter,
             sensor,
             events,

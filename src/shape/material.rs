@@ -1,5 +1,5 @@
-//! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a column
-//! of its own.
+//! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a
+//! column of its own.
 
 use super::collider::{BELT, ROLLS};
 use crate::config::with_fields;
@@ -53,12 +53,12 @@ pub struct Material {
     pub restitution_combine: Combine,
     /// Lever arm of the load against rolling [m], 0..=1e6: the torque against rotation about axes in the
     /// surface is at most this times the normal force (the coefficient of rolling resistance as a length). A
-    /// solid ball of radius r on a level floor slows down by (5/7) g b / r, and stays on a slope below
+    /// solid ball of radius r on a level floor slows down by (5/7) g b / r, and stays on slopes below
     /// atan(b / r). Default 0.
     pub rolling_friction: f32,
-    /// Lever arm of the load against spinning [m], 0..=1e6: the torque against rotation about the normal is at
-    /// most this times the normal force, beside what sliding friction does about the middle of a contact of
-    /// several points. Default 0.
+    /// Lever arm of the load against spinning [m], 0..=1e6: the torque against rotation about the normal is
+    /// at most this times the normal force, beside what sliding friction does about the middle of a contact
+    /// of several points. Default 0.
     pub spinning_friction: f32,
     /// Velocity at which the surface moves past the shape, in the shape's frame [m/s], within 1e6 along each
     /// axis: a belt. Friction pulls what touches it along. Default zero.
@@ -136,6 +136,7 @@ impl Material {
 
 /// The part of a [`Material`] that every collider has.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BaseMaterial {
     pub(crate) static_friction: f32,
     pub(crate) dynamic_friction: f32,
@@ -173,6 +174,7 @@ impl BaseMaterial {
 
 /// The part of a [`Material`] that few colliders have; all zero in others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RareMaterial {
     pub(crate) rolling_friction: f32,
     pub(crate) spinning_friction: f32,

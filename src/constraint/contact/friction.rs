@@ -41,10 +41,10 @@ pub(crate) struct ImpactRow<L, const B: usize> {
     pub(crate) coefficient: L,
 }
 
-/// Rows against rolling of a batch of touching contacts, about both tangents of its friction, and what spinning
-/// friction adds to the bound of its twist; a lane each. The torque against rolling is bounded by a lever arm
-/// times the load: T. Pöschel et al., *Rolling friction of a hard cylinder on a viscous plane* (1999), derive
-/// such an arm.
+/// Rows against rolling of a batch of touching contacts, about both tangents of its friction, and what
+/// spinning friction adds to the bound of its twist; a lane each. The torque against rolling is bounded by a
+/// lever arm times the load: T. Pöschel et al., *Rolling friction of a hard cylinder on a viscous plane*
+/// (1999), derive such an arm.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RollingRow {
     /// Lever arms of the load against rolling and spinning [m].

@@ -1,5 +1,5 @@
-//! Friction of a manifold that touches: two rows along the surface, one against twist, and two against rolling
-//! where the material resists it.
+//! Friction of a manifold that touches: two rows along the surface, one against twist, and two against
+//! rolling where the material resists it.
 
 use super::batch::Batch;
 use super::body_pair::BodyPair;
@@ -205,8 +205,7 @@ fn solve_rolling<L: GatherLanes, const P: usize, const B: usize, R: Response<L, 
     let rolled = [old[0] - mass * w1, old[1] - mass * w2];
     let length = (rolled[0] * rolled[0] + rolled[1] * rolled[1]).sqrt();
     let scale = L::select(length.gt(limit), limit / length, L::one());
-    let new =
-        [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
+    let new = [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
     let change = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
     new[0].store(&mut row.impulse[0]);
     new[1].store(&mut row.impulse[1]);

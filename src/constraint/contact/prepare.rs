@@ -9,10 +9,10 @@ use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::config::Order;
 use crate::config::tuning::LOCKED_YIELD;
+use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
-use crate::constraint::Tweak;
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Contacts, Scale};
@@ -53,8 +53,9 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
-    /// Whether any surface moves, by its material or by a hook; whether any shape resists rolling or spinning.
+    /// Whether any surface moves, by its material or by a hook.
     pub(crate) surfaces: bool,
+    /// Whether any shape resists rolling or spinning.
     pub(crate) rolling: bool,
     /// What few shapes have of a material, as far as the column goes.
     pub(crate) rare: &'a [RareMaterial],

@@ -182,8 +182,9 @@ impl World {
         }
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
-        collider.flags =
-            collider.flags & !(EVENTS | HOOKS) | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
+        collider.flags = collider.flags & !(EVENTS | HOOKS)
+            | if events { EVENTS } else { 0 }
+            | if hooks { HOOKS } else { 0 };
         self.needs.count(collider, 1);
         self.colliders.summaries[index].flags = collider.flags;
         if stops {

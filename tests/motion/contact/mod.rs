@@ -1,5 +1,6 @@
 //! Contacts: bouncing, friction, sliding, parting, and what extreme masses do.
 
+mod belts;
 mod elastic;
 mod extremes;
 mod friction;

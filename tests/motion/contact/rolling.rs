@@ -83,8 +83,8 @@ fn a_body_that_rolls_stops_where_its_lever_arm_says_and_sleeps() {
     }
 }
 
-/// Half of the slope atan(b / r) is borne for a minute; on twice that slope the ball rolls off, accelerated by
-/// (5/7) g (sin - (b / r) cos).
+/// Slopes of half and of nine tenths of atan(b / r) are borne for a minute; on twice that slope the ball
+/// rolls off, accelerated by (5/7) g (sin - (b / r) cos).
 #[test]
 fn a_ball_stays_on_a_slope_below_the_angle_of_rolling_friction() {
     let arm = 0.03f32;
@@ -114,7 +114,8 @@ fn a_ball_stays_on_a_slope_below_the_angle_of_rolling_friction() {
 fn a_ball_that_spins_stops_in_the_time_that_its_lever_arm_says() {
     for model in [FrictionModel::Patch, FrictionModel::Point] {
         for arm in [0.002f32, 0.01] {
-            let (mut world, spin) = (World::new(Settings::default().with_friction_model(model)).unwrap(), 8.0f32);
+            let (mut world, spin) =
+                (World::new(Settings::default().with_friction_model(model)).unwrap(), 8.0f32);
             world.add_body(&Floor::Plane.desc(Material::default())).unwrap();
             let ball = dynamic(Geometry::sphere(R), resisting(0.0, arm), Vec3::new(0.0, R, 0.0));
             let ball = world.add_body(&ball.moving(Vec3::ZERO, Vec3::Y * spin)).unwrap();
@@ -160,10 +161,18 @@ fn scattered(settings: Settings) -> (World, Vec<BodyHandle>) {
     world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
     let bodies = (0..40u8)
         .map(|i| {
-            let geometry =
-                if i % 3 == 0 { Geometry::capsule(0.2, 0.15) } else { Geometry::sphere(0.15 + 0.002 * f32::from(i)) };
-            let material = if i % 4 == 3 { Material::default() } else { resisting(0.002 * f32::from(i % 5), 0.003) };
-            let at = Vec3::new(f32::from(i % 6) * 0.5 - 1.4, 0.4 + f32::from(i / 6) * 0.45, f32::from(i % 7) * 0.3);
+            let geometry = if i % 3 == 0 {
+                Geometry::capsule(0.2, 0.15)
+            } else {
+                Geometry::sphere(0.15 + 0.002 * f32::from(i))
+            };
+            let material =
+                if i % 4 == 3 { Material::default() } else { resisting(0.002 * f32::from(i % 5), 0.003) };
+            let at = Vec3::new(
+                f32::from(i % 6) * 0.5 - 1.4,
+                0.4 + f32::from(i / 6) * 0.45,
+                f32::from(i % 7) * 0.3,
+            );
             world.add_body(&dynamic(geometry, material, at).moving(Vec3::X, Vec3::Y)).unwrap()
         })
         .collect();
