@@ -65,6 +65,7 @@ rows! {
     world.apply_impulse(body, Vec3::X, DVec3::Y);
     world.apply_angular_impulse(body, Vec3::Y);
     world.set_damping(body, 0.1, 0.1);
+    world.set_max_speeds(body, Some(50.0), None);
     world.set_gravity_scale(body, 0.5);
     world.set_locks(body, [false; 3], [true; 3]);
     world.set_continuous(body, Continuous::Segment);

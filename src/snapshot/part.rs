@@ -7,7 +7,7 @@
 use super::checksum::hash;
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
-use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, Traits};
+use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, SpeedCap, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
 use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
@@ -111,7 +111,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
         (bodies.slot[i], bodies.kind[i], &bodies.details[i], &bodies.traits[i], &bodies.mass[i]);
     let own = bodies.colliders[i].as_slice();
     let damping = bodies.rare.damping.get(slot);
-    let kept_mass = bodies.rare.kept_mass.get(slot);
+    let (cap, kept_mass) = (bodies.rare.caps.get(slot), bodies.rare.kept_mass.get(slot));
     out.extend([slot, bodies.slots.generation(slot), own.len() as u32]);
     let bits = [
         kind as u32,
@@ -120,7 +120,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
             .iter()
             .rev()
             .fold(0, |all, &bit| all << 1 | u32::from(bit)),
-        u32::from(details.mass_from_shapes),
+        u32::from(details.mass_from_shapes) | u32::from(cap.is_some()) << 1,
         group_code(traits.solved_after),
         u32::from(traits.locks) & 15,
         u32::from(traits.locks) >> 4,
@@ -131,6 +131,9 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
     save_frame(details.centre, details.axes, out);
     out.extend(words::<2>(details.user_data));
     if let Some(Damping { linear, angular }) = damping {
+        out.extend([linear, angular].map(f32::to_bits));
+    }
+    if let Some(SpeedCap { linear, angular }) = cap {
         out.extend([linear, angular].map(f32::to_bits));
     }
     if let Some(KeptMass { mass, moments }) = kept_mass {
@@ -348,8 +351,9 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         sleepless: part(2) & 1 != 0,
         disabled: part(2) >> 1 & 1 != 0,
     };
-    let mass_from_shapes = part(3) != 0;
+    let mass_from_shapes = part(3) & 1 != 0;
     let damping = if part(2) >> 2 & 1 != 0 { read_damping(from)? } else { Damping::default() };
+    let cap = if part(3) >> 1 != 0 { read_cap(from)? } else { SpeedCap::NONE };
     let kept_mass = if part(2) >> 3 != 0 { Some(read_kept_mass(from)?) } else { None };
     if kept_mass.is_some() != (kind != BodyKind::Dynamic && !mass_from_shapes) {
         return Err(broken("a mass"));
@@ -366,7 +370,7 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     let details = BodyDetails { centre, axes, mass, mass_from_shapes, user_data };
     let mass = Mass { inverse, inertia, inverse_inertia };
     let velocity = Record::default();
-    let body = NewBody { kind, pose, velocity, mass, traits, details, damping, kept_mass };
+    let body = NewBody { kind, pose, velocity, mass, traits, details, damping, cap, kept_mass };
     Ok(BodyRecord { slot, generation, body, colliders })
 }
 
@@ -375,6 +379,13 @@ fn read_damping(from: &mut Reader<'_>) -> Result<Damping, Error> {
     limits::damping("linear damping", linear)?;
     limits::damping("angular damping", angular)?;
     Ok(Damping { linear, angular })
+}
+
+fn read_cap(from: &mut Reader<'_>) -> Result<SpeedCap, Error> {
+    let [linear, angular]: [f32; 2] = from.record::<_, 2>()?;
+    let cap = SpeedCap { linear, angular };
+    let bound = |cap: f32| cap == f32::INFINITY || (0.0..=limits::MAX_SPEED).contains(&cap);
+    if bound(linear) && bound(angular) && cap != SpeedCap::NONE { Ok(cap) } else { Err(broken("a speed")) }
 }
 
 fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {

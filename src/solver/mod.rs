@@ -132,6 +132,8 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
                 pose: &bodies.pose,
                 mass: &bodies.mass,
                 traits: &bodies.traits,
+                caps: &bodies.rare.caps,
+                slots: &bodies.slots,
                 collider_lists: &bodies.colliders,
                 colliders: input.colliders,
             },

@@ -153,6 +153,7 @@ impl World {
             more.rare = more.rare
                 + RareCounts {
                     damped: usize::from(desc.linear_damping > 0.0 || desc.angular_damping > 0.0),
+                    capped: usize::from(desc.max_linear_speed.or(desc.max_angular_speed).is_some()),
                     kept_masses: usize::from(!pushed && desc.mass.is_some()),
                     targets: 0,
                 };

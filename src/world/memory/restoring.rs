@@ -1,7 +1,7 @@
 //! Memory for restoring a snapshot, requested from the budget before anything changes.
 
 use super::budget::{Counts, check, list_bytes};
-use crate::body::{BodyKind, Damping, NewBody, RareCounts};
+use crate::body::{BodyKind, Damping, NewBody, RareCounts, SpeedCap};
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
@@ -53,6 +53,7 @@ impl<'a> Replacement<'a> {
         let (counts, kind, traits) = (&mut self.counts, body.kind, &body.traits);
         let rare = RareCounts {
             damped: usize::from(body.damping != Damping::default()),
+            capped: usize::from(body.cap != SpeedCap::NONE),
             kept_masses: usize::from(body.kept_mass.is_some()),
             targets: 0,
         };

@@ -9,7 +9,7 @@ use crate::config::tuning::{
 use crate::config::{FrictionModel, Settings};
 use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
 use crate::finish::Counts;
-use crate::forces::{Forces, damp};
+use crate::forces::{Forces, cap, damp};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
@@ -262,10 +262,14 @@ impl World {
         }
     }
 
-    /// Takes away half of the velocity that damped bodies lose in a step.
+    /// Takes away half of the velocity that damped bodies lose in a step, and holds bodies to their greatest
+    /// speeds.
     pub(crate) fn damp(&mut self, dt: f32) {
         if self.bodies.rare.damping.len() > 0 {
             damp(&mut self.bodies, dt);
+        }
+        if self.bodies.rare.caps.len() > 0 {
+            cap(&mut self.bodies);
         }
     }
 
