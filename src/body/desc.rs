@@ -45,9 +45,9 @@ pub struct BodyDesc {
     pub linear_damping: f32,
     /// The same for its angular velocity [1/s].
     pub angular_damping: f32,
-    /// Greatest speed of its centre of mass [m/s], in 0..=[`limits::MAX_SPEED`]: whatever would make it faster
-    /// makes it as fast as this, in the same direction, in each substep and at the end of a step. Momentum and
-    /// energy beyond it are lost. Dynamic bodies only. Default none.
+    /// Greatest speed of its centre of mass [m/s], in 0..=[`limits::MAX_SPEED`]: whatever would make it
+    /// faster makes it as fast as this, in the same direction, in each substep and at the end of a step.
+    /// Momentum and energy beyond it are lost. Dynamic bodies only. Default none.
     pub max_linear_speed: Option<f32>,
     /// The same for its angular velocity [rad/s].
     pub max_angular_speed: Option<f32>,

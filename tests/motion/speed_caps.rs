@@ -10,8 +10,8 @@ fn speeds(world: &World, body: BodyHandle) -> (f32, f32) {
     (world.linear_velocity(body).unwrap().length(), world.angular_velocity(body).unwrap().length())
 }
 
-/// A ball that falls without end comes to fall at its greatest speed: it falls along the parabola up to there,
-/// and at most that speed times a step in every step.
+/// A ball that falls without end comes to fall at its greatest speed: along the parabola up to there, and at
+/// most that speed times a step in every step.
 #[test]
 fn a_falling_body_falls_at_its_greatest_speed() {
     for substeps in [1, 4] {
