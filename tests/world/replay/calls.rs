@@ -396,8 +396,8 @@ fn thousands_of_calls_at_random_play_again() {
 #[test]
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
-    let (mut churn, buffer) = Churn::new(settings, 4);
-    churn.run(600, 6);
+    let (mut churn, buffer) = Churn::new(settings, 5);
+    churn.run(900, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
     churn.world.stop_recording().unwrap();
     let played = plays_again(&buffer.bytes(), hash);
