@@ -66,6 +66,18 @@ pub(crate) fn damp(bodies: &mut Bodies, dt: f32) {
     }
 }
 
+/// Slows capped bodies down to their greatest speeds.
+pub(crate) fn cap(bodies: &mut Bodies) {
+    let dynamic = bodies.dynamic();
+    let Bodies { rare, slots, velocity, .. } = bodies;
+    for (slot, cap) in rare.caps.iter() {
+        let index = slots.dense(slot) as usize;
+        if index < dynamic {
+            velocity[index] = cap.hold(velocity[index]);
+        }
+    }
+}
+
 /// Computes [`Forces`] for a step of `dt` seconds. Returns whether the motion of a dynamic body is not
 /// [sound](is_sound).
 pub(crate) fn predict(

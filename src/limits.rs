@@ -78,6 +78,11 @@ pub(crate) fn damping(what: &'static str, value: f32) -> Result<(), Error> {
     within(what, value, 0.0, MAX_DAMPING, "in 0..=1e6").map(drop)
 }
 
+/// A greatest speed, linear or angular.
+pub(crate) fn speed_cap(what: &'static str, value: Option<f32>) -> Result<(), Error> {
+    value.map_or(Ok(()), |value| within(what, value, 0.0, MAX_SPEED, "in 0..=1e6").map(drop))
+}
+
 /// An offset from a body's origin.
 pub(crate) fn offset(what: &'static str, v: Vec3) -> Result<(), Error> {
     within3(what, v, MAX_LENGTH, "within 1e6 m along each axis")

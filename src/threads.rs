@@ -145,6 +145,17 @@ impl<'a, T> Shared<'a, T> {
         unsafe { &mut *self.start.add(i) }
     }
 
+    /// The element at `i`, to be written; `None` if `i` is outside.
+    ///
+    /// # Safety
+    /// As for [`Shared::get`].
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see above")]
+    pub(crate) unsafe fn find(&self, i: usize) -> Option<&mut T> {
+        // SAFETY: by the contract.
+        if i < self.len { Some(unsafe { self.get(i) }) } else { None }
+    }
+
     /// Some elements in a row, to be written. Panics if any is outside.
     ///
     /// # Safety

@@ -66,6 +66,7 @@ rows! {
     world.apply_impulse(body, Vec3::X, DVec3::Y);
     world.apply_angular_impulse(body, Vec3::Y);
     world.set_damping(body, 0.1, 0.1);
+    world.set_max_speeds(body, Some(50.0), None);
     world.set_gravity_scale(body, 0.5);
     world.set_locks(body, [false; 3], [true; 3]);
     world.set_continuous(body, Continuous::Segment);
@@ -79,6 +80,8 @@ rows! {
     world.add_shape(body, &shape_desc);
     world.body_of(shape);
     world.set_material(shape, Material::default().with_friction(0.3));
+    world.set_material(shape, Material::default().with_rolling_friction(0.01));
+    world.set_material(shape, Material::default().with_surface_velocity(Vec3::X));
     world.set_filter(shape, Filter::default());
     world.set_sensor(shape, true);
     world.shape_aabb(shape);

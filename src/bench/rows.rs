@@ -73,6 +73,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let mut delta = vec![Record::default(); movers];
     let mut base = delta.clone();
     let h = 1.0 / 240.0;
+    let rolling = Shared::new(&mut []);
     let pass = Pass {
         inverse_h: 1.0 / h,
         softness: Softness::new(60.0, 10.0, h),
@@ -82,6 +83,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         friction_box: false,
         relax,
         surfaces: &[],
+        rolling: &rolling,
     };
     let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {

@@ -3,7 +3,7 @@
 use super::Pose;
 use crate::handle::{ShapeHandle, Slots};
 use crate::memory::{Allowance, buffers, bytes_of};
-use crate::shape::{Collider, ColliderSummary};
+use crate::shape::{Collider, ColliderSummary, Material, RareMaterial};
 
 /// Colliders by stable index, with their world poses.
 #[derive(Debug, Default)]
@@ -12,9 +12,16 @@ pub(crate) struct Colliders {
     pub(crate) summaries: Vec<ColliderSummary>,
     pub(crate) poses: Vec<Pose>,
     pub(crate) slots: Slots,
+    /// The part of materials that few shapes have, by index as far as it goes; empty while none has it.
+    pub(crate) rare: Vec<RareMaterial>,
 }
 
-buffers! { Colliders { each(n: usize) { all(n), summaries(n), poses(n), slots(n) } } }
+buffers! {
+    Colliders {
+        /// For so many colliders, and so many that have a place in the column of rare materials.
+        each(n: usize, rare: usize) { all(n), summaries(n), poses(n), slots(n), rare(rare) }
+    }
+}
 
 impl Colliders {
     /// Makes place for so many more.
@@ -23,6 +30,29 @@ impl Colliders {
         allowance.fit(&mut self.all, len);
         allowance.fit(&mut self.summaries, len);
         allowance.fit(&mut self.poses, len);
+    }
+
+    /// What few shapes have of a material.
+    pub(crate) fn rare(&self, collider: u32) -> RareMaterial {
+        self.rare.get(collider as usize).copied().unwrap_or_default()
+    }
+
+    pub(crate) fn set_rare(&mut self, collider: u32, rare: RareMaterial) {
+        let index = collider as usize;
+        if index >= self.rare.len() {
+            if rare == RareMaterial::default() {
+                return;
+            }
+            let len = self.all.len().max(index + 1);
+            Allowance::ENDLESS.clone().fit(&mut self.rare, len);
+            self.rare.resize(len, RareMaterial::default());
+        }
+        self.rare[index] = rare;
+    }
+
+    /// The material of a collider as the caller gave it.
+    pub(crate) fn material(&self, collider: u32) -> Material {
+        Material::of(self.all[collider as usize].material, self.rare(collider))
     }
 
     pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {

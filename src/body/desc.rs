@@ -52,6 +52,12 @@ pub struct BodyDesc {
     pub linear_damping: f32,
     /// The same for its angular velocity [1/s].
     pub angular_damping: f32,
+    /// Greatest speed of its centre of mass [m/s], in 0..=[`limits::MAX_SPEED`]: whatever would make it
+    /// faster makes it as fast as this, in the same direction, in each substep and at the end of a step.
+    /// Momentum and energy beyond it are lost. Dynamic bodies only. Default none.
+    pub max_linear_speed: Option<f32>,
+    /// The same for its angular velocity [rad/s].
+    pub max_angular_speed: Option<f32>,
     /// World axes along which it can't move.
     pub lock_translation: [bool; 3],
     /// World axes about which it can't turn.
@@ -81,6 +87,8 @@ impl Default for BodyDesc {
             gravity_scale: 1.0,
             linear_damping: 0.0,
             angular_damping: 0.0,
+            max_linear_speed: None,
+            max_angular_speed: None,
             lock_translation: [false; 3],
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
@@ -102,6 +110,8 @@ with_fields! {
         with_gravity_scale(gravity_scale: f32),
         with_linear_damping(linear_damping: f32),
         with_angular_damping(angular_damping: f32),
+        with_max_linear_speed(max_linear_speed: into Option<f32>),
+        with_max_angular_speed(max_angular_speed: into Option<f32>),
         with_lock_translation(lock_translation: [bool; 3]),
         with_lock_rotation(lock_rotation: [bool; 3]),
         with_continuous(continuous: Continuous),
@@ -173,6 +183,8 @@ impl BodyDesc {
         limits::acceleration("gravity scale", Vec3::splat(self.gravity_scale))?;
         limits::damping("linear damping", self.linear_damping)?;
         limits::damping("angular damping", self.angular_damping)?;
+        limits::speed_cap("maximum linear speed", self.max_linear_speed)?;
+        limits::speed_cap("maximum angular speed", self.max_angular_speed)?;
         for shape in &self.shapes {
             shape.validate()?;
             if self.kind == BodyKind::Dynamic {

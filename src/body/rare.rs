@@ -1,5 +1,6 @@
 //! What few bodies have, by slot: a body without it pays nothing, neither in bytes nor in a step.
 
+use crate::lanes::Record;
 use crate::math::Quat;
 use crate::memory::{Buffer, List, buffers, bytes_of};
 use glam::{DVec3, Vec3};
@@ -9,6 +10,40 @@ use glam::{DVec3, Vec3};
 pub(crate) struct Damping {
     pub(crate) linear: f32,
     pub(crate) angular: f32,
+}
+
+/// Greatest speeds of a dynamic body [m/s], [rad/s]; infinite if there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SpeedCap {
+    pub(crate) linear: f32,
+    pub(crate) angular: f32,
+}
+
+impl SpeedCap {
+    pub(crate) const NONE: SpeedCap = SpeedCap { linear: f32::INFINITY, angular: f32::INFINITY };
+
+    pub(crate) fn new(linear: Option<f32>, angular: Option<f32>) -> SpeedCap {
+        SpeedCap { linear: linear.unwrap_or(f32::INFINITY), angular: angular.unwrap_or(f32::INFINITY) }
+    }
+
+    /// As the caller gives them.
+    pub(crate) fn limits(self) -> [Option<f32>; 2] {
+        [self.linear, self.angular].map(|cap| Some(cap).filter(|cap| cap.is_finite()))
+    }
+
+    /// The velocity that is left of one.
+    pub(crate) fn hold(self, mut velocity: Record) -> Record {
+        velocity.linear = shortened(velocity.linear, self.linear);
+        velocity.angular = shortened(velocity.angular, self.angular);
+        velocity
+    }
+}
+
+/// A vector no longer than `most`.
+fn shortened(v: Vec3, most: f32) -> Vec3 {
+    let length = v.length();
+    // Rounding: the product would be longer than the cap by as much.
+    if length > most { v * (most / length * (1.0 - 4.0 * f32::EPSILON)) } else { v }
 }
 
 /// Mass of a body that is not dynamic, and its principal moments: given by the caller, for the time when the
@@ -86,6 +121,7 @@ impl<T> List for BySlot<T> {
 #[derive(Debug, Default)]
 pub(crate) struct RareColumns {
     pub(crate) damping: BySlot<Damping>,
+    pub(crate) caps: BySlot<SpeedCap>,
     pub(crate) kept_mass: BySlot<KeptMass>,
     pub(crate) targets: BySlot<Target>,
 }
@@ -94,13 +130,16 @@ pub(crate) struct RareColumns {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RareCounts {
     pub(crate) damped: usize,
+    pub(crate) capped: usize,
     pub(crate) kept_masses: usize,
     pub(crate) targets: usize,
 }
 
 buffers! {
     RareColumns {
-        each(n: RareCounts) { damping(n.damped), kept_mass(n.kept_masses), targets(n.targets) }
+        each(n: RareCounts) {
+            damping(n.damped), caps(n.capped), kept_mass(n.kept_masses), targets(n.targets)
+        }
     }
 }
 
@@ -108,6 +147,7 @@ impl RareColumns {
     pub(crate) fn counts(&self) -> RareCounts {
         RareCounts {
             damped: self.damping.len(),
+            capped: self.caps.len(),
             kept_masses: self.kept_mass.len(),
             targets: self.targets.len(),
         }
@@ -121,15 +161,25 @@ impl RareColumns {
         self.damping.set(slot, Some(damping).filter(|damping| *damping != Damping::default()));
     }
 
+    pub(crate) fn cap(&self, slot: u32) -> SpeedCap {
+        self.caps.get(slot).unwrap_or(SpeedCap::NONE)
+    }
+
+    pub(crate) fn set_cap(&mut self, slot: u32, cap: SpeedCap) {
+        self.caps.set(slot, Some(cap).filter(|cap| *cap != SpeedCap::NONE));
+    }
+
     /// The body in a slot is gone.
     pub(super) fn forget(&mut self, slot: u32) {
         self.damping.set(slot, None);
+        self.caps.set(slot, None);
         self.kept_mass.set(slot, None);
         self.targets.set(slot, None);
     }
 
     pub(super) fn clear(&mut self) {
         self.damping.clear();
+        self.caps.clear();
         self.kept_mass.clear();
         self.targets.clear();
     }
@@ -141,6 +191,7 @@ impl std::ops::Add for RareCounts {
     fn add(self, more: RareCounts) -> RareCounts {
         RareCounts {
             damped: self.damped + more.damped,
+            capped: self.capped + more.capped,
             kept_masses: self.kept_masses + more.kept_masses,
             targets: self.targets + more.targets,
         }

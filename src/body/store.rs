@@ -2,7 +2,7 @@
 //! ones, so that every loop over moving bodies is a loop over a prefix, and sleeping bodies cost no more than
 //! static ones. Disabled movable bodies share the range of sleeping ones.
 
-use super::rare::{Damping, KeptMass, RareColumns};
+use super::rare::{Damping, KeptMass, RareColumns, SpeedCap};
 use super::{BodyKind, ColliderList};
 use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
@@ -199,6 +199,7 @@ pub(crate) struct NewBody {
     pub(crate) traits: Traits,
     pub(crate) details: BodyDetails,
     pub(crate) damping: Damping,
+    pub(crate) cap: SpeedCap,
     pub(crate) kept_mass: Option<KeptMass>,
 }
 
@@ -331,6 +332,7 @@ impl Bodies {
         self.details.push(body.details);
         self.colliders.push(ColliderList::None);
         self.rare.set_damping(slot, body.damping);
+        self.rare.set_cap(slot, body.cap);
         self.rare.kept_mass.set(slot, body.kept_mass);
     }
 

@@ -145,7 +145,7 @@ impl MapWith for Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::{Filter, Material};
+    use crate::shape::{BaseMaterial, Filter};
     use glam::{EulerRot, dvec3, vec3};
     use std::sync::Arc;
 
@@ -160,7 +160,7 @@ mod tests {
             radius: 3.0,
             inner_radius: 0.1,
             geometry,
-            material: Material::default(),
+            material: BaseMaterial::default(),
             filter: Filter::default(),
             density: 1000.0,
             flags: 0,

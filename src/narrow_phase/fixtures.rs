@@ -3,7 +3,7 @@
 use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::random::Random;
-use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
+use crate::shape::{BaseMaterial, Collider, ConvexHull, Filter, Geometry, Kind};
 use glam::{DQuat, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -86,7 +86,7 @@ pub(crate) fn collider(geometry: Geometry) -> Collider {
         radius: geometry.radius(),
         inner_radius: geometry.inner_radius(),
         geometry,
-        material: Material::default(),
+        material: BaseMaterial::default(),
         filter: Filter::default(),
         density: 1000.0,
         flags: 0,

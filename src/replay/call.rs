@@ -8,7 +8,7 @@ use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
+use crate::shape::{BaseMaterial, Filter, MassProperties, Material, RareMaterial, ShapeDesc, StoredField};
 use crate::world::Change;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -87,6 +87,7 @@ calls! {
     SetKind "set_kind" (BodyHandle, BodyKind),
     SetUserData "set_user_data" (BodyHandle, u64),
     SetDamping "set_damping" (BodyHandle, f32, f32),
+    SetMaxSpeeds "set_max_speeds" (BodyHandle, Option<f32>, Option<f32>),
     SetLocks "set_locks" (BodyHandle, [bool; 3], [bool; 3]),
     SetLinearVelocity "set_linear_velocity" (BodyHandle, Vec3),
     SetAngularVelocity "set_angular_velocity" (BodyHandle, Vec3),
@@ -144,6 +145,7 @@ impl Call {
             Change::SetKind(body, kind) => Call::SetKind(body, kind),
             Change::SetUserData(body, user_data) => Call::SetUserData(body, user_data),
             Change::SetDamping(body, linear, angular) => Call::SetDamping(body, linear, angular),
+            Change::SetMaxSpeeds(body, linear, angular) => Call::SetMaxSpeeds(body, linear, angular),
             Change::SetLocks(body, translation, rotation) => Call::SetLocks(body, translation, rotation),
             Change::SetLinearVelocity(body, linear) => Call::SetLinearVelocity(body, linear),
             Change::SetAngularVelocity(body, angular) => Call::SetAngularVelocity(body, angular),
@@ -177,6 +179,7 @@ impl Call {
             | Call::SetKind(body, ..)
             | Call::SetUserData(body, ..)
             | Call::SetDamping(body, ..)
+            | Call::SetMaxSpeeds(body, ..)
             | Call::SetLocks(body, ..)
             | Call::SetLinearVelocity(body, ..)
             | Call::SetAngularVelocity(body, ..)
@@ -199,6 +202,7 @@ pub(crate) struct Body {
     gravity_scale: f32,
     /// Linear and angular.
     damping: [f32; 2],
+    max_speeds: [Option<f32>; 2],
     locks: [[bool; 3]; 2],
     continuous: Continuous,
     solved_after: Option<RowGroup>,
@@ -220,6 +224,8 @@ impl Body {
             gravity_scale,
             linear_damping,
             angular_damping,
+            max_linear_speed,
+            max_angular_speed,
             lock_translation,
             lock_rotation,
             continuous,
@@ -236,6 +242,7 @@ impl Body {
             mass,
             gravity_scale,
             damping: [linear_damping, angular_damping],
+            max_speeds: [max_linear_speed, max_angular_speed],
             locks: [lock_translation, lock_rotation],
             continuous,
             solved_after,
@@ -256,6 +263,8 @@ impl Body {
             gravity_scale: self.gravity_scale,
             linear_damping: self.damping[0],
             angular_damping: self.damping[1],
+            max_linear_speed: self.max_speeds[0],
+            max_angular_speed: self.max_speeds[1],
             lock_translation: self.locks[0],
             lock_rotation: self.locks[1],
             continuous: self.continuous,
@@ -273,7 +282,8 @@ pub(crate) struct Shape {
     position: Vec3,
     rotation: glam::Quat,
     density: f32,
-    material: Material,
+    material: BaseMaterial,
+    rare: Option<RareMaterial>,
     filter: Filter,
     /// Sensor, events, hooks.
     asks: [bool; 3],
@@ -299,7 +309,8 @@ impl Shape {
             position,
             rotation,
             density,
-            material,
+            material: material.base(),
+            rare: Some(material.rare()).filter(|rare| rare.flags() != 0),
             filter,
             asks: [sensor, events, hooks],
             user_data,
@@ -313,7 +324,7 @@ impl Shape {
             position: self.position,
             rotation: self.rotation,
             density: self.density,
-            material: self.material,
+            material: Material::of(self.material, self.rare.unwrap_or_default()),
             filter: self.filter,
             sensor,
             events,

@@ -373,6 +373,7 @@ impl<R: Read> Replay<R> {
             Call::SetKind(body, kind) => world.set_kind(body, kind)?,
             Call::SetUserData(body, user_data) => world.set_user_data(body, user_data)?,
             Call::SetDamping(body, linear, angular) => world.set_damping(body, linear, angular)?,
+            Call::SetMaxSpeeds(body, linear, angular) => world.set_max_speeds(body, linear, angular)?,
             Call::SetLocks(body, translation, rotation) => {
                 world.set_locks(body, translation, rotation)?;
             }

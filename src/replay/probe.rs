@@ -213,12 +213,15 @@ fn narrow(world: &World, hash: &mut Hash) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let contact = world.contacts.at(slot);
+            let (own, contact) = (slot, world.contacts.at(slot));
             slot = contact.next;
             hash.pair(contact.a, contact.b);
             hash.pair(contact.count.into(), contact.fraction.to_bits());
             hash.vectors(contact.normal, contact.friction);
             hash.number(contact.twist);
+            if world.needs.rolling > 0 {
+                hash.vector(world.contacts.rolling(own));
+            }
             hash.pair(contact.lasting_force.to_bits(), contact.static_load.to_bits());
             hash.number(contact.rest);
             for point in contact.points() {

@@ -195,6 +195,7 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_pose(bodies[0], DVec3::Y * 4.0, glam::Quat::IDENTITY).unwrap();
     world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
     world.set_damping(bodies[0], 0.5, 0.25).unwrap();
+    world.set_max_speeds(bodies[0], Some(50.0), None).unwrap();
     world.set_locks(bodies[0], [false; 3], [true, false, false]).unwrap();
     world.move_kinematic(bodies[1], DVec3::Y * 3.0, glam::Quat::IDENTITY, 0.02).unwrap();
     world.set_kind(bodies[1], BodyKind::Kinematic).unwrap();

@@ -76,7 +76,7 @@ fn collider(shape: &ShapeDesc) -> Collider {
         radius: geometry.radius(),
         inner_radius: geometry.inner_radius(),
         geometry: geometry.clone(),
-        material: shape.material,
+        material: shape.material.base(),
         filter: shape.filter,
         density: shape.density,
         flags: shape.flags(),

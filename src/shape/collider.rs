@@ -1,6 +1,6 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
-use super::{Filter, Geometry, Material};
+use super::{BaseMaterial, Filter, Geometry};
 use crate::config::Continuous;
 use crate::math::Quat;
 use glam::Vec3;
@@ -60,6 +60,10 @@ pub(crate) struct ColliderSummary {
 pub(crate) const SENSOR: u8 = 1;
 pub(crate) const EVENTS: u8 = 2;
 pub(crate) const HOOKS: u8 = 4;
+/// Its material resists rolling or spinning; its surface moves. See
+/// [`RareMaterial`](super::RareMaterial).
+pub(crate) const ROLLS: u8 = 8;
+pub(crate) const BELT: u8 = 16;
 
 impl ColliderSummary {
     #[inline]
@@ -118,7 +122,8 @@ pub(crate) struct Collider {
     /// within a step can't have passed anything with its origin.
     pub(crate) inner_radius: f32,
     pub(crate) geometry: Geometry,
-    pub(crate) material: Material,
+    /// The rest of it is in [`Colliders::rare`](crate::body::Colliders::rare) if the flags say so.
+    pub(crate) material: BaseMaterial,
     pub(crate) filter: Filter,
     pub(crate) density: f32,
     /// See [`ColliderSummary::flags`].

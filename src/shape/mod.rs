@@ -12,6 +12,7 @@ mod four_tree;
 mod height_field;
 mod hull;
 mod mass;
+mod material;
 pub(crate) mod mesh;
 mod scaled;
 mod slabs;
@@ -19,13 +20,15 @@ mod slabs;
 mod stored;
 mod stream;
 
-pub(crate) use collider::{Collider, ColliderSummary, EVENTS, HOOKS, Kind, SENSOR};
+pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
+pub(crate) use material::{BaseMaterial, RareMaterial};
+pub use material::{Combine, Material};
 pub use mesh::TriangleMesh;
 pub(crate) use mesh::edges::{Edges, Fold};
 pub(crate) use mesh::rays::TriangleRays;
@@ -197,102 +200,6 @@ impl Geometry {
     }
 }
 
-/// How two values of a material become one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-#[non_exhaustive]
-pub enum Combine {
-    /// (a + b) / 2
-    #[default]
-    Average,
-    /// The smaller.
-    Minimum,
-    /// The larger.
-    Maximum,
-    /// a b
-    Multiply,
-}
-
-impl Combine {
-    fn of(self, a: f32, b: f32) -> f32 {
-        match self {
-            Combine::Average => 0.5 * (a + b),
-            Combine::Minimum => a.min(b),
-            Combine::Maximum => a.max(b),
-            Combine::Multiply => a * b,
-        }
-    }
-}
-
-/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
-/// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[non_exhaustive]
-pub struct Material {
-    /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
-    pub static_friction: f32,
-    /// Coulomb coefficient while they slide, at least zero. Default 0.6.
-    pub dynamic_friction: f32,
-    /// Share of the approach speed that comes back, 0..=1. Default 0.
-    pub restitution: f32,
-    /// Default average.
-    pub friction_combine: Combine,
-    /// Default average.
-    pub restitution_combine: Combine,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Material {
-            static_friction: 0.6,
-            dynamic_friction: 0.6,
-            restitution: 0.0,
-            friction_combine: Combine::Average,
-            restitution_combine: Combine::Average,
-        }
-    }
-}
-
-with_fields! {
-    Material {
-        with_static_friction(static_friction: f32),
-        with_dynamic_friction(dynamic_friction: f32),
-        with_restitution(restitution: f32),
-        with_friction_combine(friction_combine: Combine),
-        with_restitution_combine(restitution_combine: Combine),
-    }
-}
-
-impl Material {
-    /// One coefficient for sticking and sliding.
-    pub fn with_friction(mut self, friction: f32) -> Self {
-        (self.static_friction, self.dynamic_friction) = (friction, friction);
-        self
-    }
-    /// Static and dynamic friction of two surfaces.
-    pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
-        let how = self.friction_combine.min(other.friction_combine);
-        (
-            how.of(self.static_friction, other.static_friction),
-            how.of(self.dynamic_friction, other.dynamic_friction),
-        )
-    }
-    /// Restitution of two surfaces.
-    pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
-        self.restitution_combine.min(other.restitution_combine).of(self.restitution, other.restitution)
-    }
-    pub(crate) fn validate(&self) -> Result<(), Error> {
-        within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
-        within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
-        within("restitution", self.restitution, 0.0, 1.0, "in 0..=1").map(drop)
-    }
-}
-
 /// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a
 /// group other than 0, the groups differ or are positive (equal negative groups never collide, equal positive
 /// ones always).
@@ -351,7 +258,7 @@ pub struct ShapeDesc {
     /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
     #[cfg_attr(feature = "serde", serde(default = "ShapeDesc::default_density"))]
     pub density: f32,
-    /// Friction and restitution.
+    /// Friction, restitution, and whether the surface moves.
     #[cfg_attr(feature = "serde", serde(default))]
     pub material: Material,
     /// Which shapes it collides with.
@@ -426,7 +333,8 @@ impl ShapeDesc {
         [(self.sensor, SENSOR), (self.events, EVENTS), (self.hooks, HOOKS)]
             .into_iter()
             .map(|(set, bit)| if set { bit } else { 0 })
-            .sum()
+            .sum::<u8>()
+            | self.material.rare().flags()
     }
 
     /// Checks every range.

@@ -7,6 +7,7 @@
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
+use crate::memory::Allowance;
 use crate::narrow_phase::{Contact, ContactRef, Contacts, MAX_POINTS, NO_CONTACT, Point, UNKNOWN_LOAD};
 use crate::shape::{ColliderSummary, Kind};
 use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
@@ -41,6 +42,8 @@ const LOADED: u32 = 15;
 const LASTS: u32 = 1 << 19;
 /// How the points share that force, if not evenly.
 const SHARES: u32 = 1 << 20;
+/// An angular impulse against rolling.
+const ROLLING: u32 = 1 << 21;
 /// Eight bits: the key of a single point.
 const KEY: u32 = 24;
 
@@ -51,7 +54,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MAX_CONTACT_WORDS: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 9 + 4;
+const MAX_CONTACT_WORDS: usize = 1 + 1 + 3 + 4 + 3 + 3 + 11 + MAX_POINTS * 9 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -98,8 +101,11 @@ pub(super) fn save_contacts<'a>(
     let mut count = 0;
     for pair in pairs.filter(|pair| pair.contact != NO_CONTACT) {
         let kept = may_be_kept(contacts.at(pair.contact), summaries);
-        for contact in contacts.chain(pair.contact) {
-            save_contact(contact, kept, out);
+        let mut slot = pair.contact;
+        while slot != NO_CONTACT {
+            let contact = contacts.at(slot);
+            save_contact(contact, contacts.rolling(slot), kept, out);
+            slot = contact.next;
             count += 1;
         }
     }
@@ -175,7 +181,7 @@ impl Line {
     }
 }
 
-fn save_contact(contact: ContactRef<'_>, kept: bool, out: &mut Vec<u32>) {
+fn save_contact(contact: ContactRef<'_>, rolling: Vec3, kept: bool, out: &mut Vec<u32>) {
     let mut line = Line { all: [0; MAX_CONTACT_WORDS], len: 1, flags: u32::from(contact.count) };
     let points = contact.points();
     line.flag(PUSHED, contact.pushed);
@@ -194,6 +200,11 @@ fn save_contact(contact: ContactRef<'_>, kept: bool, out: &mut Vec<u32>) {
     line.flag(RUBS, !is_zero(friction));
     if !is_zero(friction) {
         line.put(friction);
+    }
+    let rolling = words::<3>(rolling);
+    line.flag(ROLLING, !is_zero(rolling));
+    if !is_zero(rolling) {
+        line.put(rolling);
     }
     let lasts = contact.lasting_force != 0.0 || contact.static_load != UNKNOWN_LOAD;
     line.flag(LASTS, lasts);
@@ -293,6 +304,7 @@ impl<'a> SavedPairs<'a> {
                 while more {
                     let read = read_contact(&mut from, (a, b))?;
                     let slot = contacts.restore(&read.contact, room(a, b));
+                    contacts.set_rolling(slot, read.rolling, &mut { Allowance::ENDLESS });
                     if last == NO_CONTACT {
                         pair.contact = slot;
                     } else {
@@ -336,6 +348,7 @@ impl<'a> SavedPairs<'a> {
             while more {
                 let read = read_contact(&mut from, (a, b))?;
                 check_contact(read.contact.as_ref())?;
+                all_loads(&words::<3>(read.rolling))?;
                 found += 1;
                 more = read.more;
             }
@@ -378,6 +391,7 @@ fn check_contact(contact: ContactRef<'_>) -> Result<(), Error> {
 /// A contact of a snapshot.
 struct Read {
     contact: Contact,
+    rolling: Vec3,
     /// Another of the same pair follows.
     more: bool,
 }
@@ -404,6 +418,7 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
         let [x, y, z, twist]: [f32; 4] = from.record::<_, 4>()?;
         (contact.friction, contact.twist) = (Vec3::new(x, y, z), twist);
     }
+    let rolling = if flags & ROLLING != 0 { from.record::<Vec3, 3>()? } else { Vec3::ZERO };
     if flags & LASTS != 0 {
         [contact.lasting_force, contact.rest, contact.static_load] = from.record::<[f32; 3], 3>()?;
     }
@@ -456,5 +471,5 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
             point.mean_force = f32::from_bits(from.one()?);
         }
     }
-    Ok(Read { contact, more: flags & MORE != 0 })
+    Ok(Read { contact, rolling, more: flags & MORE != 0 })
 }

@@ -7,14 +7,16 @@
 use super::checksum::hash;
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
-use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, Traits};
+use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, SpeedCap, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
 use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
 use crate::limits;
 use crate::math::Quat;
-use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
+use crate::shape::{
+    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, ROLLS, RareMaterial, SENSOR,
+};
 use crate::words::{Reader, broken, words};
 use crate::world::World;
 use glam::{DVec3, Vec3};
@@ -109,7 +111,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
         (bodies.slot[i], bodies.kind[i], &bodies.details[i], &bodies.traits[i], &bodies.mass[i]);
     let own = bodies.colliders[i].as_slice();
     let damping = bodies.rare.damping.get(slot);
-    let kept_mass = bodies.rare.kept_mass.get(slot);
+    let (cap, kept_mass) = (bodies.rare.caps.get(slot), bodies.rare.kept_mass.get(slot));
     out.extend([slot, bodies.slots.generation(slot), own.len() as u32]);
     let bits = [
         kind as u32,
@@ -118,7 +120,7 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
             .iter()
             .rev()
             .fold(0, |all, &bit| all << 1 | u32::from(bit)),
-        u32::from(details.mass_from_shapes),
+        u32::from(details.mass_from_shapes) | u32::from(cap.is_some()) << 1,
         group_code(traits.solved_after),
         u32::from(traits.locks) & 15,
         u32::from(traits.locks) >> 4,
@@ -129,6 +131,9 @@ fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
     save_frame(details.centre, details.axes, out);
     out.extend(words::<2>(details.user_data));
     if let Some(Damping { linear, angular }) = damping {
+        out.extend([linear, angular].map(f32::to_bits));
+    }
+    if let Some(SpeedCap { linear, angular }) = cap {
         out.extend([linear, angular].map(f32::to_bits));
     }
     if let Some(KeptMass { mass, moments }) = kept_mass {
@@ -147,8 +152,13 @@ fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mu
     let collider = &world.colliders.all[c as usize];
     out.extend([c, world.colliders.slots.generation(c)]);
     let (code, numbers) = code_of(&collider.geometry, table);
-    let Material { static_friction, dynamic_friction, restitution, friction_combine, restitution_combine } =
-        collider.material;
+    let BaseMaterial {
+        static_friction,
+        dynamic_friction,
+        restitution,
+        friction_combine,
+        restitution_combine,
+    } = collider.material;
     let combine = (friction_combine as u32) << 8 | (restitution_combine as u32) << 12;
     out.push(code | combine | u32::from(collider.flags) << 16);
     out.extend(numbers);
@@ -157,6 +167,13 @@ fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mu
     out.extend(words::<4>([collider.filter.category, collider.filter.mask]));
     out.push(collider.filter.group as u32);
     out.extend(words::<2>(collider.user_data));
+    let RareMaterial { rolling_friction, spinning_friction, surface_velocity } = world.colliders.rare(c);
+    if collider.flags & ROLLS != 0 {
+        out.extend([rolling_friction, spinning_friction].map(f32::to_bits));
+    }
+    if collider.flags & BELT != 0 {
+        out.extend(words::<3>(surface_velocity));
+    }
     if fixed {
         save_pose(&world.colliders.poses[c as usize], out);
         world.broad.save_static(c, out);
@@ -178,6 +195,7 @@ pub(super) struct ColliderRecord {
     pub(super) index: u32,
     pub(super) generation: u32,
     pub(super) collider: Collider,
+    pub(super) rare: RareMaterial,
     /// Pose and box of what is static.
     pub(super) pose: Pose,
     pub(super) bounds: [u32; 6],
@@ -333,8 +351,9 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         sleepless: part(2) & 1 != 0,
         disabled: part(2) >> 1 & 1 != 0,
     };
-    let mass_from_shapes = part(3) != 0;
+    let mass_from_shapes = part(3) & 1 != 0;
     let damping = if part(2) >> 2 & 1 != 0 { read_damping(from)? } else { Damping::default() };
+    let cap = if part(3) >> 1 != 0 { read_cap(from)? } else { SpeedCap::NONE };
     let kept_mass = if part(2) >> 3 != 0 { Some(read_kept_mass(from)?) } else { None };
     if kept_mass.is_some() != (kind != BodyKind::Dynamic && !mass_from_shapes) {
         return Err(broken("a mass"));
@@ -351,7 +370,7 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     let details = BodyDetails { centre, axes, mass, mass_from_shapes, user_data };
     let mass = Mass { inverse, inertia, inverse_inertia };
     let velocity = Record::default();
-    let body = NewBody { kind, pose, velocity, mass, traits, details, damping, kept_mass };
+    let body = NewBody { kind, pose, velocity, mass, traits, details, damping, cap, kept_mass };
     Ok(BodyRecord { slot, generation, body, colliders })
 }
 
@@ -360,6 +379,13 @@ fn read_damping(from: &mut Reader<'_>) -> Result<Damping, Error> {
     limits::damping("linear damping", linear)?;
     limits::damping("angular damping", angular)?;
     Ok(Damping { linear, angular })
+}
+
+fn read_cap(from: &mut Reader<'_>) -> Result<SpeedCap, Error> {
+    let [linear, angular]: [f32; 2] = from.record::<_, 2>()?;
+    let cap = SpeedCap { linear, angular };
+    let bound = |cap: f32| cap == f32::INFINITY || (0.0..=limits::MAX_SPEED).contains(&cap);
+    if bound(linear) && bound(angular) && cap != SpeedCap::NONE { Ok(cap) } else { Err(broken("a speed")) }
 }
 
 fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
@@ -372,7 +398,7 @@ fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
 /// Flags of a shape that may have them.
 fn flags_of(bits: u32, geometry: &crate::shape::Geometry) -> Result<u8, Error> {
     let flags = bits as u8;
-    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS);
+    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | ROLLS | BELT);
     let senses = flags & SENSOR == 0 || Kind::of(geometry) == Kind::Plane || Kind::of(geometry).is_convex();
     if known && senses { Ok(flags) } else { Err(broken("what a shape is for")) }
 }
@@ -395,18 +421,29 @@ fn read_collider(
         let all = [Combine::Average, Combine::Minimum, Combine::Maximum, Combine::Multiply];
         all.into_iter().find(|&how| how as u32 == code).ok_or_else(|| broken("a material"))
     };
-    let material = Material {
+    let mut material = Material {
         static_friction,
         dynamic_friction,
         restitution,
         friction_combine: combine(code >> 8 & 15)?,
         restitution_combine: combine(code >> 12 & 15)?,
+        ..Material::default()
     };
-    material.validate()?;
     within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
     let [category, mask]: [u64; 2] = from.record::<_, 4>()?;
     let filter = Filter { category, mask, group: from.one()? as i32 };
     let user_data = from.long()?;
+    if flags & ROLLS != 0 {
+        [material.rolling_friction, material.spinning_friction] = from.finite::<[f32; 2], 2>()?;
+    }
+    if flags & BELT != 0 {
+        material.surface_velocity = from.finite::<Vec3, 3>()?;
+    }
+    material.validate()?;
+    let rare = material.rare();
+    if rare.flags() != flags & (ROLLS | BELT) {
+        return Err(broken("a material"));
+    }
     let collider = Collider {
         kind: Kind::of(&geometry),
         body: u32::MAX,
@@ -417,7 +454,7 @@ fn read_collider(
         radius: geometry.radius(),
         inner_radius: geometry.inner_radius(),
         geometry,
-        material,
+        material: material.base(),
         filter,
         density,
         flags,
@@ -427,5 +464,5 @@ fn read_collider(
     let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
     let pose = if fixed { read_pose(from)? } else { nowhere };
     let bounds: [u32; 6] = if fixed { from.record::<_, 6>()? } else { [0; 6] };
-    Ok(ColliderRecord { index, generation, collider, pose, bounds })
+    Ok(ColliderRecord { index, generation, collider, rare, pose, bounds })
 }

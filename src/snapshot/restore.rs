@@ -11,7 +11,7 @@ use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::math::Quat;
 use crate::narrow_phase::{ContactCount, most_points};
-use crate::shape::Kind;
+use crate::shape::{Kind, ROLLS};
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
@@ -95,7 +95,7 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         let geometries = shapes.map(|c| &c.collider.geometry);
         let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
-            let kinds = record.colliders.iter().map(|c| c.collider.kind);
+            let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
             new.add(&record.body, kinds);
         }
         new
@@ -107,7 +107,12 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         let room = |a: u32, b: u32| most_points(kinds[a as usize], kinds[b as usize]);
         ContactCount { contacts: counts.contacts as usize, points: view.pairs.places(&room) }
     };
+    let rolling = records.map_or(world.needs.rolling > 0, |records| {
+        let mut all = records.moving.iter().chain(&records.fixed).flat_map(|record| &record.colliders);
+        all.any(|c| c.collider.flags & ROLLS != 0)
+    });
     Brings {
+        rolling,
         settings: &view.settings,
         pairs: (counts.pairs + counts.sleeping_pairs) as usize,
         sleeping_pairs: counts.sleeping_pairs as usize,
@@ -167,7 +172,7 @@ fn install(world: &mut World, records: Records) {
         world.bodies.append(body.slot, body.body, &own);
         for (place, mut c) in body.colliders.into_iter().enumerate() {
             (c.collider.body, c.collider.place) = (index, place as u32);
-            world.put_collider(c.index, &c.collider, c.pose);
+            world.put_collider(c.index, &c.collider, c.rare, c.pose);
             if disabled {
                 // It is disabled.
             } else if is_static {

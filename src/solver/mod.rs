@@ -132,6 +132,8 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
                 pose: &bodies.pose,
                 mass: &bodies.mass,
                 traits: &bodies.traits,
+                caps: &bodies.rare.caps,
+                slots: &bodies.slots,
                 collider_lists: &bodies.colliders,
                 colliders: input.colliders,
             },
@@ -221,11 +223,12 @@ impl Passes<'_> {
                             let rows = if group.is_potential() { None } else { friction.touching(of) };
                             match (kind, rows) {
                                 (PassKind::WarmStart, Some(f)) => {
-                                    warm_start::<_, _, _, true>(batch, Some(f), motion.velocity);
+                                    let rolling = batches.rolling_of(batch);
+                                    warm_start::<_, _, _, true>(batch, Some(f), rolling, motion.velocity);
                                     false
                                 }
                                 (PassKind::WarmStart, None) => {
-                                    warm_start::<_, _, _, false>(batch, None, motion.velocity);
+                                    warm_start::<_, _, _, false>(batch, None, None, motion.velocity);
                                     false
                                 }
                                 (_, Some(f)) => solve_batch::<_, _, _, true>(batch, Some(f), motion, &pass),
@@ -255,6 +258,7 @@ impl Passes<'_> {
             friction_box: parameters.friction_box,
             relax: kind == PassKind::Relax,
             surfaces: self.contacts.surfaces,
+            rolling: &self.contacts.rolling,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Impulses that rows hand back to contacts, and rows that are disabled within a step.
 
 use crate::constraint::contact::row::{Motion, disable_lanes, store as store_batch};
-use crate::constraint::{Batch, FrictionRow, Rows, Stage, StepLengths, Views, with_batch};
-use crate::lanes::GatherLanes;
+use crate::constraint::{Batch, FrictionRow, Part, Rows, Stage, StepLengths, Views, with_batch};
+use crate::lanes::{GatherLanes, Vec3};
+use crate::limits::MAX_LOAD;
 use crate::narrow_phase::{ContactMut, Point, SharedContacts};
 use crate::threads::{Workers, per_block};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -36,7 +37,8 @@ pub(crate) fn disable(views: &Views<'_>, motion: &Motion<'_, '_>, stands: &dyn F
             unsafe {
                 with_batch!(views, stage.group, batch, |row, friction| {
                     let touching = if stage.group.is_potential() { None } else { friction.touching(batch) };
-                    disable_lanes(row, touching, motion, stands);
+                    let rolling = views.rolling_of(row);
+                    disable_lanes(row, touching, rolling, motion, stands);
                 });
             }
         }
@@ -69,6 +71,9 @@ pub(crate) fn store(
         let stored = unsafe {
             with_batch!(views, stage.group, of, |batch, friction| {
                 let rows = if potential { None } else { friction.touching(of) };
+                if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
+                    store_rolling(batch, rolling.on_b(batch.normal, f.tangent), contacts);
+                }
                 store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
             })
         };
@@ -141,6 +146,24 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         forget_unsound(&mut contact);
     });
     stored
+}
+
+/// Writes back angular impulses against rolling, which are those on the bodies `b` of the batch.
+fn store_rolling<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    on_b: Vec3<L>,
+    contacts: &SharedContacts<'_>,
+) {
+    for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
+        let part = batch.contact[lane];
+        // SAFETY: as in `store_in_contacts`.
+        let Some(own) = (unsafe { contacts.rolling(part.slot() as u32) }) else { continue };
+        let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
+        let rolling = on_b.lane(lane) * sign;
+        // The points of a contact that are solved separately start every step without an impulse.
+        let is_sound = part.only().is_none() && rolling.abs().max_element() <= MAX_LOAD;
+        *own = if is_sound { rolling } else { glam::Vec3::ZERO };
+    }
 }
 
 /// The loads of the heaviest bodies at the greatest speeds may overflow, even if these bodies are stopped.

@@ -3,12 +3,13 @@
 use super::integrate::{Integrator, WarmStart};
 use super::store::{add_impulses, disable};
 use super::{PassKind, Passes, Witness, closing};
-use crate::body::{ColliderList, Mass, Pose, Traits};
+use crate::body::{BySlot, ColliderList, Mass, Pose, SpeedCap, Traits};
 use crate::config::Settings;
 use crate::config::tuning::BOUNCE_TOGETHER;
 use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::{NetInput, Nets, Restitution, Struck};
 use crate::forces::Forces;
+use crate::handle::Slots;
 use crate::lanes::Record;
 use crate::shape::Collider;
 
@@ -17,6 +18,9 @@ pub(super) struct BodyData<'a> {
     pub(super) pose: &'a [Pose],
     pub(super) mass: &'a [Mass],
     pub(super) traits: &'a [Traits],
+    /// Greatest speeds by slot, and where bodies are by theirs.
+    pub(super) caps: &'a BySlot<SpeedCap>,
+    pub(super) slots: &'a Slots,
     pub(super) collider_lists: &'a [ColliderList],
     pub(super) colliders: &'a [Collider],
 }
@@ -109,6 +113,7 @@ impl Substeps<'_> {
             let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
             self.restitution.standing().iter().for_each(|&i| base[i as usize] = velocity[i as usize]);
         }
+        self.outside_rows(Self::limit_speeds);
     }
 
     fn meet_impacts(&mut self, substep: u32) {
@@ -168,7 +173,10 @@ impl Substeps<'_> {
     /// become fast by others, or by a spring.
     #[inline(always)]
     pub(super) fn hold_back(&mut self, mut check: NetCheck) -> NetCheck {
-        self.outside_rows(|this| this.limit_crowd());
+        self.outside_rows(|this| {
+            this.limit_crowd();
+            this.limit_speeds();
+        });
         if self.context.passes.joints.exist() && self.context.integrator.any_fast() && check == NetCheck::Off
         {
             self.begin_nets();
@@ -228,6 +236,7 @@ impl Substeps<'_> {
                 NetCheck::Off => this.nets.rest(),
             }
             this.limit_crowd();
+            this.limit_speeds();
         });
         if let Some(witness) = self.witness.as_deref_mut() {
             witness.substep(&self.context.passes.contacts, &self.context.passes.joints.views);
@@ -266,6 +275,38 @@ impl Substeps<'_> {
             // SAFETY: between stages this thread is alone.
             let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
             crowd.calm(velocity, base, settings.push_speed * settings.length_unit);
+        }
+    }
+
+    /// Holds capped bodies to their greatest speeds. The velocity before any row acted is changed too, as if
+    /// the body had been slower: what the cap took is no impulse that warm starting should repeat.
+    #[inline(always)]
+    fn limit_speeds(&mut self) {
+        let BodyData { caps, slots, .. } = self.context.bodies;
+        if caps.len() == 0 {
+            return;
+        }
+        let dynamic = self.context.integrator.dynamic;
+        // SAFETY: between stages this thread is alone.
+        let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
+        for (slot, cap) in caps.iter() {
+            let i = slots.dense(slot) as usize;
+            if i >= dynamic {
+                continue;
+            }
+            let (now, held, before) = (velocity[i], cap.hold(velocity[i]), base[i]);
+            if held == now {
+                continue;
+            }
+            velocity[i] = held;
+            // To the bit the same where no row acted: the body flies free.
+            (base[i].linear, base[i].angular) = if before.linear == now.linear
+                && before.angular == now.angular
+            {
+                (held.linear, held.angular)
+            } else {
+                (before.linear + (held.linear - now.linear), before.angular + (held.angular - now.angular))
+            };
         }
     }
 

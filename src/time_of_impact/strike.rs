@@ -108,6 +108,9 @@ impl Run<'_, '_> {
         let (linear, most) = (self.rules.linear, self.rules.most);
         let mut velocity = velocity;
         self.on.bodies.traits[body].lock(&mut velocity);
+        if self.on.bodies.rare.caps.len() > 0 {
+            velocity = self.on.bodies.rare.cap(self.on.bodies.slot[body]).hold(velocity);
+        }
         let track = &mut self.buffers.tracks[track];
         let mut pose = self.on.bodies.pose[body];
         if !track.stands {

@@ -8,4 +8,5 @@ mod continuous;
 mod damping;
 mod kinematic;
 mod rotation;
+mod speed_caps;
 mod standing;

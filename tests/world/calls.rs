@@ -141,7 +141,13 @@ impl Game {
                 let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic];
                 world.set_kind(body, kinds[rng.below(3)])
             }
-            15 => world.set_damping(body, [0.0, 0.5, 1e6][rng.below(3)], [0.0, 0.5, 1e6][rng.below(3)]),
+            15 => {
+                let (linear, angular) = ([0.0, 0.5, 1e6][rng.below(3)], [0.0, 0.5, 1e6][rng.below(3)]);
+                let cap = |x: f32| Some(x).filter(|x| *x == 0.5);
+                world
+                    .set_damping(body, linear, angular)
+                    .and_then(|()| world.set_max_speeds(body, cap(linear), cap(angular)))
+            }
             16 => {
                 let mut any = || [rng.below(3) == 0, rng.below(3) == 0, rng.below(3) == 0];
                 let (translation, rotation) = (any(), any());

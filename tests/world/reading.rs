@@ -37,6 +37,7 @@ fn each_field_of_a_body_is_read_as_it_was_written() {
         .with_shape(cube())
         .solved_after(RowGroup::Contacts);
     (desc.gravity_scale, desc.linear_damping, desc.angular_damping) = (0.5, 0.1, 0.2);
+    (desc.max_linear_speed, desc.max_angular_speed) = (Some(50.0), Some(20.0));
     (desc.lock_translation, desc.lock_rotation) = ([true, false, false], [false, true, true]);
     (desc.continuous, desc.can_sleep, desc.user_data) = (Continuous::Volume, false, 17);
     let body = world.add_body(&desc).unwrap();
@@ -46,6 +47,7 @@ fn each_field_of_a_body_is_read_as_it_was_written() {
     assert_eq!(world.angular_velocity(body), Ok(Vec3::Z));
     assert_eq!(world.gravity_scale(body), Ok(0.5));
     assert_eq!(world.damping(body), Ok((0.1, 0.2)));
+    assert_eq!(world.max_speeds(body), Ok([Some(50.0), Some(20.0)]));
     assert_eq!(world.locks(body), Ok((desc.lock_translation, desc.lock_rotation)));
     assert_eq!(world.continuous(body), Ok(Continuous::Volume));
     assert_eq!(world.solved_after(body), Ok(Some(RowGroup::Contacts)));

@@ -297,12 +297,14 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     body.push = match (request, friction) {
         (Request::Solve(pass), None) => {
             let mut whole = Whole::new(body.whole, batch, None);
-            sweep::<L, P, 0, false, _>(batch, None, &mut v, pass, &mut whole);
+            sweep::<L, P, 0, false, _>(batch, None, None, &mut v, pass, &mut whole);
             whole.push
         }
         (Request::Solve(pass), Some(friction)) => {
             let mut whole = Whole::new(body.whole, batch, Some(friction));
-            sweep::<L, P, 0, true, _>(batch, Some(friction), &mut v, pass, &mut whole);
+            // SAFETY: by the contract: each batch has a row of its own.
+            let rolling = unsafe { pass.rolling.find(batch.rolling as usize) };
+            sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut v, pass, &mut whole);
             whole.push
         }
         (Request::Push(closing), _) => {

@@ -8,7 +8,7 @@ use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
 use crate::narrow_phase::{ContactRef, Point};
-use crate::shape::{Collider, EVENTS};
+use crate::shape::{BELT, Collider, EVENTS, ROLLS};
 
 /// A column of eight lanes for each number. Inert lanes are zero.
 pub(super) struct Columns<const P: usize> {
@@ -40,6 +40,14 @@ pub(super) struct Columns<const P: usize> {
     pub(super) twist: [f32; 8],
     /// Static and dynamic.
     pub(super) coefficient: [[f32; 8]; 2],
+    /// By which the surface of b moves past that of a, in the world [m/s].
+    pub(super) past: [[f32; 8]; 3],
+    /// Lever arms of the load against rolling and spinning [m], and the impulse against rolling on b, in the
+    /// world [N m s].
+    pub(super) roll_arms: [[f32; 8]; 2],
+    pub(super) rolling: [[f32; 8]; 3],
+    /// Some lane resists rolling or spinning.
+    pub(super) rolls: bool,
 }
 
 fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
@@ -100,6 +108,10 @@ impl<const P: usize> Columns<P> {
             friction: [[0.0; 8]; 3],
             twist: [0.0; 8],
             coefficient: [[0.0; 8]; 2],
+            past: [[0.0; 8]; 3],
+            roll_arms: [[0.0; 8]; 2],
+            rolling: [[0.0; 8]; 3],
+            rolls: false,
         }
     }
 
@@ -135,6 +147,12 @@ impl<const P: usize> Columns<P> {
             out.put_points(&entry, input);
             if touching {
                 out.put_friction_impulse(&entry, input);
+                if input.surfaces {
+                    out.put_surface(&entry, input);
+                }
+                if input.rolling && (shape_a.flags | shape_b.flags) & ROLLS != 0 {
+                    out.put_rolling(&entry, input);
+                }
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {
@@ -245,5 +263,34 @@ impl<const P: usize> Columns<P> {
             input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction.into());
         put3(&mut self.friction, lane, carried.truncate() * share);
         self.twist[lane] = carried.w;
+    }
+
+    /// The velocities of both surfaces, by their materials and by what hooks said.
+    #[inline(never)]
+    fn put_surface(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, part, contact, shape_a, shape_b, swap, .. } = entry;
+        let moves = |c: u32, shape: &Collider| {
+            if shape.flags & BELT == 0 {
+                return glam::Vec3::ZERO;
+            }
+            input.poses[c as usize].rotation * input.rare[c as usize].surface_velocity
+        };
+        let of_materials = moves(contact.b, shape_b) - moves(contact.a, shape_a);
+        let past = tweak_of(input.tweaks, part.slot()).surface + of_materials;
+        put3(&mut self.past, lane, if swap { -past } else { past });
+    }
+
+    /// The larger lever arms of both materials, and the impulse of the last step.
+    #[inline(never)]
+    fn put_rolling(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, part, contact, swap, .. } = entry;
+        let rare = |c: u32| input.rare.get(c as usize).copied().unwrap_or_default();
+        let (a, b) = (rare(contact.a), rare(contact.b));
+        self.rolls = true;
+        self.roll_arms[0][lane] = a.rolling_friction.max(b.rolling_friction);
+        self.roll_arms[1][lane] = a.spinning_friction.max(b.spinning_friction);
+        let last = input.contacts.rolling(part.slot() as u32);
+        let carried = input.lengths.carry(last.extend(0.0), glam::Vec4::ZERO).truncate();
+        put3(&mut self.rolling, lane, if swap { -carried } else { carried });
     }
 }

@@ -41,6 +41,31 @@ pub(crate) struct ImpactRow<L, const B: usize> {
     pub(crate) coefficient: L,
 }
 
+/// Rows against rolling of a batch of touching contacts, about both tangents of its friction, and what
+/// spinning friction adds to the bound of its twist; a lane each. The torque against rolling is bounded by a
+/// lever arm times the load: T. Pöschel et al., *Rolling friction of a hard cylinder on a viscous plane*
+/// (1999), derive such an arm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RollingRow {
+    /// Lever arms of the load against rolling and spinning [m].
+    pub(crate) arm: [f32; 8],
+    pub(crate) spin_arm: [f32; 8],
+    /// Inverse of the 2x2 matrix of the rows [kg m²]: (11, 12, 22), and its smaller eigenvalue.
+    pub(crate) mass: [[f32; 8]; 3],
+    pub(crate) least_mass: [f32; 8],
+    /// On body `b`, about the tangents [N m s].
+    pub(crate) impulse: [[f32; 8]; 2],
+}
+
+impl RollingRow {
+    /// The angular impulse on body `b` [N m s].
+    #[inline(always)]
+    pub(crate) fn on_b<L: Lanes>(&self, normal: Vec3<L>, tangent: Vec3<L>) -> Vec3<L> {
+        let [x, y] = &self.impulse;
+        tangent * L::load(x) + normal.cross(tangent) * L::load(y)
+    }
+}
+
 // SAFETY: zero is a value of every field.
 unsafe impl<L: Zeroable, const B: usize> Zeroable for FrictionRow<L, B> {}
 // SAFETY: it is nothing but lanes, of which any bits are numbers, in the order of C.

@@ -1,10 +1,11 @@
-//! Friction of a manifold that touches: two rows along the surface, and one against twist.
+//! Friction of a manifold that touches: two rows along the surface, one against twist, and two against
+//! rolling where the material resists it.
 
 use super::batch::Batch;
 use super::body_pair::BodyPair;
-use super::friction::FrictionRow;
+use super::friction::{FrictionRow, RollingRow};
 use super::row::{FrictionResponse, Pass, Response};
-use crate::lanes::{GatherLanes, Lanes, Mask};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// During relaxation friction was bounded by the load before it, part of which pushed overlap apart and is
 /// removed again. Friction follows the load that is left: down to its bound, and where it slides also up, as
@@ -13,15 +14,20 @@ use crate::lanes::{GatherLanes, Lanes, Mask};
 pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
-    Slid { slides, spins }: Slid<L>,
+    Slid { slides, spins, extra }: Slid<L>,
     v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) {
-    let bound = friction_limit(batch, f, pass);
+    let load = load_of_points(batch, pass);
+    let bound = load * f.coefficient;
     let [p, q] = f.impulse;
     let size = if pass.friction_box { p.abs().max(q.abs()) } else { (p * p + q * q).sqrt() };
-    let (twist_bound, twist_size) = (bound * f.radius, f.twist.abs());
+    let mut twist_bound = bound * f.radius;
+    if let Some(arm) = extra {
+        twist_bound += load * arm;
+    }
+    let twist_size = f.twist.abs();
     let off = size.gt(bound) | twist_size.gt(twist_bound);
     let less = slides & size.lt(bound) | spins & twist_size.lt(twist_bound);
     if !(off | less).any() {
@@ -99,11 +105,10 @@ fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     response.apply(batch, v, q, ta, tb);
 }
 
-/// The bound of friction by the load of the points [N s].
+/// The load of the points that touch, by which friction is bounded [N s].
 #[inline(always)]
-fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
+fn load_of_points<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
-    f: &FrictionRow<L, B>,
     pass: &Pass<'_>,
 ) -> L {
     let real = L::splat(pass.touch_distance);
@@ -111,13 +116,15 @@ fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
     for point in &batch.points {
         load += L::select(point.separation.le(real), point.impulse, L::zero());
     }
-    load * f.coefficient
+    load
 }
 
 /// Which friction is at its bound.
 pub(super) struct Slid<L: Lanes> {
     slides: L::Mask,
     spins: L::Mask,
+    /// Lever arm of spinning friction [m], if any material of the batch has it.
+    extra: Option<L>,
 }
 
 /// The rows along the surface, and against twist.
@@ -125,11 +132,18 @@ pub(super) struct Slid<L: Lanes> {
 pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
+    rolling: Option<&mut RollingRow>,
     v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) -> Slid<L> {
-    let limit = friction_limit(batch, f, pass);
+    let load = load_of_points(batch, pass);
+    let limit = load * f.coefficient;
+    let mut extra = None;
+    if let Some(rolling) = rolling {
+        solve_rolling(batch, f.tangent, rolling, load, v, response);
+        extra = Some(L::load(&rolling.spin_arm));
+    }
     let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
     let old = f.impulse;
@@ -153,7 +167,10 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
             new = [L::select(sticks, new[0], slid[0] * scale), L::select(sticks, new[1], slid[1] * scale)];
         }
     }
-    let bound = limit * f.radius;
+    let mut bound = limit * f.radius;
+    if let Some(arm) = extra {
+        bound += load * arm;
+    }
     let change = [new[0] - old[0], new[1] - old[1]];
     // Against the twist that remains: friction at the centre turns a long body about one end, and both rows
     // against the same twist would drive it the other way.
@@ -162,5 +179,35 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
     let twist = stops.clamp(-bound, bound);
     let spins = stops.abs().gt(bound);
     push(batch, f, FrictionImpulse { along: new, twist }, v, response);
-    Slid { slides, spins }
+    Slid { slides, spins, extra }
+}
+
+/// The rows against rolling: they stop rotation about axes in the surface as far as the load allows, as
+/// [`solve_friction`] stops slip. A function of its own: few scenes need its code.
+#[inline(never)]
+fn solve_rolling<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    tangent: Vec3<L>,
+    row: &mut RollingRow,
+    load: L,
+    v: &mut BodyPair<L>,
+    response: &mut R,
+) {
+    let (t1, t2) = (tangent, batch.normal.cross(tangent));
+    let turn = if B > 0 { v.wb - v.wa } else { -v.wa };
+    let (w1, w2) = (turn.dot(t1), turn.dot(t2));
+    let limit = load * L::load(&row.arm);
+    let [m11, m12, m22] = [L::load(&row.mass[0]), L::load(&row.mass[1]), L::load(&row.mass[2])];
+    let old = [L::load(&row.impulse[0]), L::load(&row.impulse[1])];
+    let held = [old[0] - (m11 * w1 + m12 * w2), old[1] - (m12 * w1 + m22 * w2)];
+    let holds = (held[0] * held[0] + held[1] * held[1]).le(limit * limit);
+    let mass = L::load(&row.least_mass);
+    let rolled = [old[0] - mass * w1, old[1] - mass * w2];
+    let length = (rolled[0] * rolled[0] + rolled[1] * rolled[1]).sqrt();
+    let scale = L::select(length.gt(limit), limit / length, L::one());
+    let new = [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
+    let change = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
+    new[0].store(&mut row.impulse[0]);
+    new[1].store(&mut row.impulse[1]);
+    response.apply(batch, v, Vec3::zero(), change, change);
 }

@@ -2,21 +2,21 @@
 
 use super::batch::{Batch, unlocked};
 use super::columns::{Columns, sym3, vec3};
-use super::friction::{FrictionRow, FrictionToFill};
+use super::friction::{FrictionRow, FrictionToFill, RollingRow};
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::config::Order;
 use crate::config::tuning::LOCKED_YIELD;
+use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
-use crate::constraint::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Contacts, Scale};
-use crate::shape::{Collider, ColliderSummary};
+use crate::shape::{Collider, ColliderSummary, RareMaterial};
 use crate::threads::{Shared, Workers, per_block};
 
 /// Input of preparation.
@@ -53,6 +53,12 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
+    /// Whether any surface moves, by its material or by a hook.
+    pub(crate) surfaces: bool,
+    /// Whether any shape resists rolling or spinning.
+    pub(crate) rolling: bool,
+    /// What few shapes have of a material, as far as the column goes.
+    pub(crate) rare: &'a [RareMaterial],
     /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
 }
@@ -74,18 +80,27 @@ pub(crate) fn prepare(
 ) -> Prepared {
     rows.set_friction(input.friction);
     let prepared = arrange(input, rows, scratch, allowances);
-    rows.surfaces.clear();
-    if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
-        && allowances
-            .within(Category::Rows, |allowance| allowance.fit(&mut rows.surfaces, rows.schedule.len()))
-            == rows.schedule.len()
-    {
-        rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
+    let (all, Rows { surfaces, rolling, .. }) = (rows.schedule.len(), &mut *rows);
+    surfaces.clear();
+    rolling.clear();
+    // Without memory for them they are left out.
+    if input.surfaces && allowances.within(Category::Rows, |allowance| allowance.fit(surfaces, all)) == all {
+        surfaces.resize(all, [[0.0; 8]; 2]);
     }
-    let mut surfaces = std::mem::take(&mut rows.surfaces);
+    if input.rolling && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all {
+        rolling.resize(all, RollingRow::default());
+    }
+    let mut surfaces = std::mem::take(surfaces);
     fill_all(workers, input, &rows.views(), &mut surfaces, scratch);
     rows.surfaces = surfaces;
     prepared
+}
+
+/// What few batches need besides rows and friction, of the batch at a place of the schedule.
+struct Beside<'a> {
+    place: u32,
+    surface: Option<&'a mut Surface>,
+    rolling: Option<&'a mut RollingRow>,
 }
 
 /// Fills the batches of the schedule.
@@ -97,7 +112,7 @@ fn fill_all(
     surfaces: &mut [Surface],
     scratch: &PrepareScratch,
 ) {
-    let (moving, surfaces) = (!surfaces.is_empty(), Shared::new(surfaces));
+    let surfaces = Shared::new(surfaces);
     let (schedule, stages) = (views.schedule, views.stages);
     workers.run(schedule.len().div_ceil(BLOCK), &|block| {
         let mut stage = stages.partition_point(|s| s.end as usize <= block * BLOCK);
@@ -111,11 +126,12 @@ fn fill_all(
             let of = schedule[place];
             let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
-            let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
+            let (surface, rolling) = unsafe { (surfaces.find(place), views.rolling.find(place)) };
+            let beside = Beside { place: place as u32, surface, rolling };
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
-                    fill(batch, friction.to_fill(of, group), contacts, tree_slots, surface, input)
+                    fill(batch, friction.to_fill(of, group), contacts, tree_slots, beside, input)
                 });
             }
         }
@@ -163,12 +179,13 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     friction: FrictionToFill<'_, L, B>,
     parts: &[Part],
     tree_slots: Option<&TreeSlots>,
-    surface: Option<(usize, &mut Surface)>,
+    beside: Beside<'_>,
     input: &PrepareInput<'_>,
 ) {
     let columns =
         Columns::<P>::gather(parts, matches!(friction, FrictionToFill::Touching(_)), tree_slots, input);
-    (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
+    (batch.a, batch.contact) = (columns.a, columns.contact);
+    (batch.surface, batch.rolling) = (u32::MAX, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
     let [x, y, z, w] = &columns.rotation;
@@ -218,7 +235,11 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
             let arms = points.arms_a.iter().zip(&points.present);
             f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
             fill_friction(f, &geometry, fb);
-            choose_coefficient(batch, f, &geometry, fb, surface, input);
+            if let Some(rolling) = beside.rolling.filter(|_| columns.rolls) {
+                fill_rolling(rolling, &geometry);
+                batch.rolling = beside.place;
+            }
+            choose_coefficient(batch, f, &geometry, fb, (beside.place, beside.surface), input);
         }
     }
 }
@@ -300,6 +321,31 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     f.twist = L::load(&columns.twist);
 }
 
+/// Fills the rows against rolling, about the tangents of friction.
+#[inline(never)]
+fn fill_rolling<L: GatherLanes, const P: usize>(row: &mut RollingRow, geometry: &Geometry<'_, L, P>) {
+    let (columns, n, [ia, ib]) = (geometry.columns, geometry.normal, geometry.inverse_inertia);
+    let (t1, t2) = n.tangents();
+    let (x, y) = (ia.mul(t1) + ib.mul(t1), ia.mul(t2) + ib.mul(t2));
+    let (k12, sum) = (t1.dot(y), t1.dot(x) + t2.dot(y));
+    // The matrix stays invertible even where rotation about one axis is locked.
+    let tiny = sum * L::splat(LOCKED_YIELD);
+    let (k11, k22) = (t1.dot(x) + tiny, t2.dot(y) + tiny);
+    let det = k11 * k22 - k12 * k12;
+    let over = L::select(det.gt(L::zero()), L::one() / det, L::zero());
+    let mass = [k22 * over, -(k12 * over), k11 * over];
+    let (half, apart) = ((mass[0] + mass[2]) * L::splat(0.5), (mass[0] - mass[2]) * L::splat(0.5));
+    let least = (half - (apart * apart + mass[1] * mass[1]).sqrt()).max(L::zero());
+    mass[0].store(&mut row.mass[0]);
+    mass[1].store(&mut row.mass[1]);
+    mass[2].store(&mut row.mass[2]);
+    least.store(&mut row.least_mass);
+    [row.arm, row.spin_arm] = columns.roll_arms;
+    let (old, turns) = (vec3::<L>(&columns.rolling), det.gt(L::zero()));
+    L::select(turns, old.dot(t1), L::zero()).store(&mut row.impulse[0]);
+    L::select(turns, old.dot(t2), L::zero()).store(&mut row.impulse[1]);
+}
+
 /// Chooses static friction below a slip speed, dynamic friction above, and stores the velocity of moving
 /// surfaces.
 #[inline(always)]
@@ -308,7 +354,7 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
     f: &mut FrictionRow<L, B>,
     geometry: &Geometry<'_, L, P>,
     fb: Vec3<L>,
-    surface: Option<(usize, &mut Surface)>,
+    (place, surface): (u32, Option<&mut Surface>),
     input: &PrepareInput<'_>,
 ) {
     let (n, fa, columns) = (geometry.normal, f.arm_a, geometry.columns);
@@ -318,21 +364,13 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
     let (va, wa) = gather::<L>(record, &batch.a);
     let (vb, wb) = if B > 0 { gather::<L>(record, &batch.b[0].index) } else { (Vec3::zero(), Vec3::zero()) };
     let mut slip = vb + wb.cross(fb) - (va + wa.cross(fa));
-    if let Some((place, surface)) = surface {
-        let past = Vec3::<L>::from_fn(|lane| {
-            let part = batch.contact[lane];
-            let past = if part == Part::NONE {
-                glam::Vec3::ZERO
-            } else {
-                tweak_of(input.tweaks, part.slot()).surface
-            };
-            if batch.swapped >> lane & 1 != 0 { -past } else { past }
-        });
+    if let Some(surface) = surface {
+        let past = vec3::<L>(&columns.past);
         slip += past;
         let (t1, t2) = n.tangents();
         past.dot(t1).store(&mut surface[0]);
         past.dot(t2).store(&mut surface[1]);
-        batch.surface = place as u32;
+        batch.surface = place;
     }
     let slip = slip - n * slip.dot(n);
     let sticks = slip.length_squared().lt(L::splat(input.static_slip_speed * input.static_slip_speed));

@@ -2,7 +2,7 @@
 //! sequential impulses and for soft substeps.
 
 use super::batch::{Batch, PointRow};
-use super::friction::FrictionRow;
+use super::friction::{FrictionRow, RollingRow};
 use super::friction_rows::{follow_load, solve_friction};
 use super::impact_friction::potential_load;
 use super::rows::Surface;
@@ -14,7 +14,7 @@ pub(crate) use super::body_pair::{BodyPair, Motion};
 pub(crate) use super::softness::Softness;
 
 /// What a pass over the rows uses.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
@@ -31,6 +31,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) relax: bool,
     /// See [`Rows::surfaces`](crate::constraint::Rows::surfaces).
     pub(crate) surfaces: &'a [Surface],
+    /// See [`Rows::rolling`](crate::constraint::Rows::rolling).
+    pub(crate) rolling: &'a Shared<'a, RollingRow>,
 }
 
 /// Applies the impulses of the last step.
@@ -41,6 +43,7 @@ pub(crate) struct Pass<'a> {
 pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
     batch: &Batch<L, P, B>,
     friction: Option<&mut FrictionRow<L, B>>,
+    rolling: Option<&mut RollingRow>,
     velocity: &Shared<'_, Record>,
 ) {
     // Most potential contacts carry no impulse.
@@ -65,6 +68,11 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
         if B > 0 {
             tb += f.arm_b[0].cross(q) + batch.normal * f.twist;
         }
+        if let Some(rolling) = rolling {
+            let roll = rolling.on_b(batch.normal, f.tangent);
+            ta += roll;
+            tb += roll;
+        }
     }
     v.apply(batch, p, ta, tb);
     // SAFETY: by the contract.
@@ -79,6 +87,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
 pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,
     mut friction: Option<&mut FrictionRow<L, B>>,
+    rolling: Option<&mut RollingRow>,
     motion: &Motion<'_, '_>,
     of: &dyn Fn(u32) -> bool,
 ) {
@@ -113,6 +122,18 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
         ta += f.arm_a.cross(q) + twist;
         if B > 0 {
             tb += f.arm_b[0].cross(q) + twist;
+        }
+        if let Some(rolling) = rolling {
+            let impulses = &mut rolling.impulse;
+            let [x, y] = [0, 1].map(|i| {
+                let mut impulse = L::load(&impulses[i]);
+                let taken = take(&mut impulse);
+                impulse.store(&mut impulses[i]);
+                taken
+            });
+            let roll = f.tangent * x + batch.normal.cross(f.tangent) * y;
+            ta += roll;
+            tb += roll;
         }
     }
     // SAFETY: by the contract.
@@ -178,7 +199,9 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, B>(batch, motion) };
     }
-    if !sweep::<L, P, B, FRICTION, _>(batch, friction, &mut v, pass, &mut Free) {
+    // SAFETY: by the contract: each batch has a row of its own.
+    let rolling = if FRICTION { unsafe { pass.rolling.find(batch.rolling as usize) } } else { None };
+    if !sweep::<L, P, B, FRICTION, _>(batch, friction, rolling, &mut v, pass, &mut Free) {
         return false;
     }
     // SAFETY: by the contract.
@@ -219,13 +242,14 @@ pub(crate) fn sweep<
 >(
     batch: &mut Batch<L, P, B>,
     friction: Option<&mut FrictionRow<L, B>>,
+    rolling: Option<&mut RollingRow>,
     v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) -> bool {
     let mut slid = None;
     if FRICTION && let Some(f) = friction {
-        let which = solve_friction::<L, P, B, R>(batch, f, v, pass, response);
+        let which = solve_friction::<L, P, B, R>(batch, f, rolling, v, pass, response);
         slid = Some((f, which));
     }
     let mut rows = NormalRows::new(batch, v, pass, response);

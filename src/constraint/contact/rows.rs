@@ -1,7 +1,7 @@
 //! All batches of a step in one buffer, and their friction in another.
 
 use super::batch::{Batch, BatchRef};
-use super::friction::{FrictionRow, FrictionView, ImpactRow};
+use super::friction::{FrictionRow, FrictionView, ImpactRow, RollingRow};
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
@@ -44,6 +44,8 @@ pub(crate) struct Rows {
     pub(crate) tree_contacts: Vec<TreeContacts>,
     /// One for each batch of the schedule; empty unless some surface moves.
     pub(crate) surfaces: Vec<Surface>,
+    /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
+    pub(crate) rolling: Vec<RollingRow>,
 }
 
 /// Velocity of the surfaces of each lane past each other, along the two tangents of friction [m/s].
@@ -135,6 +137,7 @@ impl Rows {
             stages: &self.stages,
             tree_contacts: &self.tree_contacts,
             surfaces: &self.surfaces,
+            rolling: Shared::new(&mut self.rolling),
         }
     }
 
@@ -158,6 +161,7 @@ impl Rows {
         self.stages.clear();
         self.tree_contacts.clear();
         self.surfaces.clear();
+        self.rolling.clear();
     }
 
     /// Takes the memory of batches, which are dropped.
@@ -195,6 +199,7 @@ impl Rows {
             bytes_of(&self.stages),
             bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
+            bytes_of(&self.rolling),
         ])
     }
 }
@@ -208,6 +213,23 @@ pub(crate) struct Views<'a> {
     pub(crate) stages: &'a [Stage],
     pub(crate) tree_contacts: &'a [TreeContacts],
     pub(crate) surfaces: &'a [Surface],
+    pub(crate) rolling: Shared<'a, RollingRow>,
+}
+
+impl Views<'_> {
+    /// The rows of a batch against rolling, if it has any.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
+    pub(crate) unsafe fn rolling_of<L, const P: usize, const B: usize>(
+        &self,
+        batch: &Batch<L, P, B>,
+    ) -> Option<&mut RollingRow> {
+        // SAFETY: by the contract; each batch has a row of its own.
+        unsafe { self.rolling.find(batch.rolling as usize) }
+    }
 }
 
 /// See [`Batch`] for what `B` is.

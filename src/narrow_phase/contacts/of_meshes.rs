@@ -121,6 +121,7 @@ pub(super) fn commit_meshes(
             // The worst case is an impulse that is not inherited.
             allowance.push(chain, contact.to_owned());
         }
+        let rolling = contacts.rolling_of_chain(pair.contact);
         contacts.remove_chain(pair.contact);
         pair.contact = NO_CONTACT;
         let mut last = NO_CONTACT;
@@ -139,6 +140,8 @@ pub(super) fn commit_meshes(
             if slot == NO_CONTACT {
                 shed += raw.count;
             } else if last == NO_CONTACT {
+                // The first one has all of it; the passes over the rows share it out.
+                contacts.set_rolling(slot, rolling, allowance);
                 pair.contact = slot;
             } else {
                 contacts.at_mut(last).next = slot;

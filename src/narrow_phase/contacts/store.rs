@@ -7,6 +7,7 @@ use super::places::{Place, Places};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use crate::threads::Shared;
+use glam::Vec3;
 
 /// The header of a contact, and where its points are. Free slots are linked by [`Header::next`].
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +59,9 @@ pub(crate) struct Contacts {
     live: usize,
     /// Places keep their size when they are moved together.
     keeps_rooms: bool,
+    /// Angular impulse of each slot against rolling, on its shape `b`, in the world [N m s]; as far as the
+    /// column goes, and empty while no shape resists rolling.
+    rolling: Vec<Vec3>,
 }
 
 impl Default for Contacts {
@@ -68,6 +72,7 @@ impl Default for Contacts {
             free: NO_CONTACT,
             live: 0,
             keeps_rooms: false,
+            rolling: Vec::new(),
         }
     }
 }
@@ -95,7 +100,11 @@ impl Contacts {
 
     /// All contacts, for blocks of a stage that write to different ones.
     pub(crate) fn share(&mut self) -> SharedContacts<'_> {
-        SharedContacts { slots: Shared::new(&mut self.slots), points: Shared::new(&mut self.places.points) }
+        SharedContacts {
+            slots: Shared::new(&mut self.slots),
+            points: Shared::new(&mut self.places.points),
+            rolling: Shared::new(&mut self.rolling),
+        }
     }
 
     /// Slots that a chain of contacts goes through.
@@ -199,6 +208,9 @@ impl Contacts {
             return self.slots.len() as u32 - 1;
         }
         let slot = self.free;
+        if let Some(rolling) = self.rolling.get_mut(slot as usize) {
+            *rolling = Vec3::ZERO;
+        }
         self.free = std::mem::replace(&mut self.slots[slot as usize], new).header.next;
         slot
     }
@@ -262,6 +274,7 @@ impl Contacts {
     pub(crate) fn clear(&mut self) {
         self.slots.clear();
         self.places.clear();
+        self.rolling.clear();
         (self.free, self.live) = (NO_CONTACT, 0);
     }
 
@@ -277,6 +290,56 @@ impl Contacts {
         }
     }
 
+    /// The angular impulse against rolling of a contact: see [`Contacts::rolling`].
+    pub(crate) fn rolling(&self, slot: u32) -> Vec3 {
+        self.rolling.get(slot as usize).copied().unwrap_or_default()
+    }
+
+    /// The sum of them over a chain.
+    pub(crate) fn rolling_of_chain(&self, first: u32) -> Vec3 {
+        let (mut slot, mut sum) = (first, Vec3::ZERO);
+        while slot != NO_CONTACT && !self.rolling.is_empty() {
+            sum += self.rolling(slot);
+            slot = self.slots[slot as usize].header.next;
+        }
+        sum
+    }
+
+    /// Sets that of a contact; `allowance`: for the column.
+    pub(crate) fn set_rolling(&mut self, slot: u32, rolling: Vec3, allowance: &mut Allowance) {
+        if rolling != Vec3::ZERO {
+            self.fit_rolling(allowance);
+        }
+        if let Some(own) = self.rolling.get_mut(slot as usize) {
+            *own = rolling;
+        }
+    }
+
+    /// Makes the column of rolling as long as there are slots, as far as memory allows: contacts beyond it
+    /// start every step without an impulse.
+    pub(crate) fn fit_rolling(&mut self, allowance: &mut Allowance) {
+        let len = self.slots.len();
+        if self.rolling.len() < len {
+            let granted = allowance.fit(&mut self.rolling, len);
+            self.rolling.resize(granted, Vec3::ZERO);
+        }
+    }
+
+    /// No shape resists rolling any more.
+    pub(crate) fn forget_rolling(&mut self) {
+        self.rolling = Vec::new();
+    }
+
+    /// Live and reserved bytes of the column of rolling.
+    pub(crate) fn rolling_bytes(&self) -> (usize, usize) {
+        bytes_of(&self.rolling)
+    }
+
+    /// The column of rolling, to be reserved.
+    pub(crate) fn rolling_buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.rolling
+    }
+
     /// How many contacts a chain has.
     pub(crate) fn count(&self, slot: u32) -> usize {
         self.chain(slot).count()
@@ -290,7 +353,9 @@ impl Contacts {
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let live = self.live * size_of::<Slot>() + self.places.used() * size_of::<Point>();
-        (live, add_bytes(bytes_of(&self.slots), bytes_of(&self.places.points)).1)
+        let of_contacts = add_bytes(bytes_of(&self.slots), bytes_of(&self.places.points)).1;
+        let rolling = self.rolling_bytes();
+        (live + rolling.0, of_contacts + rolling.1)
     }
 }
 
@@ -301,6 +366,7 @@ const SPARE: usize = 16;
 pub(crate) struct SharedContacts<'a> {
     slots: Shared<'a, Slot>,
     points: Shared<'a, Point>,
+    rolling: Shared<'a, Vec3>,
 }
 
 impl SharedContacts<'_> {
@@ -316,6 +382,16 @@ impl SharedContacts<'_> {
             let Slot { header, place } = self.slots.get(slot as usize);
             ContactMut::new(header, self.points.part(place.range()))
         }
+    }
+
+    /// The angular impulse of a contact against rolling, to be written; `None` beyond the column.
+    ///
+    /// # Safety
+    /// As for [`SharedContacts::at`].
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
+    pub(crate) unsafe fn rolling(&self, slot: u32) -> Option<&mut Vec3> {
+        // SAFETY: by the contract; contacts have different entries.
+        unsafe { self.rolling.find(slot as usize) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Bodies of the world: add, remove, change, look up.
 
 use super::mass::{MassColumns, columns_of, mass_of, movable};
-use crate::body::{BodyDesc, BodyKind, Damping, NewBody, Traits};
+use crate::body::{BodyDesc, BodyKind, Damping, NewBody, SpeedCap, Traits};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
@@ -172,6 +172,7 @@ impl World {
             },
             details,
             damping: Damping { linear: desc.linear_damping, angular: desc.angular_damping },
+            cap: SpeedCap::new(desc.max_linear_speed, desc.max_angular_speed),
             kept_mass: kept,
         };
         let shapes = &mut self.colliders;

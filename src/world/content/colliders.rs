@@ -4,7 +4,7 @@ use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::math::Quat;
-use crate::shape::{Collider, Filter, Geometry, Kind, Material, ShapeDesc};
+use crate::shape::{BaseMaterial, Collider, Filter, Geometry, Kind, RareMaterial, ShapeDesc};
 use crate::world::{Needs, World};
 use glam::{DVec3, Vec3};
 
@@ -23,7 +23,7 @@ impl World {
             radius: geometry.radius(),
             inner_radius: geometry.inner_radius(),
             geometry: geometry.clone(),
-            material: shape.material,
+            material: shape.material.base(),
             filter: shape.filter,
             density: shape.density,
             flags: shape.flags(),
@@ -44,6 +44,7 @@ impl World {
             self.colliders.summaries[slot as usize] = collider.summaries(mode);
             self.colliders.all[slot as usize] = collider;
         }
+        self.colliders.set_rare(slot, shape.material.rare());
         self.bodies.attach(body, slot);
         self.colliders.place(slot, &self.bodies.pose[body]);
         self.enter_broad(slot);
@@ -57,6 +58,7 @@ impl World {
         self.assets.remove(&old.geometry);
         old.body = u32::MAX;
         old.geometry = Geometry::Plane;
+        self.colliders.set_rare(collider, RareMaterial::default());
         self.colliders.slots.remove(collider);
     }
 
@@ -72,7 +74,7 @@ impl World {
             radius: 0.0,
             inner_radius: 0.0,
             geometry: Geometry::Plane,
-            material: Material::default(),
+            material: BaseMaterial::default(),
             filter: Filter::default(),
             density: 0.0,
             flags: 0,
@@ -88,17 +90,19 @@ impl World {
         shapes.all.resize(slots, nothing);
         shapes.poses.clear();
         shapes.poses.resize(slots, nowhere);
+        shapes.rare.clear();
         self.broad.reset(slots);
     }
 
     /// Puts a shape into its former slot.
-    pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, pose: Pose) {
+    pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, rare: RareMaterial, pose: Pose) {
         let mode = self.bodies.mode(collider.body as usize);
         self.assets.add(&collider.geometry);
         self.needs.count(collider, 1);
         self.colliders.summaries[slot as usize] = collider.summaries(mode);
         self.colliders.all[slot as usize].clone_from(collider);
         self.colliders.poses[slot as usize] = pose;
+        self.colliders.set_rare(slot, rare);
     }
 
     pub(in crate::world) fn enter_broad(&mut self, collider: u32) {

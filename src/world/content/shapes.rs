@@ -97,28 +97,33 @@ impl World {
         Ok(self.handle_of(self.colliders.all[self.collider(shape)? as usize].body as usize))
     }
 
-    /// Friction and restitution of a shape.
+    /// The material of a shape.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn material(&self, shape: ShapeHandle) -> Result<Material, Error> {
-        Ok(self.colliders.all[self.collider(shape)? as usize].material)
+        Ok(self.colliders.material(self.collider(shape)?))
     }
 
-    /// Changes friction and restitution of a shape.
+    /// Changes the material of a shape: a belt that starts, ice that melts.
     ///
     /// # Errors
-    /// If the handle is stale, or a value is out of range.
+    /// If the handle is stale, a value is out of range, or the budget does not allow it.
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
+        let rare = material.rare();
+        self.reserve_for_rare_material(rare)?;
         self.note(Change::SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
-        collider.material = material;
+        collider.material = material.base();
+        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS) | rare.flags();
         self.needs.count(collider, 1);
+        self.colliders.summaries[index].flags = collider.flags;
+        self.colliders.set_rare(index as u32, rare);
         Ok(())
     }
 
@@ -177,8 +182,9 @@ impl World {
         }
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
-        collider.flags =
-            collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
+        collider.flags = collider.flags & !(EVENTS | HOOKS)
+            | if events { EVENTS } else { 0 }
+            | if hooks { HOOKS } else { 0 };
         self.needs.count(collider, 1);
         self.colliders.summaries[index].flags = collider.flags;
         if stops {

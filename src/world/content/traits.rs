@@ -1,6 +1,6 @@
 //! Traits of the world's bodies: look up and change what their descriptions said.
 
-use crate::body::{BodyKind, Damping, KeptMass, RareCounts, Traits};
+use crate::body::{BodyKind, Damping, KeptMass, RareCounts, SpeedCap, Traits};
 use crate::config::{Continuous, RowGroup};
 use crate::error::Error;
 use crate::handle::BodyHandle;
@@ -150,6 +150,38 @@ impl World {
         self.note(Change::SetDamping(body, linear, angular));
         self.revise(index);
         self.bodies.rare.set_damping(self.bodies.slot[index], Damping { linear, angular });
+        Ok(())
+    }
+
+    /// Greatest linear [m/s] and angular [rad/s] speed of a body, where it has one; see
+    /// [`BodyDesc::max_linear_speed`](crate::BodyDesc::max_linear_speed).
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn max_speeds(&self, body: BodyHandle) -> Result<[Option<f32>; 2], Error> {
+        let index = self.index(body)?;
+        Ok(self.bodies.rare.cap(self.bodies.slot[index]).limits())
+    }
+
+    /// Sets the greatest linear [m/s] and angular [rad/s] speed of a body, or takes them away. Without effect
+    /// while it is not dynamic; one that is faster slows down in the next step. A sleeping body goes on
+    /// sleeping.
+    ///
+    /// # Errors
+    /// If the handle is stale, a number is not in 0..=[`limits::MAX_SPEED`], or the budget does not allow it.
+    pub fn set_max_speeds(
+        &mut self,
+        body: BodyHandle,
+        linear: Option<f32>,
+        angular: Option<f32>,
+    ) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::speed_cap("maximum linear speed", linear)?;
+        limits::speed_cap("maximum angular speed", angular)?;
+        self.reserve_for_rare(RareCounts { capped: 1, ..RareCounts::default() })?;
+        self.note(Change::SetMaxSpeeds(body, linear, angular));
+        self.revise(index);
+        self.bodies.rare.set_cap(self.bodies.slot[index], SpeedCap::new(linear, angular));
         Ok(())
     }
 

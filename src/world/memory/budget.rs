@@ -9,7 +9,7 @@ use crate::finish;
 use crate::joint::JointAdditions;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
-use crate::shape::{Geometry, Kind, ShapeDesc};
+use crate::shape::{Geometry, Kind, RareMaterial, ShapeDesc};
 use crate::world::World;
 
 /// Numbers of entries, present or future, in the buffers that a step can't do without.
@@ -20,6 +20,8 @@ pub(in crate::world) struct Counts {
     pub(in crate::world) dynamic: usize,
     pub(in crate::world) colliders: Population,
     pub(in crate::world) solved_after: bool,
+    /// Whether shapes have a material with a part that few have.
+    pub(in crate::world) rare_materials: bool,
     /// Bodies with data that few have.
     pub(in crate::world) rare: RareCounts,
     /// Whether there are joints, and meshes or height fields.
@@ -151,6 +153,7 @@ impl World {
             more.rare = more.rare
                 + RareCounts {
                     damped: usize::from(desc.linear_damping > 0.0 || desc.angular_damping > 0.0),
+                    capped: usize::from(desc.max_linear_speed.or(desc.max_angular_speed).is_some()),
                     kept_masses: usize::from(!pushed && desc.mass.is_some()),
                     targets: 0,
                 };
@@ -203,6 +206,14 @@ impl World {
             return Ok(());
         }
         self.reserve_for(Counts { rare, ..Counts::default() }, false)
+    }
+
+    /// Reserves the column of rare materials, which exists only once a shape has one.
+    pub(in crate::world) fn reserve_for_rare_material(&mut self, rare: RareMaterial) -> Result<(), Error> {
+        if self.settings.budget.is_none() || rare.flags() == 0 {
+            return Ok(());
+        }
+        self.reserve_for(Counts { rare_materials: true, ..Counts::default() }, false)
     }
 
     /// Reserves entries for a body that becomes one of another kind.
@@ -363,6 +374,7 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             joined: more.joined || self.joints.count > 0,
+            rare_materials: more.rare_materials || self.needs.rare_materials > 0,
             meshed: more.meshed || self.needs.meshes + self.needs.height_fields > 0,
             forced: more.forced || !self.bodies.force.is_empty(),
             rests: more.rests || self.settings.sleeping || self.bodies.rests,
@@ -384,7 +396,8 @@ impl World {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         self.bodies.rare.each(n.rare, &mut |buffer, len| f(Bodies, buffer, len));
-        self.colliders.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
+        let rare = if n.rare_materials { n.colliders.slots } else { 0 };
+        self.colliders.each(n.colliders.slots, rare, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
@@ -446,6 +459,7 @@ pub(in crate::world) fn check(asked: &Amounts, allowances: &Allowances) -> Resul
 impl Counts {
     fn add_shape(&mut self, kind: BodyKind, shape: &ShapeDesc) {
         self.add_collider(kind, Kind::of(&shape.geometry));
+        self.rare_materials |= shape.material.rare().flags() != 0;
     }
 
     pub(in crate::world) fn add_collider(&mut self, of: BodyKind, kind: Kind) {

@@ -18,6 +18,8 @@ pub enum Feature {
     Friction,
     /// Moving surfaces, such as belts.
     SurfaceVelocities,
+    /// Rows against rolling, and spinning friction.
+    RollingFriction,
     /// Velocities and displacements of the previous step, and sweeps over impacts.
     Restitution,
     /// Swept paths, casts, potential contacts, and the guard.
@@ -70,9 +72,10 @@ pub enum Feature {
 
 impl Feature {
     /// Every feature, in the order of reports.
-    pub const ALL: [Feature; 26] = [
+    pub const ALL: [Feature; 27] = [
         Feature::Friction,
         Feature::SurfaceVelocities,
+        Feature::RollingFriction,
         Feature::Restitution,
         Feature::ContinuousCollision,
         Feature::Acceleration,
@@ -118,7 +121,12 @@ impl Feature {
     fn words(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Feature::Friction => ("friction", "shapes with friction or contact hooks", "solve"),
-            Feature::SurfaceVelocities => ("surface_velocities", "contacts with a moving surface", "solve"),
+            Feature::SurfaceVelocities => {
+                ("surface_velocities", "shapes and contacts with a moving surface", "solve")
+            }
+            Feature::RollingFriction => {
+                ("rolling_friction", "shapes that resist rolling or spinning", "solve")
+            }
             Feature::Restitution => ("restitution", "shapes with restitution or contact hooks", "prepare"),
             Feature::ContinuousCollision => {
                 ("continuous_collision", "bodies that are not discrete", "narrow")
@@ -265,7 +273,11 @@ impl World {
             Feature::Friction => (needs.friction, buffers.rows.friction_bytes(), None),
             Feature::SurfaceVelocities => {
                 let moving = self.events.tweaks.iter().filter(|tweak| tweak.surface != Vec3::ZERO).count();
-                (moving as u32, bytes_of(&buffers.rows.surfaces).1, None)
+                (needs.belts + moving as u32, bytes_of(&buffers.rows.surfaces).1, None)
+            }
+            Feature::RollingFriction => {
+                let rows = bytes_of(&buffers.rows.rolling).1;
+                (needs.rolling, rows + self.contacts.rolling_bytes().1, None)
             }
             Feature::Restitution => {
                 (needs.restitution, buffers.restitution.bytes().1, Some(spent.restitution))

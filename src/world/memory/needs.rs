@@ -2,15 +2,20 @@
 //! removed, never searched for.
 
 use crate::config::Continuous;
-use crate::shape::{Collider, EVENTS, HOOKS, Kind, SENSOR};
+use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
 use crate::world::World;
 use glam::Vec3;
 
 /// Numbers of shapes that need a feature; a feature that nothing needs costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
-    /// Shapes with friction, or with hooks, which may add it.
+    /// Shapes with friction of any kind, or with hooks, which may add it.
     pub(crate) friction: u32,
+    /// Shapes that resist rolling or spinning, and those whose surface moves.
+    pub(crate) rolling: u32,
+    pub(crate) belts: u32,
+    /// Shapes, sensors included, with a material of which a part is in the column of rare ones.
+    pub(crate) rare_materials: u32,
     /// Shapes with restitution, or with hooks, which may add it.
     pub(crate) restitution: u32,
     /// Shapes that ask for events, are sensors, or have hooks.
@@ -35,8 +40,11 @@ impl Needs {
         let material = &collider.material;
         // A sensor pushes nothing.
         let solid = !has(SENSOR);
-        let has_friction = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
+        let has_friction = material.static_friction > 0.0 || material.dynamic_friction > 0.0 || has(ROLLS);
         add(&mut self.friction, solid && (has_friction || has(HOOKS)));
+        add(&mut self.rolling, solid && has(ROLLS));
+        add(&mut self.belts, solid && has(BELT));
+        add(&mut self.rare_materials, has(ROLLS | BELT));
         add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));
@@ -49,17 +57,19 @@ impl Needs {
 
 /// Features whose buffers are released once nothing needs them: a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Demand(u8);
+pub(crate) struct Demand(u16);
 
 impl Demand {
-    const FRICTION: u8 = 1;
-    const RESTITUTION: u8 = 2;
-    const LISTENING: u8 = 4;
-    const HOOKS: u8 = 8;
-    const JOINTS: u8 = 16;
-    const CONTINUOUS: u8 = 32;
-    const SOLVED_AFTER: u8 = 64;
-    const ACCELERATION: u8 = 128;
+    const FRICTION: u16 = 1;
+    const RESTITUTION: u16 = 2;
+    const LISTENING: u16 = 4;
+    const HOOKS: u16 = 8;
+    const JOINTS: u16 = 16;
+    const CONTINUOUS: u16 = 32;
+    const SOLVED_AFTER: u16 = 64;
+    const ACCELERATION: u16 = 128;
+    const ROLLING: u16 = 256;
+    const RARE_MATERIALS: u16 = 512;
 }
 
 impl World {
@@ -87,8 +97,10 @@ impl World {
             (self.is_continuous(), Demand::CONTINUOUS),
             (self.bodies.any_solved_after(), Demand::SOLVED_AFTER),
             (self.is_accelerated(), Demand::ACCELERATION),
+            (self.needs.rolling > 0, Demand::ROLLING),
+            (self.needs.rare_materials > 0, Demand::RARE_MATERIALS),
         ];
-        Demand(needed.iter().fold(0, |all, (is, part)| all | (u8::from(*is) * part)))
+        Demand(needed.iter().fold(0, |all, (is, part)| all | (u16::from(*is) * part)))
     }
 
     /// At the end of a step that needed `now`: releases the buffers that only earlier ones needed. With a
@@ -106,7 +118,7 @@ impl World {
     }
 
     #[cold]
-    fn release_all(&mut self, gone: u8) {
+    fn release_all(&mut self, gone: u16) {
         let buffers = &mut self.buffers;
         if gone & Demand::RESTITUTION != 0 {
             buffers.restitution = Default::default();
@@ -135,6 +147,13 @@ impl World {
         }
         if gone & Demand::ACCELERATION != 0 {
             buffers.forces.acceleration = Vec::new();
+        }
+        if gone & Demand::ROLLING != 0 {
+            buffers.rows.rolling = Vec::new();
+            self.contacts.forget_rolling();
+        }
+        if gone & Demand::RARE_MATERIALS != 0 {
+            (self.colliders.rare, buffers.rows.surfaces) = Default::default();
         }
         // Friction is released when rows are prepared, sleep when a step begins.
     }

@@ -1,14 +1,14 @@
 //! Memory for restoring a snapshot, requested from the budget before anything changes.
 
 use super::budget::{Counts, check, list_bytes};
-use crate::body::{BodyKind, Damping, NewBody, RareCounts};
+use crate::body::{BodyKind, Damping, NewBody, RareCounts, SpeedCap};
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
 use crate::narrow_phase::ContactCount;
-use crate::shape::{Geometry, Kind};
+use crate::shape::{BELT, Geometry, Kind, ROLLS};
 use crate::world::{Assets, World};
 
 /// The bodies and joints that replace those of a world.
@@ -24,6 +24,8 @@ pub(crate) struct Brings<'a> {
     /// Number of those pairs that sleeping islands keep.
     pub(crate) sleeping_pairs: usize,
     pub(crate) contacts: ContactCount,
+    /// Whether any shape resists rolling.
+    pub(crate) rolling: bool,
     pub(crate) forced: bool,
     /// Number of kinematic bodies that are to be somewhere after the next step.
     pub(crate) targets: usize,
@@ -46,11 +48,12 @@ impl<'a> Replacement<'a> {
         Replacement { counts, joints }
     }
 
-    /// A body with shapes of these kinds.
-    pub(crate) fn add(&mut self, body: &NewBody, shapes: impl Iterator<Item = Kind>) {
+    /// A body with shapes of these kinds and flags.
+    pub(crate) fn add(&mut self, body: &NewBody, shapes: impl Iterator<Item = (Kind, u8)>) {
         let (counts, kind, traits) = (&mut self.counts, body.kind, &body.traits);
         let rare = RareCounts {
             damped: usize::from(body.damping != Damping::default()),
+            capped: usize::from(body.cap != SpeedCap::NONE),
             kept_masses: usize::from(body.kept_mass.is_some()),
             targets: 0,
         };
@@ -59,8 +62,9 @@ impl<'a> Replacement<'a> {
         counts.solved_after |= traits.solved_after.is_some();
         counts.dynamic += usize::from(kind == BodyKind::Dynamic && !traits.disabled);
         let (mut own, slots) = (0, counts.colliders.slots);
-        for shape in shapes {
+        for (shape, flags) in shapes {
             own += 1;
+            counts.rare_materials |= flags & (ROLLS | BELT) != 0;
             if !traits.disabled {
                 counts.add_collider(kind, shape);
             }
@@ -117,6 +121,9 @@ impl World {
             self.each_of_switched(switched, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
+        if brings.rolling {
+            f(Category::Manifolds, self.contacts.rolling_buffer(), brings.contacts.contacts);
+        }
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }

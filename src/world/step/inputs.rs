@@ -9,7 +9,7 @@ use crate::config::tuning::{
 use crate::config::{FrictionModel, Settings};
 use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
 use crate::finish::Counts;
-use crate::forces::{Forces, damp};
+use crate::forces::{Forces, cap, damp};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
@@ -18,6 +18,7 @@ use crate::threads::Workers;
 use crate::time_of_impact::{Impacts, Solved, meet_impacts, meets_impacts};
 use crate::world::{Buffers, StepCounts, World};
 use crate::{finish, movers, solver};
+use glam::Vec3;
 
 impl World {
     /// Finds the pairs of the step, or once more after some bodies woke.
@@ -173,6 +174,9 @@ impl World {
 
     fn prepare_contacts(&mut self, workers: &Workers<'_>, dt: f32, allowances: &mut Allowances) -> Prepared {
         let ahead = self.room_ahead(allowances);
+        if self.needs.rolling > 0 {
+            allowances.within(Category::Manifolds, |allowance| self.contacts.fit_rolling(allowance));
+        }
         let mut rows = std::mem::take(&mut self.buffers.rows);
         let mut scratch = std::mem::take(&mut self.buffers.prepare);
         let prepared = prepare(workers, &self.prepare_input(dt, ahead), &mut rows, &mut scratch, allowances);
@@ -203,6 +207,10 @@ impl World {
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
+            surfaces: self.needs.belts > 0
+                || self.events.tweaks.iter().any(|tweak| tweak.surface != Vec3::ZERO),
+            rolling: self.needs.rolling > 0,
+            rare: &self.colliders.rare,
             scale: scale(&self.colliders, &self.bodies, forces, &self.settings, dt),
         }
     }
@@ -254,10 +262,14 @@ impl World {
         }
     }
 
-    /// Takes away half of the velocity that damped bodies lose in a step.
+    /// Takes away half of the velocity that damped bodies lose in a step, and holds bodies to their greatest
+    /// speeds.
     pub(crate) fn damp(&mut self, dt: f32) {
         if self.bodies.rare.damping.len() > 0 {
             damp(&mut self.bodies, dt);
+        }
+        if self.bodies.rare.caps.len() > 0 {
+            cap(&mut self.bodies);
         }
     }
 

@@ -57,6 +57,7 @@ pub(crate) enum Change<'a> {
     SetKind(BodyHandle, BodyKind),
     SetUserData(BodyHandle, u64),
     SetDamping(BodyHandle, f32, f32),
+    SetMaxSpeeds(BodyHandle, Option<f32>, Option<f32>),
     SetLocks(BodyHandle, [bool; 3], [bool; 3]),
     SetLinearVelocity(BodyHandle, Vec3),
     SetAngularVelocity(BodyHandle, Vec3),

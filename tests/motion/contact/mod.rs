@@ -1,9 +1,11 @@
 //! Contacts: bouncing, friction, sliding, parting, and what extreme masses do.
 
+mod belts;
 mod elastic;
 mod extremes;
 mod friction;
 mod impact;
 mod overlap;
 mod restitution;
+mod rolling;
 mod sliding;

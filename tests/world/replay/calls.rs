@@ -62,6 +62,8 @@ impl Churn {
         shape.material.restitution = if r.below(4) == 0 { 0.5 } else { 0.0 };
         shape.sensor = convex && r.below(8) == 0;
         (shape.events, shape.hooks, shape.user_data) = (r.below(3) == 0, r.below(3) == 0, r.bits());
+        shape.material.rolling_friction = if shape.user_data & 3 == 0 { 0.02 } else { 0.0 };
+        shape.material.surface_velocity = if shape.user_data & 28 == 0 { Vec3::X } else { Vec3::ZERO };
         shape
     }
 
@@ -226,7 +228,12 @@ impl Churn {
                 world.set_kind(body, kinds[usize::from(yes) + 2 * usize::from(also)])
             }
             32 => world.set_user_data(body, v.x.to_bits().into()),
-            33 => world.set_damping(body, if yes { v.x.abs() } else { 0.0 }, w.x.abs()),
+            33 => {
+                let caps = [yes.then_some(20.0 * v.y.abs()), also.then_some(20.0 * w.y.abs())];
+                world
+                    .set_damping(body, if yes { v.x.abs() } else { 0.0 }, w.x.abs())
+                    .and_then(|()| world.set_max_speeds(body, caps[0], caps[1]))
+            }
             34 => world.set_locks(body, [false, yes && also, false], [yes, false, also]),
             35 => world.set_linear_velocity(body, v * 10.0),
             36 => world.set_angular_velocity(body, w * 10.0),
@@ -299,7 +306,7 @@ fn change_joint(
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 58] = [
+const CALLS: [&str; 59] = [
     "add_bodies",
     "add_body",
     "add_force",
@@ -347,6 +354,7 @@ const CALLS: [&str; 58] = [
     "set_locks",
     "set_mass",
     "set_material",
+    "set_max_speeds",
     "set_origin",
     "set_pose",
     "set_sensor",
@@ -388,8 +396,8 @@ fn thousands_of_calls_at_random_play_again() {
 #[test]
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
-    let (mut churn, buffer) = Churn::new(settings, 4);
-    churn.run(600, 6);
+    let (mut churn, buffer) = Churn::new(settings, 5);
+    churn.run(900, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
     churn.world.stop_recording().unwrap();
     let played = plays_again(&buffer.bytes(), hash);

@@ -61,11 +61,13 @@ fn world(which: usize, shared: &Shared) -> World {
             };
             let mut shape = ShapeDesc::new(geometry).with_events();
             shape.material.restitution = if which == 1 { 0.5 } else { 0.0 };
+            shape.material.rolling_friction = if which == 1 { 0.02 } else { 0.0 };
             let at = DVec3::new(f64::from(i % 4) - 2.0, 0.4 + f64::from(i / 4) * 0.7, f64::from(i % 3));
             world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
         })
         .collect();
-    let lift = ShapeDesc::new(Geometry::cuboid(0.5, 0.1, 0.5));
+    let mut lift = ShapeDesc::new(Geometry::cuboid(0.5, 0.1, 0.5));
+    lift.material.surface_velocity = if which == 1 { Vec3::Z } else { Vec3::ZERO };
     let lift = BodyDesc::kinematic().at(DVec3::new(3.0, 1.0, 3.0)).with_shape(lift);
     world.add_body(&lift.clone().moving(Vec3::X, Vec3::Y)).unwrap();
     world.add_body(&lift.at(DVec3::new(-3.0, 1.0, -3.0))).unwrap();

@@ -393,6 +393,7 @@ fn material(m: &extension::Material, notes: &mut Vec<String>) -> Material {
         restitution: m.restitution.min(1.0),
         friction_combine: combine(m.friction_combine),
         restitution_combine: combine(m.restitution_combine),
+        ..Material::default()
     }
 }
 
