@@ -2,7 +2,9 @@
 //! fail.
 
 use super::Snapshot;
+use super::characters::{check_characters, restore_characters};
 use super::check::check;
+use super::geometry::resolve;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
 use crate::body::{Pose, Target};
@@ -11,7 +13,7 @@ use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::math::Quat;
 use crate::narrow_phase::{ContactCount, most_points};
-use crate::shape::Kind;
+use crate::shape::{Geometry, Kind};
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
@@ -32,7 +34,11 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let brings = brought(world, &view, records.as_ref());
+    let forms = resolve(&snapshot.forms, world)?;
+    if snapshot.foreign.is_some() {
+        check_characters(view.characters, &forms)?;
+    }
+    let brings = brought(world, &view, records.as_ref(), &forms);
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -42,12 +48,14 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     } else {
         world.reserve_to_restore(&brings)?;
     }
+    world.clear_characters();
     if let Some(records) = records {
         install(world, records);
     } else if settle && !poisoned {
         world.broad.settle_statics();
     }
     apply(world, &view);
+    restore_characters(world, view.characters, &forms);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
@@ -86,13 +94,18 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
 }
 
 /// The memory that the snapshot needs; that of contacts only if the world has a budget.
-fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
+fn brought<'a>(
+    world: &World,
+    view: &'a View<'_>,
+    records: Option<&'a Records>,
+    forms: &'a [Geometry],
+) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
-        let geometries = shapes.map(|c| &c.collider.geometry);
+        let geometries = shapes.map(|c| &c.collider.geometry).chain(forms);
         let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| c.collider.kind);
@@ -114,6 +127,8 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         contacts,
         forced: counts.has(FORCE),
         targets: counts.targets as usize,
+        characters: counts.characters as usize,
+        forms,
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
     }

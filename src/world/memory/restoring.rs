@@ -27,6 +27,9 @@ pub(crate) struct Brings<'a> {
     pub(crate) forced: bool,
     /// Number of kinematic bodies that are to be somewhere after the next step.
     pub(crate) targets: usize,
+    /// Slots of characters, and their hulls.
+    pub(crate) characters: usize,
+    pub(crate) forms: &'a [Geometry],
     pub(crate) rests: bool,
     /// `None` if bodies, shapes and joints stay as they are.
     pub(crate) new: Option<Replacement<'a>>,
@@ -87,6 +90,8 @@ impl World {
             gone.add(Category::Bodies, self.bodies.list_bytes());
             asked += new.counts.once;
             asked.add(Category::Joints, self.joints.rows_missing_for(new.joints) * WIDEST_JOINT_BATCH);
+        } else {
+            asked += self.assets.cost(brings.forms.iter()).0;
         }
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
@@ -118,6 +123,7 @@ impl World {
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
+        f(Category::Bodies, self.seat_buffer(), brings.characters);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }
