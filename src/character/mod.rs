@@ -132,8 +132,8 @@ impl Character {
         Ok(())
     }
 
-    /// Gives it a shape of its own, any convex geometry, or with none the capsule of its settings again. Its y
-    /// axis is along [`CharacterSettings::up`]; its origin is at the character's position, which
+    /// Gives it a shape of its own, any convex geometry, or with none the capsule of its settings again. Its
+    /// y axis is along [`CharacterSettings::up`]; its origin is at the character's position, which
     /// stays. The radius and half height of the settings then mean nothing. Whether there is room for it
     /// `overlap_any` tells.
     ///

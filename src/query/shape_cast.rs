@@ -450,8 +450,8 @@ fn touch_triangles(
     })
 }
 
-/// The first touch with triangles that a box meets on its way. In the mesh's frame: where it starts, its path,
-/// and its half extents.
+/// The first touch with triangles that a box meets on its way. In the mesh's frame: where it starts, its
+/// path, and its half extents.
 #[inline(always)]
 fn each_triangle(
     candidate: &Candidate<'_>,

@@ -2,9 +2,9 @@
 //! fail.
 
 use super::Snapshot;
-use super::characters::{check_characters, restore_characters};
+use super::characters::{check_characters, found_forms, restore_characters};
 use super::check::check;
-use super::geometry::resolve;
+use super::geometry::Known;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
 use crate::body::{Pose, Target};
@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::math::Quat;
+use crate::memory::Amounts;
 use crate::narrow_phase::{ContactCount, most_points};
 use crate::shape::{Geometry, Kind};
 use crate::sleep::Sleep;
@@ -34,11 +35,15 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let forms = resolve(&snapshot.forms, world)?;
-    if snapshot.foreign.is_some() {
-        check_characters(view.characters, &forms)?;
-    }
-    let brings = brought(world, &view, records.as_ref(), &forms);
+    let found;
+    let forms = if snapshot.foreign.is_some() {
+        found = found_forms(&snapshot.forms, world)?;
+        check_characters(view.characters, &found)?;
+        &found
+    } else {
+        &snapshot.forms
+    };
+    let brings = brought(world, &view, records.as_ref(), forms);
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -55,7 +60,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         world.broad.settle_statics();
     }
     apply(world, &view);
-    restore_characters(world, view.characters, &forms);
+    restore_characters(world, view.characters, forms);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
@@ -93,19 +98,27 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
+/// The hulls among them.
+fn geometries_of(forms: &[Known]) -> impl Iterator<Item = &Geometry> {
+    forms.iter().filter_map(|known| match known {
+        Known::Here(geometry) => Some(geometry),
+        Known::Print(_) => None,
+    })
+}
+
 /// The memory that the snapshot needs; that of contacts only if the world has a budget.
 fn brought<'a>(
     world: &World,
     view: &'a View<'_>,
     records: Option<&'a Records>,
-    forms: &'a [Geometry],
+    forms: &'a [Known],
 ) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
-        let geometries = shapes.map(|c| &c.collider.geometry).chain(forms);
+        let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
         let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| c.collider.kind);
@@ -128,7 +141,7 @@ fn brought<'a>(
         forced: counts.has(FORCE),
         targets: counts.targets as usize,
         characters: counts.characters as usize,
-        forms,
+        forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
     }

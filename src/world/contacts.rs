@@ -56,8 +56,8 @@ impl BodyContact {
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
     /// vetoed; those with static geometry among them. Sensors have none. In an order that only the past
-    /// depends on. Looks through all pairs of the world, and allocates nothing: for the contacts of many bodies
-    /// go once through [`World::contacts`].
+    /// depends on. Looks through all pairs of the world, and allocates nothing: for the contacts of many
+    /// bodies go once through [`World::contacts`].
     ///
     /// # Errors
     /// If the handle is stale.
