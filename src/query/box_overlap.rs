@@ -12,8 +12,8 @@ impl World {
     /// [`ShapeHandle`](crate::ShapeHandle): cheaper than [`World::overlap`] and a first choice of what may be
     /// there. They replace what is in `found`, which alone may grow. A box around a turned shape is larger
     /// than the shape; that of a plane is around its half-space, everywhere if it leans. Exactly, or with a
-    /// box that is turned, [`World::overlap`] answers. [`QueryFilter::skip_inside`] has no effect. When, where
-    /// and how often it may be asked: as [`World::cast_ray`].
+    /// turned box, [`World::overlap`] answers. [`QueryFilter::skip_inside`] has no effect. When, where and
+    /// how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
     /// A corner is not finite or beyond 1e15, or the low one is not below the high one, or the budget does
