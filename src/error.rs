@@ -18,6 +18,9 @@ pub enum Error {
     /// world.
     #[error("the joint handle is stale: its joint broke or was removed")]
     StaleJoint,
+    /// The character was removed; see [`Error::StaleBody`] for those of another world.
+    #[error("the character handle is stale: its character was removed")]
+    StaleCharacter,
     /// A recording goes forwards.
     #[error("a world that is being recorded can't be restored: stop the recording first")]
     Recorded,

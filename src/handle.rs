@@ -44,6 +44,11 @@ handle! {
     JointHandle
 }
 
+handle! {
+    /// A character of a world. Goes stale when it is removed.
+    CharacterHandle
+}
+
 /// Hands out handles and finds the dense index behind one. Slots are reused, generations are not.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {

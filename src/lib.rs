@@ -47,7 +47,7 @@
 //!   body touches, and the box around it.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
-//! - [`Character`]: a capsule that walks.
+//! - [`Character`]: a capsule or another convex shape that walks.
 //! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
 //!   [`Category`].
 //! - [`World::model`]: the parts of the engine that the world's content needs, and their cost, by
@@ -123,7 +123,7 @@ pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Orde
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
-pub use handle::{BodyHandle, JointHandle, ShapeHandle};
+pub use handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
 pub use joint::{
     Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
     Spring,
@@ -131,7 +131,7 @@ pub use joint::{
 #[cfg(any(feature = "gltf", feature = "replay"))]
 pub use load_limits::{LimitExceeded, LoadLimits};
 pub use memory::{Budget, Bytes, Category, MemoryReport};
-pub use query::{ClosestPoint, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
+pub use query::{ClosestPoint, Overlap, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };

@@ -7,14 +7,14 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Budget, Character, CharacterReport, CharacterSettings,
-    ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray, Settings,
-    ShapeCast, Snapshot, Spring, World,
+    ContinuousMethod, ConvexHull, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray,
+    Settings, ShapeCast, Snapshot, Spring, World,
 };
 use common::piles::{Of, Pile};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Counts the allocations of threads that asked for it.
 struct Counting;
@@ -363,6 +363,35 @@ fn characters_allocate_nothing() {
     };
     assert_eq!(count(&mut world, 900, ask), 0);
     assert!(ran_into > 20, "{ran_into}");
+}
+
+/// Characters of the world, one of them a hull: walks, and snapshots with rollback.
+#[test]
+fn characters_of_a_world_allocate_nothing() {
+    let _alone = one_at_a_time();
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(1));
+    let corners = [[0.3, -0.9, 0.0], [-0.3, -0.9, 0.2], [0.0, -0.9, -0.3], [0.0, 0.9, 0.0]];
+    let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners.map(Vec3::from)).unwrap()));
+    let walkers = [None, Some(Geometry::cuboid(0.3, 0.9, 0.3)), Some(hull)].map(|shape| {
+        let mut made = Character::new(CharacterSettings::default(), DVec3::new(0.0, 6.0, 8.0)).unwrap();
+        made.set_shape(shape).unwrap();
+        world.add_character(&made).unwrap()
+    });
+    let mut saved = Snapshot::new();
+    let ask = |world: &mut World, step: u32| {
+        for walker in walkers {
+            let turn = 0.05 * step as f32;
+            let wish = Vec3::new(3.0 * turn.cos(), -3.0, 3.0 * turn.sin() - 0.5);
+            let report = world.walk_character(walker, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
+            report.push(world).unwrap();
+        }
+        if step % 4 == 0 {
+            world.snapshot(&mut saved);
+        } else if step % 4 == 3 {
+            world.restore(&saved).unwrap();
+        }
+    };
+    assert_eq!(count(&mut world, 400, ask), 0);
 }
 
 /// Eight frames are rolled back and done again, with a snapshot after each, over and over.

@@ -3,9 +3,9 @@
 use backstop::debug::{DebugDraw, DrawOptions};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, Drive, Filter,
-    Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap, QueryFilter, Ray,
-    Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
+    Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, Drive,
+    Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap, QueryFilter,
+    Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
 };
 
 /// What the rows of the table find at hand.
@@ -23,6 +23,8 @@ struct AtHand<'a> {
     mesh: TriangleMesh,
     cast: ShapeCast<'a>,
     overlaps: Vec<Overlap>,
+    area: Aabb,
+    character: Character,
     snapshot: Snapshot,
     drawing: &'a mut dyn DebugDraw,
 }
@@ -42,7 +44,7 @@ macro_rules! rows {
 rows! {
     AtHand {
         world, desc, shape_desc, joint_desc, bodies, body, shape, joint, frames, geometry, mesh, cast,
-        mut overlaps, mut snapshot, drawing,
+        mut overlaps, area, character, mut snapshot, drawing,
     } =>
     World::new(Settings::default());
     world.step(1.0 / 60.0);
@@ -97,6 +99,9 @@ rows! {
     world.joints_of(body);
     world.cast_ray(&Ray::new(DVec3::Y, -Vec3::Y), &QueryFilter::default());
     world.cast_shape(&cast, &QueryFilter::default());
+    world.cast_shape(&cast.turning(Vec3::Y), &QueryFilter::default());
+    world.overlap_aabb(&area, &QueryFilter::default(), &mut overlaps);
+    world.cast_ray(&Ray::new(DVec3::Y, -Vec3::Y), &QueryFilter::only(body));
     world.overlap(&geometry, DVec3::Y, Quat::IDENTITY, &QueryFilter::default(), &mut overlaps);
     world.closest_point(DVec3::Y, 2.0, &QueryFilter::default());
     world.contact_begins();
@@ -105,6 +110,7 @@ rows! {
     world.contacts_of(body);
     world.step_with(1.0 / 60.0, &NoHooks);
     Character::new(CharacterSettings::default(), DVec3::Y);
+    world.add_character(&character);
     world.snapshot(&mut snapshot);
     world.restore(&snapshot);
     world.draw(&DrawOptions::default(), drawing);

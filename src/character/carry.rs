@@ -14,8 +14,8 @@ use glam::{DQuat, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Carrier {
     pub(super) body: BodyHandle,
-    position: DVec3,
-    rotation: Quat,
+    pub(super) position: DVec3,
+    pub(super) rotation: Quat,
 }
 
 impl Carrier {

@@ -1,7 +1,7 @@
-//! A capsule that walks: collide and slide, steps, slopes, moving ground.
+//! A convex shape that walks: collide and slide, steps, slopes, moving ground.
 //!
 //! A character is not a body. It queries a world (`src/query/`) and moves its own position, so that any
-//! number of them may walk at the same time through `&World`. All casts use the capsule enlarged by its skin;
+//! number of them may walk at the same time through `&World`. All casts use its shape enlarged by its skin;
 //! rounding and moving bodies cause overlap of the skin, which is resolved at the start of the next walk.
 //!
 //! One walk: the ground carries it ([`carry`]), overlapping bodies push it out ([`overlap`]), it slides along
@@ -12,6 +12,7 @@ mod ground;
 mod overlap;
 mod planes;
 mod report;
+mod resident;
 mod settings;
 mod shape;
 mod slide;
@@ -23,10 +24,12 @@ mod step;
 struct Docs;
 
 pub use report::{CharacterHit, CharacterReport, Ground};
+pub(crate) use resident::checked_character;
 pub use settings::CharacterSettings;
 
 use crate::body::BodyKind;
 use crate::error::Error;
+use crate::math::Quat;
 use crate::query::{QueryFilter, ShapeHit};
 use crate::shape::Geometry;
 use crate::world::World;
@@ -34,10 +37,10 @@ use carry::{Carrier, carry};
 use glam::{DVec3, Vec3};
 use ground::{settle, velocity_at};
 use overlap::push_out;
-use shape::{Shape, upright};
+use shape::{Form, Own, Shape, upright};
 use slide::Slide;
 
-/// A capsule that walks through a world: a character.
+/// A capsule, or another convex shape, that walks through a world: a character.
 ///
 /// ```
 /// use backstop::glam::{DVec3, Vec3};
@@ -63,6 +66,9 @@ use slide::Slide;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Character {
     settings: CharacterSettings,
+    /// Its shape, if that is not the capsule of the settings, and its rotation from upright.
+    own: Option<Own>,
+    turned: Quat,
     position: DVec3,
     ground: Option<Ground>,
     carrier: Option<Carrier>,
@@ -76,16 +82,31 @@ impl Character {
     pub fn new(settings: CharacterSettings, position: DVec3) -> Result<Character, Error> {
         settings.validate()?;
         crate::limits::position(position)?;
-        Ok(Character { settings, position, ground: None, carrier: None })
+        Ok(Character { settings, own: None, turned: Quat::IDENTITY, position, ground: None, carrier: None })
     }
 
-    /// Where the middle of the capsule is [m].
+    /// With a shape of its own instead of a capsule, as [`Character::set_shape`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_shape(mut self, shape: Geometry) -> Result<Character, Error> {
+        self.set_shape(Some(shape))?;
+        Ok(self)
+    }
+
+    /// Where the middle of the capsule, or the origin of its own shape, is [m].
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    /// Where the ground is under a character that stands on level ground [m]: a skin below the capsule.
+    /// Where the ground is under a character that stands on level ground [m]: a skin below its shape, under
+    /// the middle of it.
     pub fn feet(&self) -> DVec3 {
+        if let Ok(form) = Form::new(&self.settings, self.own(), self.turned)
+            && self.own.is_some()
+        {
+            return form.feet(self.position);
+        }
         let s = &self.settings;
         self.position - s.up.as_dvec3() * f64::from(s.half_height + s.radius + s.skin)
     }
@@ -101,7 +122,7 @@ impl Character {
     }
 
     /// Replaces the settings: to crouch, to grow. Its middle stays where it is; whether there is room for it
-    /// `overlap_any` tells, with [`Character::capsule`].
+    /// `overlap_any` tells, with [`Character::shape`].
     ///
     /// # Errors
     /// If a setting is out of range.
@@ -109,6 +130,46 @@ impl Character {
         settings.validate()?;
         self.settings = settings;
         Ok(())
+    }
+
+    /// Gives it a shape of its own, any convex geometry, or with none the capsule of its settings again. Its
+    /// y axis is along [`CharacterSettings::up`]; its origin is at the character's position, which
+    /// stays. The radius and half height of the settings then mean nothing. Whether there is room for it
+    /// `overlap_any` tells.
+    ///
+    /// # Errors
+    /// If the shape is not convex or has no size.
+    pub fn set_shape(&mut self, shape: Option<Geometry>) -> Result<(), Error> {
+        Form::new(&self.settings, shape.as_ref(), self.turned)?;
+        self.own = shape.map(Own);
+        Ok(())
+    }
+
+    /// Its shape without the skin, and how that is turned in the world: for queries, or for a kinematic body
+    /// that others collide with.
+    pub fn shape(&self) -> (Geometry, glam::Quat) {
+        let (capsule, straight) = self.capsule();
+        match &self.own {
+            None => (capsule, straight),
+            Some(Own(own)) => (own.clone(), (Quat::from(straight) * self.turned).normalize().into()),
+        }
+    }
+
+    /// Turns its own shape from upright at once, by a unit quaternion in axes whose y is
+    /// [`CharacterSettings::up`]; a capsule is not turned. What it overlaps then pushes it out in the next
+    /// walk. To turn with moving ground, add [`CharacterReport::turned`] about y.
+    ///
+    /// # Errors
+    /// If it is not a unit quaternion.
+    pub fn set_rotation(&mut self, rotation: impl Into<glam::Quat>) -> Result<(), Error> {
+        let rotation: glam::Quat = rotation.into();
+        self.turned = crate::shape::unit_quat("character rotation", rotation)?;
+        Ok(())
+    }
+
+    /// The rotation of its own shape from upright.
+    pub fn rotation(&self) -> glam::Quat {
+        self.turned.into()
     }
 
     /// Puts it somewhere else at once [m], on nothing.
@@ -121,8 +182,8 @@ impl Character {
         Ok(())
     }
 
-    /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others
-    /// collide with.
+    /// The capsule of its settings without the skin, and how that is turned: [`Character::shape`] of a
+    /// character without a shape of its own.
     pub fn capsule(&self) -> (Geometry, glam::Quat) {
         let capsule = Geometry::capsule(self.settings.half_height, self.settings.radius);
         (capsule, upright(self.settings.up.normalize()).into())
@@ -152,7 +213,8 @@ impl Character {
         crate::limits::speed("velocity", velocity)?;
         let time = f64::from(crate::limits::step(dt)?);
         let settings = self.settings;
-        let shape = Shape::new(world, &settings, filter);
+        let form = Form::new(&settings, self.own(), self.turned)?;
+        let shape = Shape::new(world, &settings, form, filter);
         let mut report = CharacterReport::default();
 
         let (carried, turned) = carry(&shape, self.carrier, self.position, settings.iterations)?;
@@ -205,6 +267,10 @@ impl Character {
         report.weight = world.settings().gravity * (settings.mass * dt);
         (self.position, self.ground, self.carrier) = (at, ground, carrier);
         Ok(report)
+    }
+
+    fn own(&self) -> Option<&Geometry> {
+        self.own.as_ref().map(|own| &own.0)
     }
 
     /// An obstacle that was run into with a velocity.

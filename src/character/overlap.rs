@@ -19,7 +19,7 @@ struct Overlap {
     shape: ShapeHandle,
 }
 
-/// Overlaps of the capsule with its skin, deepest first.
+/// Overlaps of the shape with its skin, deepest first.
 #[derive(Default)]
 struct Overlaps {
     all: [Option<Overlap>; MAX_OVERLAPS],
@@ -28,7 +28,7 @@ struct Overlaps {
 impl Overlaps {
     fn of(shape: &Shape<'_>, at: DVec3) -> Result<Overlaps, Error> {
         let mut found = Overlaps::default();
-        shape.world.each_overlap(&shape.capsule, (at, shape.rotation), &shape.filter, |hit| {
+        shape.world.each_overlap(&shape.probe(at)?, &shape.filter, |hit| {
             let depth = f64::from(hit.depth);
             if depth > shape.tiny {
                 found.insert(Overlap { depth, normal: hit.normal.as_dvec3(), shape: hit.shape });

@@ -11,6 +11,7 @@ pub(super) const MAX_HITS: usize = 8;
 
 /// What a character stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -26,6 +27,7 @@ pub struct Ground {
 
 /// An obstacle that a character ran into.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CharacterHit {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -41,6 +43,7 @@ pub struct CharacterHit {
 
 /// The result of a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CharacterReport {
     /// The whole displacement [m].
     pub moved: Vec3,
@@ -56,7 +59,7 @@ pub struct CharacterReport {
     pub ground: Option<Ground>,
     /// The velocity after obstacles [m/s]: relative to the ground if there is one, else in the world.
     pub velocity: Vec3,
-    /// Remaining overlap of the capsule, without its skin [m]; above zero only if it is squeezed.
+    /// Remaining overlap of its shape, without the skin [m]; above zero only if it is squeezed.
     pub overlap: f32,
     /// Impulse of the character's weight on ground that can move [N s].
     pub(super) weight: Vec3,

@@ -3,7 +3,8 @@
 use crate::error::{Error, finite3, positive, within};
 use glam::Vec3;
 
-/// A capsule that walks: its size, and what it may climb, push and stand on.
+/// A capsule that walks: its size, and what it may climb, push and stand on. A character with a shape of its
+/// own ([`Character::set_shape`](crate::Character::set_shape)) takes all but the size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -1,6 +1,6 @@
 //! The shapes that a query has to test, with their present poses.
 
-use super::filter::{QueryFilter, Sees};
+use super::filter::{QueryFilter, QueryTarget, Sees};
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, QueryTree, WorldView};
 use crate::error::Error;
@@ -94,6 +94,9 @@ impl World {
         most: f32,
         mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
     ) -> Result<(), Error> {
+        if let Some(target) = filter.only {
+            return self.on_target(target, filter, most, &mut ask);
+        }
         let sees = Sees::new(self, filter);
         let slabs = Slabs::<f32x4>::new(from, path, half);
         self.broad.ordered_path(self.current()?, filter.sorts(), &slabs, most, |index, most| {
@@ -118,6 +121,9 @@ impl World {
         most: f32,
         mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
     ) -> Result<(), Error> {
+        if let Some(target) = filter.only {
+            return self.on_target(target, filter, most, &mut ask);
+        }
         let sees = Sees::new(self, filter);
         let near = Near::<f32x4>::new(point);
         self.broad.ordered_near(self.current()?, filter.sorts(), &near, most, |index, most| {
@@ -128,6 +134,56 @@ impl World {
             ask(&self.candidate(index), most)
         });
         Ok(())
+    }
+
+    /// Calls `ask` with the shapes of a target that the filter sees, until `most` is below zero.
+    ///
+    /// # Errors
+    /// If the target's handle is stale.
+    #[inline(never)]
+    fn on_target<'a>(
+        &'a self,
+        target: QueryTarget,
+        filter: &QueryFilter<'_>,
+        mut most: f32,
+        ask: &mut dyn FnMut(&Candidate<'a>, f32) -> f32,
+    ) -> Result<(), Error> {
+        let one;
+        let (body, shapes) = match target {
+            QueryTarget::Body(body) => {
+                let index = self.index(body)?;
+                (index, self.bodies.colliders[index].as_slice())
+            }
+            QueryTarget::Shape(shape) => {
+                one = [self.collider(shape)?];
+                (self.colliders.all[one[0] as usize].body as usize, one.as_slice())
+            }
+        };
+        if self.bodies.traits[body].disabled {
+            return Ok(());
+        }
+        let sees = Sees::new(self, filter);
+        for &index in shapes {
+            if sees.sees(index, &self.colliders.all[index as usize]) {
+                most = ask(&self.candidate(index), most);
+            }
+            if most < 0.0 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes sure that a query with this filter can't be refused any more.
+    ///
+    /// # Errors
+    /// If the budget does not allow the tree of what moves, or the target of the filter is stale.
+    pub(super) fn ready(&self, filter: &QueryFilter<'_>) -> Result<(), Error> {
+        match filter.only {
+            None => self.current().map(drop),
+            Some(QueryTarget::Body(body)) => self.index(body).map(drop),
+            Some(QueryTarget::Shape(shape)) => self.collider(shape).map(drop),
+        }
     }
 
     #[inline]

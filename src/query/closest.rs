@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 
 /// The point of a shape that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClosestPoint {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -92,7 +93,7 @@ impl World {
         found: &mut Vec<ClosestPoint>,
     ) -> Result<(), Error> {
         check(point, distance)?;
-        self.current()?;
+        self.ready(filter)?;
         found.clear();
         self.near(point, distance, filter, |candidate, nearest| {
             found.push(self.closest(candidate, nearest));

@@ -6,6 +6,29 @@ use crate::handle::{BodyHandle, ShapeHandle};
 use crate::shape::{Collider, Filter};
 use crate::world::World;
 
+/// The only shapes that a query may see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum QueryTarget {
+    /// All shapes of a body.
+    Body(BodyHandle),
+    /// One shape.
+    Shape(ShapeHandle),
+}
+
+impl From<BodyHandle> for QueryTarget {
+    fn from(body: BodyHandle) -> QueryTarget {
+        QueryTarget::Body(body)
+    }
+}
+
+impl From<ShapeHandle> for QueryTarget {
+    fn from(shape: ShapeHandle) -> QueryTarget {
+        QueryTarget::Shape(shape)
+    }
+}
+
 /// Which shapes a query sees; by default all but sensors.
 ///
 /// ```
@@ -35,6 +58,10 @@ pub struct QueryFilter<'a> {
     pub exclude_body: Option<BodyHandle>,
     /// A shape that is not seen. A stale handle excludes nothing.
     pub exclude_shape: Option<ShapeHandle>,
+    /// If set, only the shapes of this body, or this shape, as far as the other fields allow them. The query
+    /// then searches no tree, so it takes the time of these shapes whatever else is in the world. A query
+    /// refuses a stale handle. Default: none, all are seen.
+    pub only: Option<QueryTarget>,
     /// For rays, solid shapes that contain the start are not seen. For moving shapes, shapes that they
     /// overlap at the start are not seen if the path leads out of them. Default: no.
     pub skip_inside: bool,
@@ -53,6 +80,7 @@ impl std::fmt::Debug for QueryFilter<'_> {
             .field("sensors", &self.sensors)
             .field("exclude_body", &self.exclude_body)
             .field("exclude_shape", &self.exclude_shape)
+            .field("only", &self.only)
             .field("skip_inside", &self.skip_inside)
             .field("predicate", &self.predicate.is_some())
             .finish()
@@ -69,6 +97,7 @@ impl Default for QueryFilter<'_> {
             sensors: false,
             exclude_body: None,
             exclude_shape: None,
+            only: None,
             skip_inside: false,
             predicate: None,
         }
@@ -87,6 +116,10 @@ impl<'a> QueryFilter<'a> {
     /// Only shapes of dynamic bodies.
     pub fn only_dynamic() -> Self {
         QueryFilter { statics: false, kinematic: false, ..Self::default() }
+    }
+    /// Only a body, or only a shape: all else costs nothing.
+    pub fn only(target: impl Into<QueryTarget>) -> Self {
+        QueryFilter { only: Some(target.into()), ..Self::default() }
     }
     /// Only shapes that would collide with one of this filter.
     pub fn collides(mut self, filter: Filter) -> Self {

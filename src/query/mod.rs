@@ -6,6 +6,7 @@
 
 mod advance;
 mod batch;
+mod box_overlap;
 mod candidates;
 mod closest;
 mod closest_shape;
@@ -16,10 +17,12 @@ mod probe;
 mod ray;
 mod ray_shape;
 mod shape_cast;
+mod turning;
 
 pub use closest::ClosestPoint;
-pub use filter::QueryFilter;
+pub use filter::{QueryFilter, QueryTarget};
 pub use overlap::Overlap;
+pub(crate) use probe::Probe;
 pub use ray::{Ray, RayHit};
 pub use shape_cast::{ShapeCast, ShapeHit};
 

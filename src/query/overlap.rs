@@ -13,6 +13,7 @@ use glam::{DVec3, Vec3};
 
 /// A shape that is overlapped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Overlap {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -42,7 +43,7 @@ impl World {
         found: &mut Vec<Overlap>,
     ) -> Result<(), Error> {
         let probe = Probe::new(shape, position, rotation.into())?;
-        self.current()?;
+        self.ready(filter)?;
         found.clear();
         self.overlapping(&probe, filter, |candidate| {
             let (body, shape) = self.handles(candidate.index);

@@ -9,7 +9,7 @@ use crate::shape::{Collider, Geometry, unit_quat};
 use glam::{DMat3, DVec3, Vec3};
 
 /// See the module.
-pub(super) struct Probe<'a> {
+pub(crate) struct Probe<'a> {
     pub(super) support: Support<'a>,
     pub(super) position: DVec3,
     rotation: Quat,
@@ -20,7 +20,7 @@ pub(super) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(geometry: &'a Geometry, position: DVec3, rotation: Quat) -> Result<Probe<'a>, Error> {
+    pub(crate) fn new(geometry: &'a Geometry, position: DVec3, rotation: Quat) -> Result<Probe<'a>, Error> {
         geometry.validate()?;
         let Some(support) = Support::of_geometry(geometry) else {
             return Err(Error::NotConvex { shape: geometry.kind_name() });
@@ -31,6 +31,22 @@ impl<'a> Probe<'a> {
         let axes = matrix(rotation);
         let half = support.half_extents(axes).as_vec3() * (1.0 + 4.0 * f32::EPSILON);
         Ok(Probe { support, position, rotation, axes, half, radius })
+    }
+
+    /// With a skin of this thickness around it [m].
+    pub(crate) fn with_skin(mut self, skin: f32) -> Probe<'a> {
+        if skin > 0.0 {
+            self.support.radius += f64::from(skin);
+            self.half = (self.half + skin) * (1.0 + 4.0 * f32::EPSILON);
+            self.radius += skin;
+        }
+        self
+    }
+
+    /// How far it reaches from its origin along a unit vector of the world [m].
+    pub(crate) fn reach(&self, along: DVec3) -> f64 {
+        let local = turn_back(self.rotation, along);
+        self.support.support(local).dot(local) + self.support.radius
     }
 
     /// The pose of a shape in the probe's frame.

@@ -14,6 +14,7 @@ const FURTHEST: f32 = 1e15;
 
 /// A straight line from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
     /// Where it starts, in the world [m].
     pub from: DVec3,
@@ -61,6 +62,7 @@ pub(super) fn check_path(what: &'static str, path: Vec3) -> Result<(), Error> {
 
 /// Where a ray meets a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RayHit {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -127,7 +129,7 @@ impl World {
         hits: &mut Vec<RayHit>,
     ) -> Result<(), Error> {
         ray.validate()?;
-        self.current()?;
+        self.ready(filter)?;
         hits.clear();
         self.on_ray(ray, filter, false, |candidate, met, most| {
             hits.push(self.ray_hit(ray, candidate, met));

@@ -2,19 +2,24 @@
 //! that it would touch.
 
 use super::advance::{Course, Touch, first_touch, first_touch_plane};
-use super::candidates::Candidate;
+use super::candidates::{Candidate, turn};
 use super::filter::QueryFilter;
 use super::probe::Probe;
 use super::ray::check_path;
-use crate::error::Error;
+use super::turning::{Turning, first_touch_plane_turning, first_touch_turning};
+use crate::error::{Error, within};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Quat;
 use crate::narrow_phase::{Support, SupportPose};
 use crate::shape::{Geometry, Kind};
 use crate::world::World;
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
-/// A convex shape that moves straight ahead without turning.
+// Guard: beyond that many radians f32 has no angle left.
+/// The most that a component of a spin may be [rad].
+const MAX_SPIN: f32 = 1e3;
+
+/// A convex shape that moves straight ahead, and may turn on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeCast<'a> {
     /// Its form: a sphere, capsule, box, cylinder (cone, frustum) or hull.
@@ -25,12 +30,55 @@ pub struct ShapeCast<'a> {
     pub rotation: glam::Quat,
     /// From its start to its end [m]. It may be zero: then it touches what it overlaps.
     pub path: Vec3,
+    /// Its rotation on the way, about a fixed axis: a rotation vector in the world, within 1000 [rad], which
+    /// may be several turns. Default: zero, it does not turn.
+    pub spin: Vec3,
+    /// The point of the shape that moves straight along the path while the shape turns about it, in the
+    /// shape's frame [m]. Without spin all points do. Default: zero, its origin.
+    pub pivot: Vec3,
 }
 
 impl<'a> ShapeCast<'a> {
     /// A shape that moves from a point along a path [m].
     pub fn new(shape: &'a Geometry, position: impl Into<DVec3>, path: Vec3) -> ShapeCast<'a> {
-        ShapeCast { shape, position: position.into(), rotation: glam::Quat::IDENTITY, path }
+        ShapeCast {
+            shape,
+            position: position.into(),
+            rotation: glam::Quat::IDENTITY,
+            path,
+            spin: Vec3::ZERO,
+            pivot: Vec3::ZERO,
+        }
+    }
+    /// A shape that moves from one pose to another: its origin straight, its rotation the shorter way about
+    /// one axis. The rotations are unit quaternions.
+    pub fn between(shape: &'a Geometry, from: (DVec3, glam::Quat), to: (DVec3, glam::Quat)) -> ShapeCast<'a> {
+        let turn = Quat::from(to.1) * Quat::from(from.1).conjugate();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        let sine = turn.xyz().length();
+        // For a small angle, twice the sine of its half.
+        let spin = turn.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, turn.w) / sine };
+        ShapeCast::new(shape, from.0, (to.0 - from.0).as_vec3()).rotated(from.1).turning(spin)
+    }
+    /// A shape that moves for `dt` [s] with a linear [m/s] and an angular velocity [rad/s].
+    pub fn moving(
+        shape: &'a Geometry,
+        position: impl Into<DVec3>,
+        linear: Vec3,
+        angular: Vec3,
+        dt: f32,
+    ) -> ShapeCast<'a> {
+        ShapeCast::new(shape, position, linear * dt).turning(angular * dt)
+    }
+    /// Turning on the way by a rotation vector in the world [rad].
+    pub fn turning(mut self, spin: Vec3) -> ShapeCast<'a> {
+        self.spin = spin;
+        self
+    }
+    /// Turning about a point of the shape, in its frame [m].
+    pub fn about(mut self, pivot: Vec3) -> ShapeCast<'a> {
+        self.pivot = pivot;
+        self
     }
     /// Turned by a unit quaternion.
     pub fn rotated(mut self, rotation: impl Into<glam::Quat>) -> ShapeCast<'a> {
@@ -39,12 +87,37 @@ impl<'a> ShapeCast<'a> {
     }
     /// Where its origin is at a fraction of the path [m].
     pub fn at(&self, fraction: f32) -> DVec3 {
-        self.position + self.path.as_dvec3() * f64::from(fraction)
+        let straight = self.position + self.path.as_dvec3() * f64::from(fraction);
+        if self.spin == Vec3::ZERO || self.pivot == Vec3::ZERO {
+            return straight;
+        }
+        let arm = turn(self.rotation.into(), self.pivot.as_dvec3());
+        let turned = spun(self.spin.as_dvec3() * f64::from(fraction));
+        straight + arm - turned * arm
     }
+    /// How it is turned at a fraction of the path.
+    pub fn rotation_at(&self, fraction: f32) -> glam::Quat {
+        if self.spin == Vec3::ZERO {
+            return self.rotation;
+        }
+        let start = Quat::from(self.rotation).as_dquat().normalize();
+        Quat::from(spun(self.spin.as_dvec3() * f64::from(fraction)) * start).into()
+    }
+}
+
+/// The rotation of a rotation vector [rad].
+fn spun(vector: DVec3) -> DQuat {
+    let angle = vector.length();
+    if angle == 0.0 {
+        return DQuat::IDENTITY;
+    }
+    let v = vector * (libm::sin(0.5 * angle) / angle);
+    DQuat::from_xyzw(v.x, v.y, v.z, libm::cos(0.5 * angle))
 }
 
 /// What a moving shape touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapeHit {
     /// Whose shape it is.
     pub body: BodyHandle,
@@ -90,6 +163,10 @@ impl World {
     /// reported. Among shapes at the same fraction the one with the lower [`ShapeHandle`] is reported, among
     /// triangles the one with the lower index.
     ///
+    /// A shape that turns ([`ShapeCast::spin`]) is touched by the same rules, at the first fraction of its
+    /// motion, not of a path in small steps; one that only slides along while it turns may be touched where
+    /// the gap is below the tolerance.
+    ///
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
@@ -100,16 +177,7 @@ impl World {
         cast: &ShapeCast<'_>,
         filter: &QueryFilter<'_>,
     ) -> Result<Option<ShapeHit>, Error> {
-        let probe = check(cast)?;
-        let mut first: Option<(f32, u32, Found)> = None;
-        self.on_way(&probe, cast.path, filter, false, |candidate, found, fraction| {
-            let key = (fraction, candidate.index);
-            if first.as_ref().is_none_or(|f| key < (f.0, f.1)) {
-                first = Some((key.0, key.1, *found));
-            }
-            first.as_ref().map_or(fraction, |f| f.0)
-        })?;
-        Ok(first.map(|(_, index, found)| self.shape_hit(&probe, index, &found)))
+        self.first_on_way(&check(cast)?, &Motion::of(cast)?, filter)
     }
 
     /// Whether a moving shape touches anything at all: less work than [`World::cast_shape`], whose rules it
@@ -120,7 +188,7 @@ impl World {
     pub fn cast_shape_any(&self, cast: &ShapeCast<'_>, filter: &QueryFilter<'_>) -> Result<bool, Error> {
         let probe = check(cast)?;
         let mut any = false;
-        self.on_way(&probe, cast.path, filter, true, |_, _, _| {
+        self.on_way(&probe, &Motion::of(cast)?, filter, true, |_, _, _| {
             any = true;
             -1.0
         })?;
@@ -139,10 +207,10 @@ impl World {
         filter: &QueryFilter<'_>,
         hits: &mut Vec<ShapeHit>,
     ) -> Result<(), Error> {
-        let probe = check(cast)?;
-        self.current()?;
+        let (probe, motion) = (check(cast)?, Motion::of(cast)?);
+        self.ready(filter)?;
         hits.clear();
-        self.on_way(&probe, cast.path, filter, false, |candidate, found, _| {
+        self.on_way(&probe, &motion, filter, false, |candidate, found, _| {
             hits.push(self.shape_hit(&probe, candidate.index, found));
             1.0
         })?;
@@ -150,19 +218,48 @@ impl World {
         Ok(())
     }
 
+    /// [`World::cast_shape`] of a shape that was checked.
+    ///
+    /// # Errors
+    /// As there, of the path and the budget.
+    pub(crate) fn cast_probe(
+        &self,
+        probe: &Probe<'_>,
+        path: Vec3,
+        filter: &QueryFilter<'_>,
+    ) -> Result<Option<ShapeHit>, Error> {
+        check_path("shape path", path)?;
+        self.first_on_way(probe, &Motion::straight(path), filter)
+    }
+
+    fn first_on_way(
+        &self,
+        probe: &Probe<'_>,
+        motion: &Motion,
+        filter: &QueryFilter<'_>,
+    ) -> Result<Option<ShapeHit>, Error> {
+        let mut first: Option<(f32, u32, Found)> = None;
+        self.on_way(probe, motion, filter, false, |candidate, found, fraction| {
+            let key = (fraction, candidate.index);
+            if first.as_ref().is_none_or(|f| key < (f.0, f.1)) {
+                first = Some((key.0, key.1, *found));
+            }
+            first.as_ref().map_or(fraction, |f| f.0)
+        })?;
+        Ok(first.map(|(_, index, found)| self.shape_hit(probe, index, &found)))
+    }
+
     /// Calls `f` with each shape that a convex one overlaps, in no particular order; for a mesh with its
     /// deepest triangle.
     pub(crate) fn each_overlap(
         &self,
-        shape: &Geometry,
-        (position, rotation): (DVec3, Quat),
+        probe: &Probe<'_>,
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(ShapeHit),
     ) -> Result<(), Error> {
-        let probe = Probe::new(shape, position, rotation)?;
         let filter = QueryFilter { skip_inside: false, ..*filter };
-        self.on_way(&probe, Vec3::ZERO, &filter, false, |candidate, found, _| {
-            f(self.shape_hit(&probe, candidate.index, found));
+        self.on_way(probe, &Motion::straight(Vec3::ZERO), &filter, false, |candidate, found, _| {
+            f(self.shape_hit(probe, candidate.index, found));
             1.0
         })?;
         Ok(())
@@ -172,19 +269,29 @@ impl World {
     fn on_way<'a>(
         &'a self,
         probe: &Probe<'_>,
-        path: Vec3,
+        motion: &Motion,
         filter: &QueryFilter<'_>,
         any: bool,
         mut f: impl FnMut(&Candidate<'a>, &Found, f32) -> f32,
     ) -> Result<(), Error> {
-        let local = probe.local(path);
-        self.along(probe.position, path, probe.half, filter, 1.0, |candidate, most| {
+        let local = probe.local(motion.path);
+        let turning = (motion.spin != Vec3::ZERO)
+            .then(|| Turning::new(&probe.support, local, probe.local(motion.spin), motion.pivot.as_dvec3()));
+        let (from, half) = match &turning {
+            None => (probe.position, probe.half),
+            Some(turning) => swept_box(probe, turning),
+        };
+        self.along(from, motion.path, half, filter, 1.0, |candidate, most| {
             let course = Course {
                 path: local,
                 tolerance: probe.tolerance(candidate.shape),
                 skip_inside: filter.skip_inside,
             };
-            match touch(probe, candidate, &course, most, any) {
+            let found = match &turning {
+                None => touch(probe, candidate, &course, most, any),
+                Some(turning) => touch_turning(probe, candidate, turning, &course, most, any),
+            };
+            match found {
                 Some(found) if found.fraction() <= most => f(candidate, &found, found.fraction()),
                 _ => most,
             }
@@ -204,6 +311,41 @@ impl World {
             triangle: found.triangle,
         }
     }
+}
+
+/// What a cast does on its way: see [`ShapeCast`].
+struct Motion {
+    path: Vec3,
+    spin: Vec3,
+    pivot: Vec3,
+}
+
+impl Motion {
+    fn straight(path: Vec3) -> Motion {
+        Motion { path, spin: Vec3::ZERO, pivot: Vec3::ZERO }
+    }
+
+    /// # Errors
+    /// A number is not finite, or beyond its range.
+    fn of(cast: &ShapeCast<'_>) -> Result<Motion, Error> {
+        let ShapeCast { path, spin, pivot, .. } = *cast;
+        check_path("shape pivot", pivot)?;
+        for value in spin.to_array() {
+            within("shape spin", value, -MAX_SPIN, MAX_SPIN, "within 1000")?;
+        }
+        Ok(Motion { path, spin, pivot })
+    }
+}
+
+/// The pivot of a turning shape in the world, and half extents of a box around all that it sweeps about it.
+fn swept_box(probe: &Probe<'_>, turning: &Turning) -> (DVec3, Vec3) {
+    let from = probe.position + probe.global(turning.pivot);
+    let along = |axis: Vec3| turning.swept(&probe.support, probe.local(axis)) as f32;
+    let whole = Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z));
+    // No point of it gets further than its arc from where it starts.
+    let arc = (turning.reach * turning.angle) as f32;
+    let start = probe.half + (probe.position - from).as_vec3().abs() + Vec3::splat(arc);
+    (from, whole.min(start) * (1.0 + 8.0 * f32::EPSILON))
 }
 
 fn check<'a>(cast: &ShapeCast<'a>) -> Result<Probe<'a>, Error> {
@@ -241,6 +383,55 @@ fn touch(
     Some(Found { touch, triangle: None })
 }
 
+/// [`touch`] of a shape that turns.
+fn touch_turning(
+    probe: &Probe<'_>,
+    candidate: &Candidate<'_>,
+    turning: &Turning,
+    course: &Course,
+    most: f32,
+    any: bool,
+) -> Option<Found> {
+    let (a, pose) = (&probe.support, probe.pose_of(candidate));
+    let touch = match candidate.shape.kind {
+        Kind::Plane => first_touch_plane_turning(a, &pose, turning, course, limit(most)),
+        Kind::Mesh | Kind::HeightField => {
+            let to_mesh = pose.rotation.transpose();
+            let along = |axis: DVec3| turning.swept(a, axis);
+            let whole = DVec3::from_array(pose.rotation.to_cols_array_2d().map(|axis| along(axis.into())));
+            let half = whole + 2.0 * course.tolerance;
+            let sweep = (to_mesh * (turning.pivot - pose.position), to_mesh * course.path, half);
+            return each_triangle(candidate, sweep, most, any, |corners, most| {
+                let normal = reaches_turning(a, &pose, corners, turning, course)?;
+                let triangle = Support::triangle(corners);
+                first_touch_turning(a, &triangle, &pose, normal, turning, course, limit(most))
+            });
+        }
+        _ => {
+            let other = Support::of(candidate.shape)?;
+            first_touch_turning(a, &other, &pose, pose.position, turning, course, limit(most))
+        }
+    }?;
+    Some(Found { touch, triangle: None })
+}
+
+/// [`reaches`] of a shape that turns.
+fn reaches_turning(
+    a: &Support,
+    pose: &SupportPose,
+    corners: [Vec3; 3],
+    turning: &Turning,
+    course: &Course,
+) -> Option<DVec3> {
+    let [p, q, r] = corners.map(|v| pose.rotation * v.as_dvec3() + pose.position);
+    let normal = (q - p).cross(r - p).normalize_or_zero();
+    let height = normal.dot(p);
+    let toward = if height < 0.0 { -normal } else { normal };
+    let (height, moved) = (height.abs() - toward.dot(turning.pivot), toward.dot(course.path));
+    let around = turning.swept(a, toward) + course.tolerance;
+    (height <= around + moved.max(0.0) && height >= moved.min(0.0) - around).then_some(toward)
+}
+
 fn touch_triangles(
     probe: &Probe<'_>,
     candidate: &Candidate<'_>,
@@ -251,14 +442,28 @@ fn touch_triangles(
 ) -> Option<Found> {
     let to_mesh = pose.rotation.transpose();
     let (from, path) = (to_mesh * -pose.position, to_mesh * course.path);
-    let inflate = (probe.half_in(pose) + 2.0 * course.tolerance).as_vec3() * (1.0 + 1e-6);
+    let half = probe.half_in(pose) + 2.0 * course.tolerance;
+    each_triangle(candidate, (from, path, half), most, any, |corners, most| {
+        let normal = reaches(&probe.support, pose, corners, course)?;
+        let triangle = Support::triangle(corners);
+        first_touch(&probe.support, &triangle, pose, normal, course, limit(most))
+    })
+}
+
+/// The first touch with triangles that a box meets on its way. In the mesh's frame: where it starts, its
+/// path, and its half extents.
+#[inline(always)]
+fn each_triangle(
+    candidate: &Candidate<'_>,
+    (from, path, half): (DVec3, DVec3, DVec3),
+    most: f32,
+    any: bool,
+    first: impl Fn([Vec3; 3], f32) -> Option<Touch>,
+) -> Option<Found> {
+    let inflate = half.as_vec3() * (1.0 + 1e-6);
     let mut best: Option<(f32, u32, Touch)> = None;
     let mut look = |index: u32, corners: [Vec3; 3], most: f32| {
-        let Some(normal) = reaches(&probe.support, pose, corners, course) else { return most };
-        let triangle = Support::triangle(corners);
-        let Some(touch) = first_touch(&probe.support, &triangle, pose, normal, course, limit(most)) else {
-            return most;
-        };
+        let Some(touch) = first(corners, most) else { return most };
         let fraction = round_down(touch.fraction);
         // The deeper one first, then the lower index.
         let better =

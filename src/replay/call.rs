@@ -6,10 +6,10 @@ use super::tape::Sink;
 use crate::body::{BodyDesc, BodyKind};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
+use crate::handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{BaseMaterial, Filter, MassProperties, Material, RareMaterial, ShapeDesc, StoredField};
-use crate::world::Change;
+use crate::world::{Change, Resident};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -97,6 +97,11 @@ calls! {
     SetGeometry "set_geometry" (ShapeHandle, Form),
     SetShapePose "set_shape_pose" (ShapeHandle, Vec3, glam::Quat),
     SetDensity "set_density" (ShapeHandle, f32),
+    AddCharacter "add_character" (Option<Form>, Vec<u32>),
+    RemoveCharacter "remove_character" (CharacterHandle),
+    SetCharacter "set_character" (CharacterHandle, Option<Form>, Vec<u32>),
+    /// The state after the walk, which a filter of the caller's may decide.
+    WalkCharacter "walk_character" (CharacterHandle, Vec<u32>),
 }
 
 impl Call {
@@ -157,6 +162,15 @@ impl Call {
             Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
             Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
+            Change::AddCharacter(Resident { geometry, words }) => {
+                Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())
+            }
+            Change::RemoveCharacter(character) => Call::RemoveCharacter(character),
+            Change::SetCharacter(character, Resident { geometry, words }) => {
+                let form = geometry.as_ref().map(|form| sink.form(form));
+                Call::SetCharacter(character, form, words.to_vec())
+            }
+            Change::WalkCharacter(character, words) => Call::WalkCharacter(character, words.to_vec()),
         }
     }
 

@@ -4,10 +4,11 @@ use super::call::{Call, Shape};
 use super::compare::{Divergence, Names, compare};
 use super::error::ReplayError;
 use super::file::{Block, End, Start, read_block, read_header};
-use super::geometry;
+use super::geometry::{self, Form};
 use super::hooks::Told;
 use super::probe::{Stage, StepRecord};
 use super::tape::{Tape, tape, tape_mut};
+use crate::character::{Character, checked_character};
 use crate::config::Settings;
 use crate::error::Error;
 use crate::load_limits::{LimitExceeded, LoadLimits, Tally};
@@ -388,6 +389,37 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
+    /// A character of a recording.
+    fn character(&self, form: Option<Form>, words: &[u32]) -> Result<Character, Failed> {
+        let geometry = form.map(|form| self.geometries.geometry(form)).transpose();
+        let geometry = geometry.map_err(|_| Failed::Damaged("a geometry is missing"))?;
+        checked_character(geometry, words).map_err(|_| Failed::Damaged("a character"))
+    }
+
+    /// Plays a call that changes a character.
+    fn play_on_character(&mut self, call: Call) -> Result<(), Failed> {
+        match call {
+            Call::AddCharacter(form, words) => {
+                let character = self.character(form, &words)?;
+                self.world.add_character(&character)?;
+            }
+            Call::RemoveCharacter(character) => self.world.remove_character(character)?,
+            Call::SetCharacter(character, form, words) => {
+                let to = self.character(form, &words)?;
+                self.world.set_character(character, &to)?;
+            }
+            Call::WalkCharacter(character, words) => {
+                let geometry = self.world.characters.get(character)?.geometry.clone();
+                let walked = checked_character(geometry, &words);
+                let walked = walked.map_err(|_| Failed::Damaged("a character"))?;
+                self.world.rewrite(character, &walked.resident().words);
+            }
+            // One that was forgotten above must not pass for the same.
+            _ => return Err(Failed::Damaged("a call is unknown")),
+        }
+        Ok(())
+    }
+
     /// Plays a call that changes one shape.
     fn play_on_shape(&mut self, call: Call) -> Result<(), Failed> {
         let world = &mut self.world;
@@ -406,8 +438,7 @@ impl<R: Read> Replay<R> {
                 world.set_shape_pose(shape, position, rotation)?;
             }
             Call::SetDensity(shape, density) => world.set_density(shape, density)?,
-            // One that was forgotten above must not pass for the same.
-            _ => return Err(Failed::Damaged("a call is unknown")),
+            of_character => self.play_on_character(of_character)?,
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ use super::file::{Block, VERSION, read_block, read_header, write_block, write_he
 use super::probe::Stage;
 use super::{RecordingBuffer, Replay, ReplayError};
 use crate::body::{BodyDesc, BodyKind};
+use crate::character::{Character, CharacterSettings};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::BodyHandle;
@@ -203,6 +204,11 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_shape_pose(shape, Vec3::X * 0.1, glam::Quat::IDENTITY).unwrap();
     world.set_density(shape, 500.0).unwrap();
     world.set_shape_user_data(shape, 3).unwrap();
+    let walker = Character::new(CharacterSettings::default(), DVec3::Y * 3.0).unwrap();
+    let character = world.add_character(&walker).unwrap();
+    let walker = walker.with_shape(Geometry::cuboid(0.3, 0.9, 0.3)).unwrap();
+    world.set_character(character, &walker).unwrap();
+    world.remove_character(character).unwrap();
 }
 
 /// Checksums do not protect against an attacker, who can compute them.

@@ -40,6 +40,10 @@ impl Snapshot {
             ([Some(fixed), Some(moving)], _) => [fixed.prints(), moving.prints()],
             _ => [[0; 2]; 2],
         };
+        if !all.is_empty() {
+            all.push(self.forms.len() as u32);
+        }
+        self.forms.iter().for_each(|known| all.extend(halves(known.print())));
         if with_parts {
             for part in self.parts.iter().flatten() {
                 all.extend([part.words.len() as u32, part.geometry.len() as u32]);
@@ -87,6 +91,8 @@ impl Snapshot {
         }
         let mut from = Reader(&all);
         let state = from.take(head.words as usize)?.to_vec();
+        let count = from.one()?;
+        let forms = read_prints(&mut from, count)?;
         let parts = if head.whole == 0 {
             [None, None]
         } else {
@@ -96,13 +102,17 @@ impl Snapshot {
             return Err(broken("there is more than its counts say"));
         }
         let prints = head.prints.map(|part| part.map(whole));
-        Ok(Snapshot { words: state, parts, foreign: Some(prints), arrangement: u64::MAX })
+        Ok(Snapshot { words: state, parts, forms, foreign: Some(prints), arrangement: u64::MAX })
     }
 }
 
 fn read_part(from: &mut Reader<'_>) -> Result<Arc<Part>, Error> {
     let [count, geometry]: [u32; 2] = from.record::<_, 2>()?;
-    let known = from.table(geometry, 2)?.as_chunks::<2>().0.iter().map(|&print| Known::Print(whole(print)));
-    let known = known.collect();
+    let known = read_prints(from, geometry)?;
     Ok(Arc::new(Part::new(from.table(count, 1)?.to_vec(), known)))
+}
+
+fn read_prints(from: &mut Reader<'_>, count: u32) -> Result<Vec<Known>, Error> {
+    let prints = from.table(count, 2)?.as_chunks::<2>().0;
+    Ok(prints.iter().map(|&print| Known::Print(whole(print))).collect())
 }

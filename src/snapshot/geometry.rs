@@ -45,6 +45,18 @@ fn address(geometry: &Geometry) -> Option<usize> {
 
 /// A code, and numbers that go with it.
 pub(super) fn code_of(geometry: &Geometry, table: &mut Table) -> (u32, [u32; 4]) {
+    let Some(address) = address(geometry) else { return code_in(geometry, 0) };
+    let next = table.known.len() as u32;
+    // Addresses are compared for identity only: indices are in the order of first use.
+    let place = *table.places.entry(address).or_insert(next);
+    if place == next {
+        table.known.push(Known::Here(geometry.clone()));
+    }
+    code_in(geometry, place)
+}
+
+/// The same, for shared geometry that is at a place.
+pub(super) fn code_in(geometry: &Geometry, place: u32) -> (u32, [u32; 4]) {
     let code = match geometry {
         Geometry::Sphere { .. } => 0,
         Geometry::Capsule { .. } => 1,
@@ -55,14 +67,10 @@ pub(super) fn code_of(geometry: &Geometry, table: &mut Table) -> (u32, [u32; 4])
         Geometry::Mesh(_) => 6,
         Geometry::HeightField(_) => 7,
     };
-    let Some(address) = address(geometry) else { return (code, geometry.size().map(f32::to_bits)) };
-    let next = table.known.len() as u32;
-    // Addresses are compared for identity only: indices are in the order of first use.
-    let place = *table.places.entry(address).or_insert(next);
-    if place == next {
-        table.known.push(Known::Here(geometry.clone()));
+    if address(geometry).is_some() {
+        return (code, [place, 0, 0, 0]);
     }
-    (code, [place, 0, 0, 0])
+    (code, geometry.size().map(f32::to_bits))
 }
 
 /// The geometry of a code.
@@ -117,6 +125,11 @@ pub(super) fn resolve(table: &[Known], world: &World) -> Result<Vec<Geometry>, E
             for collider in world.colliders.all.iter().filter(|collider| collider.body != u32::MAX) {
                 if let Some(address) = address(&collider.geometry) {
                     shared.entry(address).or_insert_with(|| collider.geometry.clone());
+                }
+            }
+            for geometry in world.characters.iter().filter_map(|(_, own)| own.geometry.as_ref()) {
+                if let Some(address) = address(geometry) {
+                    shared.entry(address).or_insert_with(|| geometry.clone());
                 }
             }
             shared.into_values().map(|geometry| (print_of(&geometry), geometry)).collect()

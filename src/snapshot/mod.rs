@@ -6,6 +6,7 @@
 //! says of each thing in a world whether it is saved, and why.
 
 mod bytes;
+mod characters;
 mod check;
 mod checksum;
 mod contacts;
@@ -24,15 +25,17 @@ use std::sync::{Arc, PoisonError, Weak};
 /// The state of a world at one time, for [`World::restore`].
 ///
 /// A snapshot keeps everything that the future of the world depends on, to the bit: poses, velocities,
-/// pending forces, pairs with their contacts and impulses, joints, sleep, and settings except threads and
-/// budget. The list of bodies, shapes and joints is shared by all snapshots between which it did not change,
-/// and geometry is shared with the world.
+/// pending forces, pairs with their contacts and impulses, joints, sleep, characters, and settings except
+/// threads and budget. The list of bodies, shapes and joints is shared by all snapshots between which it did
+/// not change, and geometry is shared with the world.
 ///
 /// The buffer is used again by the next [`World::snapshot`] into it.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     words: Vec<u32>,
     parts: [Option<Arc<Part>>; 2],
+    /// Hulls of characters.
+    forms: Vec<geometry::Known>,
     /// For a snapshot from bytes, the fingerprints of its parts, which the restored world has to have.
     foreign: Option<[[u64; 2]; 2]>,
     /// The arrangement of joints that belongs to it.
@@ -67,11 +70,12 @@ impl World {
             // A half finished step is not a valid state.
             into.words.clear();
             into.parts = [None, None];
+            into.forms.clear();
             return;
         }
         into.parts = self.parts().map(Some);
         into.arrangement = self.buffers.joints.arrangement;
-        save::save(self, &mut into.words);
+        save::save(self, &mut into.forms, &mut into.words);
     }
 
     /// Restores the world to the time of a snapshot: its next steps give the same bits as then, whatever the

@@ -2,7 +2,9 @@
 //! fail.
 
 use super::Snapshot;
+use super::characters::{check_characters, found_forms, restore_characters};
 use super::check::check;
+use super::geometry::Known;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
 use crate::body::{Pose, Target};
@@ -10,8 +12,9 @@ use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::math::Quat;
+use crate::memory::Amounts;
 use crate::narrow_phase::{ContactCount, most_points};
-use crate::shape::{Kind, ROLLS};
+use crate::shape::{Geometry, Kind, ROLLS};
 use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
@@ -32,7 +35,15 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let brings = brought(world, &view, records.as_ref());
+    let found;
+    let forms = if snapshot.foreign.is_some() {
+        found = found_forms(&snapshot.forms, world)?;
+        check_characters(view.characters, &found)?;
+        &found
+    } else {
+        &snapshot.forms
+    };
+    let brings = brought(world, &view, records.as_ref(), forms);
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -42,12 +53,14 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     } else {
         world.reserve_to_restore(&brings)?;
     }
+    world.clear_characters();
     if let Some(records) = records {
         install(world, records);
     } else if settle && !poisoned {
         world.broad.settle_statics();
     }
     apply(world, &view);
+    restore_characters(world, view.characters, forms);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
@@ -85,14 +98,27 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
+/// The hulls among them.
+fn geometries_of(forms: &[Known]) -> impl Iterator<Item = &Geometry> {
+    forms.iter().filter_map(|known| match known {
+        Known::Here(geometry) => Some(geometry),
+        Known::Print(_) => None,
+    })
+}
+
 /// The memory that the snapshot needs; that of contacts only if the world has a budget.
-fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
+fn brought<'a>(
+    world: &World,
+    view: &'a View<'_>,
+    records: Option<&'a Records>,
+    forms: &'a [Known],
+) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
-        let geometries = shapes.map(|c| &c.collider.geometry);
+        let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
         let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
@@ -119,6 +145,8 @@ fn brought<'a>(world: &World, view: &'a View<'_>, records: Option<&'a Records>) 
         contacts,
         forced: counts.has(FORCE),
         targets: counts.targets as usize,
+        characters: counts.characters as usize,
+        forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
         rests: counts.has(RESTS) || counts.parts[2] > 0,
         new,
     }

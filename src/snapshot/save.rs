@@ -1,6 +1,8 @@
 //! Writes the state of a world.
 
+use super::characters::save_characters;
 use super::contacts::{save_contacts, save_pairs};
+use super::geometry::Known;
 use super::settings;
 use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
 use crate::body::{Pose, Target};
@@ -20,7 +22,7 @@ fn motion_words(v: &Record) -> [u32; 6] {
 }
 
 /// Writes all that changes from step to step.
-pub(super) fn save(world: &World, out: &mut Vec<u32>) {
+pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     let World { bodies, colliders, broad, contacts, joints, sleep, buffers, .. } = world;
     let (movers, all) = (bodies.movers(), bodies.asleep().end);
     let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
@@ -83,6 +85,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     counts.contact_words = (out.len() - start) as u32;
     counts.sleep = sleep.save(out);
     counts.joints = joints.save(out);
+    counts.characters = save_characters(&world.characters, forms, out);
 
     let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
     out[..HEAD].copy_from_slice(&words::<HEAD>(head));

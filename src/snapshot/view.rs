@@ -1,5 +1,6 @@
 //! The layout of a state: a head, counts, then one column after another.
 
+use super::characters::CHARACTER;
 use super::contacts::SavedPairs;
 use super::settings;
 use crate::broad_phase::{Lists, SavedBroad};
@@ -58,6 +59,8 @@ pub(super) struct Counts {
     pub(super) contacts: u32,
     pub(super) sleep: SleepLists,
     pub(super) joints: JointLists,
+    /// Slots of characters.
+    pub(super) characters: u32,
 }
 
 /// Bits of [`Counts::columns`].
@@ -102,6 +105,8 @@ pub(super) struct View<'a> {
     pub(super) pairs: SavedPairs<'a>,
     pub(super) sleep: SavedSleep<'a>,
     pub(super) joints: SavedJoints<'a>,
+    /// See [`characters`](super::characters).
+    pub(super) characters: &'a [u32],
 }
 
 impl Counts {
@@ -163,6 +168,7 @@ impl<'a> View<'a> {
             pairs: SavedPairs::read(&mut from, (pairs, counts.contact_words), counts.slots as usize)?,
             sleep: SavedSleep::read(&mut from, counts.sleep)?,
             joints: SavedJoints::read(&mut from, counts.joints)?,
+            characters: from.table(counts.characters, CHARACTER)?,
             counts,
         };
         if from.0.is_empty() { Ok(view) } else { Err(broken("there is more than its counts say")) }

@@ -14,6 +14,7 @@ use glam::{DVec3, Vec3};
 /// A contact of a body with another one: up to four points with one normal. Two shapes may have several, if
 /// one is a mesh or a height field.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BodyContact {
     /// The shape of the body that was asked for, and the other one.
@@ -28,6 +29,7 @@ pub struct BodyContact {
 
 /// A point of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ContactPoint {
     /// Midway between the two surfaces, where the bodies are now, in the world [m].
@@ -54,13 +56,19 @@ impl BodyContact {
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
     /// vetoed; those with static geometry among them. Sensors have none. In an order that only the past
-    /// depends on. Looks through all pairs of the world, and allocates nothing.
+    /// depends on. Looks through all pairs of the world, and allocates nothing: for the contacts of many
+    /// bodies go once through [`World::contacts`].
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn contacts_of(&self, body: BodyHandle) -> Result<impl Iterator<Item = BodyContact> + '_, Error> {
         let index = self.index(body)?;
-        let own = move |c: u32| self.colliders.summaries[c as usize].body as usize == index;
+        let shapes = self.bodies.colliders[index].as_slice();
+        // With one shape, as most have, a pair is told without a look at its colliders.
+        let own = move |c: u32| match shapes {
+            [one] => c == *one,
+            _ => self.colliders.summaries[c as usize].body as usize == index,
+        };
         // An awake dynamic body has none with islands that sleep.
         let asleep = (index >= self.bodies.dynamic()).then(|| self.sleep.sleeping_pairs());
         let pairs = self.broad.pairs.iter().chain(asleep.into_iter().flatten());
@@ -70,6 +78,16 @@ impl World {
                 && self.events.vetoed.binary_search(&(pair.a, pair.b)).is_err()
         });
         Ok(met.flat_map(move |pair| self.contacts_of_pair(pair, own(pair.b))))
+    }
+
+    /// All contacts of the last step, each once, by the rules of [`World::contacts_of`]; which of its two
+    /// bodies comes first only the past decides.
+    pub fn contacts(&self) -> impl Iterator<Item = BodyContact> + '_ {
+        let pairs = self.broad.pairs.iter().chain(self.sleep.sleeping_pairs());
+        let met = pairs.filter(|pair| {
+            pair.contact != NO_CONTACT && self.events.vetoed.binary_search(&(pair.a, pair.b)).is_err()
+        });
+        met.flat_map(|pair| self.contacts_of_pair(pair, false))
     }
 
     /// The contacts of a pair that touch or pushed; `turned`: with the second shape as the first.

@@ -2,9 +2,11 @@
 //!
 //! - `content/`: bodies, shapes, joints and ragdolls; their mass and motion.
 //! - `step/`: the inputs of each stage, and everything around the stages.
+//! - `characters.rs`: characters that live in the world.
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
+mod characters;
 mod contacts;
 mod content;
 mod events;
@@ -15,6 +17,7 @@ mod revisions;
 mod sleep;
 mod step;
 
+pub(crate) use characters::{CHARACTER_WORDS, Characters, Resident};
 pub use contacts::{BodyContact, ContactPoint};
 pub(crate) use contacts::{Place, place_of, relative_now};
 pub use content::Aabb;
@@ -75,6 +78,7 @@ pub struct World {
     /// Current positions of movable colliders, for queries.
     pub(crate) now: QueryIndex,
     pub(crate) joints: Joints,
+    pub(crate) characters: Characters,
     pub(crate) contacts: Contacts,
     pub(crate) buffers: Buffers,
     pub(crate) report: StepReport,
@@ -158,7 +162,8 @@ impl World {
         &self.report
     }
 
-    /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles.
+    /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles, and of the world's
+    /// characters.
     pub fn hash(&self) -> u64 {
         let mut order: Vec<(u32, usize)> =
             self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
@@ -170,6 +175,10 @@ impl World {
             pose.position.to_array().iter().for_each(|x| add(x.to_bits()));
             pose.rotation.to_array().iter().for_each(|x| add(x.to_bits().into()));
             v.linear.to_array().iter().chain(&v.angular.to_array()).for_each(|x| add(x.to_bits().into()));
+        }
+        for (handle, resident) in self.characters.iter() {
+            add(handle.to_bits());
+            resident.words.iter().for_each(|&word| add(word.into()));
         }
         hash
     }
@@ -191,10 +200,10 @@ impl World {
             .sum()
     }
 
-    /// Whether it never had a body and never stepped, so that nothing depends on its past.
+    /// Whether it never had a body or character and never stepped, so that nothing depends on its past.
     #[cfg(feature = "replay")]
     pub(crate) fn is_new(&self) -> bool {
-        self.bodies.slots.is_new() && self.buffers.dt == 0.0
+        self.bodies.slots.is_new() && self.characters.seats.is_empty() && self.buffers.dt == 0.0
     }
 
     pub(crate) fn index(&self, body: BodyHandle) -> Result<usize, Error> {

@@ -264,3 +264,36 @@ fn what_moved_is_told_up_to_the_last_step_before_sleep() {
     world.wake(bodies[0]).unwrap();
     assert_eq!(world.awake_bodies().collect::<Vec<_>>(), [bodies[0]]);
 }
+
+/// Expected: each contact is in the lists of both of its bodies, static ones too.
+#[test]
+fn contacts_of_the_world_are_those_of_its_bodies() {
+    let mut world = world();
+    world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
+    for i in 0..300_u16 {
+        let at = DVec3::new(f64::from(i % 8), 0.5 + f64::from(i / 64), f64::from(i / 8 % 8)) * 0.99;
+        world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap();
+    }
+    for asleep in [false, true] {
+        let mut count = 60;
+        while asleep && world.bodies().any(|body| world.is_asleep(body) == Ok(false)) && count < 600 {
+            steps(&mut world, 10);
+            count += 10;
+        }
+        steps(&mut world, if asleep { 0 } else { 60 });
+        let all: Vec<_> = world.contacts().collect();
+        let bodies: Vec<BodyHandle> = world.bodies().collect();
+        let start = std::time::Instant::now();
+        let one_by_one: usize = bodies.iter().map(|&body| world.contacts_of(body).unwrap().count()).sum();
+        let each = start.elapsed() / bodies.len() as u32;
+        println!("{} contacts, asleep {asleep}: {each:?} to ask for those of one body", all.len());
+        assert_eq!(one_by_one, 2 * all.len());
+        assert!(all.len() > 300);
+        for contact in all.iter().step_by(50) {
+            let [a, b] = contact.bodies;
+            assert!(world.contacts_of(a).unwrap().any(|own| own == *contact));
+            let turned = [contact.shapes[1], contact.shapes[0]];
+            assert!(world.contacts_of(b).unwrap().any(|own| own.shapes == turned));
+        }
+    }
+}

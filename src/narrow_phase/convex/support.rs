@@ -163,7 +163,7 @@ impl<'a> Support<'a> {
             Core::Point => return DVec3::splat(self.radius),
             Core::Segment { half } => return y * *half + self.radius,
             Core::Box(half) => return x * half.x + y * half.y + z * half.z + self.radius,
-            Core::Hull(hull) => return hull_half_extents(hull, rotation),
+            Core::Hull(hull) => return hull_half_extents(hull, rotation) + self.radius,
             _ => {}
         }
         let to_local = rotation.transpose();

@@ -46,9 +46,9 @@ impl World {
             return Err(Error::OutOfRange { what: "places for hits", expected, value: hits.len() as f64 });
         }
         rays.iter().try_for_each(Ray::validate)?;
-        self.current()?;
+        self.ready(filter)?;
         // The streams are large, so they are set up once, in place, and only if they are needed.
-        let alike = |rays: &[Ray]| rays.len() >= FEWEST && are_alike(rays);
+        let alike = |rays: &[Ray]| filter.only.is_none() && rays.len() >= FEWEST && are_alike(rays);
         if rays.chunks(RAYS).any(alike) {
             let mut stream = RayStream::new();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 /// A box along the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Its low corner [m].
     pub min: DVec3,
@@ -68,7 +69,7 @@ impl World {
         Ok((pose.position, pose.rotation.into()))
     }
 
-    fn aabb_of_collider(&self, collider: u32) -> Aabb {
+    pub(crate) fn aabb_of_collider(&self, collider: u32) -> Aabb {
         let collider = &self.colliders.all[collider as usize];
         let pose = &self.bodies.pose[collider.body as usize];
         // Around the body's centre, so that the box is as small far from the origin as near it.

@@ -64,6 +64,7 @@ impl World {
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Events, self.events.bytes());
         report.add(Category::Bodies, self.sleep.bytes());
+        report.add(Category::Bodies, self.characters.bytes());
         report.add(Category::BroadPhase, self.sleep.kept_bytes());
         report.add(Category::Scratch, self.faults.bytes());
         report.add(Category::Scratch, self.helpers.bytes());
@@ -177,6 +178,25 @@ impl World {
         more.once.add(Category::Bodies, list_bytes(has, has + 1));
         more.add_shape(kind, shape);
         self.reserve_for(more, true)
+    }
+
+    /// Reserves so many slots of characters, and the geometry of one.
+    ///
+    /// # Errors
+    /// If the budget does not allow them.
+    pub(crate) fn reserve_for_character(
+        &mut self,
+        geometry: Option<&Geometry>,
+        slots: usize,
+    ) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let (mut once, assets) = self.assets.cost(geometry.into_iter());
+        once.add(Category::Bodies, self.seat_buffer().missing(slots));
+        self.reserve_for(Counts { once, assets, ..Counts::default() }, false)?;
+        self.seat_buffer().reserve_total(slots);
+        Ok(())
     }
 
     /// Reserves entries for another form of a shape.

@@ -29,6 +29,10 @@ pub(crate) struct Brings<'a> {
     pub(crate) forced: bool,
     /// Number of kinematic bodies that are to be somewhere after the next step.
     pub(crate) targets: usize,
+    /// Slots of characters.
+    pub(crate) characters: usize,
+    /// Bytes of their hulls, as far as neither the world nor `new` has them.
+    pub(crate) forms: Amounts,
     pub(crate) rests: bool,
     /// `None` if bodies, shapes and joints stay as they are.
     pub(crate) new: Option<Replacement<'a>>,
@@ -76,6 +80,11 @@ impl<'a> Replacement<'a> {
 }
 
 impl World {
+    /// Bytes of geometry that the world does not have yet.
+    pub(crate) fn cost_of<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> Amounts {
+        self.assets.cost(geometries).0
+    }
+
     /// Reserves memory for the content of a snapshot, as far as it is missing: in the world that took it
     /// nothing is, unless bodies, shapes or joints have changed since.
     ///
@@ -92,6 +101,7 @@ impl World {
             asked += new.counts.once;
             asked.add(Category::Joints, self.joints.rows_missing_for(new.joints) * WIDEST_JOINT_BATCH);
         }
+        asked += brings.forms;
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
         check(&asked, &self.rooms_without(&self.settings.budget, &gone))?;
@@ -125,6 +135,7 @@ impl World {
             f(Category::Manifolds, self.contacts.rolling_buffer(), brings.contacts.contacts);
         }
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
+        f(Category::Bodies, self.seat_buffer(), brings.characters);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }

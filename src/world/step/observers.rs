@@ -5,10 +5,10 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
 use crate::constraint::Tweak;
-use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
+use crate::handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{Filter, Geometry, MassProperties, Material, ShapeDesc};
-use crate::world::{Stage, World};
+use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
 
 /// A change that a call is about to make, named after the methods of [`World`].
@@ -67,6 +67,11 @@ pub(crate) enum Change<'a> {
     SetGeometry(ShapeHandle, &'a Geometry),
     SetShapePose(ShapeHandle, Vec3, glam::Quat),
     SetDensity(ShapeHandle, f32),
+    AddCharacter(&'a Resident),
+    RemoveCharacter(CharacterHandle),
+    SetCharacter(CharacterHandle, &'a Resident),
+    /// The state of a character after a walk.
+    WalkCharacter(CharacterHandle, &'a [u32]),
 }
 
 /// Records the changes and the steps of a world.

@@ -6,6 +6,8 @@
 mod anywhere;
 mod carried;
 mod crowd;
+mod forms;
+mod resident;
 mod slopes;
 mod stairs;
 mod walls;

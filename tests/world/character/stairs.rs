@@ -3,7 +3,7 @@
 use super::*;
 
 /// Ten steps along x from the origin, then a landing, then ten down again.
-fn stairs(world: &mut World, rise: f32, tread: f32, as_mesh: bool) {
+pub(super) fn stairs(world: &mut World, rise: f32, tread: f32, as_mesh: bool) {
     floor(world);
     let top = 10.0 * rise;
     if !as_mesh {

@@ -6,10 +6,12 @@
 
 mod answers;
 mod batch;
+mod one;
 mod parry;
 mod refused;
 mod same;
 mod seen;
+mod turning;
 
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};

@@ -149,3 +149,34 @@ fn what_sleeps_is_seen_as_well() {
     let lines = [0.0, 4.0, -4.0, 8.0].map(|x| below(&world, x));
     assert_eq!(lines, [vec![floor], vec![floor], vec![balls[1], floor], vec![balls[2], floor]]);
 }
+
+/// Expected: what was written, read again.
+#[cfg(all(feature = "serde", feature = "gltf"))]
+#[test]
+fn answers_are_written_and_read() {
+    fn again<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+        serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
+    }
+    let world = alone(Geometry::cuboid(1.0, 1.0, 1.0));
+    let down = ray([0.25, 5.0, 0.5], [0.0, -8.0, 0.0]);
+    let hit = world.cast_ray(&down, &ALL()).unwrap().unwrap();
+    assert_eq!((again(&down), again(&hit)), (down, hit));
+    let form = ball(0.5);
+    let cast = ShapeCast::new(&form, down.from, down.path).turning(Vec3::X);
+    let hit = world.cast_shape(&cast, &ALL()).unwrap().unwrap();
+    assert_eq!(again(&hit), hit);
+    let near = world.closest_point(down.from, 9.0, &ALL()).unwrap().unwrap();
+    assert_eq!(again(&near), near);
+    let mut over = Vec::new();
+    world.overlap(&form, DVec3::ZERO, Quat::IDENTITY, &ALL(), &mut over).unwrap();
+    assert_eq!(again(&over), over);
+    let area = world.shape_aabb(hit.shape).unwrap();
+    assert_eq!(again(&area), area);
+    let target = backstop::QueryTarget::from(hit.body);
+    assert_eq!(again(&target), target);
+    let settings = backstop::CharacterSettings::default();
+    let mut character = backstop::Character::new(settings, DVec3::Y * 2.0).unwrap();
+    let report = character.walk(&world, &ALL(), Vec3::NEG_Y, 0.5).unwrap();
+    assert!(report.ground.is_some());
+    assert_eq!(again(&report), report);
+}

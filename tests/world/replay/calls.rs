@@ -250,6 +250,27 @@ impl Churn {
         self.look_up();
     }
 
+    /// A call on a character, or one more of them.
+    fn call_on_character(&mut self) {
+        let at = (self.random.cube() * 4.0 + Vec3::Y * 4.0).as_dvec3();
+        let mut made = Character::new(CharacterSettings::default(), at).unwrap();
+        if self.random.chance(0.5) {
+            made.set_shape(Some(self.geometry(true))).unwrap();
+        }
+        let there: Vec<_> = self.world.characters().collect();
+        let (what, velocity) = (self.random.below(12), self.random.cube() * 5.0 - Vec3::Y);
+        let world = &mut self.world;
+        let Some(&character) = there.get(what % there.len().max(1)).filter(|_| what > 0) else {
+            world.add_character(&made).unwrap();
+            return;
+        };
+        match what {
+            1 => world.remove_character(character).unwrap(),
+            2 => world.set_character(character, &made).unwrap(),
+            _ => drop(world.walk_character(character, &QueryFilter::new(), velocity, DT).unwrap()),
+        }
+    }
+
     fn step(&mut self) {
         let dt = self.random.of(&[DT, DT, DT, 1.0 / 120.0, 1.0 / 30.0]);
         self.world.step_with(dt, &self.hooks).unwrap();
@@ -265,6 +286,7 @@ impl Churn {
             // Now and then nothing is called for long enough to fall asleep.
             if step % 200 < 120 {
                 (0..calls_a_step).for_each(|_| self.call());
+                self.call_on_character();
             }
             self.step();
             let far = |body: &BodyHandle| {
@@ -306,9 +328,13 @@ fn change_joint(
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 59] = [
+const CALLS: [&str; 63] = [
     "add_bodies",
     "add_body",
+    "add_character",
+    "remove_character",
+    "set_character",
+    "walk_character",
     "add_force",
     "add_joint",
     "add_joints",

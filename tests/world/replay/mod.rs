@@ -11,10 +11,10 @@ use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
 use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, ContactHook, ContactHooks, Continuous, ConvexHull,
-    Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc, JointHandle, Limit, MassProperties,
-    Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton,
-    TriangleMesh, World,
+    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Character, CharacterSettings, ContactHook,
+    ContactHooks, Continuous, ConvexHull, Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc,
+    JointHandle, Limit, MassProperties, Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings,
+    ShapeDesc, ShapeHandle, Skeleton, TriangleMesh, World,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;
