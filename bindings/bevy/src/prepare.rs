@@ -30,15 +30,23 @@ impl Hierarchy<'_, '_> {
             let (own, parent, is_body) = self.nodes.get(entity).ok()?;
             let own = own.copied().unwrap_or_default();
             if is_body {
-                let all = Transform::from_scale(own.scale) * below;
-                return Some((
-                    entity,
-                    Place { position: all.translation, rotation: all.rotation, scale: all.scale },
-                ));
+                let all = Transform::from_scale(own.scale * self.scale_above(parent)) * below;
+                let Transform { translation: position, rotation, scale } = all;
+                return Some((entity, Place { position, rotation, scale }));
             }
             below = own * below;
             entity = parent?.parent();
         }
+    }
+
+    /// Product of the scales from a parent upwards.
+    fn scale_above<'a>(&'a self, mut parent: Option<&'a ChildOf>) -> Vec3 {
+        let mut scale = Vec3::ONE;
+        while let Some((own, next, _)) = parent.and_then(|parent| self.nodes.get(parent.parent()).ok()) {
+            scale *= own.map_or(Vec3::ONE, |own| own.scale);
+            parent = next;
+        }
+        scale
     }
 
     /// What is above an entity, as one transform; none for a root.

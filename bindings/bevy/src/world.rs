@@ -81,7 +81,7 @@ pub(crate) struct ShapeState {
     pub(crate) place: Place,
 }
 
-/// Where a shape is in its body's frame, without the body's scale on the position of its own.
+/// Where a shape is in its body's frame, with all scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     pub(crate) position: Vec3,
