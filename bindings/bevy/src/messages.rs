@@ -1,5 +1,5 @@
-//! What the last step did, with entities. All are Bevy messages; in the fixed schedules and in the others each
-//! reader gets each message once.
+//! What the last step did, with entities. All are Bevy messages; a reader gets each once, in a fixed schedule
+//! or in any other.
 
 use backstop::Error;
 use bevy_ecs::prelude::*;
@@ -10,7 +10,7 @@ use bevy_math::Vec3;
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct ContactBegan(pub Contact);
 
-/// Two shapes hit each other at [`Settings::hit_speed`](backstop::Settings::hit_speed) or faster, of which one
+/// Two shapes hit each other at [`Settings::hit_speed`](backstop::Settings::hit_speed) or faster. One of them
 /// has [`ContactMessages`](crate::ContactMessages).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct ContactHit(pub Contact);

@@ -4,7 +4,7 @@ use crate::body::*;
 use crate::convert::ToBevy;
 use crate::messages::*;
 use crate::plugin::StepLength;
-use crate::world::{PhysicsHooks, PhysicsWorld, in_order};
+use crate::world::{JointState, PhysicsHooks, PhysicsWorld, in_order};
 use backstop::{BodyHandle, ShapeHandle};
 use bevy_ecs::prelude::*;
 
@@ -14,9 +14,14 @@ pub(crate) fn step(mut physics: ResMut<PhysicsWorld>, dt: StepLength, hooks: Opt
         Some(hooks) => physics.step_with(dt.seconds(), &*hooks.0).map(drop),
         None => physics.step(dt.seconds()).map(drop),
     };
-    match stepped {
-        Ok(()) => physics.steps += 1,
-        Err(error) => physics.problems.push(PhysicsError { entity: None, problem: error.into() }),
+    if stepped.is_ok() {
+        physics.steps += 1;
+    }
+    let error = stepped.err();
+    if physics.refused != error {
+        let problem = error.clone().map(Problem::Engine);
+        physics.problems.extend(problem.map(|problem| PhysicsError { entity: None, problem }));
+        physics.refused = error;
     }
 }
 
@@ -148,18 +153,13 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         let (force, torque) = (event.force.to_bevy(), event.torque.to_bevy());
         writers.strained.write(JointStrained { joint, force, torque });
     }
-    // Their handles are stale: nothing else knows whose they were.
     let broken = physics.broken_joints();
-    let mut gone: Vec<Entity> = Vec::new();
     if !broken.is_empty() {
-        let is_broken = |joint: &backstop::JointHandle| broken.contains(joint);
-        gone.extend(
-            physics.joints.iter().filter(|(_, joint)| is_broken(&joint.handle)).map(|(joint, _)| *joint),
-        );
-    }
-    for joint in in_order(gone) {
-        physics.joints.remove(&joint);
-        writers.broke.write(JointBroke { joint });
+        // Their handles are stale: nothing else knows whose they were.
+        let broke = |(joint, state): (&Entity, &JointState)| broken.contains(&state.handle).then_some(*joint);
+        for joint in in_order(physics.joints.iter().filter_map(broke)) {
+            writers.broke.write(JointBroke { joint });
+        }
     }
     physics.departed.clear();
     for error in physics.problems.drain(..) {

@@ -38,6 +38,8 @@ pub struct PhysicsWorld {
     /// Dynamic bodies that were awake after the last step.
     pub(crate) awake: Vec<BodyHandle>,
     pub(crate) problems: Vec<PhysicsError>,
+    /// Why the last step was refused, if it was.
+    pub(crate) refused: Option<Error>,
     /// Whether poses are to be read from the world, whatever moved.
     pub(crate) all_moved: bool,
     /// The world's, when transforms were last written.
@@ -133,6 +135,7 @@ impl PhysicsWorld {
             following: EntityHashSet::default(),
             awake: Vec::new(),
             problems: Vec::new(),
+            refused: None,
             all_moved: false,
             origin: glam::DVec3::ZERO,
             steps: 0,
@@ -149,9 +152,9 @@ impl PhysicsWorld {
         self.shapes.get(&entity).map(|shape| shape.handle)
     }
 
-    /// The joint of an entity, if it is in the world.
+    /// The joint of an entity, if it is in the world: one that broke is not.
     pub fn joint(&self, entity: Entity) -> Option<JointHandle> {
-        self.joints.get(&entity).map(|joint| joint.handle)
+        self.joints.get(&entity).map(|joint| joint.handle).filter(|joint| self.world.contains_joint(*joint))
     }
 
     /// The entity of a body; none if the handle is stale or the body is not of the plugin.
@@ -199,8 +202,9 @@ impl PhysicsWorld {
         Ok(())
     }
 
-    /// Restores a snapshot, and takes its poses over to the transforms in the next step. Bodies, shapes and
-    /// joints have to be those that were there when it was taken.
+    /// Restores a snapshot, and takes its poses over to the transforms in the next step. The entities of
+    /// bodies, shapes and joints have to be those that were there when it was taken; joints that broke since
+    /// hold again.
     ///
     /// # Errors
     /// As [`World::restore`].

@@ -39,8 +39,8 @@ fn contacts_name_entities() {
     assert_eq!(logged::<ContactEnded>(&app)[ends..], [ended]);
 }
 
-/// A ball that flies at 500 m/s through a sensor of 10 cm, on a child of a body. Expected: it enters and leaves
-/// within one step, and both messages name the sensor's own entity, the ball's shape and its body.
+/// A ball that flies at 500 m/s through a sensor of 10 cm, on a child of a body. Expected: it enters and
+/// leaves within one step, and both messages name the sensor's own entity, the ball's shape and its body.
 #[test]
 fn sensors_name_entities() {
     let mut app = app();
@@ -143,8 +143,8 @@ fn joints_break_and_strain() {
     assert!((strained[50].force.length() / weight - 1.0).abs() < 0.02, "{:?}", strained[50]);
 }
 
-/// Expected: a ball at rest falls asleep, which its component and one message say; setting the component wakes
-/// it, which another says; a force does so too.
+/// Expected: a box at rest falls asleep, which its component and one message say; setting the component
+/// wakes it, which another says; a force moves it.
 #[test]
 fn bodies_fall_asleep_and_wake() {
     let mut app = app_with(BackstopPlugin::new(Settings::default().with_sleeping(true)).unwrap());
@@ -209,4 +209,39 @@ fn a_schedule_of_the_game_runs_the_world() {
     each_frame(&mut app, Duration::from_millis(3));
     run(&mut app, 100);
     assert!((get::<Transform>(&app, body).translation.x - 1.0).abs() < 1e-4);
+}
+
+/// A platform that moves by its transform and becomes dynamic. Expected: it flies on at its speed, and a joint
+/// that broke holds again in a world that was restored.
+#[test]
+fn what_was_is_not_held_against_it() {
+    let mut app = app();
+    let body = (RigidBody::Kinematic, Shape::sphere(0.5), Platform, GravityScale(0.0));
+    let body = app.world_mut().spawn(body).id();
+    app.add_systems(FixedUpdate, |mut platforms: Query<&mut Transform, With<Platform>>| {
+        for mut transform in &mut platforms {
+            transform.translation.x += 0.1;
+        }
+    });
+    run(&mut app, 10);
+    app.world_mut().entity_mut(body).remove::<Platform>().insert(RigidBody::Dynamic);
+    run(&mut app, 10);
+    assert!((get::<Velocity>(&app, body).linear.x - 6.0).abs() < 1e-3);
+
+    let hook = app.world_mut().spawn((RigidBody::Static, Transform::from_xyz(0.0, 10.0, 0.0))).id();
+    let load = ball(&mut app, 9.0);
+    let joint = Joint::ball([hook, load]).at(Vec3::new(0.0, 10.0, 0.0)).with_strength(1e6, f32::INFINITY);
+    let joint = app.world_mut().spawn(joint).id();
+    run(&mut app, 10);
+    let mut saved = backstop_bevy::backstop::Snapshot::new();
+    physics(&app).snapshot(&mut saved);
+    let held = physics(&app).joint(joint);
+    let weak = held.expect("it holds");
+    app.world_mut().resource_mut::<PhysicsWorld>().set_joint_strength(weak, 1.0, 1.0).unwrap();
+    run(&mut app, 30);
+    assert_eq!(physics(&app).joint(joint), None);
+    app.world_mut().resource_mut::<PhysicsWorld>().restore(&saved).unwrap();
+    assert_eq!(physics(&app).joint(joint), held);
+    run(&mut app, 60);
+    assert!((get::<PhysicsPose>(&app, load).position.y - 9.0).abs() < 0.01);
 }

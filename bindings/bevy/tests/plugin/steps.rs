@@ -10,8 +10,7 @@ use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 use std::time::Duration;
 
-/// A box that falls askew onto a floor, bounces about for three seconds and comes to rest there. Expected: the
-/// bits of the same calls to the engine.
+/// A box that falls askew onto a floor and comes to rest there within three seconds. Expected: the bits of the same calls to the engine.
 #[test]
 fn a_falling_box_has_the_bits_of_the_engine() {
     let mut app = app();
@@ -76,8 +75,8 @@ fn frames_of_any_length_give_the_same_bits() {
 struct Hashes(Vec<u64>);
 
 /// A ball that moves at 6 m/s without gravity, drawn at 144 and 30 frames a second. Expected: it is drawn
-/// where it was one step ago (6 m/s times the time of the frame less a step), so between the poses of the last
-/// two steps, and moves by the same in each frame.
+/// where it was one step ago (6 m/s times the time of the frame less a step), so between the poses of the
+/// last two steps, and moves by the same in each frame.
 #[test]
 fn drawn_poses_lie_between_steps() {
     for hz in [144.0, 30.0] {
