@@ -211,8 +211,8 @@ fn a_schedule_of_the_game_runs_the_world() {
     assert!((get::<Transform>(&app, body).translation.x - 1.0).abs() < 1e-4);
 }
 
-/// A platform that moves by its transform and becomes dynamic. Expected: it flies on at its speed, and a joint
-/// that broke holds again in a world that was restored.
+/// A platform that moves by its transform and becomes dynamic. Expected: it flies on at its speed, and a
+/// joint that broke holds again in a world that was restored.
 #[test]
 fn what_was_is_not_held_against_it() {
     let mut app = app();

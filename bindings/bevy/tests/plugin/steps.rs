@@ -10,7 +10,8 @@ use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 use std::time::Duration;
 
-/// A box that falls askew onto a floor and comes to rest there within three seconds. Expected: the bits of the same calls to the engine.
+/// A box that falls askew onto a floor and comes to rest there within three seconds. Expected: the bits of
+/// the same calls to the engine.
 #[test]
 fn a_falling_box_has_the_bits_of_the_engine() {
     let mut app = app();
