@@ -1,0 +1,160 @@
+//! Components of bodies.
+
+use crate::world::PhysicsWorld;
+use backstop::{BodyKind, Continuous, MassProperties, RowGroup};
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+use bevy_math::{DVec3, Quat, Vec3};
+use bevy_transform::components::Transform;
+
+/// A rigid body of the world. Its shapes are the [`Shape`](crate::Shape)s on its entity and on the entities
+/// below it. Removing the component, or the entity, removes the body with its joints.
+///
+/// A dynamic body needs mass: a shape with density, or [`Mass`]. Without it the entity waits, and
+/// [`PhysicsError`](crate::PhysicsError) says so once.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[require(Transform, PhysicsPose, Velocity, Sleeping)]
+#[component(on_remove = body_removed)]
+pub enum RigidBody {
+    /// Nothing moves it but a change of its `Transform`, at once.
+    Static,
+    /// Moves to its `Transform` within a step, and pushes what is in the way and carries what stands on it;
+    /// or moves with its [`Velocity`], if that is set instead.
+    Kinematic,
+    /// Forces and contacts move it. A change of its `Transform` puts it there at once.
+    #[default]
+    Dynamic,
+}
+
+impl From<RigidBody> for BodyKind {
+    fn from(body: RigidBody) -> BodyKind {
+        match body {
+            RigidBody::Static => BodyKind::Static,
+            RigidBody::Kinematic => BodyKind::Kinematic,
+            RigidBody::Dynamic => BodyKind::Dynamic,
+        }
+    }
+}
+
+/// Where a body is after the last step, in `f64`: what the engine has, while its `Transform` may be between
+/// the last two steps. Written by the plugin; a change of it has no effect.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct PhysicsPose {
+    /// Its origin in the world [m].
+    pub position: DVec3,
+    /// How its axes are turned.
+    pub rotation: Quat,
+}
+
+impl Default for PhysicsPose {
+    fn default() -> Self {
+        PhysicsPose { position: DVec3::ZERO, rotation: Quat::IDENTITY }
+    }
+}
+
+/// Velocity of a body. Written after each step; a change of it sets the body's velocity before the next.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Velocity {
+    /// Of its centre of mass [m/s].
+    pub linear: Vec3,
+    /// About the world's axes [rad/s].
+    pub angular: Vec3,
+}
+
+impl Velocity {
+    /// Moves so, and does not turn [m/s].
+    pub fn linear(linear: Vec3) -> Self {
+        Velocity { linear, angular: Vec3::ZERO }
+    }
+    /// Turns so, about the world's axes [rad/s].
+    pub fn angular(angular: Vec3) -> Self {
+        Velocity { linear: Vec3::ZERO, angular }
+    }
+}
+
+/// Whether a body is asleep. Written after each step; setting it puts the body's island to sleep or wakes it.
+/// No body falls asleep unless [`Settings::sleeping`](backstop::Settings::sleeping) says so.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sleeping(pub bool);
+
+/// Mass, centre of mass and inertia of a body, instead of those of its shapes.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct Mass(pub MassProperties);
+
+/// Factor on gravity; 1 without this.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct GravityScale(pub f32);
+
+/// Rates at which a body loses its velocity [1/s]; zero without this.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct Damping {
+    /// Of the linear velocity.
+    pub linear: f32,
+    /// Of the angular velocity.
+    pub angular: f32,
+}
+
+/// World axes along which a body can't move, and about which it can't turn.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct LockedAxes {
+    /// x, y and z.
+    pub translation: [bool; 3],
+    /// x, y and z.
+    pub rotation: [bool; 3],
+}
+
+/// How a body is kept from passing through others; [`Continuous::Segment`] without this.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct ContinuousMode(pub Continuous);
+
+/// The group after which the rows of a body are solved:
+/// [`BodyDesc::solved_after`](backstop::BodyDesc::solved_after).
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct SolvedAfter(pub RowGroup);
+
+/// A body that never falls asleep.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct NeverSleeps;
+
+/// A body that takes no part in the world, and keeps its place there.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_remove = trait_removed)]
+pub struct BodyDisabled;
+
+impl LockedAxes {
+    /// It can move, and can't turn.
+    pub const ROTATION: LockedAxes = LockedAxes { translation: [false; 3], rotation: [true; 3] };
+}
+
+/// A force and a torque that act on a dynamic body in every step, and keep it awake.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConstantForce {
+    /// At the centre of mass [N].
+    pub force: Vec3,
+    /// About it, in world axes [N m].
+    pub torque: Vec3,
+}
+
+/// A body whose `Transform` is that of the last step, and not between the last two.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct NoInterpolation;
+
+fn body_removed(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut physics) = world.get_resource_mut::<PhysicsWorld>() {
+        physics.remove_body_of(context.entity);
+    }
+}
+
+fn trait_removed(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut physics) = world.get_resource_mut::<PhysicsWorld>() {
+        physics.changed_bodies.push(context.entity);
+    }
+}

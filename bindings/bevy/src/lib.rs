@@ -1,0 +1,36 @@
+#![doc = include_str!("../README.md")]
+
+mod body;
+mod convert;
+#[cfg(feature = "gizmos")]
+mod gizmos;
+mod joint;
+mod messages;
+mod plugin;
+mod poses;
+mod prepare;
+mod report;
+mod shape;
+mod world;
+
+pub use backstop;
+pub use body::{
+    BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass, NeverSleeps,
+    NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
+};
+pub use convert::{ToBevy, ToEngine};
+#[cfg(feature = "gizmos")]
+pub use gizmos::{BackstopGizmosPlugin, PhysicsGizmos};
+pub use joint::Joint;
+pub use messages::{
+    BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing, JointBroke,
+    JointStrained, PhysicsError, Problem, SensorEntered, SensorLeft,
+};
+pub use plugin::{BackstopPlugin, PhysicsSystems};
+pub use shape::{ContactHooked, ContactMessages, Density, Sensor, Shape, ShapeFilter, ShapeMaterial};
+pub use world::{PhysicsHooks, PhysicsWorld};
+
+/// All that a game needs of the plugin; what the engine's own calls take is in [`backstop`].
+pub mod prelude {
+    pub use crate::*;
+}

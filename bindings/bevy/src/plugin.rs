@@ -1,0 +1,148 @@
+//! The plugin, and when its systems run.
+
+use crate::messages::*;
+use crate::world::PhysicsWorld;
+use crate::{poses, prepare, report};
+use backstop::{Error, Settings, World};
+use bevy_app::prelude::*;
+use bevy_ecs::intern::Interned;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::SystemParam;
+use bevy_time::{Fixed, Time};
+
+/// Adds a [`PhysicsWorld`] and the systems that step it, by default in `FixedPostUpdate`, by the length of
+/// `Time<Fixed>` and with interpolated transforms. Needs Bevy's `TimePlugin`.
+#[derive(Clone, Debug)]
+pub struct BackstopPlugin {
+    settings: Settings,
+    schedule: Interned<dyn ScheduleLabel>,
+    step: Option<f32>,
+    interpolation: bool,
+}
+
+impl Default for BackstopPlugin {
+    fn default() -> Self {
+        BackstopPlugin {
+            settings: Settings::default(),
+            schedule: FixedPostUpdate.intern(),
+            step: None,
+            interpolation: true,
+        }
+    }
+}
+
+impl BackstopPlugin {
+    /// With other settings of the world.
+    ///
+    /// # Errors
+    /// If a setting is out of range.
+    pub fn new(settings: Settings) -> Result<Self, Error> {
+        settings.validate()?;
+        Ok(BackstopPlugin { settings, ..BackstopPlugin::default() })
+    }
+    /// Steps in another schedule: `FixedUpdate`, or one that the game runs itself.
+    #[must_use]
+    pub fn in_schedule(mut self, schedule: impl ScheduleLabel) -> Self {
+        self.schedule = schedule.intern();
+        self
+    }
+    /// Steps of a length of its own, instead of that of `Time<Fixed>` [s]. For schedules that are not of the
+    /// fixed ones, whose transforms should not be interpolated either.
+    #[must_use]
+    pub fn with_step(mut self, seconds: f32) -> Self {
+        self.step = Some(seconds);
+        self
+    }
+    /// Leaves all transforms as they are after the last step.
+    #[must_use]
+    pub fn without_interpolation(mut self) -> Self {
+        self.interpolation = false;
+        self
+    }
+}
+
+/// What the plugin does in its schedule, one after the other, and in a frame.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PhysicsSystems {
+    /// Components that are new or changed reach the world.
+    Prepare,
+    /// The world is stepped.
+    Step,
+    /// Components and messages say what it did.
+    Report,
+    /// Transforms are put between the last two steps; in `RunFixedMainLoop`, after the fixed schedules.
+    Interpolate,
+}
+
+impl Plugin for BackstopPlugin {
+    fn build(&self, app: &mut App) {
+        let world = match World::new(self.settings.clone()) {
+            Ok(world) => world,
+            Err(error) => {
+                log::error!("there is no physics: {error}");
+                return;
+            }
+        };
+        app.insert_resource(PhysicsWorld::new(world)).insert_resource(Step(self.step));
+        app.add_message::<ContactBegan>()
+            .add_message::<ContactEnded>()
+            .add_message::<ContactHit>()
+            .add_message::<SensorEntered>()
+            .add_message::<SensorLeft>()
+            .add_message::<JointBroke>()
+            .add_message::<JointStrained>()
+            .add_message::<BodyWoke>()
+            .add_message::<BodyFellAsleep>()
+            .add_message::<PhysicsError>();
+        app.configure_sets(
+            self.schedule,
+            (PhysicsSystems::Prepare, PhysicsSystems::Step, PhysicsSystems::Report).chain(),
+        );
+        let prepare = (
+            prepare::change_shapes,
+            prepare::add_bodies_and_shapes,
+            prepare::change_bodies,
+            prepare::read_motion,
+            prepare::read_poses,
+            prepare::sync_joints,
+        );
+        let report = (report::write_motion, report::write_sleep, report::write_messages, poses::show_last);
+        app.add_systems(
+            self.schedule,
+            (
+                prepare.chain().in_set(PhysicsSystems::Prepare),
+                report::step.in_set(PhysicsSystems::Step),
+                report.chain().in_set(PhysicsSystems::Report),
+            ),
+        );
+        if self.interpolation {
+            app.add_systems(FixedFirst, poses::show_last);
+            app.add_systems(
+                RunFixedMainLoop,
+                poses::interpolate
+                    .in_set(PhysicsSystems::Interpolate)
+                    .in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+            );
+        }
+    }
+}
+
+/// The length of steps, if it is not that of `Time<Fixed>` [s].
+#[derive(Resource)]
+pub(crate) struct Step(Option<f32>);
+
+/// The length of the next step.
+#[derive(SystemParam)]
+pub(crate) struct StepLength<'w> {
+    own: Res<'w, Step>,
+    time: Option<Res<'w, Time<Fixed>>>,
+}
+
+impl StepLength<'_> {
+    /// [s]; zero, which the world refuses, if there is no clock.
+    pub(crate) fn seconds(&self) -> f32 {
+        let clock = self.time.as_ref().map_or(0.0, |time| time.timestep().as_secs_f32());
+        self.own.0.unwrap_or(clock)
+    }
+}

@@ -1,0 +1,101 @@
+//! Transforms: the pose after the last step while steps run, and between the last two when a frame is drawn.
+
+use crate::body::{NoInterpolation, PhysicsPose, RigidBody};
+use crate::world::{PhysicsWorld, in_order};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_time::{Fixed, Time};
+use bevy_transform::components::{GlobalTransform, Transform};
+
+/// What writes transforms.
+#[derive(SystemParam)]
+pub(crate) struct Poses<'w, 's> {
+    physics: ResMut<'w, PhysicsWorld>,
+    transforms: Query<'w, 's, &'static mut Transform>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    below: Query<'w, 's, Entity, (With<RigidBody>, With<ChildOf>)>,
+    sudden: Query<'w, 's, (), With<NoInterpolation>>,
+}
+
+impl Poses<'_, '_> {
+    /// Writes where bodies are at a fraction of the way from the step before to the last one: those that
+    /// moved, and those below a parent, which may have moved. What somebody else wrote stays.
+    fn write(&mut self, fraction: f32) {
+        self.follow_origin();
+        for index in 0..self.physics.moving.len() {
+            let body = self.physics.moving[index];
+            if !self.below.contains(body) {
+                self.write_one(body, None, fraction);
+            }
+        }
+        if self.below.is_empty() {
+            return;
+        }
+        // Parents first: they may be bodies themselves.
+        let mut below: Vec<(usize, Entity)> =
+            self.below.iter().map(|body| (self.parents.iter_ancestors(body).count(), body)).collect();
+        below.sort_unstable_by_key(|(depth, body)| (*depth, body.index_u32()));
+        for (_, body) in below {
+            let mut above = GlobalTransform::IDENTITY;
+            for ancestor in self.parents.iter_ancestors(body) {
+                let own = self.transforms.get(ancestor).copied().unwrap_or_default();
+                above = GlobalTransform::from(own) * above;
+            }
+            self.write_one(body, Some(above), fraction);
+        }
+    }
+
+    fn write_one(&mut self, body: Entity, above: Option<GlobalTransform>, fraction: f32) {
+        let fraction = if self.sudden.contains(body) { 1.0 } else { fraction };
+        let physics = &mut *self.physics;
+        let (Some(state), Ok(mut transform)) = (physics.bodies.get(&body), self.transforms.get_mut(body))
+        else {
+            return;
+        };
+        if *transform != state.written {
+            return;
+        }
+        let pose = between(&state.previous, &state.pose, fraction);
+        let (mut translation, mut rotation) = (physics.to_local(pose.position), pose.rotation);
+        if let Some(above) = above {
+            translation = above.affine().inverse().transform_point3(translation);
+            rotation = above.rotation().inverse() * rotation;
+        }
+        let new = Transform { translation, rotation, ..*transform };
+        transform.set_if_neq(new);
+        if let Some(state) = physics.bodies.get_mut(&body) {
+            state.written = new;
+        }
+    }
+
+    /// Where the world's origin moved, all transforms do.
+    fn follow_origin(&mut self) {
+        let physics = &mut *self.physics;
+        if physics.origin != physics.origin() {
+            physics.origin = physics.origin();
+            let all = in_order(physics.bodies.keys().copied());
+            physics.moving = all;
+        }
+    }
+}
+
+/// The pose at a fraction of the way from one to another, which is exact at its ends.
+fn between(from: &PhysicsPose, to: &PhysicsPose, fraction: f32) -> PhysicsPose {
+    if fraction >= 1.0 || from == to {
+        return *to;
+    }
+    PhysicsPose {
+        position: from.position.lerp(to.position, f64::from(fraction)),
+        rotation: from.rotation.slerp(to.rotation, fraction),
+    }
+}
+
+/// Before and after a step: where bodies are.
+pub(crate) fn show_last(mut poses: Poses) {
+    poses.write(1.0);
+}
+
+/// When a frame is drawn: where bodies are between the last two steps.
+pub(crate) fn interpolate(mut poses: Poses, time: Res<Time<Fixed>>) {
+    poses.write(time.overstep_fraction());
+}

@@ -1,0 +1,172 @@
+//! The step, and after it: what the world did reaches the entities.
+
+use crate::body::*;
+use crate::convert::ToBevy;
+use crate::messages::*;
+use crate::plugin::StepLength;
+use crate::world::{JointState, PhysicsHooks, PhysicsWorld, in_order};
+use backstop::{BodyHandle, ShapeHandle};
+use bevy_ecs::prelude::*;
+
+/// One step of the world.
+pub(crate) fn step(mut physics: ResMut<PhysicsWorld>, dt: StepLength, hooks: Option<Res<PhysicsHooks>>) {
+    let stepped = match hooks {
+        Some(hooks) => physics.step_with(dt.seconds(), &*hooks.0).map(drop),
+        None => physics.step(dt.seconds()).map(drop),
+    };
+    if stepped.is_ok() {
+        physics.steps += 1;
+    }
+    let error = stepped.err();
+    if physics.refused != error {
+        let problem = error.clone().map(Problem::Engine);
+        physics.problems.extend(problem.map(|problem| PhysicsError { entity: None, problem }));
+        physics.refused = error;
+    }
+}
+
+/// Poses and velocities of what moved.
+pub(crate) fn write_motion(
+    mut physics: ResMut<PhysicsWorld>,
+    mut bodies: Query<(&mut PhysicsPose, &mut Velocity)>,
+    mut handles: Local<Vec<BodyHandle>>,
+) {
+    let physics = &mut *physics;
+    handles.clear();
+    let everything = std::mem::take(&mut physics.all_moved);
+    if everything {
+        handles.extend(physics.bodies());
+    } else {
+        handles.extend(physics.moved_bodies());
+    }
+    let before = in_order(std::mem::take(&mut physics.moving));
+    let now = physics.steps;
+    for &handle in &*handles {
+        let Some(body) = physics.entity_of(handle) else { continue };
+        physics.moving.push(body);
+        if let Some(state) = physics.bodies.get_mut(&body) {
+            state.moved_in = now;
+        }
+    }
+    // What has just come to rest is shown there once more.
+    let rests = |body: &Entity| physics.bodies.get(body).is_some_and(|state| state.moved_in != now);
+    let resting: Vec<Entity> = before.into_iter().filter(rests).collect();
+    physics.moving.extend(resting);
+    for index in 0..physics.moving.len() {
+        let body = physics.moving[index];
+        let Some(handle) = physics.body(body) else { continue };
+        let Ok(pose) = physics.pose_of(handle) else { continue };
+        let velocity = Velocity {
+            linear: physics.linear_velocity(handle).unwrap_or_default().to_bevy(),
+            angular: physics.angular_velocity(handle).unwrap_or_default().to_bevy(),
+        };
+        let Some(state) = physics.bodies.get_mut(&body) else { continue };
+        state.previous = if everything { pose } else { state.pose };
+        (state.pose, state.velocity) = (pose, velocity);
+        if let Ok((mut shown, mut shown_velocity)) = bodies.get_mut(body) {
+            shown.set_if_neq(pose);
+            shown_velocity.set_if_neq(velocity);
+        }
+    }
+}
+
+/// Who fell asleep and who woke.
+pub(crate) fn write_sleep(
+    mut physics: ResMut<PhysicsWorld>,
+    mut sleep: Query<&mut Sleeping>,
+    mut writers: Writers,
+) {
+    let physics = &mut *physics;
+    let before = std::mem::take(&mut physics.awake);
+    if !physics.settings().sleeping && before.is_empty() {
+        return;
+    }
+    for handle in before {
+        if physics.is_asleep(handle) == Ok(true)
+            && let Some(body) = physics.entity_of(handle)
+            && set_asleep(physics, &mut sleep, body, true)
+        {
+            writers.slept.write(BodyFellAsleep { body });
+        }
+    }
+    if physics.settings().sleeping {
+        let awake: Vec<BodyHandle> = physics.awake_bodies().collect();
+        physics.awake = awake;
+    }
+    for index in 0..physics.awake.len() {
+        if let Some(body) = physics.entity_of(physics.awake[index])
+            && set_asleep(physics, &mut sleep, body, false)
+        {
+            writers.woke.write(BodyWoke { body });
+        }
+    }
+}
+
+/// Writes whether a body is asleep; returns whether that is new.
+fn set_asleep(
+    physics: &mut PhysicsWorld,
+    sleep: &mut Query<&mut Sleeping>,
+    body: Entity,
+    asleep: bool,
+) -> bool {
+    let Some(state) = physics.bodies.get_mut(&body) else { return false };
+    if let Ok(mut shown) = sleep.get_mut(body) {
+        shown.set_if_neq(Sleeping(asleep));
+    }
+    std::mem::replace(&mut state.asleep, asleep) != asleep
+}
+
+/// The events of the step, with entities.
+pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Writers) {
+    let physics = &mut *physics;
+    let named = |shape: ShapeHandle| -> Option<[Entity; 2]> {
+        if let Some(entity) = physics.entity_of_shape(shape) {
+            return Some([entity, physics.shapes.get(&entity)?.body]);
+        }
+        physics.departed.iter().find(|(gone, _)| *gone == shape).map(|(_, entities)| *entities)
+    };
+    let both = |shapes: [ShapeHandle; 2]| -> Option<[[Entity; 2]; 2]> {
+        let [[a, of_a], [b, of_b]] = [named(shapes[0])?, named(shapes[1])?];
+        Some([[a, b], [of_a, of_b]])
+    };
+    let contact = |event: &backstop::ContactEvent| {
+        let [shapes, bodies] = both(event.shapes)?;
+        let point = physics.to_local(event.point.to_bevy());
+        let (normal, approach_speed, impulse) = (event.normal.to_bevy(), event.approach_speed, event.impulse);
+        Some(Contact { shapes, bodies, point, normal, approach_speed, impulse })
+    };
+    let crossing = |event: &backstop::SensorEvent| {
+        let [[sensor, visitor], [_, body]] = both([event.sensor, event.visitor])?;
+        Some(Crossing { sensor, visitor, body, fraction: event.fraction })
+    };
+    let ended = |event: &backstop::ContactEnd| {
+        let [shapes, bodies] = both(event.shapes)?;
+        Some(ContactEnded { shapes, bodies })
+    };
+    writers.began.write_batch(physics.contact_begins().iter().filter_map(contact).map(ContactBegan));
+    writers.hits.write_batch(physics.contact_hits().iter().filter_map(contact).map(ContactHit));
+    writers.ended.write_batch(physics.contact_ends().iter().filter_map(ended));
+    writers.entered.write_batch(physics.sensor_begins().iter().filter_map(crossing).map(SensorEntered));
+    writers.left.write_batch(physics.sensor_ends().iter().filter_map(crossing).map(SensorLeft));
+    for event in physics.strained_joints() {
+        let Some(joint) = physics.entity_of_joint(event.joint) else { continue };
+        let (force, torque) = (event.force.to_bevy(), event.torque.to_bevy());
+        writers.strained.write(JointStrained { joint, force, torque });
+    }
+    let broken = physics.broken_joints();
+    if !broken.is_empty() {
+        // Their handles are stale: nothing else knows whose they were.
+        let broke = |(joint, state): (&Entity, &JointState)| broken.contains(&state.handle).then_some(*joint);
+        for joint in in_order(physics.joints.iter().filter_map(broke)) {
+            writers.broke.write(JointBroke { joint });
+        }
+    }
+    physics.departed.clear();
+    for error in physics.problems.drain(..) {
+        match error.entity {
+            Some(entity) => log::warn!("{entity}: {}", error.problem),
+            None => log::error!("the step is refused: {}", error.problem),
+        }
+        writers.errors.write(error);
+    }
+}

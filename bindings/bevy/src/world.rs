@@ -1,0 +1,326 @@
+//! The resource: the engine's world, and which entity is what of it.
+
+use crate::convert::{ToBevy, ToEngine};
+use crate::messages::{PhysicsError, Problem};
+use crate::{PhysicsPose, Velocity};
+use backstop::{
+    BodyHandle, ContactHooks, Error, JointDesc, JointHandle, MassProperties, ShapeHandle, Snapshot, World,
+    glam,
+};
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy_ecs::prelude::*;
+use bevy_math::{DVec3, Quat, Vec3};
+use bevy_transform::components::Transform;
+use std::ops::{Deref, DerefMut};
+
+/// The engine's [`World`], and the entities of its bodies, shapes and joints. It derefs to the world, so
+/// that all of its methods can be called: queries, forces, settings, reports.
+///
+/// The user data of what the plugin adds are the bits of its entity. What is added to the world directly is
+/// the caller's own, and appears in no message.
+#[derive(Resource)]
+pub struct PhysicsWorld {
+    world: World,
+    pub(crate) bodies: EntityHashMap<BodyState>,
+    pub(crate) shapes: EntityHashMap<ShapeState>,
+    pub(crate) joints: EntityHashMap<JointState>,
+    /// What is to be made and is not yet, with the last reason that was reported.
+    pub(crate) waiting: [EntityHashMap<String>; 3],
+    /// Entities that lost a component which has a default.
+    pub(crate) changed_bodies: Vec<Entity>,
+    pub(crate) changed_shapes: Vec<Entity>,
+    /// Shapes that were removed since the last step: with their entities and those of their bodies.
+    pub(crate) departed: Vec<(ShapeHandle, [Entity; 2])>,
+    /// Bodies whose poses of the last two steps differ.
+    pub(crate) moving: Vec<Entity>,
+    /// Kinematic bodies that the last step moved to their transforms.
+    pub(crate) following: EntityHashSet,
+    /// Dynamic bodies that were awake after the last step.
+    pub(crate) awake: Vec<BodyHandle>,
+    pub(crate) problems: Vec<PhysicsError>,
+    /// Why the last step was refused, if it was.
+    pub(crate) refused: Option<Error>,
+    /// Whether poses are to be read from the world, whatever moved.
+    pub(crate) all_moved: bool,
+    /// The world's, when transforms were last written.
+    pub(crate) origin: glam::DVec3,
+    pub(crate) steps: u64,
+}
+
+/// Indices of `PhysicsWorld::waiting`.
+pub(crate) const BODIES: usize = 0;
+pub(crate) const SHAPES: usize = 1;
+pub(crate) const JOINTS: usize = 2;
+
+/// Callbacks on contacts of shapes with [`ContactHooked`](crate::ContactHooked). Their user data are the bits
+/// of the shapes' entities.
+#[derive(Resource)]
+pub struct PhysicsHooks(pub Box<dyn ContactHooks + Send>);
+
+/// What the plugin knows of a body.
+#[derive(Debug)]
+pub(crate) struct BodyState {
+    pub(crate) handle: BodyHandle,
+    /// After the step before the last.
+    pub(crate) previous: PhysicsPose,
+    /// After the last step.
+    pub(crate) pose: PhysicsPose,
+    /// As they were last written or taken over: what differs was written by somebody else.
+    pub(crate) written: Transform,
+    pub(crate) velocity: Velocity,
+    pub(crate) asleep: bool,
+    pub(crate) mass: Option<MassProperties>,
+    /// The mass is given to the engine, and still that of the shapes.
+    pub(crate) follows_shapes: bool,
+    /// The last step that moved it.
+    pub(crate) moved_in: u64,
+}
+
+#[derive(Debug)]
+pub(crate) struct ShapeState {
+    pub(crate) handle: ShapeHandle,
+    pub(crate) body: Entity,
+    pub(crate) place: Place,
+}
+
+/// Where a shape is in its body's frame, with all scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) position: Vec3,
+    pub(crate) rotation: Quat,
+    pub(crate) scale: Vec3,
+}
+
+#[derive(Debug)]
+pub(crate) struct JointState {
+    pub(crate) handle: JointHandle,
+    pub(crate) bodies: [Entity; 2],
+    pub(crate) desc: JointDesc,
+    pub(crate) anchor: Option<(Vec3, Quat)>,
+}
+
+/// Each entity once, in the order in which they were spawned as far as their indices are new.
+pub(crate) fn in_order(entities: impl IntoIterator<Item = Entity>) -> Vec<Entity> {
+    let mut all: Vec<Entity> = entities.into_iter().collect();
+    all.sort_unstable_by_key(|entity| (entity.index_u32(), entity.to_bits()));
+    all.dedup();
+    all
+}
+
+impl Deref for PhysicsWorld {
+    type Target = World;
+    fn deref(&self) -> &World {
+        &self.world
+    }
+}
+
+impl DerefMut for PhysicsWorld {
+    fn deref_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+}
+
+impl PhysicsWorld {
+    pub(crate) fn new(world: World) -> Self {
+        PhysicsWorld {
+            world,
+            bodies: EntityHashMap::default(),
+            shapes: EntityHashMap::default(),
+            joints: EntityHashMap::default(),
+            waiting: Default::default(),
+            changed_bodies: Vec::new(),
+            changed_shapes: Vec::new(),
+            departed: Vec::new(),
+            moving: Vec::new(),
+            following: EntityHashSet::default(),
+            awake: Vec::new(),
+            problems: Vec::new(),
+            refused: None,
+            all_moved: false,
+            origin: glam::DVec3::ZERO,
+            steps: 0,
+        }
+    }
+
+    /// The body of an entity, if it is in the world: it is from the first step after it was spawned.
+    pub fn body(&self, entity: Entity) -> Option<BodyHandle> {
+        self.bodies.get(&entity).map(|body| body.handle)
+    }
+
+    /// The shape of an entity, if it is in the world.
+    pub fn shape(&self, entity: Entity) -> Option<ShapeHandle> {
+        self.shapes.get(&entity).map(|shape| shape.handle)
+    }
+
+    /// The joint of an entity, if it is in the world: one that broke is not.
+    pub fn joint(&self, entity: Entity) -> Option<JointHandle> {
+        self.joints.get(&entity).map(|joint| joint.handle).filter(|joint| self.world.contains_joint(*joint))
+    }
+
+    /// The entity of a body; none if the handle is stale or the body is not of the plugin.
+    pub fn entity_of(&self, body: BodyHandle) -> Option<Entity> {
+        let entity = Entity::try_from_bits(self.world.user_data(body).ok()?)?;
+        (self.body(entity) == Some(body)).then_some(entity)
+    }
+
+    /// The entity of a shape; none if the handle is stale or the shape is not of the plugin.
+    pub fn entity_of_shape(&self, shape: ShapeHandle) -> Option<Entity> {
+        let entity = Entity::try_from_bits(self.world.shape_user_data(shape).ok()?)?;
+        (self.shape(entity) == Some(shape)).then_some(entity)
+    }
+
+    /// The entity of a joint; none if the handle is stale or the joint is not of the plugin.
+    pub fn entity_of_joint(&self, joint: JointHandle) -> Option<Entity> {
+        let entity = Entity::try_from_bits(self.world.joint_user_data(joint).ok()?)?;
+        (self.joint(entity) == Some(joint)).then_some(entity)
+    }
+
+    /// A point of the world where transforms are: relative to [`World::origin`].
+    pub fn to_local(&self, point: DVec3) -> Vec3 {
+        (point.to_engine() - self.world.origin()).as_vec3().to_bevy()
+    }
+
+    /// The point of the world that a transform's translation means.
+    pub fn to_world(&self, point: Vec3) -> DVec3 {
+        (self.world.origin() + point.to_engine().as_dvec3()).to_bevy()
+    }
+
+    /// Moves a body to a pose at once, without interpolation. For a kinematic body, which a change of its
+    /// `Transform` moves within a step, this is the way to put it elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::StaleBody`] if the entity is no body of the world; as [`World::set_pose`].
+    pub fn teleport(&mut self, entity: Entity, position: DVec3, rotation: Quat) -> Result<(), Error> {
+        let body = self.body(entity).ok_or(Error::StaleBody)?;
+        self.world.set_pose(body, position.to_engine(), rotation.to_engine())?;
+        let pose = self.pose_of(body)?;
+        self.following.remove(&entity);
+        if let Some(state) = self.bodies.get_mut(&entity) {
+            (state.previous, state.pose) = (pose, pose);
+            self.moving.push(entity);
+        }
+        Ok(())
+    }
+
+    /// Restores a snapshot, and takes its poses over to the transforms in the next step. The entities of
+    /// bodies, shapes and joints have to be those that were there when it was taken; joints that broke since
+    /// hold again.
+    ///
+    /// # Errors
+    /// As [`World::restore`].
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        self.world.restore(snapshot)?;
+        self.all_moved = true;
+        Ok(())
+    }
+
+    /// The shapes of a body of the plugin, in its order.
+    pub(crate) fn shapes_of(&self, body: BodyHandle) -> Vec<ShapeHandle> {
+        self.world.shapes(body).into_iter().flatten().collect()
+    }
+
+    /// Pose of a body's origin.
+    pub(crate) fn pose_of(&self, body: BodyHandle) -> Result<PhysicsPose, Error> {
+        Ok(PhysicsPose {
+            position: self.world.position(body)?.to_bevy(),
+            rotation: self.world.rotation(body)?.to_bevy(),
+        })
+    }
+
+    /// Notes that something was refused, to be reported and logged.
+    pub(crate) fn refuse(&mut self, entity: Entity, problem: impl Into<Problem>) {
+        self.problems.push(PhysicsError { entity: Some(entity), problem: problem.into() });
+    }
+
+    /// Has something wait, and reports why unless it waits for that already.
+    pub(crate) fn wait(&mut self, list: usize, entity: Entity, problem: impl Into<Problem>) {
+        let problem = problem.into();
+        let reason = problem.to_string();
+        if self.waiting[list].get(&entity) != Some(&reason) {
+            self.waiting[list].insert(entity, reason);
+            self.refuse(entity, problem);
+        }
+    }
+
+    /// What waits, in the order in which it was spawned, with others that are new.
+    pub(crate) fn candidates(&self, list: usize, new: impl Iterator<Item = Entity>) -> Vec<Entity> {
+        in_order(self.waiting[list].keys().copied().chain(new))
+    }
+
+    /// Removes the body of an entity. Its shapes and joints wait for another.
+    pub(crate) fn remove_body_of(&mut self, entity: Entity) {
+        self.waiting[BODIES].remove(&entity);
+        let Some(BodyState { handle, .. }) = self.bodies.remove(&entity) else { return };
+        self.following.remove(&entity);
+        for shape in self.shapes_of(handle) {
+            let Some(shape) = self.entity_of_shape(shape) else { continue };
+            self.forget_shape(shape);
+            self.waiting[SHAPES].insert(shape, String::new());
+        }
+        let joints: Vec<Entity> = self
+            .world
+            .joints_of(handle)
+            .into_iter()
+            .flatten()
+            .filter_map(|joint| self.entity_of_joint(joint))
+            .collect();
+        for joint in joints {
+            self.joints.remove(&joint);
+            self.waiting[JOINTS].insert(joint, String::new());
+        }
+        // It is stale only if the caller removed it.
+        let _ = self.world.remove_body(handle);
+    }
+
+    /// Removes the shape of an entity. A body that loses its last one keeps the mass that it had.
+    pub(crate) fn remove_shape_of(&mut self, entity: Entity) {
+        self.waiting[SHAPES].remove(&entity);
+        let Some(ShapeState { handle, body, .. }) = self.forget_shape(entity) else { return };
+        if self.world.remove_shape(handle) != Err(Error::NoMass) {
+            self.follow_shapes(body);
+            return;
+        }
+        let Some(state) = self.bodies.get_mut(&body) else { return };
+        state.follows_shapes = true;
+        let kept =
+            self.world.mass_properties(state.handle).and_then(|mass| self.world.set_mass(state.handle, mass));
+        if let Err(error) = kept.and_then(|()| self.world.remove_shape(handle)) {
+            self.refuse(entity, error);
+        }
+    }
+
+    fn forget_shape(&mut self, entity: Entity) -> Option<ShapeState> {
+        let state = self.shapes.remove(&entity)?;
+        self.departed.push((state.handle, [entity, state.body]));
+        Some(state)
+    }
+
+    /// Removes the joint of an entity.
+    pub(crate) fn remove_joint_of(&mut self, entity: Entity) {
+        self.waiting[JOINTS].remove(&entity);
+        if let Some(joint) = self.joints.remove(&entity) {
+            // It is stale if it broke in the last step or the caller removed it.
+            let _ = self.world.remove_joint(joint.handle);
+        }
+    }
+
+    /// Gives a body the mass of its shapes, if it lost that of its own; the engine knows no way back from a
+    /// given mass.
+    pub(crate) fn follow_shapes(&mut self, entity: Entity) {
+        let Some(body) = self.bodies.get(&entity).filter(|body| body.follows_shapes) else { return };
+        let handle = body.handle;
+        let part = |shape: ShapeHandle| -> Result<MassProperties, Error> {
+            let (position, rotation) = self.world.shape_pose(shape)?;
+            let own = MassProperties::of(self.world.geometry(shape)?, self.world.density(shape)?);
+            Ok(own.transformed(position, rotation))
+        };
+        let parts: Vec<MassProperties> =
+            self.shapes_of(handle).into_iter().filter_map(|shape| part(shape).ok()).collect();
+        let mass = MassProperties::combine(&parts);
+        if mass.mass > 0.0
+            && let Err(error) = self.world.set_mass(handle, mass)
+        {
+            self.refuse(entity, error);
+        }
+    }
+}
