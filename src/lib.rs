@@ -39,6 +39,7 @@
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
+//! - [`JointDesc`], [`JointHandle`], [`Skeleton`]: what joins bodies, from hinges to ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
 //! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
@@ -55,6 +56,11 @@
 //! - [`debug`]: debug drawing as shapes, lines and points; [`World::draw`].
 //! - [`Snapshot`]: the state of a world, from which it continues to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
+//!
+//! Guides: [joints](guide::joints), [queries](guide::queries), [events](guide::events),
+//! [characters](guide::characters), [sleep](guide::sleeping), [snapshots](guide::snapshots),
+//! [recordings](guide::replay), [debug drawing](guide::debug_drawing), [memory](guide::memory),
+//! [determinism](guide::determinism), and [names of other engines](guide::coming_from).
 //!
 //! SI units, y up, positions in `f64` and everything else in `f32`; [`limits`] has the ranges. Calls that can
 //! be refused return an [`Error`] and have then changed nothing. The same input gives the same bits, whatever
@@ -87,6 +93,8 @@ mod events;
 mod faults;
 mod finish;
 mod forces;
+#[cfg(doc)]
+pub mod guide;
 mod handle;
 mod joint;
 #[cfg(feature = "lab")]
