@@ -78,6 +78,23 @@
 //! - `lab`: measures stability and accuracy, see `lab`.
 //! - `cli`: the command `backstop`.
 
+// The documentation of `World` lists its methods in this order.
+mod world;
+
+mod step;
+
+mod query;
+
+mod snapshot;
+
+#[cfg(feature = "replay")]
+pub mod replay;
+
+pub mod debug;
+
+#[cfg(feature = "lab")]
+pub mod lab;
+
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod bench;
@@ -87,7 +104,6 @@ mod character;
 mod clock;
 mod config;
 mod constraint;
-pub mod debug;
 mod error;
 mod events;
 mod faults;
@@ -97,8 +113,6 @@ mod forces;
 pub mod guide;
 mod handle;
 mod joint;
-#[cfg(feature = "lab")]
-pub mod lab;
 mod lanes;
 pub mod limits;
 #[cfg(any(feature = "gltf", feature = "replay"))]
@@ -107,22 +121,16 @@ mod math;
 mod memory;
 mod movers;
 mod narrow_phase;
-mod query;
 #[cfg(any(test, feature = "internals"))]
 mod random;
-#[cfg(feature = "replay")]
-pub mod replay;
 pub mod scene;
 mod shape;
 mod sleep;
-mod snapshot;
 mod solver;
 mod statics;
-mod step;
 mod threads;
 mod time_of_impact;
 mod words;
-mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground};

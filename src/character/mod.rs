@@ -17,11 +17,6 @@ mod shape;
 mod slide;
 mod step;
 
-/// Its example is run with the tests of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/characters.md")]
-struct Docs;
-
 pub use report::{CharacterHit, CharacterReport, Ground};
 pub use settings::CharacterSettings;
 

@@ -23,10 +23,5 @@ pub use overlap::Overlap;
 pub use ray::{Ray, RayHit};
 pub use shape_cast::{ShapeCast, ShapeHit};
 
-/// Its example is run with the tests of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/queries.md")]
-struct Docs;
-
 #[cfg(test)]
 mod tests;
