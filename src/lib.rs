@@ -39,6 +39,7 @@
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
+//! - [`JointDesc`], [`JointHandle`], [`Skeleton`]: what joins bodies, from hinges to ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
 //! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
@@ -55,6 +56,12 @@
 //! - [`debug`]: debug drawing as shapes, lines and points; [`World::draw`].
 //! - [`Snapshot`]: the state of a world, from which it continues to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
+//!
+//! Guides: [joints](guide::joints), [queries](guide::queries), [events](guide::events),
+//! [characters](guide::characters), [levels](guide::levels), [sleep](guide::sleeping),
+//! [snapshots](guide::snapshots), [recordings](guide::replay), [debug drawing](guide::debug_drawing),
+//! [memory](guide::memory), [determinism](guide::determinism), and
+//! [names of other engines](guide::coming_from).
 //!
 //! SI units, y up, positions in `f64` and everything else in `f32`; [`limits`] has the ranges. Calls that can
 //! be refused return an [`Error`] and have then changed nothing. The same input gives the same bits, whatever
@@ -73,6 +80,23 @@
 //! - `lab`: measures stability and accuracy, see `lab`.
 //! - `cli`: the command `backstop`.
 
+// The documentation of `World` lists its methods in this order.
+mod world;
+
+mod step;
+
+mod query;
+
+mod snapshot;
+
+#[cfg(feature = "replay")]
+pub mod replay;
+
+pub mod debug;
+
+#[cfg(feature = "lab")]
+pub mod lab;
+
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod bench;
@@ -82,16 +106,15 @@ mod character;
 mod clock;
 mod config;
 mod constraint;
-pub mod debug;
 mod error;
 mod events;
 mod faults;
 mod finish;
 mod forces;
+#[cfg(doc)]
+pub mod guide;
 mod handle;
 mod joint;
-#[cfg(feature = "lab")]
-pub mod lab;
 mod lanes;
 pub mod limits;
 #[cfg(any(feature = "gltf", feature = "replay"))]
@@ -100,22 +123,16 @@ mod math;
 mod memory;
 mod movers;
 mod narrow_phase;
-mod query;
 #[cfg(any(test, feature = "internals"))]
 mod random;
-#[cfg(feature = "replay")]
-pub mod replay;
 pub mod scene;
 mod shape;
 mod sleep;
-mod snapshot;
 mod solver;
 mod statics;
-mod step;
 mod threads;
 mod time_of_impact;
 mod words;
-mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground};

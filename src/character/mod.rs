@@ -18,11 +18,6 @@ mod shape;
 mod slide;
 mod step;
 
-/// Its example is run with the tests of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/characters.md")]
-struct Docs;
-
 pub use report::{CharacterHit, CharacterReport, Ground};
 pub(crate) use resident::checked_character;
 pub use settings::CharacterSettings;

@@ -8,11 +8,6 @@ mod approach;
 mod contacts;
 mod sensors;
 
-/// Its example runs with the documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/events.md")]
-struct Docs;
-
 pub(crate) use approach::{Approach, StartOfStep};
 pub(crate) use contacts::Touching;
 pub(crate) use sensors::Sensing;

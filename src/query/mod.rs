@@ -26,10 +26,5 @@ pub(crate) use probe::Probe;
 pub use ray::{Ray, RayHit};
 pub use shape_cast::{ShapeCast, ShapeHit};
 
-/// Its example is run with the tests of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/queries.md")]
-struct Docs;
-
 #[cfg(test)]
 mod tests;

@@ -6,16 +6,28 @@
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
-mod characters;
-mod contacts;
+// The documentation of `World` lists its methods in this order.
+mod setup;
+
 mod content;
-mod events;
-mod hooks;
-mod memory;
-mod report;
-mod revisions;
-mod sleep;
+
 mod step;
+
+mod characters;
+
+mod contacts;
+
+mod events;
+
+mod hooks;
+
+mod sleep;
+
+mod report;
+
+mod memory;
+
+mod revisions;
 
 pub(crate) use characters::{CHARACTER_WORDS, Characters, Resident};
 pub use contacts::{BodyContact, ContactPoint};
@@ -42,7 +54,6 @@ use crate::events::Events;
 use crate::faults::Faults;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::joint::Joints;
-use crate::limits;
 use crate::memory::{Buffer, MemoryReport};
 use crate::narrow_phase::Contacts;
 use crate::sleep::Sleep;
@@ -108,99 +119,7 @@ pub struct World {
 }
 
 impl World {
-    /// An empty world.
-    ///
-    /// # Errors
-    /// If a setting is out of range.
-    pub fn new(settings: Settings) -> Result<World, Error> {
-        settings.validate()?;
-        Ok(World { settings, ..World::default() })
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Replaces the settings; the next step uses them.
-    ///
-    /// # Errors
-    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, or a
-    /// continuous method that meets impacts at their times) for the bodies of the world. A budget alone is
-    /// never refused.
-    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
-        settings.validate()?;
-        self.reserve_for_settings(&settings)?;
-        self.note(Change::SetSettings(&settings));
-        if settings.gravity != self.settings.gravity || !settings.sleeping {
-            self.wake_all();
-        }
-        self.joints.changed |=
-            settings.order != self.settings.order || settings.joint_trees != self.settings.joint_trees;
-        self.settings = settings;
-        Ok(())
-    }
-
-    /// The point that single-precision positions are relative to [m]. Zero unless set.
-    pub fn origin(&self) -> DVec3 {
-        self.origin
-    }
-
-    /// Moves the point that single-precision positions are relative to. Bodies stay where they are.
-    ///
-    /// # Errors
-    /// If it is beyond [`limits::MAX_POSITION`].
-    pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
-        limits::position(origin)?;
-        self.note(Change::SetOrigin(origin));
-        self.origin = origin;
-        Ok(())
-    }
-
-    /// Times and counts of the last step.
-    pub fn report(&self) -> &StepReport {
-        &self.report
-    }
-
-    /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles, and of the world's
-    /// characters.
-    pub fn hash(&self) -> u64 {
-        let mut order: Vec<(u32, usize)> =
-            self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
-        order.sort_unstable();
-        let mut hash = 0xCBF2_9CE4_8422_2325u64;
-        let mut add = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x100_0000_01B3).rotate_left(5);
-        for (_, index) in order {
-            let (pose, v) = (&self.bodies.pose[index], &self.bodies.velocity[index]);
-            pose.position.to_array().iter().for_each(|x| add(x.to_bits()));
-            pose.rotation.to_array().iter().for_each(|x| add(x.to_bits().into()));
-            v.linear.to_array().iter().chain(&v.angular.to_array()).for_each(|x| add(x.to_bits().into()));
-        }
-        for (handle, resident) in self.characters.iter() {
-            add(handle.to_bits());
-            resident.words.iter().for_each(|&word| add(word.into()));
-        }
-        hash
-    }
-
-    /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to
-    /// the world's zero [J].
-    pub fn energy(&self) -> f64 {
-        self.bodies
-            .all_dynamic()
-            .map(|i| {
-                let (mass, pose, v) = (&self.bodies.mass[i], &self.bodies.pose[i], &self.bodies.velocity[i]);
-                let m = f64::from(self.bodies.details[i].mass);
-                let local = pose.rotation.conjugate() * v.angular;
-                let spin = 0.5 * f64::from(local.dot(mass.inertia * local));
-                let linear = 0.5 * m * v.linear.as_dvec3().length_squared();
-                let pull = f64::from(self.bodies.traits[i].gravity_scale) * self.settings.gravity.as_dvec3();
-                linear + spin - m * pull.dot(pose.position)
-            })
-            .sum()
-    }
-
-    /// Whether it never had a body or character and never stepped, so that nothing depends on its past.
+    /// Whether it never had a body and never stepped, so that nothing depends on its past.
     #[cfg(feature = "replay")]
     pub(crate) fn is_new(&self) -> bool {
         self.bodies.slots.is_new() && self.characters.seats.is_empty() && self.buffers.dt == 0.0

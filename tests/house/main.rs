@@ -17,7 +17,9 @@
 //! - glam's types whose arithmetic differs between instruction sets are not imported: engine code computes
 //!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests, `scene/`,
 //!   `lab/` and `bin/` may.
+//! - Pages of the guide refer to each other and to sources so that the links hold in `docs/` and in rustdoc.
 
+mod guide;
 mod layers;
 mod source;
 

@@ -1,0 +1,58 @@
+//! A new world, its settings and its origin.
+
+use super::{Change, World};
+use crate::config::Settings;
+use crate::error::Error;
+use crate::limits;
+use glam::DVec3;
+
+impl World {
+    /// An empty world.
+    ///
+    /// # Errors
+    /// If a setting is out of range.
+    pub fn new(settings: Settings) -> Result<World, Error> {
+        settings.validate()?;
+        Ok(World { settings, ..World::default() })
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Replaces the settings; the next step uses them.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, or a
+    /// continuous method that meets impacts at their times) for the bodies of the world. A budget alone is
+    /// never refused.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        settings.validate()?;
+        self.reserve_for_settings(&settings)?;
+        self.note(Change::SetSettings(&settings));
+        if settings.gravity != self.settings.gravity || !settings.sleeping {
+            self.wake_all();
+        }
+        self.joints.changed |=
+            settings.order != self.settings.order || settings.joint_trees != self.settings.joint_trees;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The point that single-precision positions are relative to [m]. Zero unless set.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Moves the point that single-precision positions are relative to. Bodies stay where they are.
+    ///
+    /// # Errors
+    /// If it is beyond [`limits::MAX_POSITION`].
+    pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
+        limits::position(origin)?;
+        self.note(Change::SetOrigin(origin));
+        self.origin = origin;
+        Ok(())
+    }
+}
