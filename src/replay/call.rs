@@ -102,6 +102,8 @@ calls! {
     SetCharacter "set_character" (CharacterHandle, Option<Form>, Vec<u32>),
     /// The state after the walk, which a filter of the caller's may decide.
     WalkCharacter "walk_character" (CharacterHandle, Vec<u32>),
+    /// Column and row of the first sample, columns and rows, heights.
+    SetHeights "set_heights" (ShapeHandle, [u32; 2], [u32; 2], Vec<f32>),
 }
 
 impl Call {
@@ -162,6 +164,10 @@ impl Call {
             Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
             Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
+            Change::SetHeights(shape, patch) => {
+                let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
+                Call::SetHeights(shape, first, size, patch.heights.to_vec())
+            }
             Change::AddCharacter(Resident { geometry, words }) => {
                 Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())
             }

@@ -438,6 +438,10 @@ impl<R: Read> Replay<R> {
                 world.set_shape_pose(shape, position, rotation)?;
             }
             Call::SetDensity(shape, density) => world.set_density(shape, density)?,
+            Call::SetHeights(shape, first, size, heights) => {
+                let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
+                world.set_heights(shape, first, size, &heights)?;
+            }
             of_character => self.play_on_character(of_character)?,
         }
         Ok(())

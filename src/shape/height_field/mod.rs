@@ -1,5 +1,6 @@
 //! Height fields.
 
+pub(crate) mod edit;
 mod holes;
 pub(crate) mod rays;
 
@@ -179,49 +180,57 @@ impl HeightField {
         let mut folds = Vec::with_capacity((self.columns - 1) * (self.rows - 1));
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                let at = |dx: usize, dz: usize| self.corner(column + dx, row + dz);
-                let diagonal = Fold::between(at(0, 1), at(1, 0), at(0, 0), at(1, 1));
-                let along_x = if row == 0 {
-                    Fold::Open
-                } else {
-                    Fold::between(at(1, 0), at(0, 0), at(0, 1), self.corner(column + 1, row - 1))
-                };
-                let along_z = if column == 0 {
-                    Fold::Open
-                } else {
-                    Fold::between(at(0, 0), at(0, 1), at(1, 0), self.corner(column - 1, row + 1))
-                };
-                folds.push(diagonal as u8 | (along_x as u8) << 2 | (along_z as u8) << 4);
+                folds.push(self.cell_folds(column, row));
             }
         }
         folds
+    }
+
+    /// Folds of a cell's own edges, as if there were no holes.
+    fn cell_folds(&self, column: usize, row: usize) -> u8 {
+        let at = |dx: usize, dz: usize| self.corner(column + dx, row + dz);
+        let diagonal = Fold::between(at(0, 1), at(1, 0), at(0, 0), at(1, 1));
+        let along_x = if row == 0 {
+            Fold::Open
+        } else {
+            Fold::between(at(1, 0), at(0, 0), at(0, 1), self.corner(column + 1, row - 1))
+        };
+        let along_z = if column == 0 {
+            Fold::Open
+        } else {
+            Fold::between(at(0, 0), at(0, 1), at(1, 0), self.corner(column - 1, row + 1))
+        };
+        diagonal as u8 | (along_x as u8) << 2 | (along_z as u8) << 4
     }
 
     fn find_levels(&self) -> Vec<Level> {
         let mut levels: Vec<Level> = Vec::new();
         let (mut columns, mut rows) = (self.columns - 1, self.rows - 1);
         while levels.is_empty() || columns > 1 || rows > 1 {
-            let (below_columns, below_rows) = (columns, rows);
             (columns, rows) = (columns.div_ceil(SIDE), rows.div_ceil(SIDE));
             let mut bounds = Vec::with_capacity(columns * rows);
             for row in 0..rows {
                 for column in 0..columns {
-                    let mut all = (f32::MAX, f32::MIN);
-                    for r in row * SIDE..((row + 1) * SIDE).min(below_rows) {
-                        for c in column * SIDE..((column + 1) * SIDE).min(below_columns) {
-                            let (low, high) = match levels.last() {
-                                Some(level) => level.bounds[r * below_columns + c],
-                                None => self.cell_bounds(c, r),
-                            };
-                            all = (all.0.min(low), all.1.max(high));
-                        }
-                    }
-                    bounds.push(all);
+                    bounds.push(self.square_bounds(&levels, column, row));
                 }
             }
             levels.push(Level { columns, rows, bounds });
         }
         levels
+    }
+
+    /// Least and largest height of a box of the level above some levels.
+    fn square_bounds(&self, below: &[Level], column: usize, row: usize) -> (f32, f32) {
+        let level = below.last();
+        let (columns, rows) = level.map_or((self.columns - 1, self.rows - 1), |l| (l.columns, l.rows));
+        let mut all = (f32::MAX, f32::MIN);
+        for r in row * SIDE..((row + 1) * SIDE).min(rows) {
+            for c in column * SIDE..((column + 1) * SIDE).min(columns) {
+                let (low, high) = level.map_or_else(|| self.cell_bounds(c, r), |l| l.bounds[r * columns + c]);
+                all = (all.0.min(low), all.1.max(high));
+            }
+        }
+        all
     }
 
     /// Least and largest height of a cell.

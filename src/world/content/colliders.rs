@@ -139,7 +139,7 @@ impl World {
     }
 
     /// Tells the query index that a collider changed.
-    fn note_change(&mut self, collider: u32) {
+    pub(in crate::world) fn note_change(&mut self, collider: u32) {
         if let Some(now) = self.now.change() {
             now.touch(collider);
         }

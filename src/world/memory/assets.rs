@@ -30,6 +30,12 @@ impl Assets {
         })
     }
 
+    /// How many shapes use a geometry.
+    pub(in crate::world) fn uses(&self, geometry: &Geometry) -> u32 {
+        let key = Self::key(geometry).map_or(0, |entry| entry.0);
+        self.list.binary_search_by_key(&key, |e| e.0).map_or(0, |i| self.list[i].1)
+    }
+
     pub(in crate::world) fn add(&mut self, geometry: &Geometry) {
         if let Some((key, kind, bytes)) = Self::key(geometry) {
             match self.list.binary_search_by_key(&key, |e| e.0) {

@@ -7,7 +7,7 @@ use crate::config::{Continuous, RowGroup, Settings};
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{Filter, Geometry, MassProperties, Material, ShapeDesc};
+use crate::shape::{Filter, Geometry, MassProperties, Material, Patch, ShapeDesc};
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
 
@@ -67,6 +67,7 @@ pub(crate) enum Change<'a> {
     SetGeometry(ShapeHandle, &'a Geometry),
     SetShapePose(ShapeHandle, Vec3, glam::Quat),
     SetDensity(ShapeHandle, f32),
+    SetHeights(ShapeHandle, &'a Patch<'a>),
     AddCharacter(&'a Resident),
     RemoveCharacter(CharacterHandle),
     SetCharacter(CharacterHandle, &'a Resident),

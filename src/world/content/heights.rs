@@ -1,0 +1,192 @@
+//! Heights of a field that change while the world runs.
+
+use crate::broad_phase::Aabb;
+use crate::error::Error;
+use crate::handle::ShapeHandle;
+use crate::narrow_phase::NO_CONTACT;
+use crate::shape::{Geometry, HeightField, Patch};
+use crate::world::{Change, World};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+impl World {
+    /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and row
+    /// `first[1]` on, row by row ([`HeightField::set_heights`]). Holes stay.
+    ///
+    /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface and
+    /// would be below it is lifted, by any height and at once, until its centres are as far above as they were or
+    /// by their inner radius; what stands on it is lifted too. It gains no velocity. A static ceiling does not
+    /// stop it. What was below the surface before is left where it is.
+    ///
+    /// Other shapes, worlds and snapshots that share the field keep theirs: the first edit then copies the field,
+    /// others are made in place. If the least or the largest height of the whole field changes, its box does, and
+    /// contacts of the shape begin anew as after [`World::set_geometry`].
+    ///
+    /// # Errors
+    /// If the handle is stale, the shape is no height field, the region or a height is refused by the field, or
+    /// the budget does not allow the copy.
+    pub fn set_heights(
+        &mut self,
+        shape: ShapeHandle,
+        first: [usize; 2],
+        size: [usize; 2],
+        heights: &[f32],
+    ) -> Result<(), Error> {
+        let collider = self.collider(shape)?;
+        let patch = Patch { first, size, heights };
+        let Geometry::HeightField(field) = &self.colliders.all[collider as usize].geometry else {
+            return Err(Error::Degenerate("only a height field has heights".into()));
+        };
+        field.check(&patch)?;
+        let mut field = field.clone();
+        if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
+            // Of its own from here on; the budget counts it.
+            field = Arc::new((*field).clone());
+            self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
+        }
+        self.note(Change::SetHeights(shape, &patch));
+        let bounds = self.bounds_of_patch(collider, &field, &patch);
+        self.disturb_box(&bounds);
+        self.find_anew(collider, &bounds);
+        self.lift(collider, &field, &patch, &bounds);
+        self.revise(self.colliders.all[collider as usize].body as usize);
+        self.exchange_heights(collider, field, &patch);
+        Ok(())
+    }
+
+    /// World bounds of what a patch changes, before and after.
+    fn bounds_of_patch(&self, collider: u32, field: &HeightField, patch: &Patch<'_>) -> Aabb {
+        let (low, high) = field.box_of(patch);
+        let (pose, half) = (self.collider_pose(collider), 0.5 * (high - low));
+        let middle = pose.position + (pose.rotation * (0.5 * (low + high))).as_dvec3();
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (pose.rotation * (axis * half)).abs());
+        // What hovers within the margin of contacts belongs to it too.
+        let half = x + y + z + self.settings.length_unit;
+        let middle = middle.as_vec3();
+        Aabb { min: middle - half, max: middle + half }
+    }
+
+    /// Has contacts of a field with what is in a box found anew, and keeps these bodies awake.
+    fn find_anew(&mut self, field: u32, bounds: &Aabb) {
+        for place in 0..self.broad.pairs.len() {
+            let pair = self.broad.pairs[place];
+            if pair.a != field && pair.b != field {
+                continue;
+            }
+            let other = if pair.a == field { pair.b } else { pair.a };
+            if !self.bounds(other).overlaps(bounds) {
+                continue;
+            }
+            let body = self.colliders.all[other as usize].body as usize;
+            if let Some(rest) = self.bodies.rest.get_mut(body) {
+                *rest = 0.0;
+            }
+            if pair.contact != NO_CONTACT {
+                // Sentinel: a contact of a later fraction of the step is never kept.
+                self.contacts.at_mut(pair.contact).fraction = f32::MIN_POSITIVE;
+            }
+        }
+    }
+
+    /// Lifts bodies that stood above the surface and would be below it, and what stands on them.
+    fn lift(&mut self, collider: u32, field: &HeightField, patch: &Patch<'_>, bounds: &Aabb) {
+        let pose = self.collider_pose(collider);
+        let (up, to_field) = (pose.rotation * Vec3::Y, pose.rotation.conjugate());
+        // How far a ball of this radius has to go.
+        let lift_of = |centre: DVec3, radius: f32| {
+            let at = to_field * (centre - pose.position).as_vec3();
+            let Some([old, new]) = field.heights_at(at.x, at.z, patch) else { return 0.0 };
+            let above = at.y - old;
+            if new > old && above > 0.0 { (above.min(radius) - (at.y - new)).max(0.0) } else { 0.0 }
+        };
+        let mut lifts: Vec<f32> = Vec::new();
+        let dynamic = self.bodies.dynamic();
+        for body in 0..dynamic {
+            let mut most = 0.0f32;
+            for &c in self.bodies.colliders[body].as_slice() {
+                if !self.bounds(c).overlaps(bounds) {
+                    continue;
+                }
+                let inner = self.colliders.all[c as usize].inner_radius;
+                most = most.max(lift_of(self.collider_pose(c).position, inner));
+                most = most.max(lift_of(self.bodies.pose[body].position, 0.0));
+            }
+            if most > 0.0 {
+                lifts.resize(dynamic, 0.0);
+                lifts[body] = most;
+            }
+        }
+        if lifts.is_empty() {
+            return;
+        }
+        while self.lift_what_stands_on(&mut lifts, up) {}
+        for (body, lift) in lifts.into_iter().enumerate().filter(|(_, lift)| *lift > 0.0) {
+            self.bodies.pose[body].position += (up * lift).as_dvec3();
+            self.place_colliders(body);
+            self.note_move(body);
+            if let Some(rest) = self.bodies.rest.get_mut(body) {
+                *rest = 0.0;
+            }
+        }
+    }
+
+    /// Hands on lifts to bodies whose lowest point is above the middle of what they are next to; returns whether
+    /// there were any. The largest lift wins, so the order doesn't matter.
+    fn lift_what_stands_on(&self, lifts: &mut [f32], up: Vec3) -> bool {
+        let mut any = false;
+        for pair in &self.broad.pairs {
+            for (low, high) in [(pair.a, pair.b), (pair.b, pair.a)] {
+                let [under, over] = [low, high].map(|c| self.colliders.all[c as usize].body as usize);
+                if under.max(over) >= lifts.len() || lifts[under] <= lifts[over] {
+                    continue;
+                }
+                let (one, other) = (self.bounds(low), self.bounds(high));
+                let half = 0.5 * (other.max - other.min);
+                let bottom = up.dot(other.min + half) - up.abs().dot(half);
+                if bottom >= up.dot(0.5 * (one.min + one.max)) && self.touches_from_above(&one, &other, up) {
+                    lifts[over] = lifts[under];
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    /// Whether a box stands over another, within the margin of contacts.
+    fn touches_from_above(&self, one: &Aabb, other: &Aabb, up: Vec3) -> bool {
+        let reach = up.abs() * self.settings.length_unit * crate::config::tuning::TOUCH_DISTANCE;
+        Aabb { min: one.min - reach, max: one.max + reach }.overlaps(other)
+    }
+
+    /// Edits a field that was checked, in place if nobody else has it, and takes it as a shape's.
+    fn exchange_heights(&mut self, collider: u32, mut field: Arc<HeightField>, patch: &Patch<'_>) {
+        let before = field.aabb();
+        {
+            let World { colliders, needs, assets, .. } = self;
+            let own = &mut colliders.all[collider as usize];
+            needs.count(own, -1);
+            assets.remove(&own.geometry);
+            // The shape lets go of it, so that it counts as shared only if somebody else has it.
+            own.geometry = Geometry::Plane;
+            Arc::make_mut(&mut field).edit(patch);
+        }
+        let moved = field.aabb() != before;
+        if moved {
+            self.leave_broad(collider);
+        }
+        let World { colliders, needs, assets, bodies, .. } = self;
+        let own = &mut colliders.all[collider as usize];
+        own.geometry = Geometry::HeightField(field);
+        own.size = own.geometry.size();
+        (own.radius, own.inner_radius) = (own.geometry.radius(), own.geometry.inner_radius());
+        needs.count(own, 1);
+        assets.add(&own.geometry);
+        colliders.summaries[collider as usize] = own.summaries(bodies.mode(own.body as usize));
+        if moved {
+            self.enter_broad(collider);
+        } else {
+            self.note_change(collider);
+            self.buffers.finish.statics_changed();
+        }
+    }
+}
