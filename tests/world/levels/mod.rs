@@ -4,5 +4,6 @@ use super::common;
 
 mod baked;
 mod descriptions;
+mod heights;
 mod holes;
 mod scaled;
