@@ -25,19 +25,14 @@ impl Patch<'_> {
 }
 
 impl HeightField {
-    /// Changes the heights [m] of `size[0]` times `size[1]` samples from column `first[0]` and row `first[1]` on,
-    /// row by row. The field is then the one that [`HeightField::new`] makes of all heights; holes stay. It
-    /// allocates nothing, and costs time for the region, not for the field.
+    /// Changes the heights [m] of `size[0]` times `size[1]` samples from column `first[0]` and row `first[1]`
+    /// on, row by row. The field is then the one that [`HeightField::new`] makes of all heights; holes stay.
+    /// It allocates nothing, and costs time for the region, not for the field.
     ///
     /// # Errors
-    /// The region is empty or goes beyond the field, the number of heights isn't that of its samples, or a height
-    /// is not finite or beyond 1e7.
-    pub fn set_heights(
-        &mut self,
-        first: [usize; 2],
-        size: [usize; 2],
-        heights: &[f32],
-    ) -> Result<(), Error> {
+    /// The region is empty or goes beyond the field, the number of heights isn't that of its samples, or a
+    /// height is not finite or beyond 1e7.
+    pub fn set_heights(&mut self, first: [usize; 2], size: [usize; 2], heights: &[f32]) -> Result<(), Error> {
         let patch = Patch { first, size, heights };
         self.check(&patch)?;
         self.edit(&patch);
@@ -103,8 +98,8 @@ impl HeightField {
         above | before | if own { HOLE } else { 0 }
     }
 
-    /// Height of the surface over a place [m], and what a patch will make of it; nothing beyond the field or in
-    /// a hole.
+    /// Height of the surface over a place [m], and what a patch will make of it; nothing beyond the field or
+    /// in a hole.
     pub(crate) fn heights_at(&self, x: f32, z: f32, patch: &Patch<'_>) -> Option<[f32; 2]> {
         let (u, v) = (x / self.cell.x, z / self.cell.y);
         if !(u >= 0.0 && v >= 0.0 && u < (self.columns - 1) as f32 && v < (self.rows - 1) as f32) {

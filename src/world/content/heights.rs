@@ -10,21 +10,21 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 impl World {
-    /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and row
-    /// `first[1]` on, row by row ([`HeightField::set_heights`]). Holes stay.
+    /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
+    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes stay.
     ///
-    /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface and
-    /// would be below it is lifted, by any height and at once, until its centres are as far above as they were or
-    /// by their inner radius; what stands on it is lifted too. It gains no velocity. A static ceiling does not
-    /// stop it. What was below the surface before is left where it is.
+    /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface
+    /// and would be below it is lifted, by any height and at once, until its centres are as far above as they
+    /// were or by their inner radius; what stands on it is lifted too. It gains no velocity. A static ceiling
+    /// does not stop it. What was below the surface before is left where it is.
     ///
-    /// Other shapes, worlds and snapshots that share the field keep theirs: the first edit then copies the field,
-    /// others are made in place. If the least or the largest height of the whole field changes, its box does, and
-    /// contacts of the shape begin anew as after [`World::set_geometry`].
+    /// Other shapes, worlds and snapshots that share the field keep theirs: the first edit then copies the
+    /// field, others are made in place. If the least or the largest height of the whole field changes, its
+    /// box does, and contacts of the shape begin anew as after [`World::set_geometry`].
     ///
     /// # Errors
-    /// If the handle is stale, the shape is no height field, the region or a height is refused by the field, or
-    /// the budget does not allow the copy.
+    /// If the handle is stale, the shape is no height field, the region or a height is refused by the field,
+    /// or the budget does not allow the copy.
     pub fn set_heights(
         &mut self,
         shape: ShapeHandle,
@@ -130,8 +130,8 @@ impl World {
         }
     }
 
-    /// Hands on lifts to bodies whose lowest point is above the middle of what they are next to; returns whether
-    /// there were any. The largest lift wins, so the order doesn't matter.
+    /// Hands on lifts to bodies whose lowest point is above the middle of what they are next to; returns
+    /// whether there were any. The largest lift wins, so the order doesn't matter.
     fn lift_what_stands_on(&self, lifts: &mut [f32], up: Vec3) -> bool {
         let mut any = false;
         for pair in &self.broad.pairs {

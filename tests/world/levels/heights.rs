@@ -28,8 +28,9 @@ fn boxes(world: &mut World, half: f32, layers: usize) -> Vec<BodyHandle> {
     (0..25 * layers).map(|i| world.add_body(&cube(i)).unwrap()).collect()
 }
 
-/// A crater of 1 m under a sleeping pile of 100: all wake and go down by 1 m, to rest at heights that the same
-/// pile has on a flat ground; the same bits on two threads and from a snapshot; the field of the caller stays.
+/// A crater of 1 m under a sleeping pile of 100: all wake and go down by 1 m, to rest at heights that the
+/// same pile has on a flat ground; the same bits on two threads and from a snapshot; the field of the caller
+/// stays.
 #[test]
 fn a_crater_under_a_sleeping_pile_takes_it_down() {
     let run = |threads: usize, restored: bool| {
@@ -58,8 +59,8 @@ fn a_crater_under_a_sleeping_pile_takes_it_down() {
     assert_eq!((run(2, false).0, run(1, true).0), (hash, hash));
 }
 
-/// A plateau of 0.5 m, and one of 3 m, raised at once under stacks, and under balls of 5 cm that are then wholly
-/// below it. Expected: each stands as high above it as before.
+/// A plateau of 0.5 m, and one of 3 m, raised at once under stacks, and under balls of 5 cm that are then
+/// wholly below it. Expected: each stands as high above it as before.
 #[test]
 fn what_stands_on_a_raised_surface_is_lifted() {
     for (half, raise) in [(0.2, 0.5), (0.2, 3.0), (0.05, 0.5)] {
