@@ -122,9 +122,9 @@ pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Orde
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
-pub use handle::{BodyHandle, JointHandle, ShapeHandle};
+pub use handle::{BodyHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
+    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
     Spring,
 };
 #[cfg(any(feature = "gltf", feature = "replay"))]

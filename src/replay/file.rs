@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MAGIC: [u8; 16] = *b"backstop replay\n";
 /// Version of the format. It changes with anything that is written: a call, a setting, a stage's hash
 /// (`the_format_is_that_of_its_version`).
-pub(super) const VERSION: u16 = 5;
+pub(super) const VERSION: u16 = 6;
 
 /// How the world starts.
 #[derive(Debug, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
 //! filled in in every step.
 
+use super::coupling::CouplingRow;
 use super::ends::NONE;
 use super::fill::{fill_tree, get_sym};
 use super::kinds::{JointType, Tables};
@@ -16,7 +17,7 @@ use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::articulation::trees::{Found, Tree, find};
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::Place;
-use crate::joint::{Joints, Row, RowKind};
+use crate::joint::{Coupling, Joints, Row, RowKind};
 use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
 use crate::narrow_phase::NO_CONTACT;
@@ -42,6 +43,10 @@ pub(crate) struct JointRows {
     /// Trees of point joints: up to eight of the same shape, or a single one.
     pub(crate) trees: Vec<TreeBatch<f32x8>>,
     pub(crate) single_trees: Vec<TreeBatch<f32>>,
+    /// Rows of couplings, by their place, and of one place by their slots.
+    pub(super) couplings: Vec<CouplingRow>,
+    /// The slots of couplings of which there are rows.
+    coupled: Vec<u32>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
@@ -93,6 +98,11 @@ impl JointRows {
         *self = JointRows { arrangement: self.arrangement, ..JointRows::default() };
     }
 
+    /// Reserved bytes of the rows of couplings.
+    pub(crate) fn coupling_bytes(&self) -> usize {
+        bytes_of(&self.couplings).1 + bytes_of(&self.coupled).1
+    }
+
     /// Reserved bytes of what all joints share, of trees, of locks outside trees, and of other rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
         let beside =
@@ -133,6 +143,8 @@ impl JointRows {
             bytes_of(&self.stages),
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.single_trees),
+            bytes_of(&self.couplings),
+            bytes_of(&self.coupled),
             bytes_of(&self.touching),
             self.tree_slots.bytes(),
             self.nets.bytes(),
@@ -165,6 +177,12 @@ impl JointRows {
         let of_joint = |joint| place(joint, RowGroup::Joints);
         let found =
             if in_trees { find(joints, bodies, &of_joint, &motor, &enabled) } else { Found::none(joints) };
+        self.add_couplings(joints, &|one| {
+            let group = if one.is_equality() { RowGroup::Joints } else { RowGroup::JointLimits };
+            let moves = |joint: u32| [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
+            let acts = one.joints().iter().all(|&j| enabled(j)) && one.joints().iter().any(|&j| moves(j));
+            acts.then(|| one.joints().map(|joint| place(joint, group)).into_iter().max()).flatten()
+        });
         // Rows of the same place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
@@ -194,6 +212,27 @@ impl JointRows {
         self.build_tree_batches(&found.groups);
         self.stages.sort_by_key(|stage| stage.place);
         self.tables.all_mut().into_iter().for_each(AnyTable::resize);
+    }
+
+    /// Lists the couplings that act, and makes their stages. They come before the locks at their place.
+    fn add_couplings(&mut self, joints: &Joints, place_of: &dyn Fn(&Coupling) -> Option<Place>) {
+        self.couplings.clear();
+        self.coupled.clear();
+        let acting = || joints.couplings.live().filter_map(|(slot, one)| Some((place_of(one)?, slot)));
+        let mut found: Vec<(Place, u32)> = acting().collect();
+        if found.is_empty() {
+            (self.couplings, self.coupled) = (Vec::new(), Vec::new());
+            return;
+        }
+        found.sort_unstable();
+        self.coupled.extend(found.iter().map(|&(_, slot)| slot));
+        self.couplings.reserve_exact(found.len());
+        let mut start = 0;
+        for of_place in found.chunk_by(|a, b| a.0 == b.0) {
+            let (place, end) = (of_place[0].0, start + of_place.len() as u32);
+            self.stages.push(JointStage { place, kind: JointType::Coupling, start, end, single: true });
+            start = end;
+        }
     }
 
     /// Makes the batches of trees, and their stages: no two share a body that they can push.
@@ -291,6 +330,8 @@ impl JointRows {
         for table in self.tables.all_mut() {
             table.fill(workers, input);
         }
+        self.couplings.clear();
+        self.couplings.extend(self.coupled.iter().map(|&slot| CouplingRow::new(slot, input)));
         let range = |tree: TreeRef| {
             let end = |before: &dyn Fn(TreeRef) -> bool| {
                 input.tree_contacts.partition_point(|s| before(s.tree)) as u32

@@ -3,6 +3,7 @@
 mod bodies;
 mod colliders;
 mod extents;
+mod couplings;
 mod joint_changes;
 mod joint_readings;
 mod joints;
