@@ -4,7 +4,7 @@
 use super::coupling::{CouplingRecords, SavedCouplings};
 use super::desc::{Axes, Axis, Motion, Spring};
 use super::frames::JointFrame;
-use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound};
+use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;
@@ -108,8 +108,8 @@ impl Joints {
 
     /// How many locks, rows and couplings a snapshot has beyond those that batches were arranged for.
     pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
-        let now = self.locks.len() + self.rows.len() + self.couplings.all.len();
-        let new = records.locks.len() + records.rows.len() + records.couplings.len();
+        let now = self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.all.len();
+        let new = records.locks.len() + records.rows.len() + COUPLING_ROWS * records.couplings.len();
         new.saturating_sub(now.saturating_sub(self.fresh))
     }
 
@@ -129,7 +129,7 @@ impl Joints {
         self.reporting = bound(&|joint| joint.threshold);
         self.find_starts();
         self.couplings.restore_all(couplings);
-        (self.stale, self.fresh) = (*stale, locks.len() + rows.len() + couplings.len());
+        (self.stale, self.fresh) = (*stale, locks.len() + rows.len() + COUPLING_ROWS * couplings.len());
         let taken = (0u32..).zip(all).filter(|(_, joint)| joint.is_there());
         let taken = taken.map(|(slot, _)| (slot, generations[slot as usize], slot));
         self.slots.rebuild(all.len(), taken, free);

@@ -22,6 +22,9 @@ pub struct JointEvent {
     pub torque: Vec3,
 }
 
+/// Rows that a coupling may add to the batches of a step: its own, and drives of its motions, which go along.
+pub(super) const COUPLING_ROWS: usize = 3;
+
 /// End of a list of joints.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -296,7 +299,7 @@ impl Joints {
     }
 
     pub(crate) fn add_coupling(&mut self, coupling: Coupling) -> CouplingHandle {
-        self.fresh += 1;
+        self.fresh += COUPLING_ROWS;
         self.changed = true;
         self.couplings.add(coupling)
     }
@@ -384,7 +387,7 @@ impl Joints {
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
     /// arranged for may have one for itself, of so many bytes.
     pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
-        let batches = (self.fresh + more.locks + more.rows + more.couplings) * batch;
+        let batches = (self.fresh + more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch;
         batches + self.missing_columns(more)
     }
 

@@ -1,7 +1,8 @@
 //! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
 //! filled in in every step.
 
-use super::coupling::CouplingRow;
+use super::coupling::block::CouplingBlock;
+use super::coupling::plan::{Plan, PlanInput};
 use super::ends::NONE;
 use super::fill::{fill_tree, get_sym};
 use super::kinds::{JointType, Tables};
@@ -17,7 +18,7 @@ use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::articulation::trees::{Found, Tree, find};
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::Place;
-use crate::joint::{Coupling, Joints, Row, RowKind};
+use crate::joint::{Joints, Row, RowKind};
 use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
 use crate::narrow_phase::NO_CONTACT;
@@ -43,10 +44,8 @@ pub(crate) struct JointRows {
     /// Trees of point joints: up to eight of the same shape, or a single one.
     pub(crate) trees: Vec<TreeBatch<f32x8>>,
     pub(crate) single_trees: Vec<TreeBatch<f32>>,
-    /// Rows of couplings, by their place, and of one place by their slots.
-    pub(super) couplings: Vec<CouplingRow>,
-    /// The slots of couplings of which there are rows.
-    coupled: Vec<u32>,
+    /// Couplings, with drives of what they couple, by their place.
+    pub(super) couplings: Vec<CouplingBlock>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
@@ -100,7 +99,7 @@ impl JointRows {
 
     /// Reserved bytes of the rows of couplings.
     pub(crate) fn coupling_bytes(&self) -> usize {
-        bytes_of(&self.couplings).1 + bytes_of(&self.coupled).1
+        bytes_of(&self.couplings).1 + self.couplings.iter().map(CouplingBlock::reserved).sum::<usize>()
     }
 
     /// Reserved bytes of what all joints share, of trees, of locks outside trees, and of other rows.
@@ -143,8 +142,7 @@ impl JointRows {
             bytes_of(&self.stages),
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.single_trees),
-            bytes_of(&self.couplings),
-            bytes_of(&self.coupled),
+            (self.coupling_bytes(), self.coupling_bytes()),
             bytes_of(&self.touching),
             self.tree_slots.bytes(),
             self.nets.bytes(),
@@ -170,24 +168,26 @@ impl JointRows {
         };
         let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
         let place = |joint: u32, group: RowGroup| order.place(group, solved_after(joint));
+        let plan = Plan::new(&PlanInput {
+            joints,
+            place_of: &|joint, group| enabled(joint).then(|| place(joint, group)),
+            is_pushed: &|slot| (bodies.slots.dense(slot) as usize) < bodies.dynamic(),
+        });
+        self.add_blocks(&plan);
+        let is_coupled = |row: u32| plan.has_drive(row);
         let motor = |row: u32| {
-            let row = &joints.rows[row as usize];
-            (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
+            let (coupled, row) = (is_coupled(row), &joints.rows[row as usize]);
+            (enabled(row.joint) && row.drives_hinge() && !coupled).then(|| place(row.joint, group_of(row)))
         };
         let of_joint = |joint| place(joint, RowGroup::Joints);
         let found =
             if in_trees { find(joints, bodies, &of_joint, &motor, &enabled) } else { Found::none(joints) };
-        self.add_couplings(joints, &|one| {
-            let group = if one.is_equality() { RowGroup::Joints } else { RowGroup::JointLimits };
-            let moves = |joint: u32| [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
-            let acts = one.joints().iter().all(|&j| enabled(j)) && one.joints().iter().any(|&j| moves(j));
-            acts.then(|| one.joints().map(|joint| place(joint, group)).into_iter().max()).flatten()
-        });
         // Rows of the same place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
             |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
-        let rows = joints.rows.iter().enumerate().filter(|(i, r)| !found.rows[*i] && awake(r.joint));
+        let alone = |i: usize| !found.rows[i] && !is_coupled(i as u32);
+        let rows = joints.rows.iter().enumerate().filter(|(i, r)| alone(*i) && awake(r.joint));
         entries.extend(
             rows.map(|(i, r)| (place(r.joint, group_of(r)), JointType::of_row(r), i as u32, r.joint)),
         );
@@ -214,21 +214,11 @@ impl JointRows {
         self.tables.all_mut().into_iter().for_each(AnyTable::resize);
     }
 
-    /// Lists the couplings that act, and makes their stages. They come before the locks at their place.
-    fn add_couplings(&mut self, joints: &Joints, place_of: &dyn Fn(&Coupling) -> Option<Place>) {
-        self.couplings.clear();
-        self.coupled.clear();
-        let acting = || joints.couplings.live().filter_map(|(slot, one)| Some((place_of(one)?, slot)));
-        let mut found: Vec<(Place, u32)> = acting().collect();
-        if found.is_empty() {
-            (self.couplings, self.coupled) = (Vec::new(), Vec::new());
-            return;
-        }
-        found.sort_unstable();
-        self.coupled.extend(found.iter().map(|&(_, slot)| slot));
-        self.couplings.reserve_exact(found.len());
+    /// Makes the blocks of couplings, and their stages.
+    fn add_blocks(&mut self, plan: &Plan) {
+        self.couplings = plan.blocks.iter().map(|(_, owners)| CouplingBlock::new(owners)).collect();
         let mut start = 0;
-        for of_place in found.chunk_by(|a, b| a.0 == b.0) {
+        for of_place in plan.blocks.chunk_by(|a, b| a.0 == b.0) {
             let (place, end) = (of_place[0].0, start + of_place.len() as u32);
             self.stages.push(JointStage { place, kind: JointType::Coupling, start, end, single: true });
             start = end;
@@ -330,8 +320,7 @@ impl JointRows {
         for table in self.tables.all_mut() {
             table.fill(workers, input);
         }
-        self.couplings.clear();
-        self.couplings.extend(self.coupled.iter().map(|&slot| CouplingRow::new(slot, input)));
+        self.couplings.iter_mut().for_each(|block| block.fill(input));
         let range = |tree: TreeRef| {
             let end = |before: &dyn Fn(TreeRef) -> bool| {
                 input.tree_contacts.partition_point(|s| before(s.tree)) as u32

@@ -364,7 +364,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
 
 /// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
 /// impulse, and the requested speed beside that; none if there is neither.
-fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
+pub(super) fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
     let (k, c) = (spring.stiffness, spring.damping);
     let d = h * k + c;
     if d == f32::INFINITY {

@@ -240,19 +240,19 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
 }
 
 /// A spring or a motor as a row has it: see [`RowBatch`].
-struct Spring {
-    pull: f32,
-    give: f32,
-    speed: f32,
-    most: f32,
+pub(super) struct Spring {
+    pub(super) pull: f32,
+    pub(super) give: f32,
+    pub(super) speed: f32,
+    pub(super) most: f32,
     /// Speed per impulse of what it acts on.
-    mobility: f32,
+    pub(super) mobility: f32,
 }
 
 impl Spring {
     /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
     /// `impulse`: of the last substep of `h` seconds.
-    fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
+    pub(super) fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
         let &Spring { pull, give, speed, most, mobility } = self;
         if give <= 0.0 {
             // A motor that does not yield.

@@ -1,7 +1,7 @@
 //! Dispatch of passes to the kernels of joint batches, on several threads.
 
 use super::arrange::{JointRows, JointStage};
-use super::coupling::CouplingRow;
+use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
 use crate::constraint::articulation::close::Closing;
@@ -18,7 +18,7 @@ pub(crate) struct JointViews<'a> {
     pub(crate) tables: TableViews<'a>,
     pub(crate) trees: Shared<'a, TreeBatch<f32x8>>,
     pub(crate) single_trees: Shared<'a, TreeBatch<f32>>,
-    pub(super) couplings: Shared<'a, CouplingRow>,
+    pub(super) couplings: Shared<'a, CouplingBlock>,
 }
 
 /// Contacts between bodies of trees and static ones, which are solved along with the trees.
@@ -67,10 +67,10 @@ impl JointRows {
         // SAFETY: by the contract; each batch is in one stage, and contacts go contacts with one.
         unsafe {
             if stage.kind == JointType::Coupling {
-                let row = views.couplings.get(i);
+                let block = views.couplings.get(i);
                 return match pass {
-                    None => row.warm_start(motion),
-                    Some(pass) => row.solve(motion, pass),
+                    None => block.warm_start(motion),
+                    Some(pass) => block.solve(motion, pass),
                 };
             }
             if stage.kind != JointType::Tree {

@@ -1,7 +1,6 @@
 //! Impulses of joints, handed back to the joints they belong to.
 
 use super::arrange::JointRows;
-use super::coupling::CouplingReport;
 use super::ends::NONE;
 use crate::body::Bodies;
 use crate::config::tuning::JOINT_LOAD_SHARE;
@@ -88,16 +87,16 @@ impl JointRows {
             (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
         }
         let Joints { all, locks, rows, couplings, .. } = joints;
-        for row in &self.couplings {
-            let CouplingReport { displacements, impulse } = row.report();
-            let coupling = &mut couplings.all[row.owner as usize];
+        let mut coupled = |slot: u32, displacements: [f64; 2], impulse: [f32; 2]| {
+            let coupling = &mut couplings.all[slot as usize];
             let impulse = impulse.map(|one| if one.is_finite() { one } else { 0.0 });
             coupling.displacements = displacements;
             coupling.impulse = impulse;
             coupling.lasting_impulse = lasting(coupling.lasting_impulse, impulse, hold);
             let p = (impulse[0] - impulse[1]) * inverse_h;
             coupling.load = coupling.scaled().map(|factor| factor * p);
-        }
+        };
+        self.couplings.iter().for_each(|block| block.report(&mut coupled));
         let mut store = Store { all, locks, rows, inverse_h, hold };
         self.tables.report(true, &mut store);
         self.trees.iter().for_each(|batch| report_locks(batch, &mut store));
@@ -108,6 +107,7 @@ impl JointRows {
         self.tables.report(false, &mut store);
         self.trees.iter().for_each(|batch| report_motors(batch, &mut store));
         self.single_trees.iter().for_each(|batch| report_motors(batch, &mut store));
+        self.couplings.iter().for_each(|block| block.report_drives(&mut store));
     }
 }
 

@@ -52,7 +52,7 @@ fn a_snapshot_keeps_every_turn() {
     let mut saved = Snapshot::default();
     world.snapshot(&mut saved);
     let bytes = saved.to_whole_bytes();
-    let run = |world: &mut World| -> Vec<_> {
+    let watch = |world: &mut World| -> Vec<_> {
         let mut seen = Vec::new();
         for _ in 0..100 {
             world.step(DT).unwrap();
@@ -61,18 +61,18 @@ fn a_snapshot_keeps_every_turn() {
         }
         seen
     };
-    let expected = run(&mut world);
+    let expected = watch(&mut world);
     assert!(expected[99].1[0].0[0] > 100.0 * TAU, "{:?}", expected[99].1[0]);
     world.restore(&saved).unwrap();
-    assert_eq!(run(&mut world), expected);
+    assert_eq!(watch(&mut world), expected);
     world.remove_coupling(couplings[1]).unwrap();
     world.set_coupling_factors(couplings[0], [1.0, 1.0]).unwrap();
     world.step(DT).unwrap();
     world.restore(&saved).unwrap();
-    assert_eq!(run(&mut world), expected);
+    assert_eq!(watch(&mut world), expected);
     let mut other = World::new(Settings::default()).unwrap();
     other.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
-    assert_eq!(run(&mut other), expected);
+    assert_eq!(watch(&mut other), expected);
 }
 
 #[test]
@@ -151,11 +151,11 @@ fn a_gear_can_be_shifted() {
     let ([a, b], gear) = pair(&mut world, [0.1, 0.1], [10.0, 10.0]);
     let hinge = world.joints_of(a).unwrap().next().unwrap();
     world.set_joint_drive(hinge, motor(5.0)).unwrap();
-    (0..120).for_each(|_| world.step(DT).unwrap());
+    run(&mut world, 120);
     let [_, before] = world.coupling_displacements(gear).unwrap();
     world.set_coupling_factors(gear, [10.0, 40.0]).unwrap();
     assert_eq!(world.coupling_displacements(gear).unwrap()[1], before);
-    (0..240).for_each(|_| world.step(DT).unwrap());
+    run(&mut world, 240);
     assert!((spin(&world, b) + 1.25).abs() < 1e-4, "{}", spin(&world, b));
     let [_, after] = world.coupling_displacements(gear).unwrap();
     assert!((after - before + 5.0).abs() < 0.05, "{before} {after}");

@@ -48,7 +48,8 @@ fn atwoods_machine_accelerates_by_newtons_law() {
         assert!((v[1] + 0.5 * a / ratio).abs() < 1e-4 * G, "{v:?} {a}");
         assert!((on_first / -tension - 1.0).abs() < 1e-3, "{on_first} {tension}");
         assert!((on_second / (-tension * ratio) - 1.0).abs() < 1e-3, "{on_second} {tension}");
-        assert!(sum.abs() < 1e-4, "{sum:e}");
+        // It becomes taut within the first substep, of 1/240 s, in which it gives.
+        assert!(sum.abs() < (1.0 + ratio) * G / (240.0 * 240.0), "{sum:e}");
     }
 }
 
@@ -87,12 +88,14 @@ fn a_slack_rope_bears_nothing() {
         assert!((v[0] - (3.0 - G * fell)).abs() < 1e-4 && (v[1] + G * fell).abs() < 1e-4, "{v:?}");
         assert_eq!(world.coupling_force(rope).unwrap(), [0.0; 2]);
     }
-    for _ in 0..600 {
+    for _ in 0..30 {
         world.step(DT).unwrap();
         let long = world.coupling_sum(rope).unwrap() - 4.0;
         assert!(long < 1e-3, "{long}");
     }
-    assert!(world.coupling_force(rope).unwrap()[0] < -19.0);
+    // Taut again, the two balance each other.
+    let tension = f64::from(world.coupling_force(rope).unwrap()[0]);
+    assert!((tension / (-2.0 * G) - 1.0).abs() < 1e-3, "{tension}");
 }
 
 /// The pulleys hang on a body that is free: a tackle that is dropped. Expected: momentum is what gravity
@@ -101,7 +104,7 @@ fn a_slack_rope_bears_nothing() {
 fn the_reaction_goes_to_what_bears_the_pulleys() {
     let mut world = falling();
     let beam = world.add_body(&lump(5.0, 2.0)).unwrap();
-    let (bodies, ..) = hung(&mut world, beam, [4.0, 1.0], 1.0);
+    let (bodies, ..) = hung(&mut world, beam, [4.0, 1.0], 2.0);
     world.set_velocity(bodies[1], Vec3::Y * -2.0, Vec3::ZERO).unwrap();
     let momentum = |world: &World| {
         let parts = [(beam, 5.0), (bodies[0], 4.0), (bodies[1], 1.0)];

@@ -9,14 +9,16 @@
 //! Angles are counted with whole turns, in `f64`, from step to step; a row has what the sum is off by at the
 //! start of the step, and what has changed since. So nothing drifts, however many turns there are.
 //!
-//! Up to four bodies fit no batch of pairs: rows are solved one after another, in the order of their slots,
-//! before the locks at their place in the order.
+//! Up to four bodies fit no batch of pairs. Rows that share bodies are a *block*, solved as one dense system
+//! along with the drives of what they couple ([`block`]), by one thread, before the locks at their place in
+//! the order.
 
+pub(super) mod block;
 mod fill;
+pub(super) mod plan;
 
 use super::ends::{Ends, JointPass, Lever, Recovery, turned};
 use super::measure::{Distance, Measure, Slide, Twist};
-use super::rates::{Link, Watched};
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::lanes::{Record, Vec3};
 use std::f32::consts::TAU;
@@ -100,6 +102,11 @@ impl Coupled {
         self.lever.speed(v) + bend
     }
 
+    /// How fast its direction turns [rad/s].
+    fn turns(&self, v: [Record; 2]) -> f32 {
+        gauge!(&self.gauge, gauge => gauge.turns(0, &self.lever, v))
+    }
+
     /// Force and moments of an impulse of the row.
     fn parts(&self, p: f32) -> (Vec3<f32>, [Vec3<f32>; 2]) {
         let p = p * self.factor;
@@ -107,7 +114,7 @@ impl Coupled {
     }
 
     /// # Safety
-    /// As for [`CouplingRow::solve`].
+    /// No other thread writes the bodies.
     unsafe fn apply(&self, motion: &Motion<'_, '_>, p: Vec3<f32>, [ta, tb]: [Vec3<f32>; 2]) {
         // SAFETY: by the contract.
         unsafe {
@@ -134,98 +141,128 @@ impl Coupled {
     }
 }
 
-/// The row of a coupling.
+/// Whose row it is. In a block drives come after couplings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Owner {
+    /// A coupling, by its slot.
+    Coupling(u32),
+    /// The drive of a coupled motion, by the index of its row.
+    Drive(u32),
+}
+
+/// The numbers of a drive, as [`RowBatch`](super::row::RowBatch) has them.
+#[derive(Clone, Copy, Debug)]
+struct Pull {
+    pull: f32,
+    speed: f32,
+    give: f32,
+    most: f32,
+}
+
+/// The row of a coupling, or of a drive of what it couples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CouplingRow {
-    /// Its slot.
-    pub(super) owner: u32,
+    pub(super) owner: Owner,
+    /// A drive has the first only.
     motions: [Coupled; 2],
+    drive: Option<Pull>,
     /// The displacements at the start of the step, with whole turns.
     displacements: [f64; 2],
     /// How far the sum is above the lower end of its range, and below the upper one, at the start of the
-    /// step; after the last substep.
+    /// step; after the last substep. For a drive: above its target.
     room: [f32; 2],
     gap: [f32; 2],
     /// A range without width: the lower end bears either way.
     equality: bool,
-    /// Speed of the sum per impulse.
+    /// Speed of the sum per impulse; zero if nothing can move it.
     mobility: f32,
-    /// Impulses of the last substep at the lower and the upper end.
+    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
     impulse: [f32; 2],
     /// The lasting part of their difference, which does not yield.
     lasting: f32,
 }
 
-/// What a row did in a step.
-pub(super) struct CouplingReport {
-    /// The displacements after the step, with whole turns [m] or [rad].
-    pub(super) displacements: [f64; 2],
-    /// At the lower and the upper end, in the last substep.
-    pub(super) impulse: [f32; 2],
-}
+// Rounding: what two motions of the same bodies leave of each other.
+/// Share of the mobility of each motion for itself below which the sum can't be moved.
+const LEAST: f32 = 1e-6;
 
 impl CouplingRow {
+    fn motions(&self) -> &[Coupled] {
+        &self.motions[..if self.drive.is_some() { 1 } else { 2 }]
+    }
+
+    fn motions_mut(&mut self) -> &mut [Coupled] {
+        &mut self.motions[..if self.drive.is_some() { 1 } else { 2 }]
+    }
+
     /// Gaps and the effective mass, where the motions are.
     fn measure(&mut self) {
-        let [a, b] = &self.motions;
-        let change = a.factor * (a.now - a.start) + b.factor * (b.now - b.start);
+        let change: f32 = self.motions().iter().map(|one| one.factor * (one.now - one.start)).sum();
         self.gap = [self.room[0] + change, self.room[1] - change];
         let own = |one: &Coupled| one.factor * one.factor * one.ends.mobility(&one.lever);
-        let mobility = own(a) + own(b) + 2.0 * a.factor * b.factor * a.answer(b);
-        // Rounding: what two motions of the same bodies leave of each other.
-        let least = 1e-6 * (own(a) + own(b));
-        self.mobility = if mobility > least { mobility } else { 0.0 };
+        let alone: f32 = self.motions().iter().map(own).sum();
+        let [a, b] = &self.motions;
+        let shared = if self.drive.is_some() { 0.0 } else { 2.0 * a.factor * b.factor * a.answer(b) };
+        let mobility = alone + shared;
+        self.mobility = if mobility > LEAST * alone { mobility } else { 0.0 };
     }
 
-    /// Applies the impulses of the last step.
+    /// Change of the speed of this sum per impulse of another row.
+    fn answer(&self, other: &CouplingRow) -> f32 {
+        let pairs = self.motions().iter().flat_map(|a| other.motions().iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| a.factor * b.factor * a.answer(b)).sum()
+    }
+
+    /// Updates directions to where bodies are.
     ///
     /// # Safety
-    /// No other thread writes the bodies.
-    pub(super) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        for one in &self.motions {
+    /// Displacements are not written while rows are solved.
+    unsafe fn follow(&mut self, motion: &Motion<'_, '_>, h: f32) {
+        for one in self.motions_mut() {
             // SAFETY: by the contract.
-            unsafe { one.apply(motion, one.acted, one.moment) };
+            let moved = unsafe { one.ends.load(motion.delta) };
+            one.follow(&moved, h);
         }
+        self.measure();
     }
 
-    /// One Gauss-Seidel step.
+    /// Turns the impulses of the last substep with the bodies, as other rows do.
     ///
     /// # Safety
     /// No other thread writes the bodies.
-    pub(super) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            for one in &mut self.motions {
-                // SAFETY: displacements are not written while rows are solved.
-                let moved = unsafe { one.ends.load(motion.delta) };
-                one.follow(&moved, 1.0 / pass.inverse_h);
-            }
-            self.measure();
+    unsafe fn turn(&mut self, motion: &Motion<'_, '_>) {
+        let p = self.impulse[0] - self.impulse[1];
+        for one in self.motions_mut() {
+            let (force, moment) = one.parts(p);
+            let turn = [0, 1].map(|i| moment[i] - one.moment[i]);
+            // SAFETY: by the contract.
+            unsafe { one.apply(motion, force - one.acted, turn) };
+            (one.acted, one.moment) = (force, moment);
         }
-        if !pass.relax {
-            // As for other rows: turns the impulses of the last substep with the bodies.
-            let p = self.impulse[0] - self.impulse[1];
-            for one in &mut self.motions {
-                let (force, moment) = one.parts(p);
-                let turn = [0, 1].map(|i| moment[i] - one.moment[i]);
-                // SAFETY: by the contract.
-                unsafe { one.apply(motion, force - one.acted, turn) };
-                (one.acted, one.moment) = (force, moment);
-            }
-        }
-        let h = if pass.relax { 0.0 } else { 1.0 / pass.inverse_h };
+    }
+
+    /// The speed of the sum, which is the mean one over `h` seconds.
+    ///
+    /// # Safety
+    /// No other thread writes the bodies.
+    unsafe fn speed(&mut self, motion: &Motion<'_, '_>, h: f32) -> f32 {
         let mut speed = 0.0;
-        for one in &mut self.motions {
+        for one in self.motions_mut() {
             // SAFETY: by the contract.
             let own = one.speed(&unsafe { one.ends.load(motion.velocity) }, h);
             one.speed = own;
             speed += one.factor * own;
         }
-        if self.mobility <= 0.0 {
-            return;
-        }
-        let pushed = self.push(speed, pass);
-        for one in &mut self.motions {
-            let (force, moment) = one.parts(pushed);
+        speed
+    }
+
+    /// Applies a change of the impulse.
+    ///
+    /// # Safety
+    /// No other thread writes the bodies.
+    unsafe fn push(&mut self, motion: &Motion<'_, '_>, change: f32) {
+        for one in self.motions_mut() {
+            let (force, moment) = one.parts(change);
             one.acted += force;
             one.moment = [0, 1].map(|i| one.moment[i] + moment[i]);
             // SAFETY: by the contract.
@@ -233,72 +270,44 @@ impl CouplingRow {
         }
     }
 
-    /// Updates the impulses at both ends, and returns by how much their difference changed.
-    fn push(&mut self, speed: f32, pass: &JointPass) -> f32 {
-        let (rate, scale, yields) = pass.numbers::<f32>();
-        let CouplingRow { equality, mobility, .. } = *self;
-        let most = self.most(&pass.recovery);
-        // Signs are those of the lower end; the upper one is its mirror image.
-        let one = |gap: f32, speed: f32, old: f32, lasting: f32| {
-            let open = gap > 0.0 && !equality;
-            // Away from an end, only the speed that would pass it within the substep is removed.
-            let target = if open { -gap * pass.inverse_h } else { (-gap * rate).clamp(-most, most) };
-            let change = (target - speed) / mobility;
-            let change = if open { change } else { change * scale - (old - lasting) * yields };
-            if equality { old + change } else { (old + change).max(0.0) }
-        };
-        let lower = if equality { self.lasting } else { self.lasting.max(0.0) };
-        let new = one(self.gap[0], speed, self.impulse[0], lower);
-        let change = new - self.impulse[0];
-        self.impulse[0] = new;
-        if equality {
-            return change;
-        }
-        let speed = -(speed + mobility * change);
-        let new = one(self.gap[1], speed, self.impulse[1], (-self.lasting).max(0.0));
-        let pushed = change - (new - self.impulse[1]);
-        self.impulse[1] = new;
-        pushed
-    }
-
-    /// Maximum speed at which an error of the sum is corrected.
-    fn most(&self, recovery: &Recovery) -> f32 {
+    /// The speed that corrects an error of the sum.
+    fn correction(&self, gap: f32, rate: f32, recovery: &Recovery) -> f32 {
         let of = |one: &Coupled| {
             one.factor.abs() * if one.is_angle() { recovery.angular } else { recovery.linear }
         };
-        of(&self.motions[0]) + of(&self.motions[1])
+        let most = of(&self.motions[0]) + of(&self.motions[1]);
+        (-gap * rate).clamp(-most, most)
     }
 
-    pub(super) fn report(&self) -> CouplingReport {
+    /// One Gauss-Seidel step of the ends of a range: updates the impulses at both, and returns by how much
+    /// their difference changed.
+    fn bound(&mut self, speed: f32, pass: &JointPass) -> f32 {
+        let (rate, scale, yields) = pass.numbers::<f32>();
+        let mobility = self.mobility;
+        // Signs are those of the lower end; the upper one is its mirror image.
+        let one = |gap: f32, speed: f32, old: f32, lasting: f32| {
+            let open = gap > 0.0;
+            // Away from an end, only the speed that would pass it within the substep is removed.
+            let target = if open { -gap * pass.inverse_h } else { self.correction(gap, rate, &pass.recovery) };
+            let change = (target - speed) / mobility;
+            let change = if open { change } else { change * scale - (old - lasting) * yields };
+            (old + change).max(0.0)
+        };
+        let low = one(self.gap[0], speed, self.impulse[0], self.lasting.max(0.0));
+        let change = low - self.impulse[0];
+        let high = one(self.gap[1], -(speed + mobility * change), self.impulse[1], (-self.lasting).max(0.0));
+        let pushed = change - (high - self.impulse[1]);
+        self.impulse = [low, high];
+        pushed
+    }
+
+    /// The displacements after the step, with whole turns [m] or [rad].
+    fn displacements_now(&self) -> [f64; 2] {
         let mut displacements = self.displacements;
-        for (displacement, one) in displacements.iter_mut().zip(&self.motions) {
+        for (displacement, one) in displacements.iter_mut().zip(self.motions()) {
             let change = one.now - one.start;
             *displacement += f64::from(if change.is_finite() { change } else { 0.0 });
         }
-        CouplingReport { displacements, impulse: self.impulse }
-    }
-}
-
-impl Watched for CouplingRow {
-    fn links(&self, f: &mut dyn FnMut(Link)) {
-        let [a, b] = self.motions.each_ref().map(|one| &one.ends);
-        a.each(&mut |_, link| f(link));
-        b.each(&mut |_, link| f(link));
-        f(Link { bodies: [a.one(0), b.one(0)], moves: [true; 2] });
-    }
-    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
-        if self.motions.iter().any(|one| of(one.ends.one(0))) {
-            (self.impulse, self.lasting) = ([0.0; 2], 0.0);
-            for one in &mut self.motions {
-                (one.acted, one.moment) = one.parts(0.0);
-            }
-        }
-    }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
-        for one in &self.motions {
-            let turns =
-                |lane: usize, v: [Record; 2]| gauge!(&one.gauge, gauge => gauge.turns(lane, &one.lever, v));
-            one.ends.too_fast(motion, h, &turns, f);
-        }
+        displacements
     }
 }
