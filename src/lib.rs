@@ -124,8 +124,8 @@ pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
 pub use handle::{BodyHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
-    Spring,
+    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit,
+    Motion, Ragdoll, Skeleton, Spring,
 };
 #[cfg(any(feature = "gltf", feature = "replay"))]
 pub use load_limits::{LimitExceeded, LoadLimits};

@@ -4,7 +4,9 @@
 use super::coupling::{CouplingRecords, SavedCouplings};
 use super::desc::{Axes, Axis, Motion, Spring};
 use super::frames::JointFrame;
-use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound};
+use super::store::{
+    COUPLING_ROWS, Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound,
+};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;

@@ -70,8 +70,7 @@ impl Report for Store<'_> {
 /// The lasting part of an impulse at the ends of a range, given that before.
 fn lasting(before: f32, impulse: [f32; 2], hold: f32) -> f32 {
     let bears = (impulse[0] - impulse[1]) * JOINT_LOAD_SHARE;
-    let lasting =
-        if bears * before <= 0.0 { 0.0 } else { before.max(-bears.abs()).min(bears.abs()) };
+    let lasting = if bears * before <= 0.0 { 0.0 } else { before.max(-bears.abs()).min(bears.abs()) };
     lasting + (bears - lasting) * hold
 }
 

@@ -12,6 +12,7 @@ pub(crate) use store::{CouplingRecords, Couplings, SavedCouplings};
 // Guard: limits of what a caller may say.
 /// Largest factor of a coupled motion, and one over the smallest.
 const MAX_FACTOR: f64 = 1e9;
+// Guard: the same.
 /// Largest finite end of a coupling's range.
 const MAX_SUM: f64 = 1e18;
 

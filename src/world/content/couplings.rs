@@ -127,11 +127,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, or a factor or an end of the range is out of its range.
-    pub fn set_coupling_factors(
-        &mut self,
-        coupling: CouplingHandle,
-        factors: [f64; 2],
-    ) -> Result<(), Error> {
+    pub fn set_coupling_factors(&mut self, coupling: CouplingHandle, factors: [f64; 2]) -> Result<(), Error> {
         let slot = self.coupling_slot(coupling)?;
         factors.into_iter().try_for_each(check_factor)?;
         let old = self.joints.couplings.all[slot as usize];

@@ -2,8 +2,8 @@
 
 mod bodies;
 mod colliders;
-mod extents;
 mod couplings;
+mod extents;
 mod joint_changes;
 mod joint_readings;
 mod joints;

@@ -8,8 +8,8 @@ mod pulleys;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, CouplingDesc, CouplingHandle, Drive, Frame, JointDesc,
-    JointHandle, MassProperties, Motion, Settings, World,
+    Axis, BodyDesc, BodyHandle, CouplingDesc, CouplingHandle, Drive, Frame, JointDesc, JointHandle,
+    MassProperties, Motion, Settings, World,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -101,7 +101,7 @@ fn a_thousand_turns_slip_no_tooth() {
     assert!((x - first.total).abs() < 1e-3 && (y - second.total).abs() < 1e-3, "{x} {}", first.total);
     assert!((first.total * 20.0 / 31.0 + second.total).abs() < 1e-5);
     assert!(worst < 8.0 * f64::from(f32::EPSILON), "{worst:e}");
-    assert!(at_start < 1e-2, "{at_start:e}");
+    assert!(at_start < 1e-5, "{at_start:e}");
 }
 
 /// A torque T on a wheel that turns another one k times as fast. Expected, by Newton's law: it accelerates by
@@ -180,7 +180,7 @@ fn a_rack_travels_the_girth_of_its_pinion_in_a_turn() {
     // Positions of the frames are `f32` beside the ground's origin: 2^-24 of 31 m.
     assert!((travel - 0.05 * angle).abs() < 4e-6, "{}", travel - 0.05 * angle);
     assert!((travel / (angle / TAU) - TAU * 0.05).abs() < 1e-6);
-    assert!(worst < 1e-3, "{worst:e}");
+    assert!(worst < 1e-4, "{worst:e}");
 }
 
 /// A nut is pushed along a screw of 0.2 m a turn by a force F. Expected: with m and I its mass and inertia
@@ -206,7 +206,7 @@ fn a_screw_turns_what_slides() {
     let v = f64::from(world.linear_velocity(nut).unwrap().x);
     let [angle, travel] = world.coupling_displacements(screw).unwrap();
     println!("{v} m/s, by theory {speed}; off by {worst:e} m in {} turns", angle / TAU);
-    assert!((v / speed - 1.0).abs() < 1e-4 && worst < 1e-4);
+    assert!((v / speed - 1.0).abs() < 1e-4 && worst < 1e-5);
     assert!((travel / angle - k).abs() < 1e-6 && angle > TAU);
 }
 

@@ -43,7 +43,10 @@ fn atwoods_machine_accelerates_by_newtons_law() {
         let v = bodies.map(|body| f64::from(-world.linear_velocity(body).unwrap().y));
         let [on_first, on_second] = world.coupling_force(rope).unwrap().map(f64::from);
         let sum = world.coupling_sum(rope).unwrap() - 2.0 - 2.0 * ratio;
-        println!("{masses:?} {ratio}: {} m/s², by theory {a}; {on_first} N of {tension}; off {sum:e}", v[0] / 0.5);
+        println!(
+            "{masses:?} {ratio}: {} m/s², by theory {a}; {on_first} N of {tension}; off {sum:e}",
+            v[0] / 0.5
+        );
         assert!((v[0] - 0.5 * a).abs() < 1e-4 * G, "{v:?} {a}");
         assert!((v[1] + 0.5 * a / ratio).abs() < 1e-4 * G, "{v:?} {a}");
         assert!((on_first / -tension - 1.0).abs() < 1e-3, "{on_first} {tension}");
@@ -122,7 +125,8 @@ fn the_reaction_goes_to_what_bears_the_pulleys() {
 /// Equal weights sleep as one island, and wake together.
 #[test]
 fn what_hangs_on_one_rope_sleeps_as_one() {
-    let mut world = World::new(Settings::default().with_gravity(Vec3::Y * -G as f32).with_sleeping(true)).unwrap();
+    let mut world =
+        World::new(Settings::default().with_gravity(Vec3::Y * -G as f32).with_sleeping(true)).unwrap();
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let (bodies, ..) = hung(&mut world, ground, [2.0, 2.0], 1.0);
     for _ in 0..300 {

@@ -288,7 +288,8 @@ impl CouplingRow {
         let one = |gap: f32, speed: f32, old: f32, lasting: f32| {
             let open = gap > 0.0;
             // Away from an end, only the speed that would pass it within the substep is removed.
-            let target = if open { -gap * pass.inverse_h } else { self.correction(gap, rate, &pass.recovery) };
+            let target =
+                if open { -gap * pass.inverse_h } else { self.correction(gap, rate, &pass.recovery) };
             let change = (target - speed) / mobility;
             let change = if open { change } else { change * scale - (old - lasting) * yields };
             (old + change).max(0.0)
