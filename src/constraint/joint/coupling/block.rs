@@ -160,7 +160,7 @@ impl System {
                 (target - speed - drive.give * old, drive.give, [-drive.most - old, drive.most - old])
             }
             None => {
-                // Rigid, unlike other rows: a soft row is late by an eighth of what a motor asks for at once,
+                // Rigid, unlike other rows: a soft row is late by a fifth of what a motor asks for at once,
                 // and the teeth were 0.03 rad apart when one started at 60 rad/s.
                 let target = row.correction(row.gap[0], rate, &pass.recovery);
                 (target - speed, 0.0, [f32::NEG_INFINITY, f32::INFINITY])
