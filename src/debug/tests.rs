@@ -307,10 +307,11 @@ fn joined(
 /// Expected: both ropes of a pulley, from pulley to weight, and the rope between the pulleys.
 #[test]
 fn a_pulley_shows_its_rope() {
-    let mut world = World::new(Settings::default()).unwrap();
+    let mut world = world();
     let hook = world.add_body(&BodyDesc::fixed()).unwrap();
     let ropes = [Vec3::ZERO, Vec3::X].map(|at| {
-        let weight = world.add_body(&BodyDesc::dynamic().at(at - Vec3::Y)).unwrap();
+        let ball = dynamic(Geometry::Sphere { radius: 0.1 }, (at - Vec3::Y).as_dvec3());
+        let weight = world.add_body(&ball).unwrap();
         world.add_joint(&JointDesc::new([hook, weight], [Frame::at(at), Frame::default()])).unwrap()
     });
     world.add_coupling(&crate::joint::CouplingDesc::pulley(ropes, 1.0, 2.0)).unwrap();

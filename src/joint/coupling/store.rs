@@ -136,6 +136,10 @@ impl Couplings {
     }
 }
 
+// Guard: a billion seconds at the greatest speed.
+/// Largest displacement of a coupled motion, with whole turns [m] or [rad].
+const MAX_DISPLACEMENT: f64 = 1e15;
+
 /// Words of a coupling in a state.
 const STATE: usize = 9;
 
@@ -158,7 +162,7 @@ impl<'a> SavedCouplings<'a> {
             let displacements: [f64; 2] = record::<_, 4>(&words[..4]);
             all_loads(&words[4..])?;
             let load = [7, 8].map(|i| f32::from_bits(words[i]));
-            if !displacements.iter().all(|x| x.is_finite())
+            if !displacements.iter().all(|x| x.abs() <= MAX_DISPLACEMENT)
                 || (coupling.is_there() && Coupling { load, ..*coupling }.is_overloaded())
             {
                 return Err(broken("a coupling"));
