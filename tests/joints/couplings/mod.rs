@@ -5,6 +5,7 @@
 
 mod api;
 mod pulleys;
+mod trains;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{

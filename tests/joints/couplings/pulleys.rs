@@ -56,7 +56,7 @@ fn atwoods_machine_accelerates_by_newtons_law() {
     }
 }
 
-/// Equal weights at rest, one nudged sideways so that it swings for a minute. Expected: a rope gains no
+/// Equal weights at rest, one nudged sideways so that it swings for four seconds. Expected: a rope gains no
 /// energy, and its length stays.
 #[test]
 fn a_swinging_weight_gains_nothing() {

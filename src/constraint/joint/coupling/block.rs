@@ -14,7 +14,7 @@ use crate::constraint::joint::store::{Report, RowImpulse};
 use crate::lanes::Record;
 
 /// The most rows of a block: beyond, trains are cut in pieces that are solved one after another.
-pub(super) const MAX_ROWS: usize = 16;
+pub(super) const MAX_ROWS: usize = 32;
 
 // Rounding: of a pivot.
 /// Share of its mobility below which a row is held by the others already.
@@ -51,9 +51,13 @@ impl CouplingBlock {
     }
 
     fn couple(&mut self) {
+        let n = self.rows.len();
         self.answers.clear();
-        for a in &self.rows {
-            self.answers.extend(self.rows.iter().map(|b| a.answer(b)));
+        for (i, a) in self.rows.iter().enumerate() {
+            for (k, b) in self.rows.iter().enumerate() {
+                let answer = if k < i { self.answers[k * n + i] } else { a.answer(b) };
+                self.answers.push(answer);
+            }
         }
     }
 
@@ -213,15 +217,19 @@ impl System {
         let mut held = [false; MAX_ROWS];
         for i in (0..n).filter(|&i| free[i]) {
             let own = f64::from(answers[i * n + i]) + self.compliance[i];
-            // NaN is held too.
-            held[i] = !(a[i][i] > HELD * own);
+            let pivot = a[i];
+            held[i] = pivot[i] <= HELD * own || pivot[i].is_nan();
             if held[i] {
                 continue;
             }
             for k in (i + 1..n).filter(|&k| free[k]) {
-                let share = a[k][i] / a[i][i];
-                for j in i..n {
-                    a[k][j] -= share * a[i][j];
+                // Wheels that don't mesh know nothing of each other.
+                if a[k][i] == 0.0 {
+                    continue;
+                }
+                let share = a[k][i] / pivot[i];
+                for (entry, of_pivot) in a[k][i..n].iter_mut().zip(&pivot[i..n]) {
+                    *entry -= share * of_pivot;
                 }
                 b[k] -= share * b[i];
             }
