@@ -140,10 +140,10 @@ pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Orde
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
-pub use handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
+pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
-    Spring,
+    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit,
+    Motion, Ragdoll, Skeleton, Spring,
 };
 #[cfg(any(feature = "gltf", feature = "replay"))]
 pub use load_limits::{LimitExceeded, LoadLimits};

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod colliders;
+mod couplings;
 mod extents;
 mod joint_changes;
 mod joint_readings;
