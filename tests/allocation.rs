@@ -420,7 +420,7 @@ fn characters_of_a_world_allocate_nothing() {
             let report = world.walk_character(walker, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
             report.push(world).unwrap();
         }
-        if step % 4 == 0 {
+        if step.is_multiple_of(4) {
             world.snapshot(&mut saved);
         } else if step % 4 == 3 {
             world.restore(&saved).unwrap();
