@@ -39,7 +39,7 @@
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
-//! - [`JointDesc`], [`JointHandle`], [`Skeleton`]: what joins bodies, from hinges to ragdolls.
+//! - [`JointDesc`], [`CouplingDesc`], [`Skeleton`]: what joins bodies, from hinges to gears and ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
 //! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
