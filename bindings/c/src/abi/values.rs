@@ -1,7 +1,7 @@
 //! Plain values: numbers, vectors, handles.
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyHandle, JointHandle, ShapeHandle};
+use backstop::{Aabb, BodyHandle, JointHandle, ShapeHandle};
 
 /// Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
 pub type BsBool = u8;
@@ -116,6 +116,28 @@ pub struct BsPose {
     pub position: BsDVec3,
     /// Rotation of the axes.
     pub rotation: BsQuat,
+}
+
+/// A box along the axes of the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BsAabb {
+    /// Its low corner [m].
+    pub min: BsDVec3,
+    /// Its high corner [m].
+    pub max: BsDVec3,
+}
+
+impl From<Aabb> for BsAabb {
+    fn from(aabb: Aabb) -> BsAabb {
+        BsAabb { min: aabb.min.into(), max: aabb.max.into() }
+    }
+}
+
+impl From<(DVec3, Quat)> for BsPose {
+    fn from((position, rotation): (DVec3, Quat)) -> BsPose {
+        BsPose { position: position.into(), rotation: rotation.into() }
+    }
 }
 
 impl From<BsVec3> for Vec3 {

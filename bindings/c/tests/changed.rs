@@ -1,0 +1,90 @@
+//! What a world says of its content after it was changed is what was asked for; what is wrong is refused.
+
+mod common;
+
+use backstop_c::*;
+use common::*;
+use std::ptr::{null, null_mut};
+
+/// Expected: each value as it was set.
+#[test]
+fn bodies_and_shapes_are_read_as_they_were_set() {
+    let world = world();
+    let body = add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
+    let (mut shapes, mut count) = ([BsShape { slot: 0, generation: 0 }], 0);
+    let (mut a, mut b, mut kind, mut bits, mut more) = (0.0, 0.0, 0, 0, 0);
+    let mut surface = BsSurface::default();
+    // SAFETY: the world is alive, and all places are.
+    unsafe {
+        ok(bs_body_shapes(world.0, body, shapes.as_mut_ptr(), 1, &mut count));
+        ok(bs_body_set_damping(world.0, body, 0.25, 0.5));
+        ok(bs_body_damping(world.0, body, &mut a, &mut b));
+        assert_eq!((a, b), (0.25, 0.5));
+        ok(bs_body_set_max_speeds(world.0, body, 3.0, f32::INFINITY));
+        ok(bs_body_max_speeds(world.0, body, &mut a, &mut b));
+        assert_eq!((a, b), (3.0, f32::INFINITY));
+        ok(bs_body_set_locks(world.0, body, BS_AXIS_BIT_Z, BS_AXIS_BIT_X | BS_AXIS_BIT_Y));
+        ok(bs_body_locks(world.0, body, &mut bits, &mut more));
+        assert_eq!((bits, more), (4, 3));
+        ok(bs_body_set_kind(world.0, body, BS_BODY_KINEMATIC));
+        ok(bs_body_kind(world.0, body, &mut kind));
+        assert_eq!(kind, BS_BODY_KINEMATIC);
+        let belt = BsSurface { rolling_friction: 0.01, surface_velocity: vec3(1.0, 0.0, 0.0), ..surface };
+        ok(bs_shape_set_surface(world.0, shapes[0], belt));
+        // The other part of the material leaves it.
+        ok(bs_shape_set_material(world.0, shapes[0], bs_material_default()));
+        ok(bs_shape_surface(world.0, shapes[0], &mut surface));
+        assert_eq!(surface, belt);
+    }
+}
+
+#[test]
+fn changes_that_are_wrong_are_refused() {
+    let world = world();
+    let body = add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
+    let (shape, joint) = (BsShape { slot: 9, generation: 1 }, BsJoint { slot: 9, generation: 1 });
+    let (before, mut number) = (hash(&world), 0.0);
+    // SAFETY: what is not null is alive.
+    unsafe {
+        assert_eq!(bs_body_set_damping(null_mut(), body, 0.0, 0.0), BS_ERROR_NULL);
+        assert_eq!(bs_body_set_damping(world.0, body, f32::NAN, 0.0), BS_ERROR_NOT_FINITE);
+        assert_eq!(bs_body_set_damping(world.0, NO_BODY, 0.0, 0.0), BS_ERROR_STALE_BODY);
+        assert_eq!(bs_body_set_kind(world.0, body, 3), BS_ERROR_CONSTANT);
+        assert_eq!(bs_body_set_locks(world.0, body, 8, 0), BS_ERROR_CONSTANT);
+        assert_eq!(bs_body_gravity_scale(world.0, body, null_mut()), BS_ERROR_NULL);
+        assert_eq!(bs_shape_density(world.0, shape, &mut number), BS_ERROR_STALE_SHAPE);
+        assert_eq!(bs_shape_set_geometry(world.0, shape, null()), BS_ERROR_NULL);
+        assert_eq!(bs_joint_set_drive(world.0, joint, null()), BS_ERROR_NULL);
+        let status = bs_joint_set_target(world.0, joint, BS_MOTION_ANGULAR, BS_AXIS_X, 0.0, 0.0);
+        assert_eq!(status, BS_ERROR_STALE_JOINT);
+        let mut hull = null();
+        assert_eq!(bs_hull_from_bytes([1, 2, 3].as_ptr(), 3, &mut hull), BS_ERROR_BROKEN_SHAPE);
+        assert!(hull.is_null());
+    }
+    assert_eq!(hash(&world), before);
+}
+
+/// Expected: bytes that are read and written again are the same bytes; a ball on a plane has one contact.
+#[test]
+fn baked_hulls_come_back_and_contacts_are_told() {
+    let points = [vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0)];
+    let (mut hull, mut again, mut count) = (null(), null(), 0);
+    let world = world();
+    add(&world, BS_BODY_STATIC, bs_plane(), dvec3(0.0, 0.0, 0.0));
+    let ball = add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 0.5, 0.0));
+    steps(&world, 60);
+    // SAFETY: all objects are alive, and buffers are as long as they are said to be.
+    unsafe {
+        ok(bs_hull_create(points.as_ptr(), 4, &mut hull));
+        assert_eq!(bs_hull_to_bytes(hull, null_mut(), 0, &mut count), BS_ERROR_BUFFER);
+        let (mut one, mut two) = (vec![0; count], vec![1; count]);
+        ok(bs_hull_to_bytes(hull, one.as_mut_ptr(), count, &mut count));
+        ok(bs_hull_from_bytes(one.as_ptr(), count, &mut again));
+        ok(bs_hull_to_bytes(again, two.as_mut_ptr(), count, &mut count));
+        assert_eq!(one, two);
+        bs_hull_release(hull);
+        bs_hull_release(again);
+        assert_eq!(bs_body_contacts(world.0, ball, null_mut(), 0, &mut count), BS_ERROR_BUFFER);
+        assert_eq!(count, 1);
+    }
+}
