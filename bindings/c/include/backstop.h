@@ -732,6 +732,58 @@ typedef struct BsJointDesc {
     float torque_threshold;
 } BsJointDesc;
 
+// A joint that bore more than one of its thresholds.
+typedef struct BsStrainedJoint {
+    // The joint.
+    struct BsJoint joint;
+    // Its force on the second body in the last substep, in world axes [N].
+    struct BsVec3 force;
+    // Its torque on the second body about the joint [N m].
+    struct BsVec3 torque;
+} BsStrainedJoint;
+
+// A motion of a joint that is coupled to another one.
+typedef struct BsCoupledMotion {
+    // The joint. It need not restrict this motion.
+    struct BsJoint joint;
+    // Sliding or turning.
+    BsMotion motion;
+    // Along or about which axes. An angle is about one axis.
+    BsJointAxes axes;
+    // Factor on the displacement, of magnitude 1e-9 to 1e9.
+    double factor;
+} BsCoupledMotion;
+
+// A coupling to be added: the sum of two motions, each times its factor, is kept at a value or within a
+// range.
+typedef struct BsCouplingDesc {
+    // Size of this struct; the functions that make one fill it in.
+    uint32_t size;
+    // Whether the sum is kept within `min` and `max`, and not at what it is when the coupling is added.
+    BsBool has_range;
+    // Zero.
+    uint8_t reserved[3];
+    // The two motions.
+    struct BsCoupledMotion motions[2];
+    // Least sum; minus infinity for none.
+    double min;
+    // Greatest sum; infinity for none.
+    double max;
+    // The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
+    float strength[2];
+    // Free for the caller.
+    uint64_t user_data;
+} BsCouplingDesc;
+
+// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All zeros
+// is no coupling.
+typedef struct BsCoupling {
+    // Place in the world.
+    uint32_t slot;
+    // How often the place was taken.
+    uint32_t generation;
+} BsCoupling;
+
 // A ray.
 typedef struct BsRay {
     // Where it starts, in the world [m].
@@ -1123,6 +1175,12 @@ typedef struct BsModelPart {
 
 // A baked shape of another version of its format.
 #define BS_ERROR_SHAPE_VERSION 29
+
+// The coupling handle is stale: it broke, or it or one of its joints was removed.
+#define BS_ERROR_STALE_COUPLING 30
+
+// A motion that cannot be coupled.
+#define BS_ERROR_COUPLED_MOTION 31
 
 // Three `double`s: in the world [m].
 #define BS_POSITIONS_F64 0
@@ -2135,6 +2193,92 @@ BsStatus bs_joint_set_thresholds(struct BsWorld *world,
 // Sets the caller's number of a joint.
 BS_API BsStatus bs_joint_set_user_data(struct BsWorld *world, struct BsJoint joint, uint64_t user_data);
 
+// Joints that bore more than one of their thresholds in the last step, in the order of their slots. `count`
+// becomes their number.
+BS_API
+BsStatus bs_world_strained_joints(const struct BsWorld *world,
+                                  struct BsStrainedJoint *joints,
+                                  size_t capacity,
+                                  size_t *count);
+
+// Keeps the sum of two motions at what it is.
+BS_API
+struct BsCouplingDesc bs_coupling_desc_default(struct BsCoupledMotion first,
+                                               struct BsCoupledMotion second);
+
+// Two meshing gears on hinges about the frames' x, by their numbers of teeth. A negative number, for one of
+// the two, makes them turn alike.
+BS_API
+struct BsCouplingDesc bs_coupling_desc_gear(struct BsJoint first,
+                                            struct BsJoint second,
+                                            double first_teeth,
+                                            double second_teeth);
+
+// A pinion on a hinge and a rack on a slider, both along the frames' x: by one turn the rack travels
+// 2 pi `radius` [m].
+BS_API
+struct BsCouplingDesc bs_coupling_desc_rack(struct BsJoint hinge,
+                                            struct BsJoint slider,
+                                            double radius);
+
+// A screw: by one turn about the frames' x of a joint that leaves both free, it travels `lead` [m] along it.
+BS_API struct BsCouplingDesc bs_coupling_desc_screw(struct BsJoint joint, double lead);
+
+// A rope over two pulleys: the distance of the first joint's frames and `ratio` times that of the second's
+// are together at most `length` [m].
+BS_API
+struct BsCouplingDesc bs_coupling_desc_pulley(struct BsJoint first,
+                                              struct BsJoint second,
+                                              double ratio,
+                                              double length);
+
+// Adds a coupling of two motions of joints. `coupling` may be null.
+BS_API
+BsStatus bs_world_add_coupling(struct BsWorld *world,
+                               const struct BsCouplingDesc *desc,
+                               struct BsCoupling *coupling);
+
+// Removes a coupling.
+BS_API BsStatus bs_world_remove_coupling(struct BsWorld *world, struct BsCoupling coupling);
+
+// The displacements of a coupling's two motions [m] or [rad], with whole turns; each pointer may be null.
+BS_API
+BsStatus bs_coupling_displacements(const struct BsWorld *world,
+                                   struct BsCoupling coupling,
+                                   double *first,
+                                   double *second);
+
+// The sum that a coupling keeps: of both displacements times their factors.
+BS_API BsStatus bs_coupling_sum(const struct BsWorld *world, struct BsCoupling coupling, double *sum);
+
+// What a coupling exerted on each of its motions in the last substep [N] or [N m]; each pointer may be null.
+BS_API
+BsStatus bs_coupling_force(const struct BsWorld *world,
+                           struct BsCoupling coupling,
+                           float *first,
+                           float *second);
+
+// Sets the factors of a coupling where its motions are: shifts a gear.
+BS_API
+BsStatus bs_coupling_set_factors(struct BsWorld *world,
+                                 struct BsCoupling coupling,
+                                 double first,
+                                 double second);
+
+// Sets the range of a coupling's sum, infinite for no end.
+BS_API
+BsStatus bs_coupling_set_range(struct BsWorld *world,
+                               struct BsCoupling coupling,
+                               double min,
+                               double max);
+
+// Couplings that broke in the last step; their handles are stale. `count` becomes their number.
+BS_API
+BsStatus bs_world_broken_couplings(const struct BsWorld *world,
+                                   struct BsCoupling *couplings,
+                                   size_t capacity,
+                                   size_t *count);
+
 // A rigid limit.
 BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
 
@@ -2252,6 +2396,16 @@ BsStatus bs_world_overlap(const struct BsWorld *world,
                           struct BsOverlap *overlaps,
                           size_t capacity,
                           size_t *count);
+
+// All shapes whose boxes meet a box along the axes of the world, by their handles: a cheap first choice of
+// what may be there. `count` becomes their number.
+BS_API
+BsStatus bs_world_overlap_aabb(const struct BsWorld *world,
+                               struct BsAabb area,
+                               const struct BsQueryFilter *filter,
+                               struct BsOverlap *overlaps,
+                               size_t capacity,
+                               size_t *count);
 
 // Whether a convex shape at a pose overlaps or touches anything.
 BS_API

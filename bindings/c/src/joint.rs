@@ -1,9 +1,11 @@
 //! Joints: added, looked up, changed, removed.
 
 mod change;
+mod coupling;
 mod desc;
 
 pub use change::*;
+pub use coupling::*;
 pub use desc::*;
 
 use crate::abi::guard::{call, value_or};

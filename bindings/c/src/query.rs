@@ -5,7 +5,7 @@ use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
 use crate::abi::sized::{described, read_or_default};
 use crate::abi::status::{BsStatus, Outcome};
-use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
+use crate::abi::values::{BsAabb, BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
 use crate::shape::{BsFilter, BsGeometry, bs_filter_default};
 use crate::world::{BsWorld, reading};
 use backstop::{
@@ -423,6 +423,32 @@ pub unsafe extern "C" fn bs_world_overlap(
         let ask = |filter: &QueryFilter<'_>| {
             let mut found = Vec::new();
             content.overlap(&shape, pose.position.into(), pose.rotation.into(), filter, &mut found)?;
+            let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
+            out.fill(found.into_iter().map(own))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// All shapes whose boxes meet a box along the axes of the world, by their handles: a cheap first choice of
+/// what may be there. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_overlap_aabb(
+    world: *const BsWorld,
+    area: BsAabb,
+    filter: *const BsQueryFilter,
+    overlaps: *mut BsOverlap,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) =
+            unsafe { (reading(world)?, Buffer::new("overlaps", overlaps, capacity, count)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.overlap_aabb(&area.into(), filter, &mut found)?;
             let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
             out.fill(found.into_iter().map(own))
         };

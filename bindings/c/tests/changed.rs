@@ -88,3 +88,63 @@ fn baked_hulls_come_back_and_contacts_are_told() {
         assert_eq!(count, 1);
     }
 }
+
+/// A rope over two pulleys with 3 kg and 1 kg at its ends. Expected: (3 - 1) / (3 + 1) g of acceleration, so
+/// 2.4525 m/s after half a second, and the joint that hangs a lamp of 1 kg strained by its weight, 9.81 N.
+#[test]
+fn a_rope_joins_two_weights_and_a_lamp_strains_its_joint() {
+    let world = world();
+    let wall = add(&world, BS_BODY_STATIC, bs_sphere(0.1), dvec3(0.0, 9.0, 9.0));
+    let weight = |x: f64, mass: f32| {
+        let mut shape = bs_shape_desc_default(bs_box(0.1, 0.1, 0.1));
+        shape.density = mass / 0.008;
+        add_shape(&world, BS_BODY_DYNAMIC, &shape, dvec3(x, 0.0, 0.0))
+    };
+    let (heavy, light, lamp) = (weight(-1.0, 3.0), weight(1.0, 1.0), weight(3.0, 1.0));
+    let join = |kind: BsJointKind, body: BsBody, above: BsVec3| {
+        let mut desc = bs_joint_desc_default(kind, wall, body);
+        // In the frame of the wall's body.
+        desc.frames[0].position = above;
+        desc.force_threshold = 5.0;
+        let mut joint = BsJoint { slot: 0, generation: 0 };
+        // SAFETY: the world is alive, and both places are.
+        ok(unsafe { bs_world_add_joint(world.0, &desc, &mut joint) });
+        joint
+    };
+    let ropes = [(heavy, -1.0), (light, 1.0)].map(|(body, x)| join(BS_JOINT_FREE, body, vec3(x, -5.0, -9.0)));
+    let hook = join(BS_JOINT_BALL, lamp, vec3(3.0, -9.0, -9.0));
+    let mut coupling = BsCoupling { slot: 0, generation: 0 };
+    let mut desc = bs_coupling_desc_pulley(ropes[0], ropes[1], 1.0, 8.0);
+    let (mut velocity, mut sum, mut count) = (vec3(0.0, 0.0, 0.0), 0.0, 0);
+    let mut strained = [BsStrainedJoint { joint: hook, force: velocity, torque: velocity }];
+    // SAFETY: the world is alive, and all places are.
+    unsafe {
+        ok(bs_world_add_coupling(world.0, &desc, &mut coupling));
+        desc.motions[0].factor = 0.0;
+        assert_eq!(bs_world_add_coupling(world.0, &desc, null_mut()), BS_ERROR_OUT_OF_RANGE);
+        steps(&world, 30);
+        ok(bs_body_velocity(world.0, light, &mut velocity, null_mut()));
+        assert!((velocity.y - 2.4525).abs() < 0.01, "{velocity:?}");
+        ok(bs_coupling_sum(world.0, coupling, &mut sum));
+        assert!((sum - 8.0).abs() < 1e-3, "{sum}");
+        ok(bs_world_strained_joints(world.0, strained.as_mut_ptr(), 1, &mut count));
+        assert_eq!((count, strained[0].joint), (1, hook));
+        assert!((strained[0].force.y - 9.81).abs() < 0.05, "{:?}", strained[0]);
+        ok(bs_world_remove_coupling(world.0, coupling));
+        assert_eq!(bs_coupling_sum(world.0, coupling, &mut sum), BS_ERROR_STALE_COUPLING);
+    }
+}
+
+/// Expected: the one shape whose box meets the area, and its box.
+#[test]
+fn boxes_are_found_by_a_box() {
+    let world = world();
+    let ball = add(&world, BS_BODY_STATIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
+    add(&world, BS_BODY_STATIC, bs_sphere(0.5), dvec3(5.0, 1.0, 0.0));
+    let area = BsAabb { min: dvec3(-1.0, 0.0, -1.0), max: dvec3(0.0, 0.6, 0.0) };
+    let mut found = [BsOverlap { body: NO_BODY, shape: BsShape { slot: 0, generation: 0 } }; 2];
+    let mut count = 0;
+    // SAFETY: the world is alive, and all places are.
+    ok(unsafe { bs_world_overlap_aabb(world.0, area, null(), found.as_mut_ptr(), 2, &mut count) });
+    assert_eq!((count, found[0].body), (1, ball));
+}

@@ -206,3 +206,19 @@ fn contacts_and_surfaces_are_where_they_were() {
         shapes 0, bodies 16, normal 32, point_count 44, points 48,
     ]);
 }
+
+#[test]
+fn couplings_and_strains_are_where_they_were() {
+    pinned!(BsCoupling, 8, 4, [
+        slot 0, generation 4,
+    ]);
+    pinned!(BsCoupledMotion, 24, 8, [
+        joint 0, motion 8, axes 12, factor 16,
+    ]);
+    pinned!(BsCouplingDesc, 88, 8, [
+        size 0, has_range 4, reserved 5, motions 8, min 56, max 64, strength 72, user_data 80,
+    ]);
+    pinned!(BsStrainedJoint, 32, 4, [
+        joint 0, force 8, torque 20,
+    ]);
+}

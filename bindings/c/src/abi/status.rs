@@ -70,6 +70,10 @@ pub const BS_ERROR_NO_DRIVE: BsStatus = 27;
 pub const BS_ERROR_BROKEN_SHAPE: BsStatus = 28;
 /// A baked shape of another version of its format.
 pub const BS_ERROR_SHAPE_VERSION: BsStatus = 29;
+/// The coupling handle is stale: it broke, or it or one of its joints was removed.
+pub const BS_ERROR_STALE_COUPLING: BsStatus = 30;
+/// A motion that cannot be coupled.
+pub const BS_ERROR_COUPLED_MOTION: BsStatus = 31;
 
 /// Why a call is refused.
 #[derive(Debug)]
@@ -113,6 +117,8 @@ fn of_engine(error: &Error) -> BsStatus {
         Error::StaleCharacter => BS_ERROR_STALE_CHARACTER,
         Error::Recorded => BS_ERROR_RECORDED,
         Error::NoDrive => BS_ERROR_NO_DRIVE,
+        Error::StaleCoupling => BS_ERROR_STALE_COUPLING,
+        Error::CoupledMotion { .. } => BS_ERROR_COUPLED_MOTION,
         Error::BrokenShape { .. } => BS_ERROR_BROKEN_SHAPE,
         Error::ShapeVersion { .. } => BS_ERROR_SHAPE_VERSION,
         Error::NotFinite { .. } => BS_ERROR_NOT_FINITE,

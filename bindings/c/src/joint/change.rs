@@ -7,8 +7,9 @@ use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, slice};
 use crate::abi::sized::read;
 use crate::abi::status::BsStatus;
-use crate::abi::values::{BsBool, BsJoint};
+use crate::abi::values::{BsBool, BsJoint, BsVec3};
 use crate::world::{BsWorld, change, changing, get, get_two, reading};
+use backstop::JointEvent;
 
 /// Replaces the drive of a joint with the same motion and axis, or adds it.
 #[unsafe(no_mangle)]
@@ -277,4 +278,39 @@ pub unsafe extern "C" fn bs_joint_set_user_data(
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     unsafe { change(world, |w| w.set_joint_user_data(joint.into(), user_data)) }
+}
+
+/// A joint that bore more than one of its thresholds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsStrainedJoint {
+    /// The joint.
+    pub joint: BsJoint,
+    /// Its force on the second body in the last substep, in world axes [N].
+    pub force: BsVec3,
+    /// Its torque on the second body about the joint [N m].
+    pub torque: BsVec3,
+}
+
+impl From<&JointEvent> for BsStrainedJoint {
+    fn from(event: &JointEvent) -> BsStrainedJoint {
+        let JointEvent { joint, force, torque, .. } = *event;
+        BsStrainedJoint { joint: joint.into(), force: force.into(), torque: torque.into() }
+    }
+}
+
+/// Joints that bore more than one of their thresholds in the last step, in the order of their slots. `count`
+/// becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_strained_joints(
+    world: *const BsWorld,
+    joints: *mut BsStrainedJoint,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("joints", joints, capacity, count)?) };
+        out.fill(content.strained_joints().iter().map(Into::into))
+    })
 }
