@@ -43,6 +43,16 @@ pub enum Error {
     /// [`World::set_joint_drive`](crate::World::set_joint_drive).
     #[error("the joint has no drive of this motion along or about this axis")]
     NoDrive,
+    /// The coupling broke, or it or one of its joints was removed; see [`Error::StaleBody`] for those of
+    /// another world.
+    #[error("the coupling handle is stale: its coupling broke or was removed")]
+    StaleCoupling,
+    /// A motion that can't be coupled, or not with the other one.
+    #[error("a coupled motion must be {expected}")]
+    CoupledMotion {
+        /// What it must be.
+        expected: &'static str,
+    },
     /// A list that leaves something out.
     #[error("{what} must have {expected}")]
     Incomplete {

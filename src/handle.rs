@@ -49,6 +49,11 @@ handle! {
     CharacterHandle
 }
 
+handle! {
+    /// A coupling of two joints. Goes stale when it breaks, or when it or one of its joints is removed.
+    CouplingHandle
+}
+
 /// Hands out handles and finds the dense index behind one. Slots are reused, generations are not.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {

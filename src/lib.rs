@@ -39,7 +39,7 @@
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
-//! - [`JointDesc`], [`JointHandle`], [`Skeleton`]: what joins bodies, from hinges to ragdolls.
+//! - [`JointDesc`], [`CouplingDesc`], [`Skeleton`]: what joins bodies, from hinges to gears and ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
 //! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
@@ -140,10 +140,10 @@ pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Orde
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
-pub use handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
+pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, JointEvent, Limit, Motion, Ragdoll, Skeleton,
-    Spring,
+    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit,
+    Motion, Ragdoll, Skeleton, Spring,
 };
 #[cfg(any(feature = "gltf", feature = "replay"))]
 pub use load_limits::{LimitExceeded, LoadLimits};

@@ -7,8 +7,8 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Budget, Character, CharacterReport, CharacterSettings,
-    ContinuousMethod, ConvexHull, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray,
-    Settings, ShapeCast, Snapshot, Spring, World,
+    ContinuousMethod, ConvexHull, CouplingDesc, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion,
+    QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use common::piles::{Of, Pile};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -234,6 +234,41 @@ fn joints_allocate_nothing() {
     assert_eq!(joined(1), 0);
 }
 
+/// A train of gears with a motor, and weights on ropes.
+#[test]
+fn couplings_allocate_nothing() {
+    let _alone = one_at_a_time();
+    let mut world = World::new(settings(1)).unwrap();
+    let ground = world.add_body(&BodyDesc::fixed()).unwrap();
+    let mut last = None;
+    for i in 0..20u8 {
+        let at = Vec3::X * f32::from(i);
+        let geometry = Geometry::Sphere { radius: 0.1 };
+        let body = world.add_body(&common::dynamic(geometry, Material::default(), at)).unwrap();
+        let frames = world.frames_at([ground, body], at.as_dvec3(), Quat::IDENTITY).unwrap();
+        let joint = world.add_joint(&JointDesc::hinge([ground, body], frames)).unwrap();
+        match last {
+            None => {
+                let motor = Drive::motor(Motion::Angular, Axis::X, 3.0, 5.0);
+                world.set_joint_drive(joint, motor).unwrap();
+            }
+            Some(last) => {
+                world.add_coupling(&CouplingDesc::gear([last, joint], [10.0, 11.0])).unwrap();
+            }
+        }
+        last = Some(joint);
+    }
+    let ropes = [0.0_f32, 1.0].map(|x| {
+        let at = Vec3::new(x, -2.0, 5.0);
+        let body = common::dynamic(Geometry::Sphere { radius: 0.1 }, Material::default(), at);
+        let body = world.add_body(&body).unwrap();
+        let frames = [Frame::at(at + Vec3::Y), Frame::default()];
+        world.add_joint(&JointDesc::new([ground, body], frames)).unwrap()
+    });
+    world.add_coupling(&CouplingDesc::pulley(ropes, 1.0, 2.0)).unwrap();
+    assert_eq!(count(&mut world, 300, |_, _| {}), 0);
+}
+
 /// Twenty doors whose targets, limits and drives change in every step, and joints that are reported.
 #[test]
 fn changes_of_joints_in_place_allocate_nothing() {
@@ -385,7 +420,7 @@ fn characters_of_a_world_allocate_nothing() {
             let report = world.walk_character(walker, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
             report.push(world).unwrap();
         }
-        if step % 4 == 0 {
+        if step.is_multiple_of(4) {
             world.snapshot(&mut saved);
         } else if step % 4 == 3 {
             world.restore(&saved).unwrap();

@@ -3,9 +3,9 @@
 use backstop::debug::{DebugDraw, DrawOptions};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, Drive,
-    Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap, QueryFilter,
-    Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
+    Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, CouplingDesc,
+    Drive, Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap,
+    QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
 };
 
 /// What the rows of the table find at hand.
@@ -92,6 +92,9 @@ rows! {
     JointDesc::ball(bodies, frames);
     JointDesc::fixed(bodies, frames);
     JointDesc::distance(bodies, frames, 0.0, 2.0);
+    world.add_coupling(&CouplingDesc::gear([joint; 2], [20.0, 31.0]));
+    world.add_coupling(&CouplingDesc::rack(joint, joint, 0.05));
+    world.add_coupling(&CouplingDesc::pulley([joint; 2], 1.0, 4.0));
     world.add_joint(&joint_desc);
     world.set_joint_drive(joint, Drive::motor(Motion::Angular, Axis::X, 1.0, 10.0));
     world.set_joint_limit(joint, Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 1.0));

@@ -73,20 +73,20 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let mut delta = vec![Record::default(); movers];
     let mut base = delta.clone();
     let h = 1.0 / 240.0;
-    let rolling = Shared::new(&mut []);
-    let pass = Pass {
-        inverse_h: 1.0 / h,
-        softness: Softness::new(60.0, 10.0, h),
-        push_speed: 3.0,
-        load_shift_speed: 0.25,
-        touch_distance: crate::config::tuning::TOUCH_DISTANCE,
-        friction_box: false,
-        relax,
-        surfaces: &[],
-        rolling: &rolling,
-    };
     let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
+        let rolling = Shared::new(&mut []);
+        let pass = Pass {
+            inverse_h: 1.0 / h,
+            softness: Softness::new(60.0, 10.0, h),
+            push_speed: 3.0,
+            load_shift_speed: 0.25,
+            touch_distance: crate::config::tuning::TOUCH_DISTANCE,
+            friction_box: false,
+            relax,
+            surfaces: &[],
+            rolling: &rolling,
+        };
         let base = Shared::new(&mut base);
         // As at the start of a substep; otherwise all would come to rest, and the benchmark would time zeros.
         for v in &mut velocity {

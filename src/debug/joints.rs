@@ -24,6 +24,7 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
             out.line(from, to, gap);
         }
     }
+    draw_couplings(world, options, out);
     for row in &world.joints.rows {
         let joint = &world.joints.all[row.joint as usize];
         if joint.is_there() {
@@ -31,6 +32,26 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
             if wanted(options, &frames) {
                 draw_limit(row, &frames, options, out);
             }
+        }
+    }
+}
+
+/// Lines between the joints of couplings; of distances, along what they measure.
+fn draw_couplings(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
+    let ink = Ink { element: Element::Coupling, colour: options.palette.coupling };
+    for (_, coupling) in world.joints.couplings.live() {
+        let [one, other] = coupling.joints().map(|joint| frames(world, &world.joints.all[joint as usize]));
+        if !wanted(options, &one) && !wanted(options, &other) {
+            continue;
+        }
+        for (term, [from, to]) in coupling.terms.iter().zip([&one, &other]) {
+            if (term.motion, term.axes) == (Motion::Linear, Axes::All) && from.position != to.position {
+                out.line(from.position, to.position, ink);
+            }
+        }
+        // From pulley to pulley too; the two motions of a screw are at one place.
+        if one[0].position != other[0].position {
+            out.line(one[0].position, other[0].position, ink);
         }
     }
 }

@@ -110,6 +110,8 @@ pub enum Element {
     JointLimit,
     /// From one frame of a joint to the other.
     JointGap,
+    /// What a coupling couples: a rope from frame to frame, or a line from one joint to the other.
+    Coupling,
     /// A body's centre of mass.
     CentreOfMass,
     /// One of its principal axes of inertia.

@@ -185,6 +185,7 @@ pub struct Palette {
     pub impulse: Colour,
     pub joint_limit: Colour,
     pub joint_gap: Colour,
+    pub coupling: Colour,
     pub centre_of_mass: Colour,
     /// Colours of the axes of frames and of principal axes: x, y and z.
     pub axes: [Colour; 3],
@@ -208,6 +209,7 @@ impl Default for Palette {
             impulse: Colour::new(255, 150, 40),
             joint_limit: Colour::new(190, 150, 255),
             joint_gap: Colour::new(255, 60, 50),
+            coupling: Colour::new(255, 200, 80),
             centre_of_mass: Colour::new(255, 255, 255),
             axes: [Colour::new(230, 80, 70), Colour::new(95, 195, 90), Colour::new(80, 130, 240)],
         }

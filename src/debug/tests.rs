@@ -304,6 +304,22 @@ fn joined(
     world
 }
 
+/// Expected: both ropes of a pulley, from pulley to weight, and the rope between the pulleys.
+#[test]
+fn a_pulley_shows_its_rope() {
+    let mut world = world();
+    let hook = world.add_body(&BodyDesc::fixed()).unwrap();
+    let ropes = [Vec3::ZERO, Vec3::X].map(|at| {
+        let ball = dynamic(Geometry::Sphere { radius: 0.1 }, (at - Vec3::Y).as_dvec3());
+        let weight = world.add_body(&ball).unwrap();
+        world.add_joint(&JointDesc::new([hook, weight], [Frame::at(at), Frame::default()])).unwrap()
+    });
+    world.add_coupling(&crate::joint::CouplingDesc::pulley(ropes, 1.0, 2.0)).unwrap();
+    let lines = Sketch::of(&world, &DrawOptions::default()).lines(Element::Coupling);
+    let (x, y) = (DVec3::X, DVec3::Y);
+    assert_eq!(lines, [(DVec3::ZERO, -y), (x, x - y), (DVec3::ZERO, x)]);
+}
+
 #[test]
 fn the_gap_of_a_joint_runs_from_frame_to_frame() {
     let apart = DVec3::new(0.0, -0.4, 0.3);

@@ -4,12 +4,15 @@
 //! becomes rows of one of a few types ([`constraint`](crate::constraint)); what a joint doesn't have it has
 //! no rows for.
 
+mod coupling;
 mod desc;
 mod frames;
 mod ragdoll;
 mod save;
 mod store;
 
+pub use coupling::{CoupledMotion, CouplingDesc};
+pub(crate) use coupling::{Coupling, Term, check_factor, check_range};
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub(crate) use desc::{Coefficients, STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};

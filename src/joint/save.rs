@@ -1,9 +1,12 @@
 //! What a snapshot keeps of joints: their impulses, which change in every step, and their definitions, which
 //! seldom do.
 
+use super::coupling::{CouplingRecords, SavedCouplings};
 use super::desc::{Axes, Axis, Motion, Spring};
 use super::frames::JointFrame;
-use super::store::{Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound};
+use super::store::{
+    COUPLING_ROWS, Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound,
+};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;
@@ -17,6 +20,7 @@ pub(crate) struct JointLists {
     joints: u32,
     locks: u32,
     rows: u32,
+    couplings: u32,
     changed: u32,
 }
 
@@ -27,6 +31,7 @@ pub(crate) struct SavedJoints<'a> {
     joints: &'a [u32],
     locks: &'a [u32],
     rows: &'a [u32],
+    couplings: SavedCouplings<'a>,
 }
 
 impl Joints {
@@ -45,6 +50,7 @@ impl Joints {
             joints: self.all.len() as u32,
             locks: self.locks.len() as u32,
             rows: self.rows.len() as u32,
+            couplings: self.couplings.save(out),
             changed: u32::from(self.changed),
         }
     }
@@ -64,6 +70,7 @@ impl Joints {
             (row.impulse, row.lasting_impulse) = ([low, high], lasting_impulse);
             row.kind = row.kind.with_ends([a, b]);
         }
+        self.couplings.restore(&saved.couplings);
         self.changed = saved.lists.changed != 0;
         self.broken.clear();
         self.strained.clear();
@@ -98,17 +105,19 @@ impl Joints {
         let free = self.slots.free();
         out.push(free.len() as u32);
         free.for_each(|(slot, generation)| out.extend([slot, generation]));
+        self.couplings.save_all(out);
     }
 
-    /// How many locks and rows a snapshot has beyond those that batches were arranged for.
+    /// How many locks, rows and couplings a snapshot has beyond those that batches were arranged for.
     pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
-        let arranged = (self.locks.len() + self.rows.len()).saturating_sub(self.fresh);
-        (records.locks.len() + records.rows.len()).saturating_sub(arranged)
+        let now = self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.all.len();
+        let new = records.locks.len() + records.rows.len() + COUPLING_ROWS * records.couplings.len();
+        new.saturating_sub(now.saturating_sub(self.fresh))
     }
 
     /// Replaces all joints.
     pub(crate) fn restore_all(&mut self, records: &JointRecords) {
-        let JointRecords { all, generations, locks, rows, first, stale, free } = records;
+        let JointRecords { all, generations, locks, rows, first, stale, free, couplings } = records;
         self.all.clone_from(all);
         self.locks.clone_from(locks);
         self.rows.clone_from(rows);
@@ -121,7 +130,8 @@ impl Joints {
         self.breakable = bound(&|joint| joint.strength);
         self.reporting = bound(&|joint| joint.threshold);
         self.find_starts();
-        (self.stale, self.fresh) = (*stale, locks.len() + rows.len());
+        self.couplings.restore_all(couplings);
+        (self.stale, self.fresh) = (*stale, locks.len() + rows.len() + COUPLING_ROWS * couplings.len());
         let taken = (0u32..).zip(all).filter(|(_, joint)| joint.is_there());
         let taken = taken.map(|(slot, _)| (slot, generations[slot as usize], slot));
         self.slots.rebuild(all.len(), taken, free);
@@ -140,6 +150,7 @@ impl<'a> SavedJoints<'a> {
             joints: from.table(lists.joints, 6)?,
             locks: from.table(lists.locks, 6)?,
             rows: from.table(lists.rows, 5)?,
+            couplings: SavedCouplings::read(from, lists.couplings)?,
         })
     }
 
@@ -163,6 +174,7 @@ impl<'a> SavedJoints<'a> {
             row.limit().map_or(Ok(()), |limit| limit.validate())?;
             row.drive().map_or(Ok(()), |drive| drive.validate())?;
         }
+        self.couplings.check(&records.couplings)?;
         let JointLists { changed, .. } = self.lists;
         let counts = [self.lists.joints, self.lists.locks, self.lists.rows].map(|n| n as usize);
         if counts == [joints, locks, rows] && changed < 2 {
@@ -183,6 +195,7 @@ pub(crate) struct JointRecords {
     first: Vec<u32>,
     stale: bool,
     free: Vec<(u32, u32)>,
+    couplings: CouplingRecords,
 }
 
 /// A joint of which nothing but its bodies is known yet.
@@ -217,6 +230,7 @@ impl JointRecords {
             locks: self.locks.len(),
             rows: self.rows.len(),
             bodies: self.first.len(),
+            couplings: self.couplings.len(),
             ..events.fold(JointAdditions::default(), JointAdditions::and)
         }
     }
@@ -224,6 +238,11 @@ impl JointRecords {
     /// Slots of the two bodies of each joint.
     pub(crate) fn bodies(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.all.iter().filter(|joint| joint.is_there()).map(|joint| joint.bodies)
+    }
+
+    /// Slots of the bodies of both joints of each coupling.
+    pub(crate) fn coupled_bodies(&self) -> impl Iterator<Item = [[u32; 2]; 2]> + '_ {
+        self.couplings.joints().map(|joints| joints.map(|joint| self.all[joint as usize].bodies))
     }
 
     /// Reads what [`Joints::save_all`] wrote. `is_dynamic`: of each body slot that is taken, whether it is.
@@ -295,6 +314,8 @@ impl JointRecords {
             from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation)),
         );
         records.check_lists(live)?;
+        let exists = |joint: u32| records.all.get(joint as usize).is_some_and(Joint::is_there);
+        records.couplings = CouplingRecords::read(from, exists)?;
         Ok(records)
     }
 
@@ -378,11 +399,20 @@ fn lock_of(code: u32) -> Result<Option<LockKind>, Error> {
     })
 }
 
-fn axes_code(axes: Axes) -> u32 {
+pub(super) fn axes_code(axes: Axes) -> u32 {
     match axes {
         Axes::One(axis) => axis as u32,
         Axes::Around(axis) => 3 + axis as u32,
         Axes::All => 6,
+    }
+}
+
+pub(super) fn axes_of(code: u32) -> Option<Axes> {
+    match code {
+        axis @ 0..=2 => Some(Axes::One(Axis::ALL[axis as usize])),
+        axis @ 3..=5 => Some(Axes::Around(Axis::ALL[axis as usize - 3])),
+        6 => Some(Axes::All),
+        _ => None,
     }
 }
 
@@ -412,12 +442,7 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
     let part = |i: u32| code >> (4 * i) & 15;
     let no = || broken("a row of a joint");
     let motion = [Motion::Linear, Motion::Angular].into_iter().nth(part(0) as usize).ok_or_else(no)?;
-    let axes = match part(1) {
-        axis @ 0..=2 => Axes::One(Axis::ALL[axis as usize]),
-        axis @ 3..=5 => Axes::Around(Axis::ALL[axis as usize - 3]),
-        6 => Axes::All,
-        _ => return Err(no()),
-    };
+    let axes = axes_of(part(1)).ok_or_else(no)?;
     let spring = match part(3) {
         0 => None,
         1 => Some(Spring::Coefficients { stiffness: p, damping: q }),

@@ -1,9 +1,10 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
+use super::coupling::{Coupling, Couplings};
 use super::desc::{Axes, Drive, JointDesc, Limit, Motion, Spring};
 use super::frames::JointFrame;
 use crate::config::RowGroup;
-use crate::handle::{JointHandle, Slots};
+use crate::handle::{CouplingHandle, JointHandle, Slots};
 use crate::limits::MAX_LOAD;
 use crate::memory::{buffers, bytes_of};
 use glam::Vec3;
@@ -20,6 +21,9 @@ pub struct JointEvent {
     /// Its torque on the second body about the joint, the same [N m].
     pub torque: Vec3,
 }
+
+/// Rows that a coupling may add to the batches of a step: its own, and drives of its motions, which go along.
+pub(super) const COUPLING_ROWS: usize = 3;
 
 /// End of a list of joints.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -122,6 +126,7 @@ pub(crate) struct JointAdditions {
     pub(super) reporting: usize,
     pub(super) locks: usize,
     pub(super) rows: usize,
+    pub(super) couplings: usize,
     /// The list of bodies must be this long.
     pub(super) bodies: usize,
 }
@@ -148,6 +153,11 @@ impl JointAdditions {
         JointAdditions { breakable, reporting, ..JointAdditions::default() }
     }
 
+    /// For a coupling.
+    pub(crate) fn of_coupling() -> JointAdditions {
+        JointAdditions { couplings: 1, ..JointAdditions::default() }
+    }
+
     /// Locks, and other rows.
     pub(crate) fn rows(&self) -> (usize, usize) {
         (self.locks, self.rows)
@@ -161,6 +171,7 @@ impl JointAdditions {
             reporting: self.reporting + other.reporting,
             locks: self.locks + other.locks,
             rows: self.rows + other.rows,
+            couplings: self.couplings + other.couplings,
             bodies: self.bodies.max(other.bodies),
         }
     }
@@ -173,6 +184,8 @@ pub(crate) struct Joints {
     pub(crate) all: Vec<Joint>,
     pub(crate) locks: Vec<Lock>,
     pub(crate) rows: Vec<Row>,
+    /// What depends on two of their motions.
+    pub(crate) couplings: Couplings,
     /// By body slot: the first of its joints. As long as it has to be.
     pub(super) first: Vec<u32>,
     /// How many there are.
@@ -181,7 +194,7 @@ pub(crate) struct Joints {
     pub(crate) changed: bool,
     /// Joints were removed, and their rows are still there.
     pub(super) stale: bool,
-    /// Locks and rows that came since batches were last arranged.
+    /// Locks, rows and couplings that came since batches were last arranged.
     pub(super) fresh: usize,
     /// How many can break.
     pub(super) breakable: u32,
@@ -201,6 +214,7 @@ buffers! {
             slots(n.joints),
             locks(n.locks),
             rows(n.rows),
+            couplings(n.couplings),
             first(n.bodies),
             broken(n.breakable),
             strained(n.reporting),
@@ -227,6 +241,7 @@ impl Joints {
                 (row.impulse, row.lasting_impulse) = ([0.0; 2], 0.0);
             }
         }
+        self.couplings.forget_unsound();
     }
 
     pub(crate) fn add(&mut self, desc: &JointDesc, frames: [JointFrame; 2]) -> JointHandle {
@@ -277,8 +292,20 @@ impl Joints {
         self.breakable -= u32::from(is_bound(joint.strength));
         self.reporting -= u32::from(is_bound(joint.threshold));
         (joint.bodies, self.stale) = ([NONE; 2], true);
+        self.couplings.remove_of(slot);
         self.slots.remove(slot);
         self.count -= 1;
+        self.changed = true;
+    }
+
+    pub(crate) fn add_coupling(&mut self, coupling: Coupling) -> CouplingHandle {
+        self.fresh += COUPLING_ROWS;
+        self.changed = true;
+        self.couplings.add(coupling)
+    }
+
+    pub(crate) fn remove_coupling(&mut self, slot: u32) {
+        self.couplings.remove(slot);
         self.changed = true;
     }
 
@@ -305,6 +332,7 @@ impl Joints {
         self.compact();
         (self.locks, self.rows, self.first) = (Vec::new(), Vec::new(), Vec::new());
         (self.broken, self.strained) = (Vec::new(), Vec::new());
+        self.couplings.broken = Vec::new();
     }
 
     /// Limits with a width, drives, and how many of both are springs.
@@ -359,7 +387,7 @@ impl Joints {
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
     /// arranged for may have one for itself, of so many bytes.
     pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
-        let batches = (self.fresh + more.locks + more.rows) * batch;
+        let batches = (self.fresh + more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch;
         batches + self.missing_columns(more)
     }
 
@@ -383,6 +411,7 @@ impl Joints {
             reporting: self.reporting as usize + more.reporting,
             locks: self.locks.len() + more.locks,
             rows: self.rows.len() + more.rows,
+            couplings: self.couplings.slots_for(more.couplings),
             bodies: self.first.len().max(more.bodies),
         }
     }
@@ -393,6 +422,7 @@ impl Joints {
             joints: more.joints + self.all.len() / 4,
             locks: more.locks + self.locks.len() / 4,
             rows: more.rows + self.rows.len() / 4,
+            couplings: more.couplings + self.couplings.all.len() / 4,
             ..more
         }
     }
@@ -429,7 +459,7 @@ impl Joints {
 
     /// Whether there are events of the last step.
     pub(crate) fn has_events(&self) -> bool {
-        !(self.broken.is_empty() && self.strained.is_empty())
+        !(self.broken.is_empty() && self.strained.is_empty() && self.couplings.broken.is_empty())
     }
 
     pub(crate) fn any_reporting(&self) -> bool {

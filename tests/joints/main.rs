@@ -6,6 +6,7 @@ mod common;
 mod analytic;
 mod api;
 mod bridges;
+mod couplings;
 mod energy;
 mod fast;
 mod locks;

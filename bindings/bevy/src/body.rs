@@ -56,7 +56,7 @@ impl Default for PhysicsPose {
 /// Velocity of a body. Written after each step; a change of it sets the body's velocity before the next.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity {
-    /// Of its centre of mass [m/s].
+    /// That of its centre of mass [m/s].
     pub linear: Vec3,
     /// About the world's axes [rad/s].
     pub angular: Vec3,
@@ -92,9 +92,9 @@ pub struct GravityScale(pub f32);
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(on_remove = trait_removed)]
 pub struct Damping {
-    /// Of the linear velocity.
+    /// That of the linear velocity.
     pub linear: f32,
-    /// Of the angular velocity.
+    /// That of the angular velocity.
     pub angular: f32,
 }
 

@@ -26,7 +26,7 @@
 
 
 // Version of the interface: it grows with each addition, and what was there stays as it was.
-#define BS_ABI_VERSION 1
+#define BS_ABI_VERSION 2
 
 // No triangle: the shape is no mesh and no height field.
 #define BS_NO_TRIANGLE UINT32_MAX
@@ -76,6 +76,9 @@ typedef struct BsVec3 {
     float z;
 } BsVec3;
 
+// Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
+typedef uint8_t BsBool;
+
 // What moves a body, one of `BS_BODY_...`.
 typedef uint32_t BsBodyKind;
 
@@ -100,9 +103,6 @@ typedef struct BsQuat {
     // Real.
     float w;
 } BsQuat;
-
-// Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
-typedef uint8_t BsBool;
 
 // What a geometry is, one of `BS_GEOMETRY_...`.
 typedef uint32_t BsGeometryKind;
@@ -162,6 +162,18 @@ typedef struct BsFilter {
     uint32_t reserved;
 } BsFilter;
 
+// What few materials have: friction against rolling and spinning, and a belt. All zeros is none of them.
+typedef struct BsSurface {
+    // Lever arm of the load against rolling, at least zero [m].
+    float rolling_friction;
+    // Lever arm of the load against spinning, at least zero [m].
+    float spinning_friction;
+    // Velocity of the surface on the body, in the frame of the shape [m/s].
+    struct BsVec3 surface_velocity;
+    // Zero.
+    uint32_t reserved[3];
+} BsSurface;
+
 // A shape to be put on a body.
 typedef struct BsShapeDesc {
     // Size of this struct; `bs_shape_desc_default` fills it in.
@@ -186,6 +198,8 @@ typedef struct BsShapeDesc {
     struct BsFilter filter;
     // Free for the caller.
     uint64_t user_data;
+    // Friction against rolling and spinning, and a belt. Default none.
+    struct BsSurface surface;
 } BsShapeDesc;
 
 // Mass, centre and inertia of a solid.
@@ -243,6 +257,14 @@ typedef struct BsBodyDesc {
     uint8_t reserved;
     // Free for the caller.
     uint64_t user_data;
+    // Linear velocity decays as exp(-c t), at least zero [1/s]. Default 0.
+    float linear_damping;
+    // The same of angular velocity [1/s]. Default 0.
+    float angular_damping;
+    // No step leaves it faster, above zero [m/s]; infinity for no cap. Default infinity.
+    float max_linear_speed;
+    // The same of angular speed [rad/s]. Default infinity.
+    float max_angular_speed;
 } BsBodyDesc;
 
 // A body of a world. Stale once the body is removed: a stale handle is an error, never another body. All
@@ -291,6 +313,56 @@ typedef struct BsColumns {
     uint32_t angular_stride;
 } BsColumns;
 
+// A shape on a body. Stale once it or its body is removed. All zeros is no shape.
+typedef struct BsShape {
+    // Place in the world.
+    uint32_t slot;
+    // How often the place was taken.
+    uint32_t generation;
+} BsShape;
+
+// A point of a contact.
+typedef struct BsContactPoint {
+    // Midway between the two surfaces, where the bodies are now, in the world [m].
+    struct BsDVec3 position;
+    // Distance of the surfaces along the normal, negative in overlap [m].
+    float separation;
+    // Normal impulse of the last substep, at least zero [N s].
+    float impulse;
+} BsContactPoint;
+
+// A contact of two bodies: up to four points with one normal. Two shapes may have several, if one is a mesh
+// or a height field.
+typedef struct BsContact {
+    // The shape of the body that was asked for, and the other one.
+    struct BsShape shapes[2];
+    // The body that was asked for, and the other one.
+    struct BsBody bodies[2];
+    // Unit, from the first shape to the second.
+    struct BsVec3 normal;
+    // Number of points, 1..=4.
+    uint32_t point_count;
+    // Its points; zeros beyond their number.
+    struct BsContactPoint points[4];
+} BsContact;
+
+// A joint between two bodies. Stale once it breaks, or it or one of its bodies is removed. All zeros is no
+// joint.
+typedef struct BsJoint {
+    // Place in the world.
+    uint32_t slot;
+    // How often the place was taken.
+    uint32_t generation;
+} BsJoint;
+
+// A box along the axes of the world.
+typedef struct BsAabb {
+    // Its low corner [m].
+    struct BsDVec3 min;
+    // Its high corner [m].
+    struct BsDVec3 max;
+} BsAabb;
+
 // Settings of a character.
 typedef struct BsCharacterSettings {
     // Size of this struct; `bs_character_settings_default` fills it in.
@@ -316,14 +388,6 @@ typedef struct BsCharacterSettings {
     // The greatest force of a push [N]. Default 500.
     float strength;
 } BsCharacterSettings;
-
-// A shape on a body. Stale once it or its body is removed. All zeros is no shape.
-typedef struct BsShape {
-    // Place in the world.
-    uint32_t slot;
-    // How often the place was taken.
-    uint32_t generation;
-} BsShape;
 
 // The caller's own say whether a shape is seen: not zero if it is. It may read the world, and must not
 // change it, nor throw or jump out of the call.
@@ -358,6 +422,10 @@ typedef struct BsQueryFilter {
     BsQueryPredicate predicate;
     // What the predicate is called with.
     void *user;
+    // The only body whose shapes are seen; all zeros for any.
+    struct BsBody only_body;
+    // The only shape that is seen, whatever `only_body` says; all zeros for any.
+    struct BsShape only_shape;
 } BsQueryFilter;
 
 // What a character stands on.
@@ -558,15 +626,6 @@ typedef struct BsSensorEvent {
     float fraction;
 } BsSensorEvent;
 
-// A joint between two bodies. Stale once it breaks, or it or one of its bodies is removed. All zeros is no
-// joint.
-typedef struct BsJoint {
-    // Place in the world.
-    uint32_t slot;
-    // How often the place was taken.
-    uint32_t generation;
-} BsJoint;
-
 // What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
 typedef uint32_t BsJointKind;
 
@@ -667,7 +726,63 @@ typedef struct BsJointDesc {
     size_t drive_count;
     // Free for the caller.
     uint64_t user_data;
+    // Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
+    float force_threshold;
+    // The same of its torque [N m]. Default infinity.
+    float torque_threshold;
 } BsJointDesc;
+
+// A joint that bore more than one of its thresholds.
+typedef struct BsStrainedJoint {
+    // The joint.
+    struct BsJoint joint;
+    // Its force on the second body in the last substep, in world axes [N].
+    struct BsVec3 force;
+    // Its torque on the second body about the joint [N m].
+    struct BsVec3 torque;
+} BsStrainedJoint;
+
+// A motion of a joint that is coupled to another one.
+typedef struct BsCoupledMotion {
+    // The joint. It need not restrict this motion.
+    struct BsJoint joint;
+    // Sliding or turning.
+    BsMotion motion;
+    // Along or about which axes. An angle is about one axis.
+    BsJointAxes axes;
+    // Factor on the displacement, of magnitude 1e-9 to 1e9.
+    double factor;
+} BsCoupledMotion;
+
+// A coupling to be added: the sum of two motions, each times its factor, is kept at a value or within a
+// range.
+typedef struct BsCouplingDesc {
+    // Size of this struct; the functions that make one fill it in.
+    uint32_t size;
+    // Whether the sum is kept within `min` and `max`, and not at what it is when the coupling is added.
+    BsBool has_range;
+    // Zero.
+    uint8_t reserved[3];
+    // The two motions.
+    struct BsCoupledMotion motions[2];
+    // Least sum; minus infinity for none.
+    double min;
+    // Greatest sum; infinity for none.
+    double max;
+    // The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
+    float strength[2];
+    // Free for the caller.
+    uint64_t user_data;
+} BsCouplingDesc;
+
+// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All zeros
+// is no coupling.
+typedef struct BsCoupling {
+    // Place in the world.
+    uint32_t slot;
+    // How often the place was taken.
+    uint32_t generation;
+} BsCoupling;
 
 // A ray.
 typedef struct BsRay {
@@ -782,6 +897,8 @@ typedef struct BsSkeletonDesc {
     float friction;
     // Zero.
     uint32_t reserved;
+    // Friction against rolling and spinning of all bones, and a belt. Default none.
+    struct BsSurface surface;
 } BsSkeletonDesc;
 
 // What memory is for, one of `BS_CATEGORY_...`: an index into `BsMemoryReport::of` and
@@ -1043,6 +1160,27 @@ typedef struct BsModelPart {
 
 // Refused for a reason that this header has no code for; `bs_last_error` has its words.
 #define BS_ERROR_OTHER 24
+
+// The character handle is stale: its character was removed.
+#define BS_ERROR_STALE_CHARACTER 25
+
+// A world that is being recorded can't be restored.
+#define BS_ERROR_RECORDED 26
+
+// A target for a drive that the joint does not have.
+#define BS_ERROR_NO_DRIVE 27
+
+// Bytes that are no baked shape, or no longer.
+#define BS_ERROR_BROKEN_SHAPE 28
+
+// A baked shape of another version of its format.
+#define BS_ERROR_SHAPE_VERSION 29
+
+// The coupling handle is stale: it broke, or it or one of its joints was removed.
+#define BS_ERROR_STALE_COUPLING 30
+
+// A motion that cannot be coupled.
+#define BS_ERROR_COUPLED_MOTION 31
 
 // Three `double`s: in the world [m].
 #define BS_POSITIONS_F64 0
@@ -1401,6 +1539,85 @@ BsStatus bs_height_field_corners(const struct BsHeightField *field,
                                  uint32_t triangle,
                                  struct BsVec3 *corners);
 
+// A hull in another size, by a factor along each axis. The caller has a reference to it.
+BS_API BsStatus bs_hull_scaled(const struct BsHull *hull, struct BsVec3 scale, const struct BsHull **scaled);
+
+// A hull as bytes, which `bs_hull_from_bytes` reads without building it again. `count` becomes the number
+// of bytes.
+BS_API BsStatus bs_hull_to_bytes(const struct BsHull *hull, uint8_t *bytes, size_t capacity, size_t *count);
+
+// A hull from bytes of `bs_hull_to_bytes`, which are checked. The caller has a reference to it.
+BS_API BsStatus bs_hull_from_bytes(const uint8_t *bytes, size_t count, const struct BsHull **hull);
+
+// A mesh in another size, by a factor along each axis. The caller has a reference to it.
+BS_API BsStatus bs_mesh_scaled(const struct BsMesh *mesh, struct BsVec3 scale, const struct BsMesh **scaled);
+
+// A mesh as bytes, which `bs_mesh_from_bytes` reads without building it again. `count` becomes the number
+// of bytes.
+BS_API BsStatus bs_mesh_to_bytes(const struct BsMesh *mesh, uint8_t *bytes, size_t capacity, size_t *count);
+
+// A mesh from bytes of `bs_mesh_to_bytes`, which are checked. The caller has a reference to it.
+BS_API BsStatus bs_mesh_from_bytes(const uint8_t *bytes, size_t count, const struct BsMesh **mesh);
+
+// The low and the high corner of a mesh [m].
+BS_API BsStatus bs_mesh_bounds(const struct BsMesh *mesh, struct BsVec3 *low, struct BsVec3 *high);
+
+// A height field in another size, by a factor along each axis. The caller has a reference to it.
+BS_API
+BsStatus bs_height_field_scaled(const struct BsHeightField *field,
+                                struct BsVec3 scale,
+                                const struct BsHeightField **scaled);
+
+// A height field as bytes, which `bs_height_field_from_bytes` reads without building it again. `count` becomes the number
+// of bytes.
+BS_API
+BsStatus bs_height_field_to_bytes(const struct BsHeightField *field,
+                                  uint8_t *bytes,
+                                  size_t capacity,
+                                  size_t *count);
+
+// A height field from bytes of `bs_height_field_to_bytes`, which are checked. The caller has a reference to it.
+BS_API
+BsStatus bs_height_field_from_bytes(const uint8_t *bytes,
+                                    size_t count,
+                                    const struct BsHeightField **field);
+
+// The low and the high corner of a height field [m].
+BS_API
+BsStatus bs_height_field_bounds(const struct BsHeightField *field,
+                                struct BsVec3 *low,
+                                struct BsVec3 *high);
+
+// How far the furthest given point is outside of a hull [m]: within rounding, unless its vertices were too
+// many.
+BS_API BsStatus bs_hull_left_out(const struct BsHull *hull, float *distance);
+
+// The faces of a hull: for each the number of its vertices, in `sizes`, and their indices one after another
+// in `indices`, counter-clockwise seen from outside. The counts become the numbers of both.
+BS_API
+BsStatus bs_hull_faces(const struct BsHull *hull,
+                       uint16_t *sizes,
+                       size_t size_capacity,
+                       size_t *size_count,
+                       uint16_t *indices,
+                       size_t index_capacity,
+                       size_t *index_count);
+
+// A height field without `count` of its cells: what falls there falls through. `cells` has a column and a
+// row for each, two numbers. The caller has a reference to the result.
+BS_API
+BsStatus bs_height_field_with_holes(const struct BsHeightField *field,
+                                    const size_t *cells,
+                                    size_t count,
+                                    const struct BsHeightField **holed);
+
+// Whether a cell of a height field is a hole; no beyond the last.
+BS_API
+BsStatus bs_height_field_is_hole(const struct BsHeightField *field,
+                                 size_t column,
+                                 size_t row,
+                                 BsBool *hole);
+
 // Adds a body.
 BS_API BsStatus bs_world_add_body(struct BsWorld *world, const struct BsBodyDesc *desc, struct BsBody *body);
 
@@ -1520,6 +1737,150 @@ BsStatus bs_world_read_bodies(const struct BsWorld *world,
                               const struct BsBody *bodies,
                               size_t count,
                               const struct BsColumns *into);
+
+// Makes a body static, kinematic or dynamic; it keeps its handle, pose, shapes and joints.
+BS_API BsStatus bs_body_set_kind(struct BsWorld *world, struct BsBody body, BsBodyKind kind);
+
+// Sets the caller's number of a body.
+BS_API BsStatus bs_body_set_user_data(struct BsWorld *world, struct BsBody body, uint64_t user_data);
+
+// Factor on gravity.
+BS_API BsStatus bs_body_gravity_scale(const struct BsWorld *world, struct BsBody body, float *scale);
+
+// Linear and angular damping [1/s]; each pointer may be null.
+BS_API
+BsStatus bs_body_damping(const struct BsWorld *world,
+                         struct BsBody body,
+                         float *linear,
+                         float *angular);
+
+// Sets linear and angular damping, at least zero [1/s]: velocity decays as exp(-c t).
+BS_API BsStatus bs_body_set_damping(struct BsWorld *world, struct BsBody body, float linear, float angular);
+
+// Caps on linear [m/s] and angular speed [rad/s], infinity for none; each pointer may be null.
+BS_API
+BsStatus bs_body_max_speeds(const struct BsWorld *world,
+                            struct BsBody body,
+                            float *linear,
+                            float *angular);
+
+// Caps linear [m/s] and angular speed [rad/s], above zero; infinity for no cap.
+BS_API
+BsStatus bs_body_set_max_speeds(struct BsWorld *world,
+                                struct BsBody body,
+                                float linear,
+                                float angular);
+
+// World axes along which a body can't move, and about which it can't turn, as bits of `BS_AXIS_BIT_...`;
+// each pointer may be null.
+BS_API
+BsStatus bs_body_locks(const struct BsWorld *world,
+                       struct BsBody body,
+                       BsAxes *translation,
+                       BsAxes *rotation);
+
+// Locks world axes, as bits of `BS_AXIS_BIT_...`.
+BS_API
+BsStatus bs_body_set_locks(struct BsWorld *world,
+                           struct BsBody body,
+                           BsAxes translation,
+                           BsAxes rotation);
+
+// How a body is kept from passing through others.
+BS_API BsStatus bs_body_continuous(const struct BsWorld *world, struct BsBody body, BsContinuous *mode);
+
+// The group after which the rows of a body are solved, or `BS_ROWS_NONE`.
+BS_API BsStatus bs_body_solved_after(const struct BsWorld *world, struct BsBody body, BsRowGroup *group);
+
+// Whether a body may fall asleep.
+BS_API BsStatus bs_body_can_sleep(const struct BsWorld *world, struct BsBody body, BsBool *can_sleep);
+
+// Sets the linear velocity alone [m/s].
+BS_API BsStatus bs_body_set_linear_velocity(struct BsWorld *world, struct BsBody body, struct BsVec3 linear);
+
+// Sets the angular velocity alone [rad/s].
+BS_API
+BsStatus bs_body_set_angular_velocity(struct BsWorld *world,
+                                      struct BsBody body,
+                                      struct BsVec3 angular);
+
+// Velocity of a body at a point of the world [m], as if the point were fixed to it [m/s].
+BS_API
+BsStatus bs_body_velocity_at(const struct BsWorld *world,
+                             struct BsBody body,
+                             struct BsDVec3 point,
+                             struct BsVec3 *velocity);
+
+// Adds a force [N] at a point of the world [m] to a dynamic body, for the next step.
+BS_API
+BsStatus bs_body_add_force_at(struct BsWorld *world,
+                              struct BsBody body,
+                              struct BsVec3 force,
+                              struct BsDVec3 point);
+
+// Changes the angular velocity of a dynamic body by an angular impulse [N m s].
+BS_API
+BsStatus bs_body_apply_angular_impulse(struct BsWorld *world,
+                                       struct BsBody body,
+                                       struct BsVec3 impulse);
+
+// Mass, centre and inertia of a body; without mass for static and kinematic bodies.
+BS_API
+BsStatus bs_body_mass_properties(const struct BsWorld *world,
+                                 struct BsBody body,
+                                 struct BsMassProperties *mass);
+
+// Whether the mass of a body follows from its shapes.
+BS_API
+BsStatus bs_body_has_mass_from_shapes(const struct BsWorld *world,
+                                      struct BsBody body,
+                                      BsBool *from_shapes);
+
+// Contacts of a body in the last step, with shapes that it touched or that pushed it. Sensors have none.
+// `count` becomes their number.
+BS_API
+BsStatus bs_body_contacts(const struct BsWorld *world,
+                          struct BsBody body,
+                          struct BsContact *contacts,
+                          size_t capacity,
+                          size_t *count);
+
+// All contacts of the last step, each once. `count` becomes their number.
+BS_API
+BsStatus bs_world_contacts(const struct BsWorld *world,
+                           struct BsContact *contacts,
+                           size_t capacity,
+                           size_t *count);
+
+// Awake dynamic bodies. `count` becomes their number.
+BS_API
+BsStatus bs_world_awake_bodies(const struct BsWorld *world,
+                               struct BsBody *bodies,
+                               size_t capacity,
+                               size_t *count);
+
+// Bodies that the last step moved: to be called after a step, before other calls change bodies. `count`
+// becomes their number.
+BS_API
+BsStatus bs_world_moved_bodies(const struct BsWorld *world,
+                               struct BsBody *bodies,
+                               size_t capacity,
+                               size_t *count);
+
+// The joints of a body. `count` becomes their number.
+BS_API
+BsStatus bs_body_joints(const struct BsWorld *world,
+                        struct BsBody body,
+                        struct BsJoint *joints,
+                        size_t capacity,
+                        size_t *count);
+
+// The box around all shapes of a body. `found` becomes whether it has shapes; if not, the box is as it was.
+BS_API
+BsStatus bs_body_aabb(const struct BsWorld *world,
+                      struct BsBody body,
+                      struct BsAabb *aabb,
+                      BsBool *found);
 
 // A dynamic body at the origin, at rest, without shapes.
 BS_API struct BsBodyDesc bs_body_desc_default(void);
@@ -1715,6 +2076,209 @@ BS_API BsStatus bs_joint_solve_after(struct BsWorld *world, struct BsJoint joint
 // The caller's number of a joint.
 BS_API BsStatus bs_joint_user_data(const struct BsWorld *world, struct BsJoint joint, uint64_t *user_data);
 
+// Replaces the drive of a joint with the same motion and axis, or adds it.
+BS_API
+BsStatus bs_joint_set_drive(struct BsWorld *world,
+                            struct BsJoint joint,
+                            const struct BsDriveDesc *drive);
+
+// Removes the drive of a joint with a motion and an axis. `removed` becomes whether there was one; it may be
+// null.
+BS_API
+BsStatus bs_joint_remove_drive(struct BsWorld *world,
+                               struct BsJoint joint,
+                               BsMotion motion,
+                               BsJointAxes axis,
+                               BsBool *removed);
+
+// Sets the targets of a drive: a position [m] or [rad] and a velocity [m/s] or [rad/s]. Meant for every
+// step.
+BS_API
+BsStatus bs_joint_set_target(struct BsWorld *world,
+                             struct BsJoint joint,
+                             BsMotion motion,
+                             BsJointAxes axis,
+                             float position,
+                             float velocity);
+
+// Replaces the limit of a joint with the same motion and axes, or adds it.
+BS_API
+BsStatus bs_joint_set_limit(struct BsWorld *world,
+                            struct BsJoint joint,
+                            const struct BsLimitDesc *limit);
+
+// Removes the limit of a joint with a motion and axes. `removed` becomes whether there was one; it may be
+// null.
+BS_API
+BsStatus bs_joint_remove_limit(struct BsWorld *world,
+                               struct BsJoint joint,
+                               BsMotion motion,
+                               BsJointAxes axes,
+                               BsBool *removed);
+
+// The limits of a joint, those of its kind among them. `count` becomes their number.
+BS_API
+BsStatus bs_joint_limits(const struct BsWorld *world,
+                         struct BsJoint joint,
+                         struct BsLimitDesc *limits,
+                         size_t capacity,
+                         size_t *count);
+
+// The drives of a joint. `count` becomes their number.
+BS_API
+BsStatus bs_joint_drives(const struct BsWorld *world,
+                         struct BsJoint joint,
+                         struct BsDriveDesc *drives,
+                         size_t capacity,
+                         size_t *count);
+
+// Displacement of a joint along or about axes [m] or [rad], as its limits measure it.
+BS_API
+BsStatus bs_joint_displacement(const struct BsWorld *world,
+                               struct BsJoint joint,
+                               BsMotion motion,
+                               BsJointAxes axes,
+                               float *displacement);
+
+// Speed of a joint along or about an axis [m/s] or [rad/s].
+BS_API
+BsStatus bs_joint_speed(const struct BsWorld *world,
+                        struct BsJoint joint,
+                        BsMotion motion,
+                        BsJointAxes axis,
+                        float *speed);
+
+// Where a joint sits on its two bodies, in their axes. `frames` has two places.
+BS_API
+BsStatus bs_joint_local_frames(const struct BsWorld *world,
+                               struct BsJoint joint,
+                               struct BsFrame *frames);
+
+// Moves a joint on its two bodies. `frames` has two elements.
+BS_API
+BsStatus bs_joint_set_frames(struct BsWorld *world,
+                             struct BsJoint joint,
+                             const struct BsFrame *frames);
+
+// Whether the two bodies of a joint collide with each other.
+BS_API BsStatus bs_joint_collide(const struct BsWorld *world, struct BsJoint joint, BsBool *collide);
+
+// Sets whether the two bodies of a joint collide with each other.
+BS_API BsStatus bs_joint_set_collide(struct BsWorld *world, struct BsJoint joint, BsBool collide);
+
+// Force [N] and torque [N m] above which a joint breaks; each pointer may be null.
+BS_API
+BsStatus bs_joint_strength(const struct BsWorld *world,
+                           struct BsJoint joint,
+                           float *force,
+                           float *torque);
+
+// Sets force [N] and torque [N m] above which a joint breaks; infinity for never.
+BS_API BsStatus bs_joint_set_strength(struct BsWorld *world, struct BsJoint joint, float force, float torque);
+
+// Force [N] and torque [N m] above which a joint is in `bs_world_strained_joints`; each pointer may be null.
+BS_API
+BsStatus bs_joint_thresholds(const struct BsWorld *world,
+                             struct BsJoint joint,
+                             float *force,
+                             float *torque);
+
+// Sets force [N] and torque [N m] above which a joint is in `bs_world_strained_joints`; infinity for never.
+BS_API
+BsStatus bs_joint_set_thresholds(struct BsWorld *world,
+                                 struct BsJoint joint,
+                                 float force,
+                                 float torque);
+
+// Sets the caller's number of a joint.
+BS_API BsStatus bs_joint_set_user_data(struct BsWorld *world, struct BsJoint joint, uint64_t user_data);
+
+// Joints that bore more than one of their thresholds in the last step, in the order of their slots. `count`
+// becomes their number.
+BS_API
+BsStatus bs_world_strained_joints(const struct BsWorld *world,
+                                  struct BsStrainedJoint *joints,
+                                  size_t capacity,
+                                  size_t *count);
+
+// Keeps the sum of two motions at what it is.
+BS_API
+struct BsCouplingDesc bs_coupling_desc_default(struct BsCoupledMotion first,
+                                               struct BsCoupledMotion second);
+
+// Two meshing gears on hinges about the frames' x, by their numbers of teeth. A negative number, for one of
+// the two, makes them turn alike.
+BS_API
+struct BsCouplingDesc bs_coupling_desc_gear(struct BsJoint first,
+                                            struct BsJoint second,
+                                            double first_teeth,
+                                            double second_teeth);
+
+// A pinion on a hinge and a rack on a slider, both along the frames' x: by one turn the rack travels
+// 2 pi `radius` [m].
+BS_API
+struct BsCouplingDesc bs_coupling_desc_rack(struct BsJoint hinge,
+                                            struct BsJoint slider,
+                                            double radius);
+
+// A screw: by one turn about the frames' x of a joint that leaves both free, it travels `lead` [m] along it.
+BS_API struct BsCouplingDesc bs_coupling_desc_screw(struct BsJoint joint, double lead);
+
+// A rope over two pulleys: the distance of the first joint's frames and `ratio` times that of the second's
+// are together at most `length` [m].
+BS_API
+struct BsCouplingDesc bs_coupling_desc_pulley(struct BsJoint first,
+                                              struct BsJoint second,
+                                              double ratio,
+                                              double length);
+
+// Adds a coupling of two motions of joints. `coupling` may be null.
+BS_API
+BsStatus bs_world_add_coupling(struct BsWorld *world,
+                               const struct BsCouplingDesc *desc,
+                               struct BsCoupling *coupling);
+
+// Removes a coupling.
+BS_API BsStatus bs_world_remove_coupling(struct BsWorld *world, struct BsCoupling coupling);
+
+// The displacements of a coupling's two motions [m] or [rad], with whole turns; each pointer may be null.
+BS_API
+BsStatus bs_coupling_displacements(const struct BsWorld *world,
+                                   struct BsCoupling coupling,
+                                   double *first,
+                                   double *second);
+
+// The sum that a coupling keeps: of both displacements times their factors.
+BS_API BsStatus bs_coupling_sum(const struct BsWorld *world, struct BsCoupling coupling, double *sum);
+
+// What a coupling exerted on each of its motions in the last substep [N] or [N m]; each pointer may be null.
+BS_API
+BsStatus bs_coupling_force(const struct BsWorld *world,
+                           struct BsCoupling coupling,
+                           float *first,
+                           float *second);
+
+// Sets the factors of a coupling where its motions are: shifts a gear.
+BS_API
+BsStatus bs_coupling_set_factors(struct BsWorld *world,
+                                 struct BsCoupling coupling,
+                                 double first,
+                                 double second);
+
+// Sets the range of a coupling's sum, infinite for no end.
+BS_API
+BsStatus bs_coupling_set_range(struct BsWorld *world,
+                               struct BsCoupling coupling,
+                               double min,
+                               double max);
+
+// Couplings that broke in the last step; their handles are stale. `count` becomes their number.
+BS_API
+BsStatus bs_world_broken_couplings(const struct BsWorld *world,
+                                   struct BsCoupling *couplings,
+                                   size_t capacity,
+                                   size_t *count);
+
 // A rigid limit.
 BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
 
@@ -1832,6 +2396,16 @@ BsStatus bs_world_overlap(const struct BsWorld *world,
                           struct BsOverlap *overlaps,
                           size_t capacity,
                           size_t *count);
+
+// All shapes whose boxes meet a box along the axes of the world, by their handles: a cheap first choice of
+// what may be there. `count` becomes their number.
+BS_API
+BsStatus bs_world_overlap_aabb(const struct BsWorld *world,
+                               struct BsAabb area,
+                               const struct BsQueryFilter *filter,
+                               struct BsOverlap *overlaps,
+                               size_t capacity,
+                               size_t *count);
 
 // Whether a convex shape at a pose overlaps or touches anything.
 BS_API
@@ -1963,7 +2537,7 @@ BsStatus bs_shape_material(const struct BsWorld *world,
                            struct BsShape shape,
                            struct BsMaterial *material);
 
-// Replaces friction and restitution of a shape.
+// Replaces friction and restitution of a shape; its surface stays.
 BS_API
 BsStatus bs_shape_set_material(struct BsWorld *world,
                                struct BsShape shape,
@@ -1994,6 +2568,62 @@ BsStatus bs_geometry_triangles(const struct BsGeometry *geometry,
                                struct BsVec3 *corners,
                                size_t capacity,
                                size_t *count);
+
+// The body of a shape.
+BS_API BsStatus bs_shape_body(const struct BsWorld *world, struct BsShape shape, struct BsBody *body);
+
+// Which shapes a shape collides with.
+BS_API BsStatus bs_shape_filter(const struct BsWorld *world, struct BsShape shape, struct BsFilter *filter);
+
+// Whether contacts of a shape are reported as events.
+BS_API BsStatus bs_shape_has_events(const struct BsWorld *world, struct BsShape shape, BsBool *events);
+
+// Whether a shape is a sensor.
+BS_API BsStatus bs_shape_is_sensor(const struct BsWorld *world, struct BsShape shape, BsBool *sensor);
+
+// Sets the caller's number of a shape.
+BS_API BsStatus bs_shape_set_user_data(struct BsWorld *world, struct BsShape shape, uint64_t user_data);
+
+// Friction of a shape against rolling and spinning, and its belt.
+BS_API
+BsStatus bs_shape_surface(const struct BsWorld *world,
+                          struct BsShape shape,
+                          struct BsSurface *surface);
+
+// Replaces friction of a shape against rolling and spinning, and its belt; the rest of its material stays.
+BS_API BsStatus bs_shape_set_surface(struct BsWorld *world, struct BsShape shape, struct BsSurface surface);
+
+// Replaces the form of a shape. Mass follows if it is that of the shapes.
+BS_API
+BsStatus bs_shape_set_geometry(struct BsWorld *world,
+                               struct BsShape shape,
+                               const struct BsGeometry *geometry);
+
+// Where the frame of a shape is in its body's [m], and how it is turned; each pointer may be null.
+BS_API
+BsStatus bs_shape_pose(const struct BsWorld *world,
+                       struct BsShape shape,
+                       struct BsVec3 *position,
+                       struct BsQuat *rotation);
+
+// Moves a shape on its body [m]. Mass follows if it is that of the shapes.
+BS_API
+BsStatus bs_shape_set_pose(struct BsWorld *world,
+                           struct BsShape shape,
+                           struct BsVec3 position,
+                           struct BsQuat rotation);
+
+// Where the frame of a shape is in the world.
+BS_API BsStatus bs_shape_world_pose(const struct BsWorld *world, struct BsShape shape, struct BsPose *pose);
+
+// Density of a shape [kg/m³].
+BS_API BsStatus bs_shape_density(const struct BsWorld *world, struct BsShape shape, float *density);
+
+// Replaces the density of a shape [kg/m³]. Mass follows if it is that of the shapes.
+BS_API BsStatus bs_shape_set_density(struct BsWorld *world, struct BsShape shape, float density);
+
+// The box around a shape, along the axes of the world.
+BS_API BsStatus bs_shape_aabb(const struct BsWorld *world, struct BsShape shape, struct BsAabb *aabb);
 
 // An empty snapshot, to be filled by `bs_world_snapshot`, again and again without new memory.
 BS_API BsStatus bs_snapshot_create(struct BsSnapshot **snapshot);

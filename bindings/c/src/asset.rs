@@ -1,5 +1,9 @@
 //! Hulls, meshes and height fields: built once, shared by any number of shapes, counted.
 
+mod more;
+
+pub use more::*;
+
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out, slice};
 use crate::abi::status::{BsStatus, Outcome, Refusal};

@@ -1,9 +1,13 @@
 //! Bodies: added, looked up, moved, changed, removed.
 
 mod bulk;
+mod change;
+mod contacts;
 mod desc;
 
 pub use bulk::*;
+pub use change::*;
+pub use contacts::*;
 pub use desc::*;
 
 pub(crate) use desc::write_kind;

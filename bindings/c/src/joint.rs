@@ -1,7 +1,11 @@
 //! Joints: added, looked up, changed, removed.
 
+mod change;
+mod coupling;
 mod desc;
 
+pub use change::*;
+pub use coupling::*;
 pub use desc::*;
 
 use crate::abi::guard::{call, value_or};
@@ -104,7 +108,7 @@ pub unsafe extern "C" fn bs_joint_frames_at(
         let (content, out) =
             unsafe { (reading(world)?, Out::new("the frames", frames.cast::<[BsFrame; 2]>())?) };
         let found = content.frames_at([a.into(), b.into()], point.into(), rotation.into())?;
-        out.set(found.map(|f| BsFrame { position: f.position.into(), rotation: f.rotation.into() }));
+        out.set(found.map(BsFrame::of_engine));
         Ok(())
     })
 }
@@ -121,11 +125,7 @@ pub unsafe extern "C" fn bs_joint_frames(
         let (content, out) =
             unsafe { (reading(world)?, Out::new("the poses", poses.cast::<[BsPose; 2]>())?) };
         let found = content.joint_frames(joint.into())?;
-        let pose = |(position, rotation): (backstop::glam::DVec3, backstop::glam::Quat)| BsPose {
-            position: position.into(),
-            rotation: rotation.into(),
-        };
-        out.set(found.map(pose));
+        out.set(found.map(Into::into));
         Ok(())
     })
 }

@@ -5,11 +5,12 @@ use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
 use crate::abi::sized::{described, read_or_default};
 use crate::abi::status::{BsStatus, Outcome};
-use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
+use crate::abi::values::{BsAabb, BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
 use crate::shape::{BsFilter, BsGeometry, bs_filter_default};
 use crate::world::{BsWorld, reading};
 use backstop::{
-    BodyHandle, ClosestPoint, Geometry, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHandle, ShapeHit,
+    BodyHandle, ClosestPoint, Geometry, Overlap, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast,
+    ShapeHandle, ShapeHit,
 };
 use std::ffi::c_void;
 use std::ptr::null_mut;
@@ -50,11 +51,15 @@ pub struct BsQueryFilter {
     pub predicate: BsQueryPredicate,
     /// What the predicate is called with.
     pub user: *mut c_void,
+    /// The only body whose shapes are seen; all zeros for any.
+    pub only_body: BsBody,
+    /// The only shape that is seen, whatever `only_body` says; all zeros for any.
+    pub only_shape: BsShape,
 }
 
 described! { BsQueryFilter, bs_query_filter_default(), [
     size, statics, kinematic, dynamic, sensors, skip_inside, has_filter, reserved, filter, exclude_body,
-    exclude_shape, predicate, user,
+    exclude_shape, predicate, user, only_body, only_shape,
 ] }
 
 /// All shapes but sensors.
@@ -74,6 +79,8 @@ pub extern "C" fn bs_query_filter_default() -> BsQueryFilter {
         exclude_shape: BsShape::NONE,
         predicate: None,
         user: null_mut(),
+        only_body: BsBody::NONE,
+        only_shape: BsShape::NONE,
     }
 }
 
@@ -101,6 +108,11 @@ pub(crate) unsafe fn with_filter(
     query.skip_inside = filter.skip_inside != 0;
     query.exclude_body = (filter.exclude_body != BsBody::NONE).then(|| filter.exclude_body.into());
     query.exclude_shape = (filter.exclude_shape != BsShape::NONE).then(|| filter.exclude_shape.into());
+    if filter.only_shape != BsShape::NONE {
+        query.only = Some(QueryTarget::Shape(filter.only_shape.into()));
+    } else if filter.only_body != BsBody::NONE {
+        query.only = Some(QueryTarget::Body(filter.only_body.into()));
+    }
     if filter.predicate.is_some() {
         query.predicate = Some(&allows);
     }
@@ -411,6 +423,32 @@ pub unsafe extern "C" fn bs_world_overlap(
         let ask = |filter: &QueryFilter<'_>| {
             let mut found = Vec::new();
             content.overlap(&shape, pose.position.into(), pose.rotation.into(), filter, &mut found)?;
+            let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
+            out.fill(found.into_iter().map(own))
+        };
+        // SAFETY: the caller keeps to the header.
+        unsafe { with_filter(filter, ask) }
+    })
+}
+
+/// All shapes whose boxes meet a box along the axes of the world, by their handles: a cheap first choice of
+/// what may be there. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_overlap_aabb(
+    world: *const BsWorld,
+    area: BsAabb,
+    filter: *const BsQueryFilter,
+    overlaps: *mut BsOverlap,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) =
+            unsafe { (reading(world)?, Buffer::new("overlaps", overlaps, capacity, count)?) };
+        let ask = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            content.overlap_aabb(&area.into(), filter, &mut found)?;
             let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
             out.fill(found.into_iter().map(own))
         };

@@ -5,7 +5,7 @@ use crate::abi::pointers::Buffer;
 use crate::abi::sized::{described, read, read_all};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
 use crate::abi::values::{BsBody, BsJoint, BsPose, BsVec3};
-use crate::shape::{BsFilter, BsMaterial, bs_filter_default, bs_material_default};
+use crate::shape::{BsFilter, BsMaterial, BsSurface, bs_filter_default, bs_material_default};
 use crate::world::{BsWorld, changing};
 use backstop::glam::Quat;
 use backstop::{Bone, BoneJoint, Skeleton};
@@ -98,10 +98,12 @@ pub struct BsSkeletonDesc {
     pub friction: f32,
     /// Zero.
     pub reserved: u32,
+    /// Friction against rolling and spinning of all bones, and a belt. Default none.
+    pub surface: BsSurface,
 }
 
 described! { BsSkeletonDesc, bs_skeleton_desc_default(), [
-    size, density, bones, bone_count, material, filter, friction, reserved,
+    size, density, bones, bone_count, material, filter, friction, reserved, surface,
 ] }
 
 /// A skeleton of ordinary flesh without bones.
@@ -116,6 +118,7 @@ pub extern "C" fn bs_skeleton_desc_default() -> BsSkeletonDesc {
         filter: bs_filter_default(),
         friction: 0.0,
         reserved: 0,
+        surface: BsSurface::NONE,
     }
 }
 
@@ -201,7 +204,7 @@ pub unsafe extern "C" fn bs_world_add_ragdoll(
         joints.reserve(bones.iter().filter(|bone| bone.parent.is_some()).count())?;
         let skeleton = Skeleton::new(bones)
             .with_density(desc.density)
-            .with_material(desc.material.to_engine()?)
+            .with_material(desc.surface.on(desc.material.to_engine()?))
             .with_filter(desc.filter.to_engine())
             .with_friction(desc.friction);
         let (position, rotation) = (pose.position.into(), Quat::from(pose.rotation));

@@ -102,6 +102,10 @@ pub(crate) fn read_place(group: BsRowGroup) -> Outcome<Option<RowGroup>> {
     if group == BS_ROWS_NONE { Ok(None) } else { read_group(group).map(Some) }
 }
 
+pub(crate) fn write_place(group: Option<RowGroup>) -> BsRowGroup {
+    group.map_or(BS_ROWS_NONE, write_group)
+}
+
 /// No limit of bytes.
 pub const BS_NO_LIMIT: u64 = u64::MAX;
 /// Places for categories in budgets and reports; more than there are, so that new ones find theirs.

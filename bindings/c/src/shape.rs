@@ -1,5 +1,9 @@
 //! Shapes: what they are, what they are made of, and on which body.
 
+mod change;
+
+pub use change::*;
+
 use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, borrow};
 use crate::abi::sized::{described, read};
@@ -199,7 +203,12 @@ pub struct BsMaterial {
 
 impl BsMaterial {
     pub(crate) fn to_engine(self) -> Outcome<Material> {
-        Ok(Material::default()
+        self.on(Material::default())
+    }
+
+    /// A material with this friction and restitution, and all else as it is.
+    fn on(self, material: Material) -> Outcome<Material> {
+        Ok(material
             .with_static_friction(self.static_friction)
             .with_dynamic_friction(self.dynamic_friction)
             .with_restitution(self.restitution)
@@ -215,6 +224,46 @@ impl BsMaterial {
             friction_combine: write_combine(material.friction_combine),
             restitution_combine: write_combine(material.restitution_combine),
             reserved: 0,
+        }
+    }
+}
+
+/// What few materials have: friction against rolling and spinning, and a belt. All zeros is none of them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BsSurface {
+    /// Lever arm of the load against rolling, at least zero [m].
+    pub rolling_friction: f32,
+    /// Lever arm of the load against spinning, at least zero [m].
+    pub spinning_friction: f32,
+    /// Velocity of the surface on the body, in the frame of the shape [m/s].
+    pub surface_velocity: BsVec3,
+    /// Zero.
+    pub reserved: [u32; 3],
+}
+
+impl BsSurface {
+    pub(crate) const NONE: BsSurface = BsSurface {
+        rolling_friction: 0.0,
+        spinning_friction: 0.0,
+        surface_velocity: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
+        reserved: [0; 3],
+    };
+
+    /// The material with this surface.
+    pub(crate) fn on(self, material: Material) -> Material {
+        material
+            .with_rolling_friction(self.rolling_friction)
+            .with_spinning_friction(self.spinning_friction)
+            .with_surface_velocity(backstop::glam::Vec3::from(self.surface_velocity))
+    }
+
+    fn of_engine(material: Material) -> BsSurface {
+        BsSurface {
+            rolling_friction: material.rolling_friction,
+            spinning_friction: material.spinning_friction,
+            surface_velocity: material.surface_velocity.into(),
+            reserved: [0; 3],
         }
     }
 }
@@ -283,10 +332,13 @@ pub struct BsShapeDesc {
     pub filter: BsFilter,
     /// Free for the caller.
     pub user_data: u64,
+    /// Friction against rolling and spinning, and a belt. Default none.
+    pub surface: BsSurface,
 }
 
 described! { BsShapeDesc, bs_shape_desc_default(bs_sphere(0.0)), [
     size, sensor, events, reserved, geometry, position, rotation, density, material, filter, user_data,
+    surface,
 ] }
 
 /// A shape at the body's origin with default material, filter and density.
@@ -304,6 +356,7 @@ pub extern "C" fn bs_shape_desc_default(geometry: BsGeometry) -> BsShapeDesc {
         material: bs_material_default(),
         filter: bs_filter_default(),
         user_data: 0,
+        surface: BsSurface::NONE,
     }
 }
 
@@ -316,7 +369,7 @@ impl BsShapeDesc {
         desc.position = self.position.into();
         desc.rotation = self.rotation.into();
         desc.density = self.density;
-        desc.material = self.material.to_engine()?;
+        desc.material = self.surface.on(self.material.to_engine()?);
         desc.filter = self.filter.to_engine();
         desc.sensor = self.sensor != 0;
         desc.events = self.events != 0;
@@ -401,15 +454,19 @@ pub unsafe extern "C" fn bs_shape_material(
     })
 }
 
-/// Replaces friction and restitution of a shape.
+/// Replaces friction and restitution of a shape; its surface stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_shape_set_material(
     world: *mut BsWorld,
     shape: BsShape,
     material: BsMaterial,
 ) -> BsStatus {
-    // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.set_material(shape.into(), material.to_engine()?)?))
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut content = unsafe { changing(world) }?;
+        let material = material.on(content.material(shape.into())?)?;
+        Ok(content.set_material(shape.into(), material)?)
+    })
 }
 
 /// Replaces the filter of a shape.

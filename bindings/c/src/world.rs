@@ -8,7 +8,7 @@ use crate::abi::values::{BsBody, BsDVec3};
 use crate::events::Events;
 use crate::report::{BsMemoryReport, BsModelPart, BsStepReport};
 use crate::settings::BsSettings;
-use backstop::{Feature, World};
+use backstop::{Error, Feature, World};
 use std::ops::{Deref, DerefMut};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
@@ -65,6 +65,82 @@ pub(crate) unsafe fn changing<'a>(world: *const BsWorld) -> Outcome<RwLockWriteG
         Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
         Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
     }
+}
+
+/// A call that reads one value of a world.
+///
+/// # Safety
+/// As `reading`, and the place is null or one for a value.
+pub(crate) unsafe fn get<T>(
+    world: *const BsWorld,
+    what: &'static str,
+    place: *mut T,
+    read: impl FnOnce(&Content) -> Outcome<T>,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: as this function.
+        let (content, out) = unsafe { (reading(world)?, Out::new(what, place)?) };
+        out.set(read(&content)?);
+        Ok(())
+    })
+}
+
+/// A call that reads two values of a world; either place may be null.
+///
+/// # Safety
+/// As `get`.
+pub(crate) unsafe fn get_two<A, B>(
+    world: *const BsWorld,
+    places: (*mut A, *mut B),
+    read: impl FnOnce(&Content) -> Outcome<(A, B)>,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: as this function.
+        let (content, first, second) = unsafe {
+            let first = Out::optional("the first place", places.0)?;
+            (reading(world)?, first, Out::optional("the second place", places.1)?)
+        };
+        let found = read(&content)?;
+        if let Some(out) = first {
+            out.set(found.0);
+        }
+        if let Some(out) = second {
+            out.set(found.1);
+        }
+        Ok(())
+    })
+}
+
+/// A call that reads a list of a world into a buffer of the caller.
+///
+/// # Safety
+/// As `Buffer::new`.
+pub(crate) unsafe fn get_all<T, I>(
+    world: *const BsWorld,
+    what: &'static str,
+    (at, capacity, count): (*mut T, usize, *mut usize),
+    read: impl FnOnce(&Content) -> Outcome<Vec<I>>,
+) -> BsStatus
+where
+    I: Into<T>,
+{
+    call(|| {
+        // SAFETY: as this function.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new(what, at, capacity, count)?) };
+        out.fill(read(&content)?.into_iter().map(Into::into))
+    })
+}
+
+/// A call that changes a world.
+///
+/// # Safety
+/// As `reading`.
+pub(crate) unsafe fn change(
+    world: *mut BsWorld,
+    work: impl FnOnce(&mut World) -> Result<(), Error>,
+) -> BsStatus {
+    // SAFETY: as this function.
+    call(|| Ok(work(unsafe { changing(world) }?.deref_mut())?))
 }
 
 /// Changes a world as a whole, which a panic may have left half changed. If that succeeds it is whole again.

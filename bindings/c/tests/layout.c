@@ -45,7 +45,7 @@ FIELD(BsFilter, mask, 8);
 FIELD(BsFilter, group, 16);
 FIELD(BsFilter, reserved, 20);
 
-SIZE(BsShapeDesc, 152);
+SIZE(BsShapeDesc, 184);
 FIELD(BsShapeDesc, size, 0);
 FIELD(BsShapeDesc, sensor, 4);
 FIELD(BsShapeDesc, events, 5);
@@ -57,13 +57,14 @@ FIELD(BsShapeDesc, density, 92);
 FIELD(BsShapeDesc, material, 96);
 FIELD(BsShapeDesc, filter, 120);
 FIELD(BsShapeDesc, user_data, 144);
+FIELD(BsShapeDesc, surface, 152);
 
 SIZE(BsMassProperties, 52);
 FIELD(BsMassProperties, mass, 0);
 FIELD(BsMassProperties, centre_of_mass, 4);
 FIELD(BsMassProperties, inertia, 16);
 
-SIZE(BsBodyDesc, 120);
+SIZE(BsBodyDesc, 136);
 FIELD(BsBodyDesc, size, 0);
 FIELD(BsBodyDesc, kind, 4);
 FIELD(BsBodyDesc, position, 8);
@@ -81,6 +82,10 @@ FIELD(BsBodyDesc, lock_rotation, 109);
 FIELD(BsBodyDesc, can_sleep, 110);
 FIELD(BsBodyDesc, reserved, 111);
 FIELD(BsBodyDesc, user_data, 112);
+FIELD(BsBodyDesc, linear_damping, 120);
+FIELD(BsBodyDesc, angular_damping, 124);
+FIELD(BsBodyDesc, max_linear_speed, 128);
+FIELD(BsBodyDesc, max_angular_speed, 132);
 
 SIZE(BsBody, 8);
 FIELD(BsBody, slot, 0);
@@ -119,7 +124,7 @@ SIZE(BsShape, 8);
 FIELD(BsShape, slot, 0);
 FIELD(BsShape, generation, 4);
 
-SIZE(BsQueryFilter, 72);
+SIZE(BsQueryFilter, 88);
 FIELD(BsQueryFilter, size, 0);
 FIELD(BsQueryFilter, statics, 4);
 FIELD(BsQueryFilter, kinematic, 5);
@@ -133,6 +138,8 @@ FIELD(BsQueryFilter, exclude_body, 40);
 FIELD(BsQueryFilter, exclude_shape, 48);
 FIELD(BsQueryFilter, predicate, 56);
 FIELD(BsQueryFilter, user, 64);
+FIELD(BsQueryFilter, only_body, 72);
+FIELD(BsQueryFilter, only_shape, 80);
 
 SIZE(BsGround, 64);
 FIELD(BsGround, body, 0);
@@ -261,7 +268,7 @@ SIZE(BsFrame, 28);
 FIELD(BsFrame, position, 0);
 FIELD(BsFrame, rotation, 12);
 
-SIZE(BsJointDesc, 160);
+SIZE(BsJointDesc, 168);
 FIELD(BsJointDesc, size, 0);
 FIELD(BsJointDesc, kind, 4);
 FIELD(BsJointDesc, bodies, 8);
@@ -279,6 +286,8 @@ FIELD(BsJointDesc, limit_count, 128);
 FIELD(BsJointDesc, drives, 136);
 FIELD(BsJointDesc, drive_count, 144);
 FIELD(BsJointDesc, user_data, 152);
+FIELD(BsJointDesc, force_threshold, 160);
+FIELD(BsJointDesc, torque_threshold, 164);
 
 SIZE(BsRay, 40);
 FIELD(BsRay, from, 0);
@@ -326,7 +335,7 @@ FIELD(BsBoneDesc, axis, 60);
 FIELD(BsBoneDesc, min, 72);
 FIELD(BsBoneDesc, max, 76);
 
-SIZE(BsSkeletonDesc, 80);
+SIZE(BsSkeletonDesc, 112);
 FIELD(BsSkeletonDesc, size, 0);
 FIELD(BsSkeletonDesc, density, 4);
 FIELD(BsSkeletonDesc, bones, 8);
@@ -335,6 +344,7 @@ FIELD(BsSkeletonDesc, material, 24);
 FIELD(BsSkeletonDesc, filter, 48);
 FIELD(BsSkeletonDesc, friction, 72);
 FIELD(BsSkeletonDesc, reserved, 76);
+FIELD(BsSkeletonDesc, surface, 80);
 
 SIZE(BsSettings, 264);
 FIELD(BsSettings, size, 0);
@@ -419,3 +429,47 @@ FIELD(BsModelPart, bytes, 8);
 FIELD(BsModelPart, time_us, 16);
 FIELD(BsModelPart, has_time, 20);
 FIELD(BsModelPart, reserved, 21);
+
+SIZE(BsAabb, 48);
+FIELD(BsAabb, min, 0);
+FIELD(BsAabb, max, 24);
+
+SIZE(BsSurface, 32);
+FIELD(BsSurface, rolling_friction, 0);
+FIELD(BsSurface, spinning_friction, 4);
+FIELD(BsSurface, surface_velocity, 8);
+FIELD(BsSurface, reserved, 20);
+
+SIZE(BsContactPoint, 32);
+FIELD(BsContactPoint, position, 0);
+FIELD(BsContactPoint, separation, 24);
+FIELD(BsContactPoint, impulse, 28);
+
+SIZE(BsContact, 176);
+FIELD(BsContact, shapes, 0);
+FIELD(BsContact, bodies, 16);
+FIELD(BsContact, normal, 32);
+FIELD(BsContact, point_count, 44);
+FIELD(BsContact, points, 48);
+
+SIZE(BsCoupling, 8);
+FIELD(BsCoupling, slot, 0);
+FIELD(BsCoupling, generation, 4);
+SIZE(BsCoupledMotion, 24);
+FIELD(BsCoupledMotion, joint, 0);
+FIELD(BsCoupledMotion, motion, 8);
+FIELD(BsCoupledMotion, axes, 12);
+FIELD(BsCoupledMotion, factor, 16);
+SIZE(BsCouplingDesc, 88);
+FIELD(BsCouplingDesc, size, 0);
+FIELD(BsCouplingDesc, has_range, 4);
+FIELD(BsCouplingDesc, reserved, 5);
+FIELD(BsCouplingDesc, motions, 8);
+FIELD(BsCouplingDesc, min, 56);
+FIELD(BsCouplingDesc, max, 64);
+FIELD(BsCouplingDesc, strength, 72);
+FIELD(BsCouplingDesc, user_data, 80);
+SIZE(BsStrainedJoint, 32);
+FIELD(BsStrainedJoint, joint, 0);
+FIELD(BsStrainedJoint, force, 8);
+FIELD(BsStrainedJoint, torque, 20);

@@ -36,9 +36,10 @@ fn values_and_shapes_are_where_they_were() {
     pinned!(BsFilter, 24, 8, [
         category 0, mask 8, group 16, reserved 20,
     ]);
-    pinned!(BsShapeDesc, 152, 8, [
+    pinned!(BsShapeDesc, 184, 8, [
         size 0, sensor 4, events 5, reserved 6, geometry 8, position 64, rotation 76, density 92,
         material 96, filter 120, user_data 144,
+        surface 152,
     ]);
     pinned!(BsMassProperties, 52, 4, [
         mass 0, centre_of_mass 4, inertia 16,
@@ -59,10 +60,11 @@ fn values_and_shapes_are_where_they_were() {
 
 #[test]
 fn content_are_where_they_were() {
-    pinned!(BsBodyDesc, 120, 8, [
+    pinned!(BsBodyDesc, 136, 8, [
         size 0, kind 4, position 8, rotation 32, linear_velocity 48, angular_velocity 60, shapes 72,
         shape_count 80, mass 88, gravity_scale 96, continuous 100, solved_after 104,
         lock_translation 108, lock_rotation 109, can_sleep 110, reserved 111, user_data 112,
+        linear_damping 120, angular_damping 124, max_linear_speed 128, max_angular_speed 132,
     ]);
     pinned!(BsSpring, 12, 4, [
         kind 0, stiffness 4, damping 8,
@@ -76,17 +78,19 @@ fn content_are_where_they_were() {
     pinned!(BsFrame, 28, 4, [
         position 0, rotation 12,
     ]);
-    pinned!(BsJointDesc, 160, 8, [
+    pinned!(BsJointDesc, 168, 8, [
         size 0, kind 4, bodies 8, frames 24, range_min 80, range_max 84, spring 88, break_force 100,
         break_torque 104, solved_after 108, collide 112, reserved 113, limits 120, limit_count 128,
         drives 136, drive_count 144, user_data 152,
+        force_threshold 160, torque_threshold 164,
     ]);
     pinned!(BsBoneDesc, 80, 4, [
         size 0, parent 4, joint_at 8, from 20, to 32, radius 44, joint 48, swing 52, twist 56, axis 60,
         min 72, max 76,
     ]);
-    pinned!(BsSkeletonDesc, 80, 8, [
+    pinned!(BsSkeletonDesc, 112, 8, [
         size 0, density 4, bones 8, bone_count 16, material 24, filter 48, friction 72, reserved 76,
+        surface 80,
     ]);
 }
 
@@ -146,9 +150,10 @@ fn queries_and_drawing_are_where_they_were() {
         size 0, position_type 4, positions 8, rotations 16, linear_velocities 24, angular_velocities 32,
         position_stride 40, rotation_stride 44, linear_stride 48, angular_stride 52,
     ]);
-    pinned!(BsQueryFilter, 72, 8, [
+    pinned!(BsQueryFilter, 88, 8, [
         size 0, statics 4, kinematic 5, dynamic 6, sensors 7, skip_inside 8, has_filter 9, reserved 10,
         filter 16, exclude_body 40, exclude_shape 48, predicate 56, user 64,
+        only_body 72, only_shape 80,
     ]);
     pinned!(BsDrawOptions, 72, 8, [
         size 0, shapes 4, aabbs 5, fat_aabbs 6, motion 7, contacts 8, normals 9, impulses 10, joints 11,
@@ -183,5 +188,37 @@ fn queries_and_drawing_are_where_they_were() {
     pinned!(BsClosestPoint, 64, 8, [
         body 0, shape 8, point 16, normal 40, distance 52, triangle 56, found 60, inside 61,
         reserved 62,
+    ]);
+}
+
+#[test]
+fn contacts_and_surfaces_are_where_they_were() {
+    pinned!(BsAabb, 48, 8, [
+        min 0, max 24,
+    ]);
+    pinned!(BsSurface, 32, 4, [
+        rolling_friction 0, spinning_friction 4, surface_velocity 8, reserved 20,
+    ]);
+    pinned!(BsContactPoint, 32, 8, [
+        position 0, separation 24, impulse 28,
+    ]);
+    pinned!(BsContact, 176, 8, [
+        shapes 0, bodies 16, normal 32, point_count 44, points 48,
+    ]);
+}
+
+#[test]
+fn couplings_and_strains_are_where_they_were() {
+    pinned!(BsCoupling, 8, 4, [
+        slot 0, generation 4,
+    ]);
+    pinned!(BsCoupledMotion, 24, 8, [
+        joint 0, motion 8, axes 12, factor 16,
+    ]);
+    pinned!(BsCouplingDesc, 88, 8, [
+        size 0, has_range 4, reserved 5, motions 8, min 56, max 64, strength 72, user_data 80,
+    ]);
+    pinned!(BsStrainedJoint, 32, 4, [
+        joint 0, force 8, torque 20,
     ]);
 }

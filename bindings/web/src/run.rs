@@ -36,7 +36,8 @@ impl Run {
         if (now.substeps, now.iterations, now.sleeping) == (substeps, iterations, sleeping) {
             return Ok(());
         }
-        self.world.set_settings(Settings { substeps, iterations, sleeping, ..now.clone() })
+        let new = now.clone().with_substeps(substeps).with_iterations(iterations).with_sleeping(sleeping);
+        self.world.set_settings(new)
     }
 
     /// Takes the snapshot that leads back here. Not part of [`Self::step`], whose time is measured.

@@ -1,6 +1,8 @@
 //! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
 //! filled in in every step.
 
+use super::coupling::block::CouplingBlock;
+use super::coupling::plan::{Plan, PlanInput};
 use super::ends::NONE;
 use super::fill::{fill_tree, get_sym};
 use super::kinds::{JointType, Tables};
@@ -42,6 +44,8 @@ pub(crate) struct JointRows {
     /// Trees of point joints: up to eight of the same shape, or a single one.
     pub(crate) trees: Vec<TreeBatch<f32x8>>,
     pub(crate) single_trees: Vec<TreeBatch<f32>>,
+    /// Couplings, with drives of what they couple, by their place.
+    pub(super) couplings: Vec<CouplingBlock>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
@@ -93,6 +97,11 @@ impl JointRows {
         *self = JointRows { arrangement: self.arrangement, ..JointRows::default() };
     }
 
+    /// Reserved bytes of the rows of couplings.
+    pub(crate) fn coupling_bytes(&self) -> usize {
+        bytes_of(&self.couplings).1 + self.couplings.iter().map(CouplingBlock::reserved).sum::<usize>()
+    }
+
     /// Reserved bytes of what all joints share, of trees, of locks outside trees, and of other rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
         let beside =
@@ -133,6 +142,7 @@ impl JointRows {
             bytes_of(&self.stages),
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.single_trees),
+            (self.coupling_bytes(), self.coupling_bytes()),
             bytes_of(&self.touching),
             self.tree_slots.bytes(),
             self.nets.bytes(),
@@ -158,9 +168,16 @@ impl JointRows {
         };
         let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
         let place = |joint: u32, group: RowGroup| order.place(group, solved_after(joint));
+        let plan = Plan::new(&PlanInput {
+            joints,
+            place_of: &|joint, group| enabled(joint).then(|| place(joint, group)),
+            is_pushed: &|slot| (bodies.slots.dense(slot) as usize) < bodies.dynamic(),
+        });
+        self.add_blocks(&plan);
+        let is_coupled = |row: u32| plan.has_drive(row);
         let motor = |row: u32| {
-            let row = &joints.rows[row as usize];
-            (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
+            let (coupled, row) = (is_coupled(row), &joints.rows[row as usize]);
+            (enabled(row.joint) && row.drives_hinge() && !coupled).then(|| place(row.joint, group_of(row)))
         };
         let of_joint = |joint| place(joint, RowGroup::Joints);
         let found =
@@ -169,7 +186,8 @@ impl JointRows {
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
             |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
-        let rows = joints.rows.iter().enumerate().filter(|(i, r)| !found.rows[*i] && awake(r.joint));
+        let alone = |i: usize| !found.rows[i] && !is_coupled(i as u32);
+        let rows = joints.rows.iter().enumerate().filter(|(i, r)| alone(*i) && awake(r.joint));
         entries.extend(
             rows.map(|(i, r)| (place(r.joint, group_of(r)), JointType::of_row(r), i as u32, r.joint)),
         );
@@ -194,6 +212,17 @@ impl JointRows {
         self.build_tree_batches(&found.groups);
         self.stages.sort_by_key(|stage| stage.place);
         self.tables.all_mut().into_iter().for_each(AnyTable::resize);
+    }
+
+    /// Makes the blocks of couplings, and their stages.
+    fn add_blocks(&mut self, plan: &Plan) {
+        self.couplings = plan.blocks.iter().map(|(_, owners)| CouplingBlock::new(owners)).collect();
+        let mut start = 0;
+        for of_place in plan.blocks.chunk_by(|a, b| a.0 == b.0) {
+            let (place, end) = (of_place[0].0, start + of_place.len() as u32);
+            self.stages.push(JointStage { place, kind: JointType::Coupling, start, end, single: true });
+            start = end;
+        }
     }
 
     /// Makes the batches of trees, and their stages: no two share a body that they can push.
@@ -291,6 +320,7 @@ impl JointRows {
         for table in self.tables.all_mut() {
             table.fill(workers, input);
         }
+        self.couplings.iter_mut().for_each(|block| block.fill(input));
         let range = |tree: TreeRef| {
             let end = |before: &dyn Fn(TreeRef) -> bool| {
                 input.tree_contacts.partition_point(|s| before(s.tree)) as u32

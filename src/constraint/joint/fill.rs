@@ -23,7 +23,7 @@ pub(crate) fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
 }
 
 /// Enters a joint's bodies into a lane and returns where its frames are.
-fn place<L: Lanes>(
+pub(super) fn place<L: Lanes>(
     ends: &mut Ends<L>,
     lane: usize,
     owner: u32,
@@ -229,7 +229,7 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
 /// Only for rows with a fixed linear direction. Cones and twists on balls improve by a tenth at rest, but in
 /// two of six throws of a hundred figures one was torn apart (tests/joints/ragdolls.rs, by 2 m and 12 m):
 /// trees know their mobility already.
-fn borne<L: GatherLanes>(
+pub(super) fn borne<L: GatherLanes>(
     ends: &Ends<L>,
     lever: &Lever<L>,
     lane: usize,
@@ -364,7 +364,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
 
 /// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
 /// impulse, and the requested speed beside that; none if there is neither.
-fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
+pub(super) fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
     let (k, c) = (spring.stiffness, spring.damping);
     let d = h * k + c;
     if d == f32::INFINITY {

@@ -33,6 +33,8 @@ macro_rules! row_types {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub(crate) enum JointType {
             $($(#[$doc])* $kind,)*
+            /// Two motions of joints that depend on each other.
+            Coupling,
             /// Points that join bodies into trees, with what is locked about them.
             Tree,
         }
@@ -42,6 +44,7 @@ macro_rules! row_types {
             pub(crate) fn slides(self) -> bool {
                 match self {
                     $(JointType::$kind => <$batch<f32> as JointBatch<f32>>::SLIDES,)*
+                    JointType::Coupling => true,
                     JointType::Tree => false,
                 }
             }
@@ -50,7 +53,7 @@ macro_rules! row_types {
             pub(crate) fn is_lock(self) -> bool {
                 match self {
                     $(JointType::$kind => <$batch<f32> as JointBatch<f32>>::IS_LOCK,)*
-                    JointType::Tree => false,
+                    JointType::Coupling | JointType::Tree => false,
                 }
             }
         }
@@ -72,11 +75,11 @@ macro_rules! row_types {
                 [$(&mut self.$table),*]
             }
 
-            /// Who is in the lanes of a type that is no tree.
+            /// Who is in the lanes of a type that has batches of pairs.
             pub(super) fn owners(&mut self, kind: JointType) -> Option<&mut Owners> {
                 match kind {
                     $(JointType::$kind => Some(self.$table.owners()),)*
-                    JointType::Tree => None,
+                    JointType::Coupling | JointType::Tree => None,
                 }
             }
 
@@ -99,7 +102,7 @@ macro_rules! row_types {
         }
 
         impl TableViews<'_> {
-            /// Solves a batch of a stage that has no trees or, without a pass, applies the impulses of the
+            /// Solves a batch of a stage of pairs or, without a pass, applies the impulses of the
             /// last step.
             ///
             /// # Safety
@@ -115,7 +118,7 @@ macro_rules! row_types {
                 unsafe {
                     match stage.kind {
                         $(JointType::$kind => self.$table.step(stage, i, motion, pass),)*
-                        JointType::Tree => {}
+                        JointType::Coupling | JointType::Tree => {}
                     }
                 }
             }
@@ -135,12 +138,12 @@ macro_rules! row_types {
                 unsafe {
                     match stage.kind {
                         $(JointType::$kind => self.$table.close(stage, i, motion, most),)*
-                        JointType::Tree => {}
+                        JointType::Coupling | JointType::Tree => {}
                     }
                 }
             }
 
-            /// Calls `f` with a batch of a stage that has no trees.
+            /// Calls `f` with a batch of a stage of pairs.
             ///
             /// # Safety
             /// No other thread works on the batch.
@@ -154,7 +157,7 @@ macro_rules! row_types {
                 unsafe {
                     match stage.kind {
                         $(JointType::$kind => self.$table.watch(stage, i, f),)*
-                        JointType::Tree => {}
+                        JointType::Coupling | JointType::Tree => {}
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! Rows of joints: what they lock, limit, spring and drive, packed in batches of one row type.
 
 pub(crate) mod arrange;
+mod coupling;
 pub(crate) mod ends;
 pub(crate) mod fill;
 pub(crate) mod kinds;

@@ -50,7 +50,7 @@ pub(crate) fn visit(views: &JointViews<'_>, stages: &[JointStage], f: &mut dyn F
 }
 
 impl<L: Lanes> Ends<L> {
-    fn each(&self, f: &mut dyn FnMut(usize, Link)) {
+    pub(super) fn each(&self, f: &mut dyn FnMut(usize, Link)) {
         for lane in (0..L::N).filter(|&lane| self.owner[lane] != NONE) {
             let side = |i: usize| self.body[i][lane];
             let moves = self.write.map(|write| write >> lane & 1 != 0);
@@ -59,7 +59,7 @@ impl<L: Lanes> Ends<L> {
     }
 
     /// A dynamic body of a lane.
-    fn one(&self, lane: usize) -> u32 {
+    pub(super) fn one(&self, lane: usize) -> u32 {
         self.body[usize::from(self.write[0] >> lane & 1 == 0)][lane]
     }
 
@@ -88,7 +88,7 @@ impl<L: Lanes> Ends<L> {
 
     /// Calls `f` with a body of each lane that turns too far; `turn`: angular speed by the velocities of its
     /// bodies [rad/s].
-    fn too_fast(
+    pub(super) fn too_fast(
         &self,
         motion: &Motion<'_, '_>,
         h: f32,
@@ -240,19 +240,19 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
 }
 
 /// A spring or a motor as a row has it: see [`RowBatch`].
-struct Spring {
-    pull: f32,
-    give: f32,
-    speed: f32,
-    most: f32,
+pub(super) struct Spring {
+    pub(super) pull: f32,
+    pub(super) give: f32,
+    pub(super) speed: f32,
+    pub(super) most: f32,
     /// Speed per impulse of what it acts on.
-    mobility: f32,
+    pub(super) mobility: f32,
 }
 
 impl Spring {
     /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
     /// `impulse`: of the last substep of `h` seconds.
-    fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
+    pub(super) fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
         let &Spring { pull, give, speed, most, mobility } = self;
         if give <= 0.0 {
             // A motor that does not yield.
@@ -362,6 +362,7 @@ impl JointViews<'_> {
             match (stage.kind, stage.single) {
                 (JointType::Tree, false) => f(self.trees.get(i)),
                 (JointType::Tree, true) => f(self.single_trees.get(i)),
+                (JointType::Coupling, _) => f(self.couplings.get(i)),
                 _ => self.tables.watch(stage, i, f),
             }
         }

@@ -1,6 +1,7 @@
 //! Dispatch of passes to the kernels of joint batches, on several threads.
 
 use super::arrange::{JointRows, JointStage};
+use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
 use crate::constraint::articulation::close::Closing;
@@ -17,6 +18,7 @@ pub(crate) struct JointViews<'a> {
     pub(crate) tables: TableViews<'a>,
     pub(crate) trees: Shared<'a, TreeBatch<f32x8>>,
     pub(crate) single_trees: Shared<'a, TreeBatch<f32>>,
+    pub(super) couplings: Shared<'a, CouplingBlock>,
 }
 
 /// Contacts between bodies of trees and static ones, which are solved along with the trees.
@@ -45,6 +47,7 @@ impl JointRows {
             tables: self.tables.views(),
             trees: Shared::new(&mut self.trees),
             single_trees: Shared::new(&mut self.single_trees),
+            couplings: Shared::new(&mut self.couplings),
         }
     }
 
@@ -63,6 +66,13 @@ impl JointRows {
         let TouchInput { contacts, pass: contact_pass } = *touching;
         // SAFETY: by the contract; each batch is in one stage, and contacts go contacts with one.
         unsafe {
+            if stage.kind == JointType::Coupling {
+                let block = views.couplings.get(i);
+                return match pass {
+                    None => block.warm_start(motion),
+                    Some(pass) => block.solve(motion, pass),
+                };
+            }
             if stage.kind != JointType::Tree {
                 return views.tables.step(stage, i, motion, pass);
             }

@@ -60,17 +60,18 @@ impl Report for Store<'_> {
         let row = &mut self.rows[owner as usize];
         let impulse = ends.map(|one| if one.is_finite() { one } else { 0.0 });
         row.impulse = impulse;
-        let bears = (impulse[0] - impulse[1]) * JOINT_LOAD_SHARE;
-        let lasting = if bears * row.lasting_impulse <= 0.0 {
-            0.0
-        } else {
-            row.lasting_impulse.max(-bears.abs()).min(bears.abs())
-        };
-        row.lasting_impulse = lasting + (bears - lasting) * self.hold;
+        row.lasting_impulse = lasting(row.lasting_impulse, impulse, self.hold);
         let (joint, p) = (&mut self.all[row.joint as usize], (impulse[0] - impulse[1]) * self.inverse_h);
         joint.force += force * p;
         joint.torque += torque * p;
     }
+}
+
+/// The lasting part of an impulse at the ends of a range, given that before.
+fn lasting(before: f32, impulse: [f32; 2], hold: f32) -> f32 {
+    let bears = (impulse[0] - impulse[1]) * JOINT_LOAD_SHARE;
+    let lasting = if bears * before <= 0.0 { 0.0 } else { before.max(-bears.abs()).min(bears.abs()) };
+    lasting + (bears - lasting) * hold
 }
 
 impl JointRows {
@@ -84,7 +85,17 @@ impl JointRows {
         for joint in joints.all.iter_mut().filter(|joint| joint.bodies.iter().any(awake)) {
             (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
         }
-        let Joints { all, locks, rows, .. } = joints;
+        let Joints { all, locks, rows, couplings, .. } = joints;
+        let mut coupled = |slot: u32, displacements: [f64; 2], impulse: [f32; 2]| {
+            let coupling = &mut couplings.all[slot as usize];
+            let impulse = impulse.map(|one| if one.is_finite() { one } else { 0.0 });
+            coupling.displacements = displacements;
+            coupling.impulse = impulse;
+            coupling.lasting_impulse = lasting(coupling.lasting_impulse, impulse, hold);
+            let p = (impulse[0] - impulse[1]) * inverse_h;
+            coupling.load = coupling.scaled().map(|factor| factor * p);
+        };
+        self.couplings.iter().for_each(|block| block.report(&mut coupled));
         let mut store = Store { all, locks, rows, inverse_h, hold };
         self.tables.report(true, &mut store);
         self.trees.iter().for_each(|batch| report_locks(batch, &mut store));
@@ -95,6 +106,7 @@ impl JointRows {
         self.tables.report(false, &mut store);
         self.trees.iter().for_each(|batch| report_motors(batch, &mut store));
         self.single_trees.iter().for_each(|batch| report_motors(batch, &mut store));
+        self.couplings.iter().for_each(|block| block.report_drives(&mut store));
     }
 }
 

@@ -67,6 +67,13 @@ impl RowKind {
     }
 }
 
+impl LockKind {
+    /// Whether it locks rotation.
+    fn turns(&self) -> bool {
+        matches!(self, LockKind::Weld | LockKind::Hinge(_))
+    }
+}
+
 impl Lock {
     /// A lock that bears nothing yet.
     pub(in crate::joint) fn new(joint: u32, kind: LockKind, merged: bool) -> Lock {
@@ -145,8 +152,7 @@ impl Joints {
         self.all[joint as usize].start = [self.locks.len() as u32, self.rows.len() as u32];
         self.fresh += limits.len() + drives.len();
         let locks = || limits.iter().filter_map(|(limit, _)| limit.locked());
-        let turns = |kind: &LockKind| matches!(kind, LockKind::Weld | LockKind::Hinge(_));
-        let beside = [locks().find(|kind| !turns(kind)), locks().find(turns)];
+        let beside = [locks().find(|kind| !kind.turns()), locks().find(|kind| kind.turns())];
         for (limit, merged) in &limits {
             if let Some(kind) = limit.locked() {
                 self.locks.push(Lock::new(joint, kind, *merged));
@@ -215,6 +221,12 @@ impl Joints {
         let start = self.all[joint as usize].start[0] as usize;
         let own = self.locks.iter().skip(start).take_while(|lock| lock.joint == joint).count();
         if own == 0 { 0..0 } else { start..start + own }
+    }
+
+    /// What a joint locks: of its point, and of its rotation.
+    pub(crate) fn locked_by(&self, joint: u32) -> [Option<LockKind>; 2] {
+        let kinds = || self.locks[self.lock_range(joint)].iter().map(|lock| lock.kind);
+        [kinds().find(|kind| !kind.turns()), kinds().find(|kind| kind.turns())]
     }
 
     /// The rows of a joint.

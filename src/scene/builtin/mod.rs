@@ -42,6 +42,7 @@ pub const NAMES: &[&str] = &[
     "deflector",
     "head_on",
     "ragdoll_wall",
+    "ragdolls",
 ];
 
 /// A scene by its name; a [`Standing`] structure too, as `tower_30`.
@@ -64,6 +65,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "deflector" => scenes::deflector(),
         "head_on" => scenes::head_on(),
         "ragdoll_wall" => scenes::ragdoll_wall(),
+        "ragdolls" => ragdolls(18),
         _ => Standing::named(name, None)?.scene(1.0, 1000.0),
     };
     scene.name = name.into();

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod colliders;
+mod couplings;
 mod extents;
 mod heights;
 mod joint_changes;

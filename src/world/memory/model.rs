@@ -54,6 +54,8 @@ pub enum Feature {
     JointDrives,
     /// Springs, of limits and of drives.
     JointSprings,
+    /// Couplings of two motions of joints: gears, racks, screws, pulleys.
+    Couplings,
     /// Joints that break.
     BreakableJoints,
     /// Rest times of bodies, islands, and the pairs of sleeping ones.
@@ -72,7 +74,7 @@ pub enum Feature {
 
 impl Feature {
     /// Every feature, in the order of reports.
-    pub const ALL: [Feature; 27] = [
+    pub const ALL: [Feature; 28] = [
         Feature::Friction,
         Feature::SurfaceVelocities,
         Feature::RollingFriction,
@@ -93,6 +95,7 @@ impl Feature {
         Feature::JointLimits,
         Feature::JointDrives,
         Feature::JointSprings,
+        Feature::Couplings,
         Feature::BreakableJoints,
         Feature::Sleeping,
         Feature::ContactEvents,
@@ -148,6 +151,7 @@ impl Feature {
             Feature::JointLimits => ("joint_limits", "limits with a width", "solve"),
             Feature::JointDrives => ("joint_drives", "drives", "solve"),
             Feature::JointSprings => ("joint_springs", "springs of limits and drives", "solve"),
+            Feature::Couplings => ("couplings", "couplings", "solve"),
             Feature::BreakableJoints => ("breakable_joints", "joints that can break", "solve"),
             Feature::Sleeping => ("sleeping", "dynamic bodies where sleeping is switched on", "finish"),
             Feature::ContactEvents => ("contact_events", "shapes that are listened to", "solve"),
@@ -309,6 +313,10 @@ impl World {
             Feature::JointLimits => (kinds[0], shares[0], None),
             Feature::JointDrives => (kinds[1], shares[1], None),
             Feature::JointSprings => (kinds[2], 0, None),
+            Feature::Couplings => {
+                let bytes = joints.couplings.reserved() + buffers.joints.coupling_bytes();
+                (joints.couplings.count as u32, bytes, None)
+            }
             Feature::BreakableJoints => (joints.breakable(), 0, None),
             Feature::Sleeping => {
                 let (islands, kept) = (self.sleep.bytes(), self.sleep.kept_bytes());

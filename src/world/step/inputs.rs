@@ -294,6 +294,7 @@ impl World {
     pub(crate) fn store_joints(&mut self, dt: f32) {
         self.joints.broken.clear();
         self.joints.strained.clear();
+        self.joints.couplings.broken.clear();
         if self.joints.count == 0 {
             return;
         }
@@ -304,6 +305,9 @@ impl World {
         self.joints.forget_unsound();
         if self.joints.any_breakable() {
             self.break_joints();
+        }
+        if self.joints.couplings.count > 0 {
+            self.break_couplings();
         }
         if self.joints.any_reporting() {
             self.list_strained_joints();

@@ -5,8 +5,8 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, RowGroup, Settings};
 #[cfg(feature = "replay")]
 use crate::constraint::Tweak;
-use crate::handle::{BodyHandle, CharacterHandle, JointHandle, ShapeHandle};
-use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion};
+use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
+use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
 use crate::shape::{Filter, Geometry, MassProperties, Material, Patch, ShapeDesc};
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
@@ -50,6 +50,12 @@ pub(crate) enum Change<'a> {
     SetJointThresholds(JointHandle, [f32; 2]),
     SetJointUserData(JointHandle, u64),
     SolveJointAfter(JointHandle, Option<RowGroup>),
+    AddCoupling(&'a CouplingDesc),
+    RemoveCoupling(CouplingHandle),
+    SetCouplingFactors(CouplingHandle, [f64; 2]),
+    SetCouplingRange(CouplingHandle, Option<[f64; 2]>),
+    SetCouplingStrength(CouplingHandle, [f32; 2]),
+    SetCouplingUserData(CouplingHandle, u64),
     Wake(BodyHandle),
     SendToSleep(BodyHandle),
     SetCanSleep(BodyHandle, bool),

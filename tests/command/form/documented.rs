@@ -36,7 +36,7 @@ fn agrees(document: &Value, section: &str) {
             value = &value[part];
             value = value.get(0).unwrap_or(value);
         }
-        // Of what is `null` there is nothing to compare.
+        // `null` has nothing to compare.
         if value.is_null() {
             continue;
         }

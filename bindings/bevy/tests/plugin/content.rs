@@ -129,7 +129,7 @@ fn changed_components_reach_the_world() {
     assert_eq!(world.filter(s).unwrap(), Filter::default());
     assert!(!world.listens_to_events(s).unwrap() && !world.listens_to_hooks(s).unwrap());
 
-    // Of another kind, a larger ball, at another speed, and out of the world.
+    // Another kind, a larger ball, at another speed, and out of the world.
     app.world_mut().entity_mut(body).insert((Shape::sphere(1.0), Velocity::linear(Vec3::X)));
     app.update();
     let world = physics(&app);

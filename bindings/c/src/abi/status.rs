@@ -60,6 +60,20 @@ pub const BS_ERROR_SNAPSHOT_VERSION: BsStatus = 22;
 pub const BS_ERROR_FOREIGN_SNAPSHOT: BsStatus = 23;
 /// Refused for a reason that this header has no code for; `bs_last_error` has its words.
 pub const BS_ERROR_OTHER: BsStatus = 24;
+/// The character handle is stale: its character was removed.
+pub const BS_ERROR_STALE_CHARACTER: BsStatus = 25;
+/// A world that is being recorded can't be restored.
+pub const BS_ERROR_RECORDED: BsStatus = 26;
+/// A target for a drive that the joint does not have.
+pub const BS_ERROR_NO_DRIVE: BsStatus = 27;
+/// Bytes that are no baked shape, or no longer.
+pub const BS_ERROR_BROKEN_SHAPE: BsStatus = 28;
+/// A baked shape of another version of its format.
+pub const BS_ERROR_SHAPE_VERSION: BsStatus = 29;
+/// The coupling handle is stale: it broke, or it or one of its joints was removed.
+pub const BS_ERROR_STALE_COUPLING: BsStatus = 30;
+/// A motion that cannot be coupled.
+pub const BS_ERROR_COUPLED_MOTION: BsStatus = 31;
 
 /// Why a call is refused.
 #[derive(Debug)]
@@ -100,6 +114,13 @@ fn of_engine(error: &Error) -> BsStatus {
         Error::StaleBody => BS_ERROR_STALE_BODY,
         Error::StaleShape => BS_ERROR_STALE_SHAPE,
         Error::StaleJoint => BS_ERROR_STALE_JOINT,
+        Error::StaleCharacter => BS_ERROR_STALE_CHARACTER,
+        Error::Recorded => BS_ERROR_RECORDED,
+        Error::NoDrive => BS_ERROR_NO_DRIVE,
+        Error::StaleCoupling => BS_ERROR_STALE_COUPLING,
+        Error::CoupledMotion { .. } => BS_ERROR_COUPLED_MOTION,
+        Error::BrokenShape { .. } => BS_ERROR_BROKEN_SHAPE,
+        Error::ShapeVersion { .. } => BS_ERROR_SHAPE_VERSION,
         Error::NotFinite { .. } => BS_ERROR_NOT_FINITE,
         Error::OutOfRange { .. } => BS_ERROR_OUT_OF_RANGE,
         Error::Incomplete { .. } => BS_ERROR_INCOMPLETE,
@@ -203,6 +224,11 @@ fn text_of(status: BsStatus) -> &'static CStr {
         BS_ERROR_SNAPSHOT_VERSION => c"the snapshot is of another version",
         BS_ERROR_FOREIGN_SNAPSHOT => c"the snapshot refers to what the world does not have",
         BS_ERROR_OTHER => c"the call was refused",
+        BS_ERROR_STALE_CHARACTER => c"the character was removed",
+        BS_ERROR_RECORDED => c"a world that is being recorded can't be restored",
+        BS_ERROR_NO_DRIVE => c"the joint has no such drive",
+        BS_ERROR_BROKEN_SHAPE => c"the baked shape is broken",
+        BS_ERROR_SHAPE_VERSION => c"the baked shape is of another version",
         _ => c"no status of this library",
     }
 }

@@ -1,7 +1,7 @@
 //! Plain values: numbers, vectors, handles.
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyHandle, JointHandle, ShapeHandle};
+use backstop::{Aabb, BodyHandle, CouplingHandle, JointHandle, ShapeHandle};
 
 /// Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
 pub type BsBool = u8;
@@ -104,9 +104,21 @@ pub struct BsJoint {
     pub generation: u32,
 }
 
+/// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All zeros
+/// is no coupling.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BsCoupling {
+    /// Place in the world.
+    pub slot: u32,
+    /// How often the place was taken.
+    pub generation: u32,
+}
+
 convert_handle!(BsBody, BodyHandle);
 convert_handle!(BsShape, ShapeHandle);
 convert_handle!(BsJoint, JointHandle);
+convert_handle!(BsCoupling, CouplingHandle);
 
 /// Where a body is and how it is turned.
 #[repr(C)]
@@ -116,6 +128,34 @@ pub struct BsPose {
     pub position: BsDVec3,
     /// Rotation of the axes.
     pub rotation: BsQuat,
+}
+
+/// A box along the axes of the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BsAabb {
+    /// Its low corner [m].
+    pub min: BsDVec3,
+    /// Its high corner [m].
+    pub max: BsDVec3,
+}
+
+impl From<BsAabb> for Aabb {
+    fn from(aabb: BsAabb) -> Aabb {
+        Aabb { min: aabb.min.into(), max: aabb.max.into() }
+    }
+}
+
+impl From<Aabb> for BsAabb {
+    fn from(aabb: Aabb) -> BsAabb {
+        BsAabb { min: aabb.min.into(), max: aabb.max.into() }
+    }
+}
+
+impl From<(DVec3, Quat)> for BsPose {
+    fn from((position, rotation): (DVec3, Quat)) -> BsPose {
+        BsPose { position: position.into(), rotation: rotation.into() }
+    }
 }
 
 impl From<BsVec3> for Vec3 {

@@ -74,11 +74,20 @@ pub struct BsBodyDesc {
     pub reserved: u8,
     /// Free for the caller.
     pub user_data: u64,
+    /// Linear velocity decays as exp(-c t), at least zero [1/s]. Default 0.
+    pub linear_damping: f32,
+    /// The same of angular velocity [1/s]. Default 0.
+    pub angular_damping: f32,
+    /// No step leaves it faster, above zero [m/s]; infinity for no cap. Default infinity.
+    pub max_linear_speed: f32,
+    /// The same of angular speed [rad/s]. Default infinity.
+    pub max_angular_speed: f32,
 }
 
 described! { BsBodyDesc, bs_body_desc_default(), [
     size, kind, position, rotation, linear_velocity, angular_velocity, shapes, shape_count, mass,
     gravity_scale, continuous, solved_after, lock_translation, lock_rotation, can_sleep, reserved, user_data,
+    linear_damping, angular_damping, max_linear_speed, max_angular_speed,
 ] }
 
 /// A dynamic body at the origin, at rest, without shapes.
@@ -102,10 +111,19 @@ pub extern "C" fn bs_body_desc_default() -> BsBodyDesc {
         can_sleep: 1,
         reserved: 0,
         user_data: 0,
+        linear_damping: 0.0,
+        angular_damping: 0.0,
+        max_linear_speed: f32::INFINITY,
+        max_angular_speed: f32::INFINITY,
     }
 }
 
-fn axes(bits: BsAxes) -> Outcome<[bool; 3]> {
+/// A cap on a speed; infinity is none.
+pub(super) fn read_cap(speed: f32) -> Option<f32> {
+    (speed != f32::INFINITY).then_some(speed)
+}
+
+pub(super) fn axes(bits: BsAxes) -> Outcome<[bool; 3]> {
     if bits > 7 {
         let what = "set of axes";
         return Err(Refusal::Constant { what, value: bits.into() });
@@ -137,6 +155,9 @@ impl BsBodyDesc {
         desc.lock_rotation = axes(self.lock_rotation)?;
         desc.can_sleep = self.can_sleep != 0;
         desc.user_data = self.user_data;
+        (desc.linear_damping, desc.angular_damping) = (self.linear_damping, self.angular_damping);
+        desc.max_linear_speed = read_cap(self.max_linear_speed);
+        desc.max_angular_speed = read_cap(self.max_angular_speed);
         Ok(desc)
     }
 }

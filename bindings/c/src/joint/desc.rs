@@ -32,7 +32,7 @@ pub const BS_AROUND_Z: BsJointAxes = 5;
 /// The distance of the two frames [m], or the angle of the whole rotation between them [rad].
 pub const BS_AXES_ALL: BsJointAxes = 6;
 
-fn read_motion(value: BsMotion) -> Outcome<Motion> {
+pub(super) fn read_motion(value: BsMotion) -> Outcome<Motion> {
     match value {
         BS_MOTION_LINEAR => Ok(Motion::Linear),
         BS_MOTION_ANGULAR => Ok(Motion::Angular),
@@ -40,17 +40,32 @@ fn read_motion(value: BsMotion) -> Outcome<Motion> {
     }
 }
 
-fn read_axis(value: BsJointAxes) -> Outcome<Axis> {
+pub(super) fn read_axis(value: BsJointAxes) -> Outcome<Axis> {
     let none = Refusal::Constant { what: "axis of a joint", value };
     Axis::ALL.get(value as usize).copied().ok_or(none)
 }
 
-fn read_axes(value: BsJointAxes) -> Outcome<Axes> {
+pub(super) fn read_axes(value: BsJointAxes) -> Outcome<Axes> {
     match value {
         BS_AXIS_X..=BS_AXIS_Z => read_axis(value).map(Axes::One),
         BS_AROUND_X..=BS_AROUND_Z => read_axis(value - BS_AROUND_X).map(Axes::Around),
         BS_AXES_ALL => Ok(Axes::All),
         _ => Err(Refusal::Constant { what: "set of axes of a joint", value }),
+    }
+}
+
+fn write_motion(motion: Motion) -> BsMotion {
+    match motion {
+        Motion::Linear => BS_MOTION_LINEAR,
+        Motion::Angular => BS_MOTION_ANGULAR,
+    }
+}
+
+fn write_axes(axes: Axes) -> BsJointAxes {
+    match axes {
+        Axes::One(axis) => axis as u32,
+        Axes::Around(axis) => BS_AROUND_X + axis as u32,
+        Axes::All => BS_AXES_ALL,
     }
 }
 
@@ -81,6 +96,18 @@ pub struct BsSpring {
 impl BsSpring {
     const NONE: BsSpring = BsSpring { kind: BS_SPRING_NONE, stiffness: 0.0, damping: 0.0 };
 
+    fn of_engine(spring: Option<Spring>) -> BsSpring {
+        let (kind, stiffness, damping) = match spring {
+            None => return BsSpring::NONE,
+            Some(Spring::Coefficients { stiffness, damping }) => (BS_SPRING_COEFFICIENTS, stiffness, damping),
+            Some(Spring::Frequency { hertz, ratio }) => (BS_SPRING_FREQUENCY, hertz, ratio),
+            Some(Spring::Acceleration { stiffness, damping }) => (BS_SPRING_ACCELERATION, stiffness, damping),
+            // A kind without a constant yet: no call takes it back.
+            Some(_) => (u32::MAX, 0.0, 0.0),
+        };
+        BsSpring { kind, stiffness, damping }
+    }
+
     fn to_engine(self) -> Outcome<Option<Spring>> {
         let BsSpring { kind, stiffness, damping } = self;
         Ok(match kind {
@@ -92,7 +119,7 @@ impl BsSpring {
         })
     }
 
-    fn needed(self) -> Outcome<Spring> {
+    pub(crate) fn needed(self) -> Outcome<Spring> {
         let none = Refusal::Constant { what: "kind of spring of a drive", value: self.kind };
         self.to_engine()?.ok_or(none)
     }
@@ -177,14 +204,32 @@ pub extern "C" fn bs_spring_desc(
 }
 
 impl BsLimitDesc {
-    fn to_engine(self) -> Outcome<Limit> {
+    pub(super) fn of_engine(limit: Limit) -> BsLimitDesc {
+        let axes = write_axes(limit.axes);
+        let desc = bs_limit_desc(write_motion(limit.motion), axes, limit.min, limit.max);
+        BsLimitDesc { spring: BsSpring::of_engine(limit.spring), ..desc }
+    }
+
+    pub(super) fn to_engine(self) -> Outcome<Limit> {
         let (motion, axes) = (read_motion(self.motion)?, read_axes(self.axes)?);
         Ok(Limit { motion, axes, min: self.min, max: self.max, spring: self.spring.to_engine()? })
     }
 }
 
 impl BsDriveDesc {
-    fn to_engine(self) -> Outcome<Drive> {
+    pub(super) fn of_engine(drive: Drive) -> BsDriveDesc {
+        BsDriveDesc {
+            size: size_of::<BsDriveDesc>() as u32,
+            motion: write_motion(drive.motion),
+            axis: drive.axis as u32,
+            position: drive.position,
+            velocity: drive.velocity,
+            spring: BsSpring::of_engine(Some(drive.spring)),
+            max_force: drive.max_force,
+        }
+    }
+
+    pub(super) fn to_engine(self) -> Outcome<Drive> {
         Ok(Drive {
             motion: read_motion(self.motion)?,
             axis: read_axis(self.axis)?,
@@ -227,7 +272,11 @@ pub struct BsFrame {
 impl BsFrame {
     const NONE: BsFrame = BsFrame { position: BsVec3 { x: 0.0, y: 0.0, z: 0.0 }, rotation: BsQuat::IDENTITY };
 
-    fn to_engine(self) -> Frame {
+    pub(super) fn of_engine(frame: Frame) -> BsFrame {
+        BsFrame { position: frame.position.into(), rotation: frame.rotation.into() }
+    }
+
+    pub(super) fn to_engine(self) -> Frame {
         Frame { position: self.position.into(), rotation: self.rotation.into() }
     }
 }
@@ -270,11 +319,16 @@ pub struct BsJointDesc {
     pub drive_count: usize,
     /// Free for the caller.
     pub user_data: u64,
+    /// Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
+    pub force_threshold: f32,
+    /// The same of its torque [N m]. Default infinity.
+    pub torque_threshold: f32,
 }
 
 described! { BsJointDesc, bs_joint_desc_default(BS_JOINT_FREE, BsBody::NONE, BsBody::NONE), [
     size, kind, bodies, frames, range_min, range_max, spring, break_force, break_torque, solved_after,
     collide, reserved, limits, limit_count, drives, drive_count, user_data,
+    force_threshold, torque_threshold,
 ] }
 
 /// A joint of a kind between the origins of two bodies.
@@ -298,6 +352,8 @@ pub extern "C" fn bs_joint_desc_default(kind: BsJointKind, a: BsBody, b: BsBody)
         drives: null(),
         drive_count: 0,
         user_data: 0,
+        force_threshold: f32::INFINITY,
+        torque_threshold: f32::INFINITY,
     }
 }
 
@@ -330,6 +386,7 @@ impl BsJointDesc {
         desc.solved_after = read_place(self.solved_after)?;
         desc.collide = self.collide != 0;
         desc.user_data = self.user_data;
+        (desc.force_threshold, desc.torque_threshold) = (self.force_threshold, self.torque_threshold);
         Ok(desc)
     }
 }

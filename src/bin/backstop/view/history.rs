@@ -6,7 +6,7 @@ use backstop::{Snapshot, World};
 const ROOM: usize = 256 << 20;
 
 pub(super) struct History {
-    /// Of every so many steps, from the start.
+    /// One of every so many steps, from the start.
     snapshots: Vec<Snapshot>,
     every: u64,
     bytes: usize,

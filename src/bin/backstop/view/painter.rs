@@ -150,7 +150,7 @@ impl DebugDraw for Painter<'_> {
         let (thick, behind) = match ink.element {
             Element::Aabb | Element::FatAabb => (1.0, Behind::Hidden),
             Element::Impulse | Element::Motion | Element::SolverColour => (2.0, Behind::Faint),
-            Element::JointFrame | Element::JointGap => (2.0, Behind::Faint),
+            Element::JointFrame | Element::JointGap | Element::Coupling => (2.0, Behind::Faint),
             _ => (1.0, Behind::Faint),
         };
         let (from, to) = (self.view.see(from), self.view.see(to));

@@ -1,0 +1,168 @@
+//! Everything of a shape, read and changed one by one.
+
+use super::{BsFilter, BsGeometry, BsSurface};
+use crate::abi::guard::call;
+use crate::abi::pointers::borrow;
+use crate::abi::status::BsStatus;
+use crate::abi::values::{BsAabb, BsBody, BsBool, BsPose, BsQuat, BsShape, BsVec3};
+use crate::world::{BsWorld, change, changing, get, get_two};
+
+/// The body of a shape.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_body(world: *const BsWorld, shape: BsShape, body: *mut BsBody) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the place for the body", body, |w| Ok(w.body_of(shape.into())?.into())) }
+}
+
+/// Which shapes a shape collides with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_filter(
+    world: *const BsWorld,
+    shape: BsShape,
+    filter: *mut BsFilter,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get(world, "the place for the filter", filter, |w| Ok(BsFilter::of_engine(w.filter(shape.into())?)))
+    }
+}
+
+/// Whether contacts of a shape are reported as events.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_has_events(
+    world: *const BsWorld,
+    shape: BsShape,
+    events: *mut BsBool,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get(world, "the place for the answer", events, |w| Ok(w.listens_to_events(shape.into())?.into()))
+    }
+}
+
+/// Whether a shape is a sensor.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_is_sensor(
+    world: *const BsWorld,
+    shape: BsShape,
+    sensor: *mut BsBool,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the place for the answer", sensor, |w| Ok(w.is_sensor(shape.into())?.into())) }
+}
+
+/// Sets the caller's number of a shape.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_user_data(
+    world: *mut BsWorld,
+    shape: BsShape,
+    user_data: u64,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_shape_user_data(shape.into(), user_data)) }
+}
+
+/// Friction of a shape against rolling and spinning, and its belt.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_surface(
+    world: *const BsWorld,
+    shape: BsShape,
+    surface: *mut BsSurface,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get(world, "the place for the surface", surface, |w| {
+            Ok(BsSurface::of_engine(w.material(shape.into())?))
+        })
+    }
+}
+
+/// Replaces friction of a shape against rolling and spinning, and its belt; the rest of its material stays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_surface(
+    world: *mut BsWorld,
+    shape: BsShape,
+    surface: BsSurface,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_material(shape.into(), surface.on(w.material(shape.into())?))) }
+}
+
+/// Replaces the form of a shape. Mass follows if it is that of the shapes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_geometry(
+    world: *mut BsWorld,
+    shape: BsShape,
+    geometry: *const BsGeometry,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (mut content, geometry) =
+            unsafe { (changing(world)?, borrow("the geometry", geometry)?.to_engine()?) };
+        Ok(content.set_geometry(shape.into(), geometry)?)
+    })
+}
+
+/// Where the frame of a shape is in its body's [m], and how it is turned; each pointer may be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_pose(
+    world: *const BsWorld,
+    shape: BsShape,
+    position: *mut BsVec3,
+    rotation: *mut BsQuat,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get_two(world, (position, rotation), |w| {
+            w.shape_pose(shape.into()).map(|(p, r)| (p.into(), r.into())).map_err(Into::into)
+        })
+    }
+}
+
+/// Moves a shape on its body [m]. Mass follows if it is that of the shapes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_pose(
+    world: *mut BsWorld,
+    shape: BsShape,
+    position: BsVec3,
+    rotation: BsQuat,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_shape_pose(shape.into(), position.into(), rotation.into())) }
+}
+
+/// Where the frame of a shape is in the world.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_world_pose(
+    world: *const BsWorld,
+    shape: BsShape,
+    pose: *mut BsPose,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the place for the pose", pose, |w| Ok(w.shape_world_pose(shape.into())?.into())) }
+}
+
+/// Density of a shape [kg/m³].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_density(
+    world: *const BsWorld,
+    shape: BsShape,
+    density: *mut f32,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the place for the density", density, |w| Ok(w.density(shape.into())?)) }
+}
+
+/// Replaces the density of a shape [kg/m³]. Mass follows if it is that of the shapes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_density(world: *mut BsWorld, shape: BsShape, density: f32) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_density(shape.into(), density)) }
+}
+
+/// The box around a shape, along the axes of the world.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_aabb(world: *const BsWorld, shape: BsShape, aabb: *mut BsAabb) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the place for the box", aabb, |w| Ok(w.shape_aabb(shape.into())?.into())) }
+}

@@ -1,0 +1,150 @@
+//! Fills the rows of couplings and of drives in a step.
+
+use super::{Coupled, CouplingRow, Gauge, Owner, Pull};
+use crate::config::tuning::LOCK_AWRY;
+use crate::constraint::joint::arrange::JointInput;
+use crate::constraint::joint::ends::{Ends, Lever};
+use crate::constraint::joint::fill::{borne, implicit, place, put};
+use crate::constraint::joint::measure::Measure;
+use crate::joint::{Axes, LockKind, Motion, Placed, RowKind, Spring, Term};
+use crate::lanes::Vec3;
+use std::f32::consts::TAU;
+
+impl CouplingRow {
+    /// The row of a coupling or a drive: where its bodies are, and with what it bore.
+    pub(super) fn new(owner: Owner, input: &JointInput<'_>) -> CouplingRow {
+        let mut row = match owner {
+            Owner::Coupling(slot) => of_coupling(slot, input),
+            Owner::Drive(index) => of_drive(index, input),
+        };
+        let p = row.impulse[0] - row.impulse[1];
+        for motion in row.motions_mut() {
+            (motion.acted, motion.moment) = motion.parts(p);
+        }
+        row
+    }
+}
+
+fn of_coupling(slot: u32, input: &JointInput<'_>) -> CouplingRow {
+    let coupling = &input.joints.couplings.all[slot as usize];
+    let (factors, mut displacements) = (coupling.scaled(), coupling.displacements);
+    let motions = [0, 1].map(|i| {
+        let (motion, value) = coupled(slot, &coupling.terms[i], factors[i], input);
+        displacements[i] = coupling.terms[i].unwrapped(value, displacements[i]);
+        motion
+    });
+    let (sum, scale) = (coupling.sum(displacements), coupling.scale());
+    let room = [sum - coupling.range[0], coupling.range[1] - sum].map(|room| (room / scale) as f32);
+    let mut row = CouplingRow {
+        owner: Owner::Coupling(slot),
+        motions,
+        drive: None,
+        displacements,
+        room,
+        gap: room,
+        equality: coupling.is_equality(),
+        mobility: 0.0,
+        impulse: coupling.impulse.map(|impulse| impulse * input.warm),
+        lasting: coupling.lasting_impulse * input.warm,
+    };
+    row.measure();
+    if row.mobility <= 0.0 {
+        (row.impulse, row.lasting) = ([0.0; 2], 0.0);
+    }
+    row
+}
+
+fn of_drive(index: u32, input: &JointInput<'_>) -> CouplingRow {
+    let row = &input.joints.rows[index as usize];
+    let term = Term { joint: row.joint, motion: row.motion, axes: row.axes };
+    let (motion, value) = coupled(index, &term, 1.0, input);
+    let (position, velocity, spring, max_force) = match row.kind {
+        RowKind::Drive { position, velocity, spring, max_force } => (position, velocity, spring, max_force),
+        RowKind::Limit { .. } | RowKind::Yielding { .. } => (0.0, 0.0, RIGID, 0.0),
+    };
+    let mut off = value - position;
+    if row.motion == Motion::Angular && off.is_finite() {
+        // Whole turns don't matter.
+        off -= TAU * (off / TAU).round();
+    }
+    let mut made = CouplingRow {
+        owner: Owner::Drive(index),
+        motions: [motion; 2],
+        drive: Some(Pull { pull: 0.0, speed: 0.0, give: 0.0, most: 0.0 }),
+        displacements: [0.0; 2],
+        room: [off, 0.0],
+        gap: [off, 0.0],
+        equality: false,
+        mobility: 0.0,
+        impulse: [row.impulse[0] * input.warm, 0.0],
+        lasting: 0.0,
+    };
+    made.measure();
+    let spring = spring.coefficients();
+    // Without spring and damper it does nothing.
+    let numbers = (made.mobility > 0.0).then(|| spring.with_mobility(made.mobility));
+    match numbers.and_then(|spring| implicit(&spring, velocity, input.h)) {
+        Some([pull, give, speed]) => {
+            made.drive = Some(Pull { pull, speed, give, most: max_force * input.h });
+        }
+        None => made.impulse = [0.0; 2],
+    }
+    made
+}
+
+/// Of a row that is no drive.
+const RIGID: Spring = Spring::Coefficients { stiffness: 0.0, damping: 0.0 };
+
+/// A motion, and its displacement without whole turns.
+fn coupled(owner: u32, term: &Term, factor: f32, input: &JointInput<'_>) -> (Coupled, f32) {
+    let mut ends = Ends::default();
+    let joint = &input.joints.all[term.joint as usize];
+    let at = place(&mut ends, 0, owner, joint, input);
+    let gauge = match (term.motion, term.axes) {
+        (Motion::Angular, _) => Gauge::Twist(placed(&at, term.axes)),
+        (Motion::Linear, Axes::One(_)) => Gauge::Slide(placed(&at, term.axes)),
+        (Motion::Linear, _) => Gauge::Distance(placed(&at, term.axes)),
+    };
+    let (mut arm, zero) = ([Vec3::zero(); 2], Vec3::zero());
+    put(&mut arm[0], 0, at.arm[0] + at.apart);
+    put(&mut arm[1], 0, at.arm[1]);
+    let value = at.displacement(term.motion, term.axes);
+    let mut motion = Coupled {
+        ends,
+        gauge,
+        factor,
+        arm,
+        borne: [zero; 2],
+        lever: Lever::zero(),
+        start: value,
+        now: value,
+        speed: 0.0,
+        acted: zero,
+        moment: [zero; 2],
+    };
+    motion.begin();
+    let beside = input.joints.locked_by(term.joint);
+    if is_guided(term, beside[1]) && at.turned_by(beside[1]) <= LOCK_AWRY {
+        let [force, torque] = borne(&motion.ends, &motion.lever, 0, &at, &beside);
+        put(&mut motion.borne[0], 0, force);
+        put(&mut motion.borne[1], 0, torque);
+        motion.begin();
+    }
+    (motion, value)
+}
+
+fn placed<M: Measure<f32>>(at: &Placed, axes: Axes) -> M {
+    let mut measure = M::default();
+    measure.place(0, at, axes);
+    measure
+}
+
+/// Whether the joint's locks leave its bodies no other way to go than along or about the axis, in a direction
+/// that can't turn.
+fn is_guided(term: &Term, turns: Option<LockKind>) -> bool {
+    match (term.motion, term.axes, turns) {
+        (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
+        (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => axis == about,
+        _ => false,
+    }
+}
