@@ -775,8 +775,8 @@ typedef struct BsCouplingDesc {
     uint64_t user_data;
 } BsCouplingDesc;
 
-// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All zeros
-// is no coupling.
+// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All
+// zeros is no coupling.
 typedef struct BsCoupling {
     // Place in the world.
     uint32_t slot;
@@ -818,14 +818,6 @@ typedef struct BsHit {
     uint8_t reserved[6];
 } BsHit;
 
-// A shape that a query's shape overlaps.
-typedef struct BsOverlap {
-    // Whose shape it is.
-    struct BsBody body;
-    // Which shape.
-    struct BsShape shape;
-} BsOverlap;
-
 // The point of a shape that is nearest to a given one.
 typedef struct BsClosestPoint {
     // Whose shape it is.
@@ -847,6 +839,14 @@ typedef struct BsClosestPoint {
     // Zero.
     uint8_t reserved[2];
 } BsClosestPoint;
+
+// A shape that a query's shape overlaps.
+typedef struct BsOverlap {
+    // Whose shape it is.
+    struct BsBody body;
+    // Which shape.
+    struct BsShape shape;
+} BsOverlap;
 
 // How a bone moves on its parent, one of `BS_BONE_...`.
 typedef uint32_t BsBoneKind;
@@ -1568,15 +1568,16 @@ BsStatus bs_height_field_scaled(const struct BsHeightField *field,
                                 struct BsVec3 scale,
                                 const struct BsHeightField **scaled);
 
-// A height field as bytes, which `bs_height_field_from_bytes` reads without building it again. `count` becomes the number
-// of bytes.
+// A height field as bytes, which `bs_height_field_from_bytes` reads without building it again. `count`
+// becomes the number of bytes.
 BS_API
 BsStatus bs_height_field_to_bytes(const struct BsHeightField *field,
                                   uint8_t *bytes,
                                   size_t capacity,
                                   size_t *count);
 
-// A height field from bytes of `bs_height_field_to_bytes`, which are checked. The caller has a reference to it.
+// A height field from bytes of `bs_height_field_to_bytes`, which are checked. The caller has a reference to
+// it.
 BS_API
 BsStatus bs_height_field_from_bytes(const uint8_t *bytes,
                                     size_t count,
@@ -2387,6 +2388,33 @@ BsStatus bs_world_cast_shape_all(const struct BsWorld *world,
                                  size_t capacity,
                                  size_t *count);
 
+// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is
+// one.
+BS_API
+BsStatus bs_world_closest_point(const struct BsWorld *world,
+                                struct BsDVec3 point,
+                                float distance,
+                                const struct BsQueryFilter *filter,
+                                struct BsClosestPoint *closest);
+
+// Whether any shape is within a distance [m] of a point [m]; inside counts.
+BS_API
+BsStatus bs_world_closest_point_any(const struct BsWorld *world,
+                                    struct BsDVec3 point,
+                                    float distance,
+                                    const struct BsQueryFilter *filter,
+                                    BsBool *any);
+
+// The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
+BS_API
+BsStatus bs_world_closest_point_all(const struct BsWorld *world,
+                                    struct BsDVec3 point,
+                                    float distance,
+                                    const struct BsQueryFilter *filter,
+                                    struct BsClosestPoint *points,
+                                    size_t capacity,
+                                    size_t *count);
+
 // All shapes that a convex one at a pose overlaps or touches, by handle. `count` becomes their number.
 BS_API
 BsStatus bs_world_overlap(const struct BsWorld *world,
@@ -2414,33 +2442,6 @@ BsStatus bs_world_overlap_any(const struct BsWorld *world,
                               struct BsPose pose,
                               const struct BsQueryFilter *filter,
                               BsBool *any);
-
-// The shape that is nearest to a point [m], within a distance [m]; `closest->found` says whether there is
-// one.
-BS_API
-BsStatus bs_world_closest_point(const struct BsWorld *world,
-                                struct BsDVec3 point,
-                                float distance,
-                                const struct BsQueryFilter *filter,
-                                struct BsClosestPoint *closest);
-
-// Whether any shape is within a distance [m] of a point [m]; inside counts.
-BS_API
-BsStatus bs_world_closest_point_any(const struct BsWorld *world,
-                                    struct BsDVec3 point,
-                                    float distance,
-                                    const struct BsQueryFilter *filter,
-                                    BsBool *any);
-
-// The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
-BS_API
-BsStatus bs_world_closest_point_all(const struct BsWorld *world,
-                                    struct BsDVec3 point,
-                                    float distance,
-                                    const struct BsQueryFilter *filter,
-                                    struct BsClosestPoint *points,
-                                    size_t capacity,
-                                    size_t *count);
 
 // A root without length, which is refused.
 BS_API struct BsBoneDesc bs_bone_desc_default(void);

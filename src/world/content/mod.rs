@@ -2,11 +2,8 @@
 
 mod bodies;
 mod colliders;
-mod couplings;
 mod extents;
 mod heights;
-mod joint_changes;
-mod joint_readings;
 mod joints;
 mod mass;
 mod motion;

@@ -104,8 +104,8 @@ pub struct BsJoint {
     pub generation: u32,
 }
 
-/// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All zeros
-/// is no coupling.
+/// A coupling of two motions of joints. Stale once it breaks, or it or one of its joints is removed. All
+/// zeros is no coupling.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BsCoupling {

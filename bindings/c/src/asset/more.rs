@@ -167,8 +167,8 @@ pub unsafe extern "C" fn bs_height_field_scaled(
     unsafe { make(field, scaled, |field| field.scaled(scale.into())) }
 }
 
-/// A height field as bytes, which `bs_height_field_from_bytes` reads without building it again. `count` becomes the number
-/// of bytes.
+/// A height field as bytes, which `bs_height_field_from_bytes` reads without building it again. `count`
+/// becomes the number of bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_height_field_to_bytes(
     field: *const BsHeightField,
@@ -180,7 +180,8 @@ pub unsafe extern "C" fn bs_height_field_to_bytes(
     unsafe { bake(field, (bytes, capacity, count), HeightField::to_bytes) }
 }
 
-/// A height field from bytes of `bs_height_field_to_bytes`, which are checked. The caller has a reference to it.
+/// A height field from bytes of `bs_height_field_to_bytes`, which are checked. The caller has a reference to
+/// it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_height_field_from_bytes(
     bytes: *const u8,

@@ -1,4 +1,8 @@
-//! Joints of the world: add, remove, look up.
+//! Joints of the world: add, remove, look up; changed, read and coupled in files of their own.
+
+mod changes;
+mod couplings;
+mod readings;
 
 use crate::body::{BodyDetails, BodyKind};
 use crate::error::Error;

@@ -267,7 +267,7 @@ impl World {
 
     /// The rows that an angular drive about an axis, or its removal, makes anew if up to so many come to a
     /// joint.
-    pub(super) fn more_for_drive(
+    pub(in crate::world) fn more_for_drive(
         &self,
         joint: u32,
         axis: Axis,
@@ -308,5 +308,5 @@ impl World {
 }
 
 #[cfg(test)]
-#[path = "joint_changes_tests.rs"]
+#[path = "changes_tests.rs"]
 mod tests;
