@@ -1,16 +1,27 @@
 //! Content of the world: bodies, their shapes and joints.
 
+// The documentation of `World` lists its methods in this order.
 mod bodies;
-mod colliders;
-mod extents;
-mod heights;
-mod joints;
-mod mass;
+
 mod motion;
-mod ragdolls;
-mod reshape;
-mod shapes;
+
+mod mass;
+
 mod traits;
+
+mod extents;
+
+mod colliders;
+
+mod shapes;
+
+mod reshape;
+
+mod heights;
+
+mod joints;
+
+mod ragdolls;
 
 pub use extents::Aabb;
 pub(crate) use motion::finite_position;
