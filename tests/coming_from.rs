@@ -79,6 +79,7 @@ rows! {
     Geometry::cuboid(0.5, 0.5, 0.5);
     Geometry::capsule(0.5, 0.2);
     mesh.scaled(Vec3::new(-1.0, 2.0, 1.0));
+    world.set_heights(shape, [2, 3], [1, 1], &[0.5]);
     world.add_shape(body, &shape_desc);
     world.body_of(shape);
     world.set_material(shape, Material::default().with_friction(0.3));
