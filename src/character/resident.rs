@@ -142,9 +142,9 @@ impl World {
     /// If the budget does not allow it.
     pub fn add_character(&mut self, character: &Character) -> Result<CharacterHandle, Error> {
         let resident = character.resident();
-        self.reserve_for_character(resident.geometry.as_ref(), self.seats_with_another())?;
+        self.reserve_for_character(resident.geometry.as_ref(), self.slots_with_another())?;
         self.note(Change::AddCharacter(&resident));
-        Ok(self.seat(resident))
+        Ok(self.insert_resident(resident))
     }
 
     /// Removes a character from the world.
@@ -154,7 +154,7 @@ impl World {
     pub fn remove_character(&mut self, character: CharacterHandle) -> Result<(), Error> {
         self.characters.get(character)?;
         self.note(Change::RemoveCharacter(character));
-        self.unseat(character);
+        self.remove_resident(character);
         Ok(())
     }
 
@@ -175,7 +175,7 @@ impl World {
         let resident = to.resident();
         self.reserve_for_character(resident.geometry.as_ref(), 0)?;
         self.note(Change::SetCharacter(character, &resident));
-        self.reseat(character, resident);
+        self.replace_resident(character, resident);
         Ok(())
     }
 
@@ -195,7 +195,7 @@ impl World {
         let report = walker.walk(self, filter, velocity, dt)?;
         let words = walker.words();
         self.note(Change::WalkCharacter(character, &words));
-        self.rewrite(character, &words);
+        self.write_resident(character, &words);
         Ok(report)
     }
 

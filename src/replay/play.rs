@@ -422,7 +422,7 @@ impl<R: Read> Replay<R> {
                 let geometry = self.world.characters.get(character)?.geometry.clone();
                 let walked = checked_character(geometry, &words);
                 let walked = walked.map_err(|_| Failed::Damaged("a character"))?;
-                self.world.rewrite(character, &walked.resident().words);
+                self.world.write_resident(character, &walked.resident().words);
             }
             // One that was forgotten above must not pass for the same.
             _ => return Err(Failed::Damaged("a call is unknown")),

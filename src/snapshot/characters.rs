@@ -20,20 +20,20 @@ const HULL: u32 = 5;
 /// Writes all slots; returns how many. Hulls go into `forms`.
 pub(super) fn save_characters(from: &Characters, forms: &mut Vec<Known>, out: &mut Vec<u32>) -> u32 {
     forms.clear();
-    for seat in &from.seats {
+    for place in &from.slots {
         let start = out.len();
         out.resize(start + CHARACTER, 0);
         let words = &mut out[start..];
-        words[0] = seat.generation;
+        words[0] = place.generation;
         words[1] = NOBODY;
-        if let Some(Resident { geometry, words: own }) = &seat.resident {
+        if let Some(Resident { geometry, words: own }) = &place.resident {
             words[6..].copy_from_slice(own);
             let (code, numbers) = geometry.as_ref().map_or((CAPSULE, [0; 4]), |form| code_of(form, forms));
             words[1] = code;
             words[2..6].copy_from_slice(&numbers);
         }
     }
-    from.seats.len() as u32
+    from.slots.len() as u32
 }
 
 fn code_of(form: &Geometry, forms: &mut Vec<Known>) -> (u32, [u32; 4]) {

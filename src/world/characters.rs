@@ -20,7 +20,7 @@ pub(crate) struct Resident {
 
 /// A place for a character, and how many it had.
 #[derive(Debug)]
-pub(crate) struct Seat {
+pub(crate) struct CharacterSlot {
     pub(crate) generation: u32,
     pub(crate) resident: Option<Resident>,
 }
@@ -28,71 +28,72 @@ pub(crate) struct Seat {
 /// All characters of a world, by slot.
 #[derive(Debug, Default)]
 pub(crate) struct Characters {
-    pub(crate) seats: Vec<Seat>,
+    pub(crate) slots: Vec<CharacterSlot>,
 }
 
-buffers! { Characters { bytes { seats } } }
+buffers! { Characters { bytes { slots } } }
 
 impl Characters {
     pub(crate) fn get(&self, handle: CharacterHandle) -> Result<&Resident, Error> {
-        let seat = self.seats.get(handle.slot as usize).filter(|seat| seat.generation == handle.generation);
-        seat.and_then(|seat| seat.resident.as_ref()).ok_or(Error::StaleCharacter)
+        let place =
+            self.slots.get(handle.slot as usize).filter(|place| place.generation == handle.generation);
+        place.and_then(|place| place.resident.as_ref()).ok_or(Error::StaleCharacter)
     }
 
     /// Handles and characters, by slot.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (CharacterHandle, &Resident)> {
-        self.seats.iter().enumerate().filter_map(|(slot, seat)| {
-            let handle = CharacterHandle { slot: slot as u32, generation: seat.generation };
-            seat.resident.as_ref().map(|resident| (handle, resident))
+        self.slots.iter().enumerate().filter_map(|(slot, place)| {
+            let handle = CharacterHandle { slot: slot as u32, generation: place.generation };
+            place.resident.as_ref().map(|resident| (handle, resident))
         })
     }
 
     /// The lowest free slot.
     fn free(&self) -> usize {
-        self.seats.iter().position(|seat| seat.resident.is_none()).unwrap_or(self.seats.len())
+        self.slots.iter().position(|place| place.resident.is_none()).unwrap_or(self.slots.len())
     }
 }
 
 impl World {
     /// Puts a character into the lowest free slot, for which there is memory.
-    pub(crate) fn seat(&mut self, resident: Resident) -> CharacterHandle {
+    pub(crate) fn insert_resident(&mut self, resident: Resident) -> CharacterHandle {
         let slot = self.characters.free();
-        if slot == self.characters.seats.len() {
-            self.characters.seats.push(Seat { generation: 1, resident: None });
+        if slot == self.characters.slots.len() {
+            self.characters.slots.push(CharacterSlot { generation: 1, resident: None });
         }
         self.set_resident(slot, Some(resident));
-        CharacterHandle { slot: slot as u32, generation: self.characters.seats[slot].generation }
+        CharacterHandle { slot: slot as u32, generation: self.characters.slots[slot].generation }
     }
 
     /// Removes a character that is there.
-    pub(crate) fn unseat(&mut self, handle: CharacterHandle) {
+    pub(crate) fn remove_resident(&mut self, handle: CharacterHandle) {
         self.set_resident(handle.slot as usize, None);
-        let generation = &mut self.characters.seats[handle.slot as usize].generation;
+        let generation = &mut self.characters.slots[handle.slot as usize].generation;
         *generation = generation.wrapping_add(1);
     }
 
     /// Replaces a character that is there.
-    pub(crate) fn reseat(&mut self, handle: CharacterHandle, resident: Resident) {
+    pub(crate) fn replace_resident(&mut self, handle: CharacterHandle, resident: Resident) {
         self.set_resident(handle.slot as usize, Some(resident));
     }
 
     /// Replaces the words of a character that is there; its geometry stays.
-    pub(crate) fn rewrite(&mut self, handle: CharacterHandle, words: &[u32; CHARACTER_WORDS]) {
-        if let Some(resident) = &mut self.characters.seats[handle.slot as usize].resident {
+    pub(crate) fn write_resident(&mut self, handle: CharacterHandle, words: &[u32; CHARACTER_WORDS]) {
+        if let Some(resident) = &mut self.characters.slots[handle.slot as usize].resident {
             resident.words = *words;
         }
     }
 
     /// Slots if another character comes.
-    pub(crate) fn seats_with_another(&self) -> usize {
-        self.characters.seats.len().max(self.characters.free() + 1)
+    pub(crate) fn slots_with_another(&self) -> usize {
+        self.characters.slots.len().max(self.characters.free() + 1)
     }
 
     fn set_resident(&mut self, slot: usize, new: Option<Resident>) {
         if let Some(geometry) = new.as_ref().and_then(|resident| resident.geometry.as_ref()) {
             self.assets.add(geometry);
         }
-        let old = std::mem::replace(&mut self.characters.seats[slot].resident, new);
+        let old = std::mem::replace(&mut self.characters.slots[slot].resident, new);
         if let Some(geometry) = old.and_then(|resident| resident.geometry) {
             self.assets.remove(&geometry);
         }
@@ -100,17 +101,17 @@ impl World {
 
     /// Removes all characters, before a snapshot is restored.
     pub(crate) fn clear_characters(&mut self) {
-        (0..self.characters.seats.len()).for_each(|slot| self.set_resident(slot, None));
-        self.characters.seats.clear();
+        (0..self.characters.slots.len()).for_each(|slot| self.set_resident(slot, None));
+        self.characters.slots.clear();
     }
 
     /// Puts a character of a snapshot, or an empty place, behind the others.
     pub(crate) fn restore_character(&mut self, generation: u32, resident: Option<Resident>) {
-        self.characters.seats.push(Seat { generation, resident: None });
-        self.set_resident(self.characters.seats.len() - 1, resident);
+        self.characters.slots.push(CharacterSlot { generation, resident: None });
+        self.set_resident(self.characters.slots.len() - 1, resident);
     }
 
-    pub(in crate::world) fn seat_buffer(&mut self) -> &mut dyn Buffer {
-        &mut self.characters.seats
+    pub(in crate::world) fn character_buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.characters.slots
     }
 }

@@ -122,7 +122,7 @@ impl World {
     /// Whether it never had a body and never stepped, so that nothing depends on its past.
     #[cfg(feature = "replay")]
     pub(crate) fn is_new(&self) -> bool {
-        self.bodies.slots.is_new() && self.characters.seats.is_empty() && self.buffers.dt == 0.0
+        self.bodies.slots.is_new() && self.characters.slots.is_empty() && self.buffers.dt == 0.0
     }
 
     pub(crate) fn index(&self, body: BodyHandle) -> Result<usize, Error> {

@@ -40,7 +40,7 @@ impl World {
         field.check(&patch)?;
         let mut field = field.clone();
         if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
-            // Of its own from here on; the budget counts it.
+            // Its own copy from here on; the budget counts it.
             field = Arc::new((*field).clone());
             self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
         }

@@ -193,9 +193,9 @@ impl World {
             return Ok(());
         }
         let (mut once, assets) = self.assets.cost(geometry.into_iter());
-        once.add(Category::Bodies, self.seat_buffer().missing(slots));
+        once.add(Category::Bodies, self.character_buffer().missing(slots));
         self.reserve_for(Counts { once, assets, ..Counts::default() }, false)?;
-        self.seat_buffer().reserve_total(slots);
+        self.character_buffer().reserve_total(slots);
         Ok(())
     }
 

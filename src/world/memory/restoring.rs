@@ -135,7 +135,7 @@ impl World {
             f(Category::Manifolds, self.contacts.rolling_buffer(), brings.contacts.contacts);
         }
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
-        f(Category::Bodies, self.seat_buffer(), brings.characters);
+        f(Category::Bodies, self.character_buffer(), brings.characters);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }

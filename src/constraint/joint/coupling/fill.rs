@@ -92,7 +92,7 @@ fn of_drive(index: u32, input: &JointInput<'_>) -> CouplingRow {
     made
 }
 
-/// Of a row that is no drive.
+/// Marks a row that is no drive.
 const RIGID: Spring = Spring::Coefficients { stiffness: 0.0, damping: 0.0 };
 
 /// A motion, and its displacement without whole turns.
