@@ -7,7 +7,6 @@ use anyhow::{Context, bail};
 use backstop::lab::WorldSolver;
 use backstop::lab::cases::{Case, Outcome, Setting};
 use serde::Serialize;
-use std::fmt::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -187,10 +186,6 @@ fn figure(x: f64) -> String {
 }
 
 fn list(cases: &[&Case]) -> String {
-    let mut text = String::new();
-    for case in cases {
-        let bar = figure(case.bar);
-        let _ = writeln!(text, "{:<22}{}\n{:<22}{}; bar {bar}", case.name, case.about, "", case.formula);
-    }
-    text
+    let about = |case: &Case| format!("{}\n{}; bar {}", case.about, case.formula, figure(case.bar));
+    table::list(cases.iter().map(|case| (case.name, about(case))))
 }

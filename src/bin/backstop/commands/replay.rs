@@ -3,11 +3,11 @@
 use crate::args::ReplayOptions;
 use crate::report::output;
 use crate::report::output::{bytes, count, count_threads, micros};
+use crate::report::table::list;
 use anyhow::{Context, bail};
 use backstop::replay::{DivergedBody, Divergence, Played, Replay};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::fs::File;
 use std::io::BufReader;
 use std::time::{Duration, Instant};
@@ -53,13 +53,15 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
     let file = File::open(&options.file).with_context(about)?;
     let size = file.metadata().with_context(about)?.len();
     let limits = options.common.limits();
-    let file = BufReader::new(file);
+    let bar = output::progress(!options.common.quiet && !options.common.json, size, "bytes");
+    let file = BufReader::new(bar.wrap_read(file));
     let mut replay = Replay::open_limited(file, &limits, move |settings| settings.threads = threads)
         .with_context(about)?;
     if !options.common.quiet && replay.engine() != env!("CARGO_PKG_VERSION") {
         eprintln!("note: recorded by backstop {}; another version may go another way", replay.engine());
     }
     let (played, time) = pool.install(|| play(&mut replay)).with_context(about)?;
+    bar.finish_and_clear();
     let document = Document {
         file: name.to_string(),
         bytes: size,
@@ -124,9 +126,5 @@ fn text(document: &Document) -> String {
             },
         ),
     ];
-    let mut text = String::new();
-    for (label, value) in rows {
-        let _ = writeln!(text, "{label:<12}{value}");
-    }
-    text
+    list(rows)
 }

@@ -1,20 +1,21 @@
 //! `scenes`: lists the builtin scenes, and writes those that are shipped as files.
 
 use crate::report::output;
-use backstop::scene;
+use crate::report::table::table;
+use backstop::scene::{self, Scene};
 use std::path::Path;
 
 /// Lists all scenes with their numbers of dynamic bodies.
 pub(crate) fn list() -> anyhow::Result<()> {
-    let mut text = String::from("Builtin scenes, by their names:\n");
-    for (name, scene) in scene::builtin::NAMES.iter().filter_map(|n| Some((n, scene::builtin::build(n)?))) {
-        text += &format!("  {name:<20}{:>6} bodies that move\n", scene.dynamic_bodies());
-    }
-    text += "Scenes that `cargo backstop scenes write` writes as files:\n";
-    for (file, scene) in scene::SHIPPED.iter().filter_map(|f| Some((f, scene::shipped(f)?))) {
-        text += &format!("  {file:<20}{:>6} bodies that move\n", scene.dynamic_bodies());
-    }
-    output::print(&text)
+    let row = |name: &str, scene: Scene| vec![name.to_owned(), scene.dynamic_bodies().to_string()];
+    let builtin = scene::builtin::NAMES.iter().filter_map(|n| Some(row(n, scene::builtin::build(n)?)));
+    let files = scene::SHIPPED.iter().filter_map(|f| Some(row(f, scene::shipped(f)?)));
+    output::print(&format!(
+        "Builtin scenes, by their names:\n{}\
+         Scenes that `cargo backstop scenes write` writes as files:\n{}",
+        table(&["scene", "bodies that move"], 1, builtin),
+        table(&["file", "bodies that move"], 1, files),
+    ))
 }
 
 /// Writes the shipped scenes into a folder.

@@ -1,7 +1,7 @@
 //! `solve`: a problem of contact resolution out of a file, by one of the lab's methods.
 
 use crate::args::SolveOptions;
-use crate::report::output;
+use crate::report::{output, table};
 use anyhow::{Context, bail};
 use backstop::lab::methods::{Effort, Method, Solution, Status};
 use backstop::lab::problem::{File, Form, read_problem};
@@ -110,12 +110,14 @@ fn read_hdf5(_: Vec<u8>) -> anyhow::Result<File> {
 
 fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {
     let Document { status, iterations, pivots, residual, time_us, solution } = document;
-    let mut text = format!("{method}: {}\n", status.replace('_', " "));
-    let _ = writeln!(text, "residual    {residual:.3e}");
-    let _ = writeln!(text, "iterations  {}", output::count((*iterations).into()));
-    let _ = writeln!(text, "pivots      {}", output::count((*pivots).into()));
     let runs = if runs == 1 { "one run".into() } else { format!("median of {runs} runs") };
-    let _ = writeln!(text, "time        {} ({runs})", output::micros(*time_us));
+    let rows = [
+        ("residual", format!("{residual:.3e}")),
+        ("iterations", output::count((*iterations).into())),
+        ("pivots", output::count((*pivots).into())),
+        ("time", format!("{} ({runs})", output::micros(*time_us))),
+    ];
+    let mut text = format!("{method}: {}\n{}", status.replace('_', " "), table::list(rows));
     let (title, width) = match form {
         Form::Complementarity => ("z", 1),
         Form::PlaneContacts => ("impulses of each contact: normal, tangent", 2),
@@ -133,9 +135,6 @@ fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {
 }
 
 fn list() -> String {
-    let mut text = String::new();
-    for Method { name, about, laws, .. } in Method::ALL {
-        let _ = writeln!(text, "{name:<16}{about}\n{:<16}exact for {laws}", "");
-    }
-    text
+    let row = |method: &Method| (method.name, format!("{}\nexact for {}", method.about, method.laws));
+    table::list(Method::ALL.iter().map(row))
 }

@@ -2,13 +2,13 @@
 
 use crate::args::StabilityOptions;
 use crate::report::output::{self, plural};
+use crate::report::table::{list, table};
 use anyhow::{Context, bail};
-use backstop::lab::{Mode, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
+use backstop::lab::{Mode, ModeBody, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
 use backstop::scene::{Scene, Standing, open};
 use backstop::{FrictionModel, Settings, World};
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use std::fmt::Write;
 
 /// One world at rest, and what was found about it.
 struct Found {
@@ -125,7 +125,7 @@ fn whereabouts(mode: &Mode) -> &'static str {
 
 fn text(found: &Found) -> String {
     let (s, settings) = (&found.stability, &found.settings);
-    let mut text = format!(
+    let text = format!(
         "{} at {} Hz, {}, {}, friction per {}\n",
         found.name,
         found.hertz,
@@ -133,41 +133,38 @@ fn text(found: &Found) -> String {
         plural(settings.iterations.into(), "iteration", "iterations"),
         model_name(settings.friction_model)
     );
-    let mut line = |label: &str, value: String| _ = writeln!(text, "  {label:<34}{value}");
-    line("speed at rest", format!("{:.1e} m/s", found.rest.speed));
-    line("unknowns", s.unknowns.to_string());
-    line("spectral radius per step", format!("1 {:+.1e} (noise {:.1e})", s.radius - 1.0, s.noise));
-    line("growth", format!("{:.4} / s", s.growth));
-    if let Some(parting) = found.parting {
-        line("growth of two worlds' parting", format!("{parting:.4} / s"));
-    }
-    line("points that let go or took hold", s.changed.to_string());
-    line("verdict", found.verdict().into());
-    text += "  modes: modulus per step, growth, frequency, residual, where, and the bodies it moves most\n";
-    for mode in &s.modes {
-        _ = write!(
-            text,
-            "    1 {:+.1e}  {:7.3} / s  {:6.2} Hz  {:.0e}  {:<11}",
-            mode.modulus - 1.0,
-            mode.growth,
-            mode.frequency,
-            mode.residual,
-            whereabouts(mode)
-        );
-        for body in mode.bodies.iter().take(3) {
-            let [x, y, z] = body.linear.to_array();
-            let number = found.numbers.get(&body.body).copied().unwrap_or_default();
-            _ = write!(text, "  {number} ({x:+.2} {y:+.2} {z:+.2})");
-        }
-        text.push('\n');
-    }
-    text
+    let mut rows = vec![
+        ("speed at rest", format!("{:.1e} m/s", found.rest.speed)),
+        ("unknowns", s.unknowns.to_string()),
+        ("spectral radius per step", format!("1 {:+.1e} (noise {:.1e})", s.radius - 1.0, s.noise)),
+        ("growth", format!("{:.4} / s", s.growth)),
+    ];
+    rows.extend(found.parting.map(|parting| ("growth of two worlds' parting", format!("{parting:.4} / s"))));
+    rows.push(("points that let go or took hold", s.changed.to_string()));
+    rows.push(("verdict", found.verdict().into()));
+    let most_moved = |body: &ModeBody| {
+        let [x, y, z] = body.linear.to_array();
+        let number = found.numbers.get(&body.body).copied().unwrap_or_default();
+        format!("{number} ({x:+.2} {y:+.2} {z:+.2})")
+    };
+    let modes = s.modes.iter().map(|mode| {
+        vec![
+            whereabouts(mode).to_owned(),
+            format!("1 {:+.1e}", mode.modulus - 1.0),
+            format!("{:.3} / s", mode.growth),
+            format!("{:.2} Hz", mode.frequency),
+            format!("{:.0e}", mode.residual),
+            mode.bodies.iter().take(3).map(most_moved).collect::<Vec<_>>().join("  "),
+        ]
+    });
+    let headings = ["mode", "modulus per step", "growth", "frequency", "residual", ""];
+    text + &list(rows) + "\n" + &table(&headings, 1, modes)
 }
 
 fn document(found: &Found) -> Value {
     let (s, settings) = (&found.stability, &found.settings);
     let mode = |mode: &Mode| {
-        let body = |b: &backstop::lab::ModeBody| {
+        let body = |b: &ModeBody| {
             json!({
                 "body": found.numbers.get(&b.body),
                 "linear": b.linear.to_array(),
@@ -234,15 +231,13 @@ fn set(options: &StabilityOptions) -> anyhow::Result<()> {
     if efforts.is_empty() {
         bail!("the set has no such number of substeps and iterations");
     }
-    let names =
-        SET.iter().filter(|name| options.only.as_ref().is_none_or(|only| name.starts_with(only.as_str())));
-    let (mut unstable, mut all, mut documents) = (0, 0, Vec::new());
-    if !options.json {
-        output::print(
-            "scene         Hz  substeps iterations friction  at rest m/s    radius - 1     noise   \
-             growth/s\n",
-        )?;
-    }
+    let names: Vec<_> = SET
+        .iter()
+        .filter(|name| options.only.as_ref().is_none_or(|only| name.starts_with(only.as_str())))
+        .collect();
+    let count = names.len() * hertz.len() * efforts.len() * models.len();
+    let bar = output::progress(!options.json, count as u64, "probes");
+    let mut all = Vec::with_capacity(count);
     for name in names {
         let scene = scene_of(name, options)?;
         for &hz in &hertz {
@@ -252,29 +247,46 @@ fn set(options: &StabilityOptions) -> anyhow::Result<()> {
                         .with_substeps(substeps)
                         .with_iterations(iterations)
                         .with_friction_model(friction_model);
-                    let found = find(&scene, settings, hz, options)?;
-                    let s = &found.stability;
-                    (unstable, all) = (unstable + usize::from(found.verdict() != STABLE), all + 1);
-                    if options.json {
-                        documents.push(document(&found));
-                        continue;
-                    }
-                    output::print(&format!(
-                        "{name:<11}{hz:>5}{substeps:>10}{iterations:>11} \
-                         {:<9}{:>11.1e}{:>14.1e}{:>10.1e}{:>11.4}  {}\n",
-                        model_name(friction_model),
-                        found.rest.speed,
-                        s.radius - 1.0,
-                        s.noise,
-                        s.growth,
-                        found.verdict()
-                    ))?;
+                    all.push(find(&scene, settings, hz, options)?);
+                    bar.inc(1);
                 }
             }
         }
     }
+    bar.finish_and_clear();
     if options.json {
-        output::print_json(&documents)?;
+        output::print_json(&all.iter().map(document).collect::<Vec<_>>())?;
+    } else {
+        output::print(&table(&HEADINGS, 1, all.iter().map(row)))?;
     }
-    verdict(unstable, all)
+    verdict(all.iter().filter(|found| found.verdict() != STABLE).count(), all.len())
+}
+
+const HEADINGS: [&str; 10] = [
+    "scene",
+    "Hz",
+    "substeps",
+    "iterations",
+    "friction",
+    "at rest m/s",
+    "radius - 1",
+    "noise",
+    "growth/s",
+    "",
+];
+
+fn row(found: &Found) -> Vec<String> {
+    let (s, settings) = (&found.stability, &found.settings);
+    vec![
+        found.name.clone(),
+        found.hertz.to_string(),
+        settings.substeps.to_string(),
+        settings.iterations.to_string(),
+        model_name(settings.friction_model).into(),
+        format!("{:.1e}", found.rest.speed),
+        format!("{:.1e}", s.radius - 1.0),
+        format!("{:.1e}", s.noise),
+        format!("{:.4}", s.growth),
+        found.verdict().into(),
+    ]
 }

@@ -5,7 +5,7 @@ use backstop::Escaped;
 use backstop::scene::{Scene, refuse_input};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Prints a scene's notes, escaped because they quote its file.
@@ -50,6 +50,11 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
 /// Makes the folder that a file will be in.
 pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)
+}
+
+/// A line of a summary: a file that was written.
+pub(crate) fn written<L: From<&'static str>>(path: &PathBuf) -> (L, String) {
+    ("written".into(), path.display().to_string())
 }
 
 /// Refuses outputs that would replace an input, or one another, before any work is done.

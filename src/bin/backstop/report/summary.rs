@@ -3,20 +3,14 @@
 use crate::report::accuracy::Summary;
 use crate::report::document::Document;
 use crate::report::output::{self, bytes, count, count_threads, micros, plural};
+use crate::report::table::list;
 use crate::report::trace::Trace;
 use backstop::BodyKind;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 pub(crate) fn text(document: &Document, trace: &Trace, written: &[PathBuf]) -> String {
-    let mut text = String::new();
-    for (label, value) in rows(document, trace) {
-        let _ = writeln!(text, "{label:<12}{value}");
-    }
-    for path in written {
-        let _ = writeln!(text, "{:<12}{}", "written", path.display());
-    }
-    text
+    list(rows(document, trace).into_iter().chain(written.iter().map(output::written)))
 }
 
 /// The rows of the summary, for page and terminal.

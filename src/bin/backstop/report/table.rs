@@ -21,9 +21,24 @@ pub(crate) fn table(
     table.trim_fmt() + "\n"
 }
 
+/// Values beside their labels.
+pub(crate) fn list<L: Into<String>>(rows: impl IntoIterator<Item = (L, String)>) -> String {
+    let mut table = Table::new();
+    table.load_style(NOTHING);
+    rows.into_iter().for_each(|(label, value)| _ = table.add_row([label.into(), value]));
+    table.column_iter_mut().for_each(|column| _ = column.set_padding((0, 2)));
+    table.trim_fmt() + "\n"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_stand_beside_their_labels() {
+        let rows = [("bodies", "7"), ("step time", "2 µs")].map(|(label, value)| (label, value.to_owned()));
+        assert_eq!(list(rows), "bodies     7\nstep time  2 µs\n");
+    }
 
     #[test]
     fn words_are_on_the_left_and_numbers_on_the_right() {

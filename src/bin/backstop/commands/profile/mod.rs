@@ -10,6 +10,7 @@ mod page;
 use crate::args::{CompareOptions, ProfileOptions};
 use crate::commands::{compare, run};
 use crate::report::output;
+use crate::report::table::list;
 use crate::threads::with_threads;
 use anyhow::{Context, bail};
 use backstop::Settings;
@@ -41,13 +42,8 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     if options.common.json {
         output::print_json(&ledger)?;
     } else if !options.common.quiet {
-        let mut text = String::new();
-        for (label, value) in page::rows(&ledger) {
-            text += &format!("{label:<12}{value}\n");
-        }
-        for path in written.iter().chain(&options.csv) {
-            text += &format!("{:<12}{}\n", "written", path.display());
-        }
+        let files = written.iter().chain(&options.csv).map(output::written);
+        let mut text = list(page::rows(&ledger).into_iter().chain(files));
         if let Some(comparison) = &ledger.comparison {
             text += &format!("\n{}", compare::text(comparison));
         }
