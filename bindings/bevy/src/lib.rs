@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod body;
+mod character;
 mod convert;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -11,6 +12,7 @@ mod poses;
 mod prepare;
 mod report;
 mod shape;
+mod walk;
 mod world;
 
 pub use backstop;
@@ -18,6 +20,7 @@ pub use body::{
     BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass, NeverSleeps,
     NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
 };
+pub use character::{Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch};
 pub use convert::{ToBevy, ToEngine};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BackstopGizmosPlugin, PhysicsGizmos};

@@ -117,6 +117,9 @@ pub enum Problem {
     /// A joint of an entity that is no body.
     #[error("the joint is of {0}, which is no body of the world")]
     NoBody(Entity),
+    /// A character whose body is static or dynamic.
+    #[error("the body of a character has to be kinematic")]
+    NotKinematic,
     /// A scale that the form of a shape can't have.
     #[error("a {shape} can't have the scale {scale}")]
     Scale {

@@ -2,7 +2,7 @@
 
 use crate::messages::*;
 use crate::world::PhysicsWorld;
-use crate::{poses, prepare, report};
+use crate::{poses, prepare, report, walk};
 use backstop::{Error, Settings, World};
 use bevy_app::prelude::*;
 use bevy_ecs::intern::Interned;
@@ -69,7 +69,7 @@ pub enum PhysicsSystems {
     Prepare,
     /// The world is stepped.
     Step,
-    /// Components and messages say what it did.
+    /// Characters walk; components and messages say what happened.
     Report,
     /// Transforms are put between the last two steps; in `RunFixedMainLoop`, after the fixed schedules.
     Interpolate,
@@ -105,9 +105,11 @@ impl Plugin for BackstopPlugin {
             prepare::change_bodies,
             prepare::read_motion,
             prepare::read_poses,
+            walk::sync_characters,
             prepare::sync_joints,
         );
-        let report = (report::write_motion, report::write_sleep, report::write_messages, poses::show_last);
+        let report =
+            (report::write_motion, walk::walk, report::write_sleep, report::write_messages, poses::show_last);
         app.add_systems(
             self.schedule,
             (

@@ -64,7 +64,9 @@ pub(crate) fn write_motion(
         state.previous = if everything { pose } else { state.pose };
         (state.pose, state.velocity) = (pose, velocity);
         if let Ok((mut shown, mut shown_velocity)) = bodies.get_mut(body) {
-            shown.set_if_neq(pose);
+            if !physics.walkers.contains_key(&body) {
+                shown.set_if_neq(pose);
+            }
             shown_velocity.set_if_neq(velocity);
         }
     }

@@ -1,5 +1,6 @@
 //! The plugin in an app without a window.
 
+mod characters;
 mod common;
 mod content;
 mod events;
