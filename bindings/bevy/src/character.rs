@@ -7,6 +7,10 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
+#[cfg(feature = "reflect")]
+use bevy_reflect::std_traits::ReflectDefault;
+#[cfg(feature = "reflect")]
+use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 
 /// A character of the world: a capsule, or another convex shape, that walks as [`CharacterInput`] says, climbs
@@ -22,6 +26,12 @@ use bevy_transform::components::Transform;
 /// [`ShapeFilter`](crate::ShapeFilter) on the entity says what it collides with, and a
 /// [`GravityScale`](crate::GravityScale) how it falls.
 #[derive(Component, Clone, Debug)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Default, Serialize, Deserialize)
+)]
 #[require(Transform, PhysicsPose, CharacterInput, CharacterState)]
 #[component(on_remove = character_removed)]
 pub struct Character {
@@ -61,6 +71,7 @@ impl Character {
 
 /// What a [`Character`] is to do. Written by the game whenever it likes; it counts until it is changed.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct CharacterInput {
     /// Velocity that is wished for [m/s]: relative to the ground, in the air relative to the world. What of it
     /// is along `up` counts only with a [`GravityScale`](crate::GravityScale) of zero: then the character
@@ -81,6 +92,7 @@ impl CharacterInput {
 /// How a [`Character`] fared in the last step. Written by the plugin; only a change of `velocity` has an
 /// effect.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct CharacterState {
     /// Velocity after obstacles [m/s]: relative to the ground if there is some, else in the world. What is
     /// added to it counts in the next step: upwards always, across in the air.
@@ -112,6 +124,7 @@ impl CharacterState {
 
 /// What a [`Character`] stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CharacterGround {
     /// Entity of the body; none if it is not of the plugin.
     pub body: Option<Entity>,
@@ -127,6 +140,7 @@ pub struct CharacterGround {
 
 /// What a [`Character`] ran into.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct CharacterTouch {
     /// Entity of the body; none if it is not of the plugin.
     pub body: Option<Entity>,

@@ -10,6 +10,8 @@ mod messages;
 mod plugin;
 mod poses;
 mod prepare;
+#[cfg(feature = "reflect")]
+mod reflect;
 mod report;
 mod shape;
 mod walk;

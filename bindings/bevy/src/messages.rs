@@ -8,15 +8,18 @@ use bevy_math::Vec3;
 
 /// Two shapes began to touch, of which one has [`ContactMessages`](crate::ContactMessages).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactBegan(pub Contact);
 
 /// Two shapes hit each other at [`Settings::hit_speed`](backstop::Settings::hit_speed) or faster. One of them
 /// has [`ContactMessages`](crate::ContactMessages).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactHit(pub Contact);
 
 /// A contact that began or was an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Contact {
     /// Entities of the shapes.
     pub shapes: [Entity; 2],
@@ -34,6 +37,7 @@ pub struct Contact {
 
 /// Two shapes no longer touch, or one of them is gone.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactEnded {
     /// Entities of the shapes.
     pub shapes: [Entity; 2],
@@ -43,14 +47,17 @@ pub struct ContactEnded {
 
 /// A shape entered a [`Sensor`](crate::Sensor).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct SensorEntered(pub Crossing);
 
 /// A shape left a [`Sensor`](crate::Sensor), or is gone.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct SensorLeft(pub Crossing);
 
 /// A shape that crossed the surface of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Crossing {
     /// Entity of the sensor's shape.
     pub sensor: Entity,
@@ -64,6 +71,7 @@ pub struct Crossing {
 
 /// A joint broke.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct JointBroke {
     /// Its entity.
     pub joint: Entity,
@@ -71,6 +79,7 @@ pub struct JointBroke {
 
 /// The load of a joint was above its thresholds in the last step.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct JointStrained {
     /// Its entity.
     pub joint: Entity,
@@ -82,6 +91,7 @@ pub struct JointStrained {
 
 /// A body woke.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct BodyWoke {
     /// Its entity.
     pub body: Entity,
@@ -89,6 +99,7 @@ pub struct BodyWoke {
 
 /// A body fell asleep.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct BodyFellAsleep {
     /// Its entity.
     pub body: Entity,

@@ -95,6 +95,8 @@ impl Plugin for BackstopPlugin {
             .add_message::<BodyWoke>()
             .add_message::<BodyFellAsleep>()
             .add_message::<PhysicsError>();
+        #[cfg(feature = "reflect")]
+        crate::reflect::register(app);
         app.configure_sets(
             self.schedule,
             (PhysicsSystems::Prepare, PhysicsSystems::Step, PhysicsSystems::Report).chain(),

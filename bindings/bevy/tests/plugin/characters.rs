@@ -304,5 +304,6 @@ fn a_box_walks_turned_and_is_restored() {
     run(&mut app, 1);
     assert!(get::<Transform>(&app, walker).rotation.angle_between(along) < 1e-3);
     run(&mut app, 119);
-    assert_eq!((physics(&app).hash(), get::<PhysicsPose>(&app, walker)), (hash, pose));
+    let again = get::<PhysicsPose>(&app, walker).position;
+    assert_eq!((physics(&app).hash(), again), (hash, pose.position));
 }

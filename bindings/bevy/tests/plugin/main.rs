@@ -4,4 +4,8 @@ mod characters;
 mod common;
 mod content;
 mod events;
+#[cfg(feature = "replay")]
+mod recording;
+#[cfg(feature = "reflect")]
+mod reflection;
 mod steps;

@@ -1,0 +1,20 @@
+//! Reflection: all components and messages in the app's type registry.
+
+use crate::*;
+use bevy_app::App;
+
+macro_rules! register {
+    ($app:ident: $($name:ident),*) => {
+        $($app.register_type::<$name>();)*
+    };
+}
+
+/// Components that hold a type of the engine are opaque, with serde; all others show their fields.
+pub(crate) fn register(app: &mut App) {
+    register!(app: BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass);
+    register!(app: NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity);
+    register!(app: ContactHooked, ContactMessages, Density, Sensor, Shape, ShapeFilter, ShapeMaterial, Joint);
+    register!(app: Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch);
+    register!(app: BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing);
+    register!(app: JointBroke, JointStrained, SensorEntered, SensorLeft);
+}
