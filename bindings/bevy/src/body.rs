@@ -114,6 +114,17 @@ pub struct Damping {
     pub angular: f32,
 }
 
+/// Greatest speeds of a dynamic body after a step, whatever drives it; none without this.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+#[component(on_remove = trait_removed)]
+pub struct MaxSpeeds {
+    /// Of its centre of mass [m/s].
+    pub linear: Option<f32>,
+    /// [rad/s]
+    pub angular: Option<f32>,
+}
+
 /// World axes along which a body can't move, and about which it can't turn.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone))]

@@ -77,6 +77,14 @@ pub struct JointBroke {
     pub joint: Entity,
 }
 
+/// A coupling broke.
+#[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
+pub struct CouplingBroke {
+    /// Its entity.
+    pub coupling: Entity,
+}
+
 /// The load of a joint was above its thresholds in the last step.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
@@ -128,6 +136,9 @@ pub enum Problem {
     /// A joint of an entity that is no body.
     #[error("the joint is of {0}, which is no body of the world")]
     NoBody(Entity),
+    /// A coupling of an entity that is no joint.
+    #[error("the coupling is of {0}, which is no joint of the world")]
+    NoJoint(Entity),
     /// A character whose body is static or dynamic.
     #[error("the body of a character has to be kinematic")]
     NotKinematic,
@@ -150,6 +161,7 @@ pub(crate) struct Writers<'w> {
     pub(crate) entered: MessageWriter<'w, SensorEntered>,
     pub(crate) left: MessageWriter<'w, SensorLeft>,
     pub(crate) broke: MessageWriter<'w, JointBroke>,
+    pub(crate) decoupled: MessageWriter<'w, CouplingBroke>,
     pub(crate) strained: MessageWriter<'w, JointStrained>,
     pub(crate) woke: MessageWriter<'w, BodyWoke>,
     pub(crate) slept: MessageWriter<'w, BodyFellAsleep>,

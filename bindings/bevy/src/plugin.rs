@@ -91,6 +91,7 @@ impl Plugin for BackstopPlugin {
             .add_message::<SensorEntered>()
             .add_message::<SensorLeft>()
             .add_message::<JointBroke>()
+            .add_message::<CouplingBroke>()
             .add_message::<JointStrained>()
             .add_message::<BodyWoke>()
             .add_message::<BodyFellAsleep>()
@@ -109,6 +110,7 @@ impl Plugin for BackstopPlugin {
             prepare::read_poses,
             walk::sync_characters,
             prepare::sync_joints,
+            prepare::sync_couplings,
         );
         let report =
             (report::write_motion, walk::walk, report::write_sleep, report::write_messages, poses::show_last);

@@ -4,7 +4,7 @@ use crate::body::*;
 use crate::convert::ToBevy;
 use crate::messages::*;
 use crate::plugin::StepLength;
-use crate::world::{JointState, PhysicsHooks, PhysicsWorld, in_order};
+use crate::world::{CouplingState, JointState, PhysicsHooks, PhysicsWorld, in_order};
 use backstop::{BodyHandle, ShapeHandle};
 use bevy_ecs::prelude::*;
 
@@ -161,6 +161,14 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         let broke = |(joint, state): (&Entity, &JointState)| broken.contains(&state.handle).then_some(*joint);
         for joint in in_order(physics.joints.iter().filter_map(broke)) {
             writers.broke.write(JointBroke { joint });
+        }
+    }
+    let broken = physics.broken_couplings();
+    if !broken.is_empty() {
+        let broke =
+            |(entity, state): (&Entity, &CouplingState)| broken.contains(&state.handle).then_some(*entity);
+        for coupling in in_order(physics.couplings.iter().filter_map(broke)) {
+            writers.decoupled.write(CouplingBroke { coupling });
         }
     }
     physics.departed.clear();

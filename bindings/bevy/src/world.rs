@@ -4,8 +4,8 @@ use crate::convert::{ToBevy, ToEngine};
 use crate::messages::{PhysicsError, Problem};
 use crate::{PhysicsPose, Velocity};
 use backstop::{
-    BodyHandle, CharacterHandle, ContactHooks, Error, JointDesc, JointHandle, MassProperties, ShapeHandle,
-    Snapshot, World, glam,
+    BodyHandle, CharacterHandle, ContactHooks, CouplingDesc, CouplingHandle, Error, JointDesc, JointHandle,
+    MassProperties, ShapeHandle, Snapshot, World, glam,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
@@ -24,9 +24,10 @@ pub struct PhysicsWorld {
     pub(crate) bodies: EntityHashMap<BodyState>,
     pub(crate) shapes: EntityHashMap<ShapeState>,
     pub(crate) joints: EntityHashMap<JointState>,
+    pub(crate) couplings: EntityHashMap<CouplingState>,
     pub(crate) walkers: EntityHashMap<WalkerState>,
     /// What is to be made and is not yet, with the last reason that was reported.
-    pub(crate) waiting: [EntityHashMap<String>; 4],
+    pub(crate) waiting: [EntityHashMap<String>; 5],
     /// Entities that lost a component which has a default.
     pub(crate) changed_bodies: Vec<Entity>,
     pub(crate) changed_shapes: Vec<Entity>,
@@ -52,7 +53,8 @@ pub struct PhysicsWorld {
 pub(crate) const BODIES: usize = 0;
 pub(crate) const SHAPES: usize = 1;
 pub(crate) const JOINTS: usize = 2;
-pub(crate) const CHARACTERS: usize = 3;
+pub(crate) const COUPLINGS: usize = 3;
+pub(crate) const CHARACTERS: usize = 4;
 
 /// Callbacks on contacts of shapes with [`ContactHooked`](crate::ContactHooked). Their user data are the bits
 /// of the shapes' entities.
@@ -99,6 +101,14 @@ pub(crate) struct JointState {
     pub(crate) bodies: [Entity; 2],
     pub(crate) desc: JointDesc,
     pub(crate) anchor: Option<(Vec3, Quat)>,
+}
+
+#[derive(Debug)]
+pub(crate) struct CouplingState {
+    pub(crate) handle: CouplingHandle,
+    pub(crate) joints: [Entity; 2],
+    /// With the joints' handles.
+    pub(crate) desc: CouplingDesc,
 }
 
 /// What the plugin knows of a character.
@@ -154,6 +164,7 @@ impl PhysicsWorld {
             bodies: EntityHashMap::default(),
             shapes: EntityHashMap::default(),
             joints: EntityHashMap::default(),
+            couplings: EntityHashMap::default(),
             walkers: EntityHashMap::default(),
             waiting: Default::default(),
             changed_bodies: Vec::new(),
@@ -183,6 +194,12 @@ impl PhysicsWorld {
     /// The joint of an entity, if it is in the world: one that broke is not.
     pub fn joint(&self, entity: Entity) -> Option<JointHandle> {
         self.joints.get(&entity).map(|joint| joint.handle).filter(|joint| self.world.contains_joint(*joint))
+    }
+
+    /// The coupling of an entity, if it is in the world: one that broke is not.
+    pub fn coupling_of(&self, entity: Entity) -> Option<CouplingHandle> {
+        let known = self.couplings.get(&entity).map(|coupling| coupling.handle);
+        known.filter(|coupling| self.world.contains_coupling(*coupling))
     }
 
     /// The character of an entity, if it is in the world.
@@ -341,6 +358,15 @@ impl PhysicsWorld {
         let state = self.shapes.remove(&entity)?;
         self.departed.push((state.handle, [entity, state.body]));
         Some(state)
+    }
+
+    /// Removes the coupling of an entity.
+    pub(crate) fn remove_coupling_of(&mut self, entity: Entity) {
+        self.waiting[COUPLINGS].remove(&entity);
+        if let Some(coupling) = self.couplings.remove(&entity) {
+            // It is stale if it broke or one of its joints is gone.
+            let _ = self.world.remove_coupling(coupling.handle);
+        }
     }
 
     /// Removes the character of an entity.
