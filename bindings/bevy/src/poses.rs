@@ -9,13 +9,16 @@ use bevy_math::{Quat, Vec3};
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 
+/// What the plugin writes the transform of.
+type Shown = Or<(With<RigidBody>, With<Character>)>;
+
 /// What writes transforms.
 #[derive(SystemParam)]
 pub(crate) struct Poses<'w, 's> {
     physics: ResMut<'w, PhysicsWorld>,
     transforms: Query<'w, 's, &'static mut Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
-    below: Query<'w, 's, Entity, (Or<(With<RigidBody>, With<Character>)>, With<ChildOf>)>,
+    below: Query<'w, 's, Entity, (Shown, With<ChildOf>)>,
     sudden: Query<'w, 's, (), With<NoInterpolation>>,
 }
 
