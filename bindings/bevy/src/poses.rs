@@ -2,6 +2,7 @@
 
 use crate::body::{NoInterpolation, PhysicsPose, RigidBody};
 use crate::character::Character;
+use crate::convert::{ToBevy, ToEngine};
 use crate::world::{PhysicsWorld, in_order};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -27,13 +28,14 @@ impl Poses<'_, '_> {
     /// moved, and those below a parent, which may have moved. What somebody else wrote stays.
     fn write(&mut self, fraction: f32) {
         self.follow_origin();
+        let none_below = self.below.is_empty();
         for index in 0..self.physics.moving.len() {
             let body = self.physics.moving[index];
-            if !self.below.contains(body) {
+            if none_below || !self.below.contains(body) {
                 self.write_one(body, None, fraction);
             }
         }
-        if self.below.is_empty() {
+        if none_below {
             return;
         }
         // Parents first: they may be bodies themselves.
@@ -51,12 +53,13 @@ impl Poses<'_, '_> {
     }
 
     fn write_one(&mut self, body: Entity, above: Option<GlobalTransform>, fraction: f32) {
-        let fraction = if self.sudden.contains(body) { 1.0 } else { fraction };
-        let physics = &mut *self.physics;
-        if physics.walkers.contains_key(&body) {
+        let fraction = if fraction < 1.0 && self.sudden.contains(body) { 1.0 } else { fraction };
+        if !self.physics.walkers.is_empty() && self.physics.walkers.contains_key(&body) {
             return self.write_character(body, above, fraction);
         }
-        let (Some(state), Ok(mut transform)) = (physics.bodies.get(&body), self.transforms.get_mut(body))
+        let physics = &mut *self.physics;
+        let origin = physics.origin;
+        let (Some(state), Ok(mut transform)) = (physics.bodies.get_mut(&body), self.transforms.get_mut(body))
         else {
             return;
         };
@@ -64,12 +67,10 @@ impl Poses<'_, '_> {
             return;
         }
         let pose = between(&state.previous, &state.pose, fraction);
-        let (translation, rotation) = below(above, physics.to_local(pose.position), pose.rotation);
-        let new = Transform { translation, rotation, ..*transform };
-        transform.set_if_neq(new);
-        if let Some(state) = physics.bodies.get_mut(&body) {
-            state.written = new;
-        }
+        let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
+        let (translation, rotation) = below(above, place, pose.rotation);
+        state.written = Transform { translation, rotation, ..*transform };
+        transform.set_if_neq(state.written);
     }
 
     /// Writes the translation of a character, and its rotation only after a snapshot: games turn characters

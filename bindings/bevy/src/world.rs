@@ -252,7 +252,7 @@ impl PhysicsWorld {
         let pose = self.pose_of(body)?;
         self.following.remove(&entity);
         if let Some(state) = self.bodies.get_mut(&entity) {
-            (state.previous, state.pose) = (pose, pose);
+            (state.previous, state.pose, state.moved_in) = (pose, pose, self.steps);
             self.moving.push(entity);
         }
         Ok(())
@@ -290,6 +290,25 @@ impl PhysicsWorld {
             position: self.world.position(body)?.to_bevy(),
             rotation: self.world.rotation(body)?.to_bevy(),
         })
+    }
+
+    /// Takes over pose and velocity of a body after a step.
+    pub(crate) fn take_over(
+        &mut self,
+        handle: BodyHandle,
+        step: u64,
+        everything: bool,
+    ) -> Option<(Entity, PhysicsPose, Velocity)> {
+        let body = Entity::try_from_bits(self.world.user_data(handle).ok()?)?;
+        let pose = self.pose_of(handle).ok()?;
+        let velocity = Velocity {
+            linear: self.world.linear_velocity(handle).unwrap_or_default().to_bevy(),
+            angular: self.world.angular_velocity(handle).unwrap_or_default().to_bevy(),
+        };
+        let state = self.bodies.get_mut(&body).filter(|state| state.handle == handle)?;
+        state.previous = if everything { pose } else { state.pose };
+        (state.pose, state.velocity, state.moved_in) = (pose, velocity, step);
+        Some((body, pose, velocity))
     }
 
     /// Notes that something was refused, to be reported and logged.

@@ -109,6 +109,9 @@ pub(crate) fn read_poses(
         if let Err(error) = physics.set_velocity(handle, glam::Vec3::ZERO, glam::Vec3::ZERO) {
             physics.refuse(body, error);
         }
+        if let Some(state) = physics.bodies.get_mut(&body) {
+            state.moved_in = physics.steps;
+        }
         physics.moving.push(body);
     }
 }
