@@ -1,5 +1,5 @@
-//! What the plugin adds to a step: boxes in an app and in the engine alone, which take the same steps in turn.
-//! Prints medians of 300 steps while all fall, and of 300 when all lie in piles, awake.
+//! What the plugin adds to a step: boxes in an app and in the engine alone, which take the same steps in
+//! turn. Prints medians of 300 steps while all fall, and of 300 when all lie in piles, awake.
 //!
 //!     cargo run --release --manifest-path bindings/bevy/Cargo.toml --example cost
 

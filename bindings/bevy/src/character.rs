@@ -13,17 +13,17 @@ use bevy_reflect::std_traits::ReflectDefault;
 use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 
-/// A character of the world: a capsule, or another convex shape, that walks as [`CharacterInput`] says, climbs
-/// steps, is carried by what it stands on and pushes bodies. [`CharacterState`] says what came of it. It is no
-/// body. Removing the component, or the entity, removes it.
+/// A character of the world: a capsule, or another convex shape, that walks as [`CharacterInput`] says,
+/// climbs steps, is carried by what it stands on and pushes bodies. [`CharacterState`] says what came of it.
+/// It is no body. Removing the component, or the entity, removes it.
 ///
 /// It walks after each step, when bodies are where they will be shown, and its translation is interpolated as
 /// those of bodies are. A translation that somebody else writes puts it there at once. Its rotation is the
 /// game's, and turns the shape if it has one of its own; its scale means nothing.
 ///
-/// With [`RigidBody::Kinematic`](crate::RigidBody) and shapes beside it or below, it has a body, which follows
-/// it within the next step: for sensors, queries and other bodies. It does not see that body itself. A
-/// [`ShapeFilter`](crate::ShapeFilter) on the entity says what it collides with, and a
+/// With [`RigidBody::Kinematic`](crate::RigidBody) and shapes beside it or below, it has a body, which
+/// follows it within the next step: for sensors, queries and other bodies. It does not see that body itself.
+/// A [`ShapeFilter`](crate::ShapeFilter) on the entity says what it collides with, and a
 /// [`GravityScale`](crate::GravityScale) how it falls.
 #[derive(Component, Clone, Debug)]
 #[cfg_attr(
@@ -73,8 +73,8 @@ impl Character {
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct CharacterInput {
-    /// Velocity that is wished for [m/s]: relative to the ground, in the air relative to the world. What of it
-    /// is along `up` counts only with a [`GravityScale`](crate::GravityScale) of zero: then the character
+    /// Velocity that is wished for [m/s]: relative to the ground, in the air relative to the world. What of
+    /// it is along `up` counts only with a [`GravityScale`](crate::GravityScale) of zero: then the character
     /// flies or swims, and has this velocity at once.
     pub velocity: Vec3,
     /// Speed at which it jumps off the ground in the next step, if it stands on any [m/s]. Zero again after

@@ -8,9 +8,9 @@ use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "reflect")]
 use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 
-/// A coupling of the motions of two joints: gears, a rack, a screw, a rope over pulleys; on an entity of its own
-/// or on any other. Removing it removes the coupling; a change of it changes the coupling. While one of the
-/// joints is not there, the coupling waits for it. One that breaks is gone until the component changes:
+/// A coupling of the motions of two joints: gears, a rack, a screw, a rope over pulleys; on an entity of its
+/// own or on any other. Removing it removes the coupling; a change of it changes the coupling. While one of
+/// the joints is not there, the coupling waits for it. One that breaks is gone until the component changes:
 /// [`CouplingBroke`](crate::CouplingBroke).
 #[derive(Component, Clone, Debug, PartialEq)]
 #[cfg_attr(

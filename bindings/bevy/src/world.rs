@@ -241,8 +241,8 @@ impl PhysicsWorld {
     }
 
     /// Moves a body to a pose at once, without interpolation. For a kinematic body, which a change of its
-    /// `Transform` moves within a step, this is the way to put it elsewhere. A character is put elsewhere by its
-    /// `Transform`.
+    /// `Transform` moves within a step, this is the way to put it elsewhere. A character is put
+    /// elsewhere by its `Transform`.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if the entity is no body of the world; as [`World::set_pose`].

@@ -32,8 +32,8 @@ const CRATE: (Vec3, Vec3, f32) = (Vec3::splat(0.25), Vec3::new(6.5, 1.25, 0.0), 
 const LIFT: (Vec3, Vec3) = (Vec3::new(3.0, 0.1, 1.0), Vec3::new(7.0, 0.85, 2.1));
 const LIFT_SPEED: Vec3 = Vec3::new(0.25, 0.05, 0.0);
 
-/// What the game wants in a step: up the stairs and against the crate, which goes to the wall, off sideways to
-/// the lift, there a jump, and a rest.
+/// What the game wants in a step: up the stairs and against the crate, which goes to the wall, off sideways
+/// to the lift, there a jump, and a rest.
 fn wish(step: u32) -> CharacterInput {
     let velocity = match step {
         0..240 => Vec3::new(3.0, 0.0, 0.0),
@@ -86,8 +86,8 @@ impl Alone {
     }
 }
 
-/// Stairs, a crate that is pushed, a wall, a lift and a jump. Expected: the bits of the engine alone in each of
-/// ten seconds' steps, and what the state says of it: stairs of a metre, the crate's entity, the lift's.
+/// Stairs, a crate that is pushed, a wall, a lift and a jump. Expected: the bits of the engine alone in each
+/// of ten seconds' steps, and what the state says of it: stairs of a metre, the crate's entity, the lift's.
 #[test]
 fn a_character_walks_as_in_the_engine_alone() {
     let mut app = app();
@@ -133,8 +133,8 @@ fn a_character_walks_as_in_the_engine_alone() {
     assert!(get::<CharacterInput>(&app, walker).jump == 0.0);
 }
 
-/// On a platform that moves by 2 m/s, drawn at 144 frames a second. Expected: it is drawn in the same place on
-/// it in every frame, since it walks after the step; the game turns it in every frame, and that stays.
+/// On a platform that moves by 2 m/s, drawn at 144 frames a second. Expected: it is drawn in the same place
+/// on it in every frame, since it walks after the step; the game turns it in every frame, and that stays.
 #[test]
 fn a_platform_carries_it_without_lag() {
     let mut app = app();
@@ -196,8 +196,8 @@ fn a_translation_that_is_written_teleports() {
     assert_eq!(logged::<ContactBegan>(&app), []);
 }
 
-/// A character with a body. Expected: a sensor hears its entity once when it walks in and once when it leaves;
-/// the body is where it is, a step later; and it does not stand in its own way.
+/// A character with a body. Expected: a sensor hears its entity once when it walks in and once when it
+/// leaves; the body is where it is, a step later; and it does not stand in its own way.
 #[test]
 fn its_body_is_seen() {
     let mut app = app();
@@ -222,8 +222,8 @@ fn its_body_is_seen() {
     assert!((behind - 1.5 / 60.0).abs() < 1e-5, "{behind}");
 }
 
-/// Expected: what can't be is refused with the engine's error, once; it walks as soon as it can; and it leaves
-/// the world with its component or its entity.
+/// Expected: what can't be is refused with the engine's error, once; it walks as soon as it can; and it
+/// leaves the world with its component or its entity.
 #[test]
 fn characters_come_and_go_with_their_component() {
     let mut app = app();
@@ -270,9 +270,9 @@ fn characters_come_and_go_with_their_component() {
     run(&mut app, 5);
 }
 
-/// A box that is 2 m long and turned along its way. Expected: it fits between walls 1 m apart, as wide as it is
-/// across; turned across by the game it is squeezed. After a snapshot, with its state put back, it walks the
-/// same bits again, and is turned as it was.
+/// A box that is 2 m long and turned along its way. Expected: it fits between walls 1 m apart, as wide as it
+/// is across; turned across by the game it is squeezed. After a snapshot, with its state put back, it walks
+/// the same bits again, and is turned as it was.
 #[test]
 fn a_box_walks_turned_and_is_restored() {
     let mut app = app();

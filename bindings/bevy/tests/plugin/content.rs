@@ -281,9 +281,10 @@ fn scales_count() {
     assert!((mass(&app) - 1000.0).abs() < 0.1);
 }
 
-/// Two wheels on hinges about z, side by side, coupled as gears of 10 and 30 teeth; one turns by 3 rad/s without
-/// friction. Expected: the other turns back at a third of that; with other teeth at that ratio; not at all once
-/// the component is removed; and a coupling waits for its joints, is gone with them, and says that it broke.
+/// Two wheels on hinges about z, side by side, coupled as gears of 10 and 30 teeth; one turns by 3 rad/s
+/// without friction. Expected: the other turns back at a third of that; with other teeth at that ratio; not
+/// at all once the component is removed; and a coupling waits for its joints, is gone with them, and says
+/// that it broke.
 #[test]
 fn couplings_follow_their_component() {
     let mut app = app();

@@ -7,8 +7,8 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 
 /// Bodies, a joint, a character that pushes, a transform that is written, an entity that goes: five seconds,
-/// recorded from before the first step. Expected: the replay of the bytes has the hashes of every stage of all
-/// steps, which the recording holds, and ends in a world of the same hash.
+/// recorded from before the first step. Expected: the replay of the bytes has the hashes of every stage of
+/// all steps, which the recording holds, and ends in a world of the same hash.
 #[test]
 fn an_app_is_recorded_and_played_again() {
     let mut app = app();

@@ -72,9 +72,9 @@ fn load(app: &mut App, entity: Entity, parts: &[(String, String)]) {
     }
 }
 
-/// Every component of a scene to JSON and into another app by way of the type registry. Expected: each of them
-/// is there on some entity, is the same when it is written again, and both worlds have the same bits in each of
-/// three seconds' steps.
+/// Every component of a scene to JSON and into another app by way of the type registry. Expected: each of
+/// them is there on some entity, is the same when it is written again, and both worlds have the same bits in
+/// each of three seconds' steps.
 #[test]
 fn a_scene_goes_through_the_type_registry() {
     let (mut one, mut other) = (app(), app());
