@@ -120,6 +120,9 @@ fn between(from: &PhysicsPose, to: &PhysicsPose, fraction: f32) -> PhysicsPose {
     if fraction >= 1.0 || from == to {
         return *to;
     }
+    if fraction <= 0.0 {
+        return *from;
+    }
     PhysicsPose {
         position: from.position.lerp(to.position, f64::from(fraction)),
         rotation: from.rotation.slerp(to.rotation, fraction),

@@ -12,7 +12,8 @@ macro_rules! register {
 /// Components that hold a type of the engine are opaque, with serde; all others show their fields.
 pub(crate) fn register(app: &mut App) {
     register!(app: BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass);
-    register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity);
+    register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping);
+    register!(app: SolvedAfter, Velocity);
     register!(app: ContactHooked, ContactMessages, Density, Sensor, Shape, ShapeFilter, ShapeMaterial, Joint);
     register!(app: Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch);
     register!(app: BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing);
