@@ -3,7 +3,7 @@
 //!
 //!     cargo run --manifest-path bindings/bevy/Cargo.toml --example yard
 
-use backstop_bevy::backstop::{Character, CharacterSettings, QueryFilter, Settings, glam};
+use backstop_bevy::backstop::Settings;
 use backstop_bevy::prelude::*;
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
@@ -23,10 +23,6 @@ struct Lamp;
 /// What the lift carries.
 #[derive(Component)]
 struct Cargo;
-
-/// Walks along x: the engine's character, with the velocity of its last walk.
-#[derive(Component)]
-struct Walker(Character, glam::Vec3);
 
 /// What was heard of.
 #[derive(Resource, Default, Debug)]
@@ -62,13 +58,10 @@ fn spawn(mut commands: Commands) {
     commands.spawn((RigidBody::Kinematic, Lift, Shape::cuboid(1.0, 0.1, 1.0), at(8.0, 0.1, 0.0)));
     commands.spawn((RigidBody::Dynamic, Cargo, Shape::cuboid(0.4, 0.4, 0.4), at(8.0, 0.6, 0.0)));
 
-    // The character pushes nothing and is seen: its body is kinematic and follows its transform.
-    let settings = CharacterSettings::default();
-    let start = glam::DVec3::new(-4.0, 1.0, 5.0);
-    let character = Character::new(settings, start).expect("its settings are in range");
-    let shape = Shape(character.capsule().0);
-    let walker = Walker(character, glam::Vec3::ZERO);
-    commands.spawn((RigidBody::Kinematic, shape, walker, at(-4.0, 1.0, 5.0)));
+    // A character with a body, so that the gate notices it. It walks along x.
+    let body = (RigidBody::Kinematic, Shape::capsule(0.6, 0.3));
+    let walks = CharacterInput::walk(Vec3::new(1.5, 0.0, 0.0));
+    commands.spawn((Character::default(), walks, body, at(-4.0, 1.0, 5.0)));
     commands.spawn((RigidBody::Static, Shape::cuboid(0.1, 2.0, 2.0), Sensor, at(0.0, 2.0, 5.0)));
 }
 
@@ -76,23 +69,6 @@ fn lift(mut lifts: Query<&mut Transform, With<Lift>>, time: Res<Time<Fixed>>) {
     for mut transform in &mut lifts {
         transform.translation.y = (transform.translation.y + time.delta_secs()).min(3.1);
     }
-}
-
-fn walk(
-    mut walkers: Query<(Entity, &mut Walker, &mut Transform)>,
-    physics: Res<PhysicsWorld>,
-    time: Res<Time<Fixed>>,
-) -> Result<(), BevyError> {
-    for (entity, mut walker, mut transform) in &mut walkers {
-        let Some(body) = physics.body(entity) else { continue };
-        let dt = time.delta_secs();
-        let fall = walker.1.y - 9.81 * dt;
-        let filter = QueryFilter::new().without(body);
-        let report = walker.0.walk(&physics, &filter, glam::Vec3::new(1.5, fall, 0.0), dt)?;
-        walker.1 = report.velocity;
-        transform.translation = physics.to_local(walker.0.position().to_bevy());
-    }
-    Ok(())
 }
 
 fn hear(
@@ -119,7 +95,7 @@ fn run(hz: f64) -> Result<App, backstop_bevy::backstop::Error> {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / hz)));
     app.init_resource::<Heard>();
     app.add_systems(Startup, spawn);
-    app.add_systems(FixedUpdate, (lift, walk));
+    app.add_systems(FixedUpdate, lift);
     app.add_systems(FixedLast, note);
     app.add_systems(Update, hear);
     while app.world().resource::<Time<Fixed>>().elapsed_secs() < 6.0 {
@@ -133,7 +109,7 @@ fn main() -> Result<(), backstop_bevy::backstop::Error> {
     let world = app.world_mut();
     let cargo = world.query_filtered::<&PhysicsPose, With<Cargo>>().single(world).expect("one").position;
     let lamp = world.query_filtered::<&PhysicsPose, With<Lamp>>().single(world).expect("one").position;
-    let walker = world.query_filtered::<Entity, With<Walker>>().single(world).expect("one");
+    let walker = world.query_filtered::<Entity, With<Character>>().single(world).expect("one");
     let (heard, physics) = (world.resource::<Heard>(), world.resource::<PhysicsWorld>());
     println!("cargo at {cargo}, lamp at {lamp}, {} hits, {} asleep", heard.hits, physics.asleep());
     assert!((cargo.y - 3.6).abs() < 0.02 && (cargo.x - 8.0).abs() < 0.01, "it stands on the lift");

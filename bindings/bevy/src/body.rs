@@ -6,6 +6,10 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::{DVec3, Quat, Vec3};
+#[cfg(feature = "reflect")]
+use bevy_reflect::std_traits::ReflectDefault;
+#[cfg(feature = "reflect")]
+use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 
 /// A rigid body of the world. Its shapes are the [`Shape`](crate::Shape)s on its entity and on the entities
@@ -14,6 +18,7 @@ use bevy_transform::components::Transform;
 /// A dynamic body needs mass: a shape with density, or [`Mass`]. Without it the entity waits, and
 /// [`PhysicsError`](crate::PhysicsError) says so once.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[require(Transform, PhysicsPose, Velocity, Sleeping)]
 #[component(on_remove = body_removed)]
 pub enum RigidBody {
@@ -40,6 +45,7 @@ impl From<RigidBody> for BodyKind {
 /// Where a body is after the last step, in `f64`: what the engine has, while its `Transform` may be between
 /// the last two steps. Written by the plugin; a change of it has no effect.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct PhysicsPose {
     /// Its origin in the world [m].
     pub position: DVec3,
@@ -55,6 +61,7 @@ impl Default for PhysicsPose {
 
 /// Velocity of a body. Written after each step; a change of it sets the body's velocity before the next.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct Velocity {
     /// That of its centre of mass [m/s].
     pub linear: Vec3,
@@ -76,20 +83,29 @@ impl Velocity {
 /// Whether a body is asleep. Written after each step; setting it puts the body's island to sleep or wakes it.
 /// No body falls asleep unless [`Settings::sleeping`](backstop::Settings::sleeping) says so.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct Sleeping(pub bool);
 
 /// Mass, centre of mass and inertia of a body, instead of those of its shapes.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[component(on_remove = trait_removed)]
 pub struct Mass(pub MassProperties);
 
 /// Factor on gravity; 1 without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone))]
 #[component(on_remove = trait_removed)]
 pub struct GravityScale(pub f32);
 
 /// Rates at which a body loses its velocity [1/s]; zero without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone))]
 #[component(on_remove = trait_removed)]
 pub struct Damping {
     /// That of the linear velocity.
@@ -98,8 +114,20 @@ pub struct Damping {
     pub angular: f32,
 }
 
+/// Greatest speeds of a dynamic body after a step, whatever drives it; none without this.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+#[component(on_remove = trait_removed)]
+pub struct MaxSpeeds {
+    /// Of its centre of mass [m/s].
+    pub linear: Option<f32>,
+    /// [rad/s]
+    pub angular: Option<f32>,
+}
+
 /// World axes along which a body can't move, and about which it can't turn.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone))]
 #[component(on_remove = trait_removed)]
 pub struct LockedAxes {
     /// x, y and z.
@@ -110,22 +138,36 @@ pub struct LockedAxes {
 
 /// How a body is kept from passing through others; [`Continuous::Segment`] without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[component(on_remove = trait_removed)]
 pub struct ContinuousMode(pub Continuous);
 
 /// The group after which the rows of a body are solved:
 /// [`BodyDesc::solved_after`](backstop::BodyDesc::solved_after).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[component(on_remove = trait_removed)]
 pub struct SolvedAfter(pub RowGroup);
 
 /// A body that never falls asleep.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[component(on_remove = trait_removed)]
 pub struct NeverSleeps;
 
 /// A body that takes no part in the world, and keeps its place there.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[component(on_remove = trait_removed)]
 pub struct BodyDisabled;
 
@@ -136,6 +178,7 @@ impl LockedAxes {
 
 /// A force and a torque that act on a dynamic body in every step, and keep it awake.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct ConstantForce {
     /// At the centre of mass [N].
     pub force: Vec3,
@@ -145,6 +188,7 @@ pub struct ConstantForce {
 
 /// A body whose `Transform` is that of the last step, and not between the last two.
 #[derive(Component, Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct NoInterpolation;
 
 fn body_removed(mut world: DeferredWorld, context: HookContext) {

@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 
 mod body;
+mod character;
 mod convert;
+mod coupling;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod joint;
@@ -9,22 +11,27 @@ mod messages;
 mod plugin;
 mod poses;
 mod prepare;
+#[cfg(feature = "reflect")]
+mod reflect;
 mod report;
 mod shape;
+mod walk;
 mod world;
 
 pub use backstop;
 pub use body::{
-    BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass, NeverSleeps,
-    NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
+    BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass, MaxSpeeds,
+    NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
 };
+pub use character::{Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch};
 pub use convert::{ToBevy, ToEngine};
+pub use coupling::Coupling;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BackstopGizmosPlugin, PhysicsGizmos};
 pub use joint::Joint;
 pub use messages::{
-    BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing, JointBroke,
-    JointStrained, PhysicsError, Problem, SensorEntered, SensorLeft,
+    BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, CouplingBroke, Crossing,
+    JointBroke, JointStrained, PhysicsError, Problem, SensorEntered, SensorLeft,
 };
 pub use plugin::{BackstopPlugin, PhysicsSystems};
 pub use shape::{ContactHooked, ContactMessages, Density, Sensor, Shape, ShapeFilter, ShapeMaterial};

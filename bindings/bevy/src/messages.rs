@@ -8,15 +8,18 @@ use bevy_math::Vec3;
 
 /// Two shapes began to touch, of which one has [`ContactMessages`](crate::ContactMessages).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactBegan(pub Contact);
 
 /// Two shapes hit each other at [`Settings::hit_speed`](backstop::Settings::hit_speed) or faster. One of them
 /// has [`ContactMessages`](crate::ContactMessages).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactHit(pub Contact);
 
 /// A contact that began or was an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Contact {
     /// Entities of the shapes.
     pub shapes: [Entity; 2],
@@ -34,6 +37,7 @@ pub struct Contact {
 
 /// Two shapes no longer touch, or one of them is gone.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct ContactEnded {
     /// Entities of the shapes.
     pub shapes: [Entity; 2],
@@ -43,14 +47,17 @@ pub struct ContactEnded {
 
 /// A shape entered a [`Sensor`](crate::Sensor).
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct SensorEntered(pub Crossing);
 
 /// A shape left a [`Sensor`](crate::Sensor), or is gone.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct SensorLeft(pub Crossing);
 
 /// A shape that crossed the surface of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Crossing {
     /// Entity of the sensor's shape.
     pub sensor: Entity,
@@ -64,13 +71,23 @@ pub struct Crossing {
 
 /// A joint broke.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct JointBroke {
     /// Its entity.
     pub joint: Entity,
 }
 
+/// A coupling broke.
+#[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
+pub struct CouplingBroke {
+    /// Its entity.
+    pub coupling: Entity,
+}
+
 /// The load of a joint was above its thresholds in the last step.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct JointStrained {
     /// Its entity.
     pub joint: Entity,
@@ -82,6 +99,7 @@ pub struct JointStrained {
 
 /// A body woke.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct BodyWoke {
     /// Its entity.
     pub body: Entity,
@@ -89,6 +107,7 @@ pub struct BodyWoke {
 
 /// A body fell asleep.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Message))]
 pub struct BodyFellAsleep {
     /// Its entity.
     pub body: Entity,
@@ -117,6 +136,12 @@ pub enum Problem {
     /// A joint of an entity that is no body.
     #[error("the joint is of {0}, which is no body of the world")]
     NoBody(Entity),
+    /// A coupling of an entity that is no joint.
+    #[error("the coupling is of {0}, which is no joint of the world")]
+    NoJoint(Entity),
+    /// A character whose body is static or dynamic.
+    #[error("the body of a character has to be kinematic")]
+    NotKinematic,
     /// A scale that the form of a shape can't have.
     #[error("a {shape} can't have the scale {scale}")]
     Scale {
@@ -136,6 +161,7 @@ pub(crate) struct Writers<'w> {
     pub(crate) entered: MessageWriter<'w, SensorEntered>,
     pub(crate) left: MessageWriter<'w, SensorLeft>,
     pub(crate) broke: MessageWriter<'w, JointBroke>,
+    pub(crate) decoupled: MessageWriter<'w, CouplingBroke>,
     pub(crate) strained: MessageWriter<'w, JointStrained>,
     pub(crate) woke: MessageWriter<'w, BodyWoke>,
     pub(crate) slept: MessageWriter<'w, BodyFellAsleep>,

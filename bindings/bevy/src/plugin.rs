@@ -2,7 +2,7 @@
 
 use crate::messages::*;
 use crate::world::PhysicsWorld;
-use crate::{poses, prepare, report};
+use crate::{poses, prepare, report, walk};
 use backstop::{Error, Settings, World};
 use bevy_app::prelude::*;
 use bevy_ecs::intern::Interned;
@@ -69,7 +69,7 @@ pub enum PhysicsSystems {
     Prepare,
     /// The world is stepped.
     Step,
-    /// Components and messages say what it did.
+    /// Characters walk; components and messages say what happened.
     Report,
     /// Transforms are put between the last two steps; in `RunFixedMainLoop`, after the fixed schedules.
     Interpolate,
@@ -91,10 +91,13 @@ impl Plugin for BackstopPlugin {
             .add_message::<SensorEntered>()
             .add_message::<SensorLeft>()
             .add_message::<JointBroke>()
+            .add_message::<CouplingBroke>()
             .add_message::<JointStrained>()
             .add_message::<BodyWoke>()
             .add_message::<BodyFellAsleep>()
             .add_message::<PhysicsError>();
+        #[cfg(feature = "reflect")]
+        crate::reflect::register(app);
         app.configure_sets(
             self.schedule,
             (PhysicsSystems::Prepare, PhysicsSystems::Step, PhysicsSystems::Report).chain(),
@@ -105,9 +108,12 @@ impl Plugin for BackstopPlugin {
             prepare::change_bodies,
             prepare::read_motion,
             prepare::read_poses,
+            walk::sync_characters,
             prepare::sync_joints,
+            prepare::sync_couplings,
         );
-        let report = (report::write_motion, report::write_sleep, report::write_messages, poses::show_last);
+        let report =
+            (report::write_motion, walk::walk, report::write_sleep, report::write_messages, poses::show_last);
         app.add_systems(
             self.schedule,
             (

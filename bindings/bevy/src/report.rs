@@ -4,7 +4,7 @@ use crate::body::*;
 use crate::convert::ToBevy;
 use crate::messages::*;
 use crate::plugin::StepLength;
-use crate::world::{JointState, PhysicsHooks, PhysicsWorld, in_order};
+use crate::world::{CouplingState, JointState, PhysicsHooks, PhysicsWorld, in_order};
 use backstop::{BodyHandle, ShapeHandle};
 use bevy_ecs::prelude::*;
 
@@ -39,35 +39,36 @@ pub(crate) fn write_motion(
     } else {
         handles.extend(physics.moved_bodies());
     }
-    let before = in_order(std::mem::take(&mut physics.moving));
+    let before = std::mem::take(&mut physics.moving);
     let now = physics.steps;
     for &handle in &*handles {
-        let Some(body) = physics.entity_of(handle) else { continue };
+        let Some((body, pose, velocity)) = physics.take_over(handle, now, everything) else { continue };
         physics.moving.push(body);
-        if let Some(state) = physics.bodies.get_mut(&body) {
-            state.moved_in = now;
-        }
+        show(physics, &mut bodies, body, pose, velocity);
     }
     // What has just come to rest is shown there once more.
-    let rests = |body: &Entity| physics.bodies.get(body).is_some_and(|state| state.moved_in != now);
-    let resting: Vec<Entity> = before.into_iter().filter(rests).collect();
-    physics.moving.extend(resting);
-    for index in 0..physics.moving.len() {
-        let body = physics.moving[index];
+    let rests = |body: &Entity| physics.bodies.get(body).is_some_and(|state| state.moved_in + 1 == now);
+    for body in in_order(before.into_iter().filter(rests)) {
         let Some(handle) = physics.body(body) else { continue };
-        let Ok(pose) = physics.pose_of(handle) else { continue };
-        let velocity = Velocity {
-            linear: physics.linear_velocity(handle).unwrap_or_default().to_bevy(),
-            angular: physics.angular_velocity(handle).unwrap_or_default().to_bevy(),
-        };
-        let Some(state) = physics.bodies.get_mut(&body) else { continue };
-        state.previous = if everything { pose } else { state.pose };
-        (state.pose, state.velocity) = (pose, velocity);
-        if let Ok((mut shown, mut shown_velocity)) = bodies.get_mut(body) {
-            shown.set_if_neq(pose);
-            shown_velocity.set_if_neq(velocity);
-        }
+        let Some((_, pose, velocity)) = physics.take_over(handle, now - 1, everything) else { continue };
+        physics.moving.push(body);
+        show(physics, &mut bodies, body, pose, velocity);
     }
+}
+
+/// Writes where a body is and how it moves; where a character is, that writes itself.
+fn show(
+    physics: &PhysicsWorld,
+    bodies: &mut Query<(&mut PhysicsPose, &mut Velocity)>,
+    body: Entity,
+    pose: PhysicsPose,
+    velocity: Velocity,
+) {
+    let Ok((mut shown, mut shown_velocity)) = bodies.get_mut(body) else { return };
+    if physics.walkers.is_empty() || !physics.walkers.contains_key(&body) {
+        shown.set_if_neq(pose);
+    }
+    shown_velocity.set_if_neq(velocity);
 }
 
 /// Who fell asleep and who woke.
@@ -159,6 +160,14 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         let broke = |(joint, state): (&Entity, &JointState)| broken.contains(&state.handle).then_some(*joint);
         for joint in in_order(physics.joints.iter().filter_map(broke)) {
             writers.broke.write(JointBroke { joint });
+        }
+    }
+    let broken = physics.broken_couplings();
+    if !broken.is_empty() {
+        let broke =
+            |(entity, state): (&Entity, &CouplingState)| broken.contains(&state.handle).then_some(*entity);
+        for coupling in in_order(physics.couplings.iter().filter_map(broke)) {
+            writers.decoupled.write(CouplingBroke { coupling });
         }
     }
     physics.departed.clear();

@@ -7,6 +7,10 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
+#[cfg(feature = "reflect")]
+use bevy_reflect::std_traits::ReflectDefault;
+#[cfg(feature = "reflect")]
+use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 use std::sync::Arc;
 
@@ -16,6 +20,12 @@ use std::sync::Arc;
 /// A scale, its own or from above, scales balls, capsules and cylinders by one factor, boxes and hulls by
 /// three. Other scales, and those of meshes and height fields, are refused.
 #[derive(Component, Clone, Debug)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[require(Transform)]
 #[component(on_remove = shape_removed)]
 pub struct Shape(pub Geometry);
@@ -67,33 +77,49 @@ impl From<Geometry> for Shape {
 
 /// Friction and restitution of a shape; the default [`Material`] without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[component(on_remove = trait_removed)]
 pub struct ShapeMaterial(pub Material);
 
 /// Which shapes a shape collides with; all without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "reflect",
+    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
+    reflect(opaque),
+    reflect(Component, Clone, Serialize, Deserialize)
+)]
 #[component(on_remove = trait_removed)]
 pub struct ShapeFilter(pub Filter);
 
 /// Density of a shape [kg/m³]; 1000 without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone))]
 #[component(on_remove = trait_removed)]
 pub struct Density(pub f32);
 
 /// A shape that pushes nothing and notices what comes into it: [`SensorEntered`](crate::SensorEntered),
 /// [`SensorLeft`](crate::SensorLeft).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[component(on_remove = trait_removed)]
 pub struct Sensor;
 
 /// A shape whose contacts are reported: [`ContactBegan`](crate::ContactBegan),
 /// [`ContactEnded`](crate::ContactEnded), [`ContactHit`](crate::ContactHit).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[component(on_remove = trait_removed)]
 pub struct ContactMessages;
 
 /// A shape whose contacts are shown to [`PhysicsHooks`](crate::PhysicsHooks).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[component(on_remove = trait_removed)]
 pub struct ContactHooked;
 

@@ -4,8 +4,8 @@ use crate::convert::{ToBevy, ToEngine};
 use crate::messages::{PhysicsError, Problem};
 use crate::{PhysicsPose, Velocity};
 use backstop::{
-    BodyHandle, ContactHooks, Error, JointDesc, JointHandle, MassProperties, ShapeHandle, Snapshot, World,
-    glam,
+    BodyHandle, CharacterHandle, ContactHooks, CouplingDesc, CouplingHandle, Error, JointDesc, JointHandle,
+    MassProperties, ShapeHandle, Snapshot, World, glam,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
@@ -24,8 +24,10 @@ pub struct PhysicsWorld {
     pub(crate) bodies: EntityHashMap<BodyState>,
     pub(crate) shapes: EntityHashMap<ShapeState>,
     pub(crate) joints: EntityHashMap<JointState>,
+    pub(crate) couplings: EntityHashMap<CouplingState>,
+    pub(crate) walkers: EntityHashMap<WalkerState>,
     /// What is to be made and is not yet, with the last reason that was reported.
-    pub(crate) waiting: [EntityHashMap<String>; 3],
+    pub(crate) waiting: [EntityHashMap<String>; 5],
     /// Entities that lost a component which has a default.
     pub(crate) changed_bodies: Vec<Entity>,
     pub(crate) changed_shapes: Vec<Entity>,
@@ -51,6 +53,8 @@ pub struct PhysicsWorld {
 pub(crate) const BODIES: usize = 0;
 pub(crate) const SHAPES: usize = 1;
 pub(crate) const JOINTS: usize = 2;
+pub(crate) const COUPLINGS: usize = 3;
+pub(crate) const CHARACTERS: usize = 4;
 
 /// Callbacks on contacts of shapes with [`ContactHooked`](crate::ContactHooked). Their user data are the bits
 /// of the shapes' entities.
@@ -99,6 +103,39 @@ pub(crate) struct JointState {
     pub(crate) anchor: Option<(Vec3, Quat)>,
 }
 
+#[derive(Debug)]
+pub(crate) struct CouplingState {
+    pub(crate) handle: CouplingHandle,
+    pub(crate) joints: [Entity; 2],
+    /// With the joints' handles.
+    pub(crate) desc: CouplingDesc,
+}
+
+/// What the plugin knows of a character.
+#[derive(Debug)]
+pub(crate) struct WalkerState {
+    pub(crate) handle: CharacterHandle,
+    /// After the walk before the last.
+    pub(crate) previous: PhysicsPose,
+    /// After the last walk.
+    pub(crate) pose: PhysicsPose,
+    /// As it was last written or taken over: what differs was written by somebody else.
+    pub(crate) written: Transform,
+    /// It has a shape of its own, which turns with it.
+    pub(crate) shaped: bool,
+    /// Its rotation is that of a snapshot, and not shown yet.
+    pub(crate) turned_back: bool,
+    /// Why it was last refused something before and after the step, until that is over.
+    pub(crate) problems: [Option<String>; 2],
+}
+
+impl WalkerState {
+    pub(crate) fn new(handle: CharacterHandle, pose: PhysicsPose, written: Transform, shaped: bool) -> Self {
+        let problems = [None, None];
+        WalkerState { handle, previous: pose, pose, written, shaped, turned_back: false, problems }
+    }
+}
+
 /// Each entity once, in the order in which they were spawned as far as their indices are new.
 pub(crate) fn in_order(entities: impl IntoIterator<Item = Entity>) -> Vec<Entity> {
     let mut all: Vec<Entity> = entities.into_iter().collect();
@@ -127,6 +164,8 @@ impl PhysicsWorld {
             bodies: EntityHashMap::default(),
             shapes: EntityHashMap::default(),
             joints: EntityHashMap::default(),
+            couplings: EntityHashMap::default(),
+            walkers: EntityHashMap::default(),
             waiting: Default::default(),
             changed_bodies: Vec::new(),
             changed_shapes: Vec::new(),
@@ -157,6 +196,17 @@ impl PhysicsWorld {
         self.joints.get(&entity).map(|joint| joint.handle).filter(|joint| self.world.contains_joint(*joint))
     }
 
+    /// The coupling of an entity, if it is in the world: one that broke is not.
+    pub fn coupling_of(&self, entity: Entity) -> Option<CouplingHandle> {
+        let known = self.couplings.get(&entity).map(|coupling| coupling.handle);
+        known.filter(|coupling| self.world.contains_coupling(*coupling))
+    }
+
+    /// The character of an entity, if it is in the world.
+    pub fn character_of(&self, entity: Entity) -> Option<CharacterHandle> {
+        self.walkers.get(&entity).map(|walker| walker.handle)
+    }
+
     /// The entity of a body; none if the handle is stale or the body is not of the plugin.
     pub fn entity_of(&self, body: BodyHandle) -> Option<Entity> {
         let entity = Entity::try_from_bits(self.world.user_data(body).ok()?)?;
@@ -167,6 +217,11 @@ impl PhysicsWorld {
     pub fn entity_of_shape(&self, shape: ShapeHandle) -> Option<Entity> {
         let entity = Entity::try_from_bits(self.world.shape_user_data(shape).ok()?)?;
         (self.shape(entity) == Some(shape)).then_some(entity)
+    }
+
+    /// The entity of a character; none if the handle is stale or the character is not of the plugin.
+    pub fn entity_of_character(&self, character: CharacterHandle) -> Option<Entity> {
+        self.walkers.iter().find(|(_, state)| state.handle == character).map(|(entity, _)| *entity)
     }
 
     /// The entity of a joint; none if the handle is stale or the joint is not of the plugin.
@@ -186,7 +241,8 @@ impl PhysicsWorld {
     }
 
     /// Moves a body to a pose at once, without interpolation. For a kinematic body, which a change of its
-    /// `Transform` moves within a step, this is the way to put it elsewhere.
+    /// `Transform` moves within a step, this is the way to put it elsewhere. A character is put
+    /// elsewhere by its `Transform`.
     ///
     /// # Errors
     /// [`Error::StaleBody`] if the entity is no body of the world; as [`World::set_pose`].
@@ -196,7 +252,7 @@ impl PhysicsWorld {
         let pose = self.pose_of(body)?;
         self.following.remove(&entity);
         if let Some(state) = self.bodies.get_mut(&entity) {
-            (state.previous, state.pose) = (pose, pose);
+            (state.previous, state.pose, state.moved_in) = (pose, pose, self.steps);
             self.moving.push(entity);
         }
         Ok(())
@@ -211,6 +267,15 @@ impl PhysicsWorld {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         self.world.restore(snapshot)?;
         self.all_moved = true;
+        for state in self.walkers.values_mut() {
+            let Ok(character) = self.world.character(state.handle) else { continue };
+            let (_, upright) = character.capsule();
+            state.pose.position = character.position().to_bevy();
+            if state.shaped {
+                state.pose.rotation = (upright * character.rotation()).to_bevy();
+                state.turned_back = true;
+            }
+        }
         Ok(())
     }
 
@@ -225,6 +290,25 @@ impl PhysicsWorld {
             position: self.world.position(body)?.to_bevy(),
             rotation: self.world.rotation(body)?.to_bevy(),
         })
+    }
+
+    /// Takes over pose and velocity of a body after a step.
+    pub(crate) fn take_over(
+        &mut self,
+        handle: BodyHandle,
+        step: u64,
+        everything: bool,
+    ) -> Option<(Entity, PhysicsPose, Velocity)> {
+        let body = Entity::try_from_bits(self.world.user_data(handle).ok()?)?;
+        let pose = self.pose_of(handle).ok()?;
+        let velocity = Velocity {
+            linear: self.world.linear_velocity(handle).unwrap_or_default().to_bevy(),
+            angular: self.world.angular_velocity(handle).unwrap_or_default().to_bevy(),
+        };
+        let state = self.bodies.get_mut(&body).filter(|state| state.handle == handle)?;
+        state.previous = if everything { pose } else { state.pose };
+        (state.pose, state.velocity, state.moved_in) = (pose, velocity, step);
+        Some((body, pose, velocity))
     }
 
     /// Notes that something was refused, to be reported and logged.
@@ -293,6 +377,36 @@ impl PhysicsWorld {
         let state = self.shapes.remove(&entity)?;
         self.departed.push((state.handle, [entity, state.body]));
         Some(state)
+    }
+
+    /// Removes the coupling of an entity.
+    pub(crate) fn remove_coupling_of(&mut self, entity: Entity) {
+        self.waiting[COUPLINGS].remove(&entity);
+        if let Some(coupling) = self.couplings.remove(&entity) {
+            // It is stale if it broke or one of its joints is gone.
+            let _ = self.world.remove_coupling(coupling.handle);
+        }
+    }
+
+    /// Removes the character of an entity.
+    pub(crate) fn remove_character_of(&mut self, entity: Entity) {
+        self.waiting[CHARACTERS].remove(&entity);
+        if let Some(walker) = self.walkers.remove(&entity) {
+            // It is stale only if the caller removed it.
+            let _ = self.world.remove_character(walker.handle);
+        }
+    }
+
+    /// Reports why a character was refused something before the step (0) or after it (1), once until that is
+    /// over.
+    pub(crate) fn heard_of(&mut self, entity: Entity, when: usize, done: Result<(), Problem>) {
+        let problem = done.err();
+        let reason = problem.as_ref().map(Problem::to_string);
+        let Some(state) = self.walkers.get_mut(&entity) else { return };
+        if state.problems[when] != reason {
+            state.problems[when] = reason;
+            self.problems.extend(problem.map(|problem| PhysicsError { entity: Some(entity), problem }));
+        }
     }
 
     /// Removes the joint of an entity.

@@ -20,6 +20,7 @@ pub(crate) struct BodyParts {
     mass: Option<&'static Mass>,
     gravity: Option<&'static GravityScale>,
     damping: Option<&'static Damping>,
+    max_speeds: Option<&'static MaxSpeeds>,
     locks: Option<&'static LockedAxes>,
     continuous: Option<&'static ContinuousMode>,
     solved_after: Option<&'static SolvedAfter>,
@@ -33,6 +34,7 @@ type BodyChanged = Or<(
     Changed<Mass>,
     Changed<GravityScale>,
     Changed<Damping>,
+    Changed<MaxSpeeds>,
     Changed<LockedAxes>,
     Changed<ContinuousMode>,
     Changed<SolvedAfter>,
@@ -48,6 +50,9 @@ impl BodyPartsItem<'_, '_> {
         desc.gravity_scale = self.gravity.map_or(desc.gravity_scale, |scale| scale.0);
         if let Some(damping) = self.damping {
             (desc.linear_damping, desc.angular_damping) = (damping.linear, damping.angular);
+        }
+        if let Some(max) = self.max_speeds {
+            (desc.max_linear_speed, desc.max_angular_speed) = (max.linear, max.angular);
         }
         if let Some(locks) = self.locks {
             (desc.lock_translation, desc.lock_rotation) = (locks.translation, locks.rotation);
@@ -204,6 +209,9 @@ fn update_body(world: &mut World, body: BodyHandle, desc: &BodyDesc, enabled: bo
     }
     if world.damping(body)? != (desc.linear_damping, desc.angular_damping) {
         world.set_damping(body, desc.linear_damping, desc.angular_damping)?;
+    }
+    if world.max_speeds(body)? != [desc.max_linear_speed, desc.max_angular_speed] {
+        world.set_max_speeds(body, desc.max_linear_speed, desc.max_angular_speed)?;
     }
     if world.locks(body)? != (desc.lock_translation, desc.lock_rotation) {
         world.set_locks(body, desc.lock_translation, desc.lock_rotation)?;

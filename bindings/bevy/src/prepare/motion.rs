@@ -2,6 +2,7 @@
 
 use super::hierarchy::{Hierarchy, pose_by};
 use crate::body::*;
+use crate::character::Character;
 use crate::convert::ToEngine;
 use crate::plugin::StepLength;
 use crate::world::{PhysicsWorld, in_order};
@@ -53,11 +54,14 @@ pub(crate) fn read_motion(
     }
 }
 
+/// A body that is not the body of a character, which follows that, and whose transform changed.
+type MovedBody = (Changed<Transform>, Without<Character>);
+
 /// Transforms that somebody set: bodies are put there, kinematic ones move there within the step.
 pub(crate) fn read_poses(
     mut physics: ResMut<PhysicsWorld>,
     dt: StepLength,
-    mut bodies: Query<(Entity, &Transform, &RigidBody, &mut PhysicsPose), Changed<Transform>>,
+    mut bodies: Query<(Entity, &Transform, &RigidBody, &mut PhysicsPose), MovedBody>,
     hierarchy: Hierarchy,
 ) {
     let (physics, dt) = (&mut *physics, dt.seconds());
@@ -104,6 +108,9 @@ pub(crate) fn read_poses(
         }
         if let Err(error) = physics.set_velocity(handle, glam::Vec3::ZERO, glam::Vec3::ZERO) {
             physics.refuse(body, error);
+        }
+        if let Some(state) = physics.bodies.get_mut(&body) {
+            state.moved_in = physics.steps;
         }
         physics.moving.push(body);
     }

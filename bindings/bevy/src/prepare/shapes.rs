@@ -7,7 +7,7 @@ use crate::messages::Problem;
 use crate::shape::{Shape, ShapeChanged, ShapeParts, ShapePartsItem};
 use crate::world::{PhysicsWorld, Place, SHAPES};
 use backstop::{Error, ShapeDesc, ShapeHandle, World};
-use bevy_ecs::prelude::{Changed, DetectChanges, Entity, Query, ResMut, With, Without};
+use bevy_ecs::prelude::{Changed, ChildOf, DetectChanges, Entity, Has, Query, ResMut, With, Without};
 use bevy_transform::components::Transform;
 
 /// The description of a shape at its place.
@@ -29,14 +29,18 @@ type OnMovedBody = (With<Shape>, With<RigidBody>, Changed<Transform>);
 pub(crate) fn change_shapes(
     mut physics: ResMut<PhysicsWorld>,
     changed: Query<Entity, ShapeChanged>,
-    moved: Query<Entity, OnMovedBody>,
+    moved: Query<(Entity, &Transform, Has<ChildOf>), OnMovedBody>,
     below: Query<Entity, (With<Shape>, Without<RigidBody>)>,
     shapes: Query<ShapeParts>,
     hierarchy: Hierarchy,
 ) {
     let physics = &mut *physics;
     // What is below a body may have been moved by anything in between.
-    for shape in moved.iter().chain(&below) {
+    let by_others = |&(body, transform, is_below): &(Entity, &Transform, bool)| {
+        is_below || physics.bodies.get(&body).is_none_or(|state| state.written != *transform)
+    };
+    let moved: Vec<Entity> = moved.iter().filter(by_others).map(|(body, ..)| body).collect();
+    for shape in moved.into_iter().chain(&below) {
         let Some(state) = physics.shapes.get(&shape) else { continue };
         let place = hierarchy.place(shape);
         if place == Some((state.body, state.place)) {

@@ -94,9 +94,10 @@ fn changed_components_reach_the_world() {
     let material = ShapeMaterial::friction(0.1);
     let filter = ShapeFilter(Filter::default().with_category(4).with_mask(8));
     let damping = Damping { linear: 0.1, angular: 0.2 };
+    let max_speeds = MaxSpeeds { linear: Some(30.0), angular: None };
     app.world_mut().entity_mut(body).insert((
         (Mass(given), GravityScale(0.5), damping, LockedAxes::ROTATION, ContinuousMode(Continuous::Volume)),
-        (NeverSleeps, SolvedAfter(backstop::RowGroup::Joints)),
+        (NeverSleeps, SolvedAfter(backstop::RowGroup::Joints), max_speeds),
         (material, filter, Density(500.0), ContactMessages, ContactHooked),
     ));
     app.update();
@@ -104,6 +105,7 @@ fn changed_components_reach_the_world() {
     assert!((world.mass(b).unwrap() - 7.0).abs() < 1e-5);
     assert_eq!(world.gravity_scale(b).unwrap(), 0.5);
     assert_eq!(world.damping(b).unwrap(), (0.1, 0.2));
+    assert_eq!(world.max_speeds(b).unwrap(), [Some(30.0), None]);
     assert_eq!(world.locks(b).unwrap(), ([false; 3], [true; 3]));
     assert_eq!(world.continuous(b).unwrap(), Continuous::Volume);
     assert_eq!(world.solved_after(b).unwrap(), Some(backstop::RowGroup::Joints));
@@ -114,7 +116,7 @@ fn changed_components_reach_the_world() {
     assert!(world.listens_to_events(s).unwrap() && world.listens_to_hooks(s).unwrap());
 
     app.world_mut().entity_mut(body).remove::<(
-        (Mass, GravityScale, Damping, LockedAxes, ContinuousMode, NeverSleeps, SolvedAfter),
+        (Mass, GravityScale, Damping, LockedAxes, ContinuousMode, NeverSleeps, SolvedAfter, MaxSpeeds),
         (ShapeMaterial, ShapeFilter, Density, ContactMessages, ContactHooked),
     )>();
     app.update();
@@ -122,6 +124,7 @@ fn changed_components_reach_the_world() {
     assert!((world.mass(b).unwrap() - own.mass).abs() < 1e-3, "that of its shape again");
     assert_eq!(world.gravity_scale(b).unwrap(), 1.0);
     assert_eq!(world.damping(b).unwrap(), (0.0, 0.0));
+    assert_eq!(world.max_speeds(b).unwrap(), [None, None]);
     assert_eq!(world.locks(b).unwrap(), ([false; 3], [false; 3]));
     assert_eq!((world.continuous(b).unwrap(), world.solved_after(b).unwrap()), (Continuous::Segment, None));
     assert!(world.can_sleep(b).unwrap());
@@ -276,4 +279,63 @@ fn scales_count() {
     app.world_mut().get_mut::<Transform>(body).unwrap().scale = Vec3::ONE;
     app.update();
     assert!((mass(&app) - 1000.0).abs() < 0.1);
+}
+
+/// Two wheels on hinges about z, side by side, coupled as gears of 10 and 30 teeth; one turns by 3 rad/s
+/// without friction. Expected: the other turns back at a third of that; with other teeth at that ratio; not
+/// at all once the component is removed; and a coupling waits for its joints, is gone with them, and says
+/// that it broke.
+#[test]
+fn couplings_follow_their_component() {
+    let mut app = app();
+    log::<CouplingBroke>(&mut app);
+    log::<PhysicsError>(&mut app);
+    let frame = app.world_mut().spawn(RigidBody::Static).id();
+    let axle = |app: &mut bevy_app::App, x: f32| {
+        let at = Transform::from_xyz(x, 0.0, 0.0);
+        let wheel = app.world_mut().spawn((RigidBody::Dynamic, Shape::sphere(0.3), at)).id();
+        let hinge = Joint::hinge([frame, wheel]).at(Vec3::new(x, 0.0, 0.0)).about(Vec3::Z);
+        (wheel, app.world_mut().spawn(hinge).id())
+    };
+    let (driver, first) = axle(&mut app, 0.0);
+    let (driven, second) = axle(&mut app, 1.0);
+    let pair = app.world_mut().spawn(Coupling::gear([first, second], [10.0, 30.0])).id();
+    app.world_mut().entity_mut(driver).insert(Velocity::angular(Vec3::Z * 3.0));
+    let speeds = |app: &bevy_app::App| [driver, driven].map(|body| get::<Velocity>(app, body).angular.z);
+    run(&mut app, 30);
+    let [a, b] = speeds(&app);
+    assert!(a > 1.0 && (a + 3.0 * b).abs() < 0.01 * a, "{a} and {b} rad/s");
+    let handle = physics(&app).coupling_of(pair).unwrap();
+
+    app.world_mut().entity_mut(pair).insert(Coupling::gear([first, second], [10.0, 20.0]));
+    run(&mut app, 30);
+    let [a, b] = speeds(&app);
+    assert_eq!(physics(&app).coupling_of(pair), Some(handle), "it is the same coupling");
+    assert!(a > 1.0 && (a + 2.0 * b).abs() < 0.01 * a, "{a} and {b} rad/s");
+
+    app.world_mut().entity_mut(pair).remove::<Coupling>();
+    app.world_mut().entity_mut(driver).insert(Velocity::angular(Vec3::Z * 9.0));
+    run(&mut app, 10);
+    assert!((speeds(&app)[1] - b).abs() < 1e-3);
+    assert_eq!(physics(&app).coupling_count(), 0);
+
+    // Half of the torque on the driver goes through the gears, which hold 1 N m.
+    let weak = Coupling::gear([first, second], [1.0, 1.0]).with_strength([1.0, 1.0]);
+    app.world_mut().entity_mut(pair).insert(weak);
+    let torque = Vec3::Z * 50.0;
+    app.world_mut().entity_mut(driver).insert(ConstantForce { force: Vec3::ZERO, torque });
+    run(&mut app, 3);
+    assert_eq!(logged::<CouplingBroke>(&app), [CouplingBroke { coupling: pair }]);
+    assert_eq!(physics(&app).coupling_of(pair), None);
+    assert_eq!(logged::<PhysicsError>(&app), []);
+
+    let strong = Coupling::gear([first, second], [1.0, 1.0]);
+    app.world_mut().entity_mut(pair).insert(strong);
+    run(&mut app, 2);
+    assert_eq!(physics(&app).coupling_count(), 1);
+    app.world_mut().despawn(second);
+    run(&mut app, 3);
+    let problem = Problem::NoJoint(second);
+    assert_eq!(logged::<PhysicsError>(&app), [PhysicsError { entity: Some(pair), problem }], "once");
+    assert_eq!(physics(&app).coupling_count(), 0);
 }

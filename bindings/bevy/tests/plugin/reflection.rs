@@ -1,0 +1,122 @@
+//! Components through the type registry (feature `reflect`).
+
+use crate::common::*;
+use backstop_bevy::backstop::{self, Continuous, Filter, MassProperties, RowGroup};
+use backstop_bevy::prelude::*;
+use bevy_app::prelude::*;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_reflect::serde::{TypedReflectDeserializer, TypedReflectSerializer};
+use bevy_reflect::{Reflect, TypeRegistration, TypeRegistry};
+use bevy_transform::components::Transform;
+use serde::de::DeserializeSeed;
+
+/// Two balls with all that a body and a shape may have, a joint, a lift, a gate and a character.
+fn spawn(app: &mut App) -> Vec<Entity> {
+    let all = floor(app);
+    let (a, b) = (ball(app, 3.0), ball(app, 5.0));
+    let mass = MassProperties::of(&backstop::Geometry::sphere(0.5), 700.0);
+    app.world_mut().entity_mut(a).insert((
+        (Mass(mass), GravityScale(0.5), Damping { linear: 0.1, angular: 0.2 }, LockedAxes::ROTATION),
+        (ContinuousMode(Continuous::Volume), SolvedAfter(RowGroup::Joints), NeverSleeps, NoInterpolation),
+        (ShapeMaterial(backstop::Material::default().with_rolling_friction(0.01)), Density(500.0)),
+        (ShapeFilter(Filter::default().with_category(4)), ContactMessages, ContactHooked),
+        MaxSpeeds { linear: Some(20.0), angular: Some(9.0) },
+        ConstantForce { force: Vec3::X, torque: Vec3::Y },
+    ));
+    let joint = app.world_mut().spawn(Joint::distance([a, b], 0.0, 3.0).with_strength(1e6, 1e6)).id();
+    app.world_mut().entity_mut(joint).insert(Coupling::screw(joint, 0.1).with_strength([1e6; 2]));
+    let lift = (RigidBody::Kinematic, Shape::cuboid(1.0, 0.1, 1.0), Velocity::linear(Vec3::Y));
+    let lift = app.world_mut().spawn((lift, Transform::from_xyz(6.0, 0.1, 0.0))).id();
+    let gate = (RigidBody::Static, BodyDisabled, Shape::cuboid(1.0, 1.0, 1.0), Sensor);
+    let gate = app.world_mut().spawn((gate, Transform::from_xyz(-6.0, 1.0, 0.0))).id();
+    let long = Character::default().with_shape(Shape::cuboid(0.3, 0.9, 0.3)).with_air_acceleration(5.0);
+    let walks = CharacterInput { velocity: Vec3::new(1.0, 0.0, 0.0), jump: 2.0 };
+    let walker = app.world_mut().spawn((long, walks, Transform::from_xyz(-3.0, 1.0, 0.0))).id();
+    vec![all, a, b, joint, lift, gate, walker]
+}
+
+/// All registrations of the plugin's components.
+fn components(registry: &TypeRegistry) -> Vec<&TypeRegistration> {
+    let own = |registration: &&TypeRegistration| {
+        let ours = registration.type_info().type_path().starts_with("backstop_bevy");
+        ours && registration.data::<ReflectComponent>().is_some()
+    };
+    registry.iter().filter(own).collect()
+}
+
+/// Every component that an entity has, as JSON with its type.
+fn saved(app: &App, entity: Entity) -> Vec<(String, String)> {
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let mut all = Vec::new();
+    for registration in components(&registry) {
+        let part = registration.data::<ReflectComponent>().unwrap();
+        let Some(value) = part.reflect(app.world().entity(entity)) else { continue };
+        let json = serde_json::to_string(&TypedReflectSerializer::new(value.as_partial_reflect(), &registry));
+        all.push((registration.type_info().type_path().to_string(), json.expect("it can be written")));
+    }
+    all.sort();
+    all
+}
+
+/// Gives an entity of another app what was saved.
+fn load(app: &mut App, entity: Entity, parts: &[(String, String)]) {
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
+    for (path, json) in parts {
+        let registration = registry.get_with_type_path(path).expect("it is registered");
+        let seed = TypedReflectDeserializer::new(registration, &registry);
+        let value = seed.deserialize(&mut serde_json::Deserializer::from_str(json)).expect("it can be read");
+        let part = registration.data::<ReflectComponent>().unwrap();
+        part.insert(&mut app.world_mut().entity_mut(entity), value.as_ref(), &registry);
+    }
+}
+
+/// Every component of a scene to JSON and into another app by way of the type registry. Expected: each of
+/// them is there on some entity, is the same when it is written again, and both worlds have the same bits in
+/// each of three seconds' steps.
+#[test]
+fn a_scene_goes_through_the_type_registry() {
+    let (mut one, mut other) = (app(), app());
+    let entities = spawn(&mut one);
+    let mut met = std::collections::BTreeSet::new();
+    for &entity in &entities {
+        let parts = saved(&one, entity);
+        met.extend(parts.iter().map(|(path, _)| path.clone()));
+        let transform = one.world().get::<Transform>(entity).copied().unwrap_or_default();
+        let same = other.world_mut().spawn(transform).id();
+        assert_eq!(same, entity, "joints name it");
+        load(&mut other, same, &parts);
+        assert_eq!(saved(&other, same), parts);
+    }
+    let count = components(&one.world().resource::<AppTypeRegistry>().read()).len();
+    assert_eq!((met.len(), count), (27, 27), "{met:?}");
+    log::<PhysicsError>(&mut other);
+    for step in 0..180 {
+        one.update();
+        other.update();
+        assert_eq!(physics(&one).hash(), physics(&other).hash(), "step {step}");
+    }
+    assert_eq!(logged::<PhysicsError>(&other), []);
+    assert_eq!((physics(&other).body_count(), physics(&other).joint_count()), (5, 1));
+    assert_eq!(saved(&one, entities[6]), saved(&other, entities[6]));
+}
+
+/// Expected: numbers and flags are fields, which an inspector can show and set; and messages are registered.
+#[test]
+fn plain_components_show_their_fields() {
+    let mut app = app();
+    let body = ball(&mut app, 3.0);
+    {
+        let mut velocity = app.world_mut().get_mut::<Velocity>(body).unwrap();
+        let part = velocity.as_reflect_mut().reflect_mut();
+        let bevy_reflect::ReflectMut::Struct(part) = part else { panic!("it is a struct") };
+        let linear = part.field_mut("linear").unwrap();
+        *linear.try_downcast_mut::<Vec3>().unwrap() = Vec3::X;
+    }
+    run(&mut app, 60);
+    assert!((get::<PhysicsPose>(&app, body).position.x - 1.0).abs() < 1e-4);
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let message = registry.get_with_short_type_path("ContactHit").expect("it is registered");
+    assert!(message.data::<ReflectMessage>().is_some());
+}
