@@ -14,8 +14,7 @@ use std::io::Cursor;
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// Records every call that changes a world from here on, until `bs_world_stop_recording`. The world must be
-/// new: it never had a body or stepped. What a query's predicate or a callback does is not recorded, nor need
-/// it be.
+/// new: it never had a body or stepped. Queries change nothing and are not recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_start_recording(world: *mut BsWorld) -> BsStatus {
     call(|| {
@@ -139,6 +138,10 @@ pub struct BsReplayOptions {
     /// Threads to step with, 0 for as many as were recorded: their number does not matter to the bits.
     /// Default 0.
     pub threads: u32,
+    /// Substeps, 0 for as many as were recorded: others diverge. Default 0.
+    pub substeps: u32,
+    /// Iterations, 0 for as many as were recorded: others diverge. Default 0.
+    pub iterations: u32,
     /// Bytes of one block. Default 1 GiB.
     pub bytes: u64,
     /// Vertices. Default 10 million.
@@ -154,7 +157,7 @@ pub struct BsReplayOptions {
 }
 
 described! { BsReplayOptions, bs_replay_options_default(), [
-    size, threads, bytes, vertices, triangles, bodies, joints, memory,
+    size, threads, substeps, iterations, bytes, vertices, triangles, bodies, joints, memory,
 ] }
 
 /// As it was recorded, within generous limits.
@@ -164,6 +167,8 @@ pub extern "C" fn bs_replay_options_default() -> BsReplayOptions {
     BsReplayOptions {
         size: size_of::<BsReplayOptions>() as u32,
         threads: 0,
+        substeps: 0,
+        iterations: 0,
         bytes: limits.bytes,
         vertices: limits.vertices,
         triangles: limits.triangles,
@@ -320,10 +325,15 @@ pub unsafe extern "C" fn bs_replay_create(
             let out = Out::new("the place for the replay", replay)?;
             (out, slice("the bytes", bytes, count)?, read_or_default(options)?)
         };
-        let threads = options.threads as usize;
         let change = move |settings: &mut backstop::Settings| {
-            if threads > 0 {
-                settings.threads = threads;
+            if options.threads > 0 {
+                settings.threads = options.threads as usize;
+            }
+            if options.substeps > 0 {
+                settings.substeps = options.substeps;
+            }
+            if options.iterations > 0 {
+                settings.iterations = options.iterations;
             }
         };
         let replay = Replay::open_limited(Cursor::new(bytes.to_vec()), &options.limits(), change)?;
