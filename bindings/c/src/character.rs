@@ -15,8 +15,8 @@ use crate::world::{BsWorld, changing, reading};
 use backstop::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground, QueryFilter};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-/// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it stands on. Calls that
-/// take it as `const` may come from any number of threads at once.
+/// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it
+/// stands on. Calls that take it as `const` may come from any number of threads at once.
 pub struct BsCharacter {
     walker: RwLock<Walker>,
 }

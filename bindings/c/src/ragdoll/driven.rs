@@ -82,9 +82,9 @@ pub unsafe extern "C" fn bs_ragdoll_joints(
 }
 
 /// Drives the joints of a ragdoll to a pose, by a spring about each axis that a joint turns about with at
-/// most so much torque [N m], in the place of the friction there: with each frame of an animation. `rotations`
-/// has `count` of them, for each bone from where it is in the skeleton, in the skeleton's axes. Nothing holds
-/// the figure as a whole. Joints that broke are left out.
+/// most so much torque [N m], in the place of the friction there: with each frame of an animation.
+/// `rotations` has `count` of them, for each bone from where it is in the skeleton, in the skeleton's axes.
+/// Nothing holds the figure as a whole. Joints that broke are left out.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_ragdoll_drive_to(
     ragdoll: *const BsRagdoll,

@@ -77,8 +77,8 @@ pub unsafe extern "C" fn bs_world_recording(
     })
 }
 
-/// Gives a body a name in the recording, if there is one: which `bs_replay_divergence` tells. UTF-8, ends with
-/// a zero.
+/// Gives a body a name in the recording, if there is one: which `bs_replay_divergence` tells. UTF-8, ends
+/// with a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_name_recorded(
     world: *mut BsWorld,
