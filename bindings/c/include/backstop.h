@@ -40,8 +40,8 @@
 // Places for categories in budgets and reports; more than there are, so that new ones find theirs.
 #define BS_CATEGORIES 16
 
-// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it stands on. Calls that
-// take it as `const` may come from any number of threads at once.
+// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it
+// stands on. Calls that take it as `const` may come from any number of threads at once.
 typedef struct BsCharacter BsCharacter;
 
 // A grid of heights. It has a count of references, as a `BsHull` has.
@@ -2770,9 +2770,9 @@ BsStatus bs_ragdoll_joints(const struct BsRagdoll *ragdoll,
                            size_t *count);
 
 // Drives the joints of a ragdoll to a pose, by a spring about each axis that a joint turns about with at
-// most so much torque [N m], in the place of the friction there: with each frame of an animation. `rotations`
-// has `count` of them, for each bone from where it is in the skeleton, in the skeleton's axes. Nothing holds
-// the figure as a whole. Joints that broke are left out.
+// most so much torque [N m], in the place of the friction there: with each frame of an animation.
+// `rotations` has `count` of them, for each bone from where it is in the skeleton, in the skeleton's axes.
+// Nothing holds the figure as a whole. Joints that broke are left out.
 BS_API
 BsStatus bs_ragdoll_drive_to(const struct BsRagdoll *ragdoll,
                              struct BsWorld *world,
@@ -3018,8 +3018,8 @@ BsStatus bs_world_recording(const struct BsWorld *world,
                             size_t capacity,
                             size_t *count);
 
-// Gives a body a name in the recording, if there is one: which `bs_replay_divergence` tells. UTF-8, ends with
-// a zero.
+// Gives a body a name in the recording, if there is one: which `bs_replay_divergence` tells. UTF-8, ends
+// with a zero.
 BS_API BsStatus bs_world_name_recorded(struct BsWorld *world, struct BsBody body, const char *name);
 
 // As it was recorded, within generous limits.
