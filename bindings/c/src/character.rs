@@ -6,7 +6,7 @@ pub use resident::*;
 
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out, borrow};
-use crate::abi::sized::{described, read, write};
+use crate::abi::sized::{described, place, read, write};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
 use crate::query::{BsQueryFilter, with_filter};
@@ -303,10 +303,9 @@ pub unsafe extern "C" fn bs_character_walk(
         // SAFETY: the caller keeps to the header.
         let (mut walker, content) = unsafe { (moving(character)?, reading(world)?) };
         if !report.is_null() {
-            // A report that can't be written is refused before the walk. What is written now is overwritten.
-            let before = walker.told();
+            // A report that can't be written is refused before the walk.
             // SAFETY: the caller keeps to the header.
-            unsafe { write(report, before) }?;
+            unsafe { place(report) }?;
         }
         let walk = |filter: &QueryFilter<'_>| {
             walker.report = walker.character.walk(&content, filter, velocity.into(), dt)?;

@@ -111,6 +111,9 @@ fn characters_of_a_world_walk_alike() {
         let walk = |to, dt| bs_world_walk_character(c.0, handles[0], null(), to, dt, null_mut(), null_mut());
         assert_eq!(walk(nan, DT), BS_ERROR_NOT_FINITE);
         assert!(walk(none, 0.0) != BS_OK);
+        let told = report;
+        let refused = bs_world_walk_character(c.0, handles[0], null(), nan, DT, &mut report, null_mut());
+        assert_eq!((refused, report), (BS_ERROR_NOT_FINITE, told));
         report.size = 3;
         let short = bs_world_walk_character(c.0, handles[0], null(), none, DT, &mut report, null_mut());
         assert_eq!(short, BS_ERROR_SIZE);

@@ -4,7 +4,7 @@
 use super::{BsCharacter, BsCharacterReport, Walker, looking, moving};
 use crate::abi::guard::call;
 use crate::abi::pointers::Out;
-use crate::abi::sized::write;
+use crate::abi::sized::{place, write};
 use crate::abi::status::{BsStatus, Outcome};
 use crate::abi::values::{BsVec3, BsWorldCharacter};
 use crate::query::{BsQueryFilter, with_filter};
@@ -96,9 +96,9 @@ pub unsafe extern "C" fn bs_world_walk_character(
             (changing(world)?, copy)
         };
         if !report.is_null() {
-            // A report that can't be written is refused before the walk. What is written now is overwritten.
+            // A report that can't be written is refused before the walk.
             // SAFETY: the caller keeps to the header.
-            unsafe { write(report, BsCharacterReport::default()) }?;
+            unsafe { place(report) }?;
         }
         let walk = |filter: &QueryFilter<'_>| -> Outcome {
             let walked = content.walk_character(character.into(), filter, velocity.into(), dt)?;
