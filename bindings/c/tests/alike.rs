@@ -107,23 +107,31 @@ fn characters_of_a_world_walk_alike() {
         assert_eq!(bs_world_remove_character(c.0, NOBODY), BS_ERROR_STALE_CHARACTER);
         ok(bs_world_restore(c.0, snapshot));
         assert_eq!(hash(&c), before);
-        let (nan, none) = (vec3(f32::NAN, 0.0, 0.0), vec3(0.0, 0.0, 0.0));
-        let walk = |to, dt| bs_world_walk_character(c.0, handles[0], null(), to, dt, null_mut(), null_mut());
-        assert_eq!(walk(nan, DT), BS_ERROR_NOT_FINITE);
-        assert!(walk(none, 0.0) != BS_OK);
-        let told = report;
-        let refused = bs_world_walk_character(c.0, handles[0], null(), nan, DT, &mut report, null_mut());
-        assert_eq!((refused, report), (BS_ERROR_NOT_FINITE, told));
-        report.size = 3;
-        let short = bs_world_walk_character(c.0, handles[0], null(), none, DT, &mut report, null_mut());
-        assert_eq!(short, BS_ERROR_SIZE);
-        assert_eq!(bs_character_set_shape(capsule, &bs_plane()), BS_ERROR_NOT_CONVEX);
-        assert!(bs_character_set_rotation(capsule, BsQuat { w: 2.0, ..UPRIGHT }) != BS_OK);
-        assert_eq!(hash(&c), before);
+        refused_walks(&c, handles[0], capsule);
         bs_snapshot_destroy(snapshot);
         bs_character_destroy(capsule);
         bs_character_destroy(boxed);
     }
+}
+
+fn refused_walks(c: &World, walker: BsWorldCharacter, capsule: *mut BsCharacter) {
+    let (before, mut report) = (hash(c), BsCharacterReport::default());
+    // SAFETY: all objects are alive, and all places are.
+    unsafe {
+        let (nan, none) = (vec3(f32::NAN, 0.0, 0.0), vec3(0.0, 0.0, 0.0));
+        let walk = |to, dt| bs_world_walk_character(c.0, walker, null(), to, dt, null_mut(), null_mut());
+        assert_eq!(walk(nan, DT), BS_ERROR_NOT_FINITE);
+        assert!(walk(none, 0.0) != BS_OK);
+        let told = report;
+        let refused = bs_world_walk_character(c.0, walker, null(), nan, DT, &mut report, null_mut());
+        assert_eq!((refused, report), (BS_ERROR_NOT_FINITE, told));
+        report.size = 3;
+        let short = bs_world_walk_character(c.0, walker, null(), none, DT, &mut report, null_mut());
+        assert_eq!(short, BS_ERROR_SIZE);
+        assert_eq!(bs_character_set_shape(capsule, &bs_plane()), BS_ERROR_NOT_CONVEX);
+        assert!(bs_character_set_rotation(capsule, BsQuat { w: 2.0, ..UPRIGHT }) != BS_OK);
+    }
+    assert_eq!(hash(c), before);
 }
 
 fn no_ground() -> BsGround {
@@ -339,8 +347,18 @@ fn a_recording_plays_again() {
         assert_eq!(hash(&other), hash(&c));
         bs_snapshot_destroy(snapshot);
         bs_replay_destroy(replay);
+    }
+    diverging_and_refused_replays(&bytes, ball);
+}
+
+/// `bytes`: of a recording with a named ball.
+fn diverging_and_refused_replays(bytes: &[u8], ball: BsBody) {
+    let (mut replay, mut progress, count) = (null_mut(), 9, bytes.len());
+    let (mut found, mut text) = (BsDivergence::default(), null());
+    // SAFETY: all objects are alive, and all places are.
+    unsafe {
         // Other substeps, from the first step on.
-        options = BsReplayOptions { substeps: 7, ..bs_replay_options_default() };
+        let mut options = BsReplayOptions { substeps: 7, ..bs_replay_options_default() };
         ok(bs_replay_create(bytes.as_ptr(), count, &options, &mut replay));
         for _ in 0..2 {
             ok(bs_replay_run(replay, &mut progress));
