@@ -286,7 +286,8 @@ pub unsafe extern "C" fn bs_coupling_set_user_data(
     unsafe { change(world, |w| w.set_coupling_user_data(coupling.into(), user_data)) }
 }
 
-/// A coupling as it is now, into a description whose `size` says how much of it the caller knows.
+/// A coupling as it is now, into a description whose `size` says how much of it the caller knows. It always
+/// has a range, of no width if it keeps its sum.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_coupling_desc(
     world: *const BsWorld,
