@@ -2498,7 +2498,8 @@ BsStatus bs_coupling_set_user_data(struct BsWorld *world,
                                    struct BsCoupling coupling,
                                    uint64_t user_data);
 
-// A coupling as it is now, into a description whose `size` says how much of it the caller knows.
+// A coupling as it is now, into a description whose `size` says how much of it the caller knows. It always
+// has a range, of no width if it keeps its sum.
 BS_API
 BsStatus bs_coupling_desc(const struct BsWorld *world,
                           struct BsCoupling coupling,
