@@ -158,7 +158,7 @@ fn couplings_are_read_as_they_were_set(world: &World, coupling: BsCoupling, rope
         assert_eq!((desc.strength, desc.user_data), ([1e4, 2e4], 7));
         ok(bs_coupling_keep(world.0, coupling));
         ok(bs_coupling_desc(world.0, coupling, &mut desc));
-        // Of no width, where the sum is.
+        // Its range has no width, and is where the sum is.
         let mut sum = 0.0;
         ok(bs_coupling_sum(world.0, coupling, &mut sum));
         assert_eq!((desc.has_range, desc.min, desc.max), (1, sum, sum));

@@ -1,6 +1,6 @@
 # Reads include/backstop.h and writes a program in C that calls every function with null for each pointer
-# and zero for all else: it is refused with words, or does nothing. Then those of a world with a world: whatever
-# is refused has words, and nothing has changed.
+# and zero for all else: it is refused with words, or does nothing. Then those of a world with a world:
+# whatever is refused has words, and nothing has changed.
 /^ *\/\// || /^ *#/ { next }
 /BS_API/ { declaration = ""; inside = 1 }
 inside { declaration = declaration " " $0 }
