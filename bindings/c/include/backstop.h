@@ -40,8 +40,8 @@
 // Places for categories in budgets and reports; more than there are, so that new ones find theirs.
 #define BS_CATEGORIES 16
 
-// A capsule that walks, climbs steps, slides along walls and is carried by what it stands on. Calls that
-// take it as `const` may come from any number of threads at once.
+// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it
+// stands on. Calls that take it as `const` may come from any number of threads at once.
 typedef struct BsCharacter BsCharacter;
 
 // A grid of heights. It has a count of references, as a `BsHull` has.
@@ -53,6 +53,13 @@ typedef struct BsHull BsHull;
 
 // A mesh of triangles. It has a count of references, as a `BsHull` has.
 typedef struct BsMesh BsMesh;
+
+// What a ragdoll is made of: its bodies and joints, and which bones they are. It never changes, and may be
+// used by any number of threads. The bodies and joints are the world's; they stay when this is destroyed.
+typedef struct BsRagdoll BsRagdoll;
+
+// A recording that is played again, step after step, in a world of its own.
+typedef struct BsReplay BsReplay;
 
 // The state of a world. It may be used by several threads as long as none of them writes it.
 typedef struct BsSnapshot BsSnapshot;
@@ -484,6 +491,14 @@ typedef struct BsCharacterHit {
     struct BsVec3 impulse;
 } BsCharacterHit;
 
+// A character that lives in a world. Stale once it is removed. All zeros is no character.
+typedef struct BsWorldCharacter {
+    // Place in the world.
+    uint32_t slot;
+    // How often the place was taken.
+    uint32_t generation;
+} BsWorldCharacter;
+
 // What to draw.
 typedef struct BsDrawOptions {
     // Size of this struct; `bs_draw_options_default` fills it in.
@@ -840,6 +855,22 @@ typedef struct BsClosestPoint {
     uint8_t reserved[2];
 } BsClosestPoint;
 
+// A convex shape that moves and turns.
+typedef struct BsShapeCast {
+    // Size of this struct; `bs_shape_cast_default` fills it in.
+    uint32_t size;
+    // Path of its pivot [m].
+    struct BsVec3 path;
+    // Where its origin is at the start, and how it is turned.
+    struct BsPose pose;
+    // By how much it turns on the way: a rotation vector in the world [rad]. Default zero.
+    struct BsVec3 spin;
+    // The point that follows the path, in the shape's frame [m]. Default its origin.
+    struct BsVec3 pivot;
+    // The shape.
+    const struct BsGeometry *shape;
+} BsShapeCast;
+
 // A shape that a query's shape overlaps.
 typedef struct BsOverlap {
     // Whose shape it is.
@@ -976,6 +1007,57 @@ typedef struct BsSettings {
     // The same for each category, by `BS_CATEGORY_...`. Default `BS_NO_LIMIT`.
     uint64_t budget_of[BS_CATEGORIES];
 } BsSettings;
+
+// How a replay is played, and what a recording may ask for at most.
+typedef struct BsReplayOptions {
+    // Size of this struct; `bs_replay_options_default` fills it in.
+    uint32_t size;
+    // Threads to step with, 0 for as many as were recorded: their number does not matter to the bits.
+    // Default 0.
+    uint32_t threads;
+    // Substeps, 0 for as many as were recorded: others diverge. Default 0.
+    uint32_t substeps;
+    // Iterations, 0 for as many as were recorded: others diverge. Default 0.
+    uint32_t iterations;
+    // Bytes of one block. Default 1 GiB.
+    uint64_t bytes;
+    // Vertices. Default 10 million.
+    uint64_t vertices;
+    // Triangles, two for a cell of a height field. Default 10 million.
+    uint64_t triangles;
+    // Bodies at a time. Default 1 million.
+    uint64_t bodies;
+    // Joints and couplings at a time. Default 1 million.
+    uint64_t joints;
+    // Bytes of the geometry, and of the world. Default 1 GiB.
+    uint64_t memory;
+} BsReplayOptions;
+
+// What came of a step of a replay, one of `BS_REPLAY_...`.
+typedef uint32_t BsReplayProgress;
+
+// Where in a step, one of `BS_STAGE_...`.
+typedef uint32_t BsStage;
+
+// The first difference between a replay and its recording.
+typedef struct BsDivergence {
+    // Size of this struct, set by the caller.
+    uint32_t size;
+    // The first stage with a different result.
+    BsStage stage;
+    // Which step, from 1; for a refused call, the step after it. Zero: no divergence, and all else is zero.
+    uint64_t step;
+    // The first body that differs; all zeros if none shows it.
+    struct BsBody body;
+    // The caller's number of that body.
+    uint64_t user_data;
+    // How many bodies differ after the step.
+    uint64_t bodies;
+    // `bs_world_hash` after the step as recorded.
+    uint64_t recorded_hash;
+    // The same as replayed.
+    uint64_t replayed_hash;
+} BsDivergence;
 
 // Counts and times of a step.
 typedef struct BsStepReport {
@@ -1181,6 +1263,18 @@ typedef struct BsModelPart {
 
 // A motion that cannot be coupled.
 #define BS_ERROR_COUPLED_MOTION 31
+
+// A world that is being recorded already, is not being recorded, or is no longer new.
+#define BS_ERROR_RECORDING 32
+
+// Bytes that are no recording, or no longer, or not all of it.
+#define BS_ERROR_BROKEN_RECORDING 33
+
+// A recording of another version of its format.
+#define BS_ERROR_RECORDING_VERSION 34
+
+// A recording asks for more than its limits allow.
+#define BS_ERROR_LIMIT 35
 
 // Three `double`s: in the world [m].
 #define BS_POSITIONS_F64 0
@@ -1458,6 +1552,36 @@ typedef struct BsModelPart {
 // a b
 #define BS_COMBINE_MULTIPLY 3
 
+// Before the step: a call was refused that was not refused when it was recorded.
+#define BS_STAGE_CALLS 0
+
+// What the step starts with: poses, velocities, masses, accelerations.
+#define BS_STAGE_FORCES 1
+
+// Pairs.
+#define BS_STAGE_BROAD 2
+
+// Contacts.
+#define BS_STAGE_NARROW 3
+
+// Decisions of hooks, restitution, and the number of rows of each type.
+#define BS_STAGE_PREPARE 4
+
+// Velocities and displacements.
+#define BS_STAGE_SOLVE 5
+
+// Poses and velocities at the end, and which bodies fell asleep.
+#define BS_STAGE_FINISH 6
+
+// The same as in the recording.
+#define BS_REPLAY_SAME 0
+
+// It diverged.
+#define BS_REPLAY_DIVERGED 1
+
+// There is no further step: all of them were the same.
+#define BS_REPLAY_END 2
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1618,6 +1742,18 @@ BsStatus bs_height_field_is_hole(const struct BsHeightField *field,
                                  size_t column,
                                  size_t row,
                                  BsBool *hole);
+
+// A height field with other heights [m]: `columns` times `rows` samples from column `first_column` and row
+// `first_row` on, row by row. The caller has a reference to the result; `bs_shape_set_heights` changes the
+// field of a shape in place.
+BS_API
+BsStatus bs_height_field_with_heights(const struct BsHeightField *field,
+                                      size_t first_column,
+                                      size_t first_row,
+                                      size_t columns,
+                                      size_t rows,
+                                      const float *heights,
+                                      const struct BsHeightField **changed);
 
 // Adds a body.
 BS_API BsStatus bs_world_add_body(struct BsWorld *world, const struct BsBodyDesc *desc, struct BsBody *body);
@@ -1950,6 +2086,72 @@ BsStatus bs_character_capsule(const struct BsCharacter *character,
                               struct BsGeometry *capsule,
                               struct BsQuat *rotation);
 
+// Gives a character a shape of its own, any convex one, or with null the capsule of its settings again. Its
+// y axis is along `up`, its origin at the character's position, which stays; `radius` and `half_height` of
+// the settings then mean nothing.
+BS_API BsStatus bs_character_set_shape(struct BsCharacter *character, const struct BsGeometry *shape);
+
+// The shape of a character without the skin, its own or its capsule, and how that is turned in the world. A
+// hull in it is the character's: retain it to keep it.
+BS_API
+BsStatus bs_character_shape(const struct BsCharacter *character,
+                            struct BsGeometry *shape,
+                            struct BsQuat *rotation);
+
+// Turns a character's own shape from upright at once, in axes whose y is `up`; a capsule is not turned.
+BS_API BsStatus bs_character_set_rotation(struct BsCharacter *character, struct BsQuat rotation);
+
+// The rotation of a character's own shape from upright.
+BS_API BsStatus bs_character_rotation(const struct BsCharacter *character, struct BsQuat *rotation);
+
+// What a character stood on after its last walk, `on_ground` 0 if on nothing: all else is then zero.
+BS_API
+BsStatus bs_character_ground(const struct BsCharacter *character,
+                             struct BsGround *ground,
+                             BsBool *on_ground);
+
+// Puts a copy of a character into a world, where `bs_world_walk_character` moves it. Bodies don't notice it.
+// `added` may be null.
+BS_API
+BsStatus bs_world_add_character(struct BsWorld *world,
+                                const struct BsCharacter *character,
+                                struct BsWorldCharacter *added);
+
+// Removes a character from a world.
+BS_API BsStatus bs_world_remove_character(struct BsWorld *world, struct BsWorldCharacter character);
+
+// Makes `copy` what a character of a world is now: to read its settings, shape, position and ground. It has
+// no report.
+BS_API
+BsStatus bs_world_character(const struct BsWorld *world,
+                            struct BsWorldCharacter character,
+                            struct BsCharacter *copy);
+
+// Replaces a character of a world: to place it somewhere else, to give it other settings or another shape.
+BS_API
+BsStatus bs_world_set_character(struct BsWorld *world,
+                                struct BsWorldCharacter character,
+                                const struct BsCharacter *to);
+
+// `bs_character_walk` of a character of the world. `filter` may be null, `report` too, and `copy` as well,
+// which becomes the character after the walk and has its report: for `bs_character_hits` and
+// `bs_character_push`. What a predicate asks of this world is refused with `BS_ERROR_BUSY`.
+BS_API
+BsStatus bs_world_walk_character(struct BsWorld *world,
+                                 struct BsWorldCharacter character,
+                                 const struct BsQueryFilter *filter,
+                                 struct BsVec3 velocity,
+                                 float dt,
+                                 struct BsCharacterReport *report,
+                                 struct BsCharacter *copy);
+
+// The characters of a world, by handle. `count` becomes their number.
+BS_API
+BsStatus bs_world_characters(const struct BsWorld *world,
+                             struct BsWorldCharacter *characters,
+                             size_t capacity,
+                             size_t *count);
+
 // Shapes, points of contact and joints.
 BS_API struct BsDrawOptions bs_draw_options_default(void);
 
@@ -2280,6 +2482,43 @@ BsStatus bs_world_broken_couplings(const struct BsWorld *world,
                                    size_t capacity,
                                    size_t *count);
 
+// Makes a coupling keep its sum at what it is, instead of within a range.
+BS_API BsStatus bs_coupling_keep(struct BsWorld *world, struct BsCoupling coupling);
+
+// Sets what a coupling breaks at on each of its motions [N] or [N m], infinite for never.
+BS_API
+BsStatus bs_coupling_set_strength(struct BsWorld *world,
+                                  struct BsCoupling coupling,
+                                  float first,
+                                  float second);
+
+// Sets the caller's number of a coupling.
+BS_API
+BsStatus bs_coupling_set_user_data(struct BsWorld *world,
+                                   struct BsCoupling coupling,
+                                   uint64_t user_data);
+
+// A coupling as it is now, into a description whose `size` says how much of it the caller knows. It always
+// has a range, of no width if it keeps its sum.
+BS_API
+BsStatus bs_coupling_desc(const struct BsWorld *world,
+                          struct BsCoupling coupling,
+                          struct BsCouplingDesc *desc);
+
+// Whether a handle is that of a coupling of the world; no if there is no such world.
+BS_API BsBool bs_world_contains_coupling(const struct BsWorld *world, struct BsCoupling coupling);
+
+// Number of couplings of a world.
+BS_API BsStatus bs_world_coupling_count(const struct BsWorld *world, size_t *count);
+
+// Couplings of a motion of a joint. `count` becomes their number.
+BS_API
+BsStatus bs_joint_couplings(const struct BsWorld *world,
+                            struct BsJoint joint,
+                            struct BsCoupling *couplings,
+                            size_t capacity,
+                            size_t *count);
+
 // A rigid limit.
 BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
 
@@ -2415,6 +2654,46 @@ BsStatus bs_world_closest_point_all(const struct BsWorld *world,
                                     size_t capacity,
                                     size_t *count);
 
+// A shape that moves from a pose along a path [m] and does not turn.
+BS_API
+struct BsShapeCast bs_shape_cast_default(const struct BsGeometry *shape,
+                                         struct BsPose pose,
+                                         struct BsVec3 path);
+
+// A shape that moves from one pose to another: its origin straight, its rotation the shorter way about one
+// axis. The rotations are unit quaternions.
+BS_API
+struct BsShapeCast bs_shape_cast_between(const struct BsGeometry *shape,
+                                         struct BsPose from,
+                                         struct BsPose to);
+
+// The first shape that one touches that moves and turns; `hit->hit` says whether there is one.
+BS_API
+BsStatus bs_world_cast_turning(const struct BsWorld *world,
+                               const struct BsShapeCast *cast,
+                               const struct BsQueryFilter *filter,
+                               struct BsHit *hit);
+
+// Whether a shape that moves and turns touches anything at all.
+BS_API
+BsStatus bs_world_cast_turning_any(const struct BsWorld *world,
+                                   const struct BsShapeCast *cast,
+                                   const struct BsQueryFilter *filter,
+                                   BsBool *any);
+
+// All shapes that one would touch that moves and turns if none stopped it, by fraction. `count` becomes
+// their number.
+BS_API
+BsStatus bs_world_cast_turning_all(const struct BsWorld *world,
+                                   const struct BsShapeCast *cast,
+                                   const struct BsQueryFilter *filter,
+                                   struct BsHit *hits,
+                                   size_t capacity,
+                                   size_t *count);
+
+// Where the shape of a cast is at a fraction of its way.
+BS_API BsStatus bs_shape_cast_pose(const struct BsShapeCast *cast, float fraction, struct BsPose *pose);
+
 // All shapes that a convex one at a pose overlaps or touches, by handle. `count` becomes their number.
 BS_API
 BsStatus bs_world_overlap(const struct BsWorld *world,
@@ -2465,6 +2744,47 @@ BsStatus bs_world_add_ragdoll(struct BsWorld *world,
                               struct BsJoint *joints,
                               size_t joint_capacity,
                               size_t *joint_count);
+
+// Adds a skeleton as `bs_world_add_ragdoll` does, and keeps what `bs_ragdoll_drive_to` needs.
+BS_API
+BsStatus bs_ragdoll_create(struct BsWorld *world,
+                           const struct BsSkeletonDesc *desc,
+                           struct BsPose pose,
+                           struct BsVec3 velocity,
+                           struct BsRagdoll **ragdoll);
+
+// Destroys what `bs_ragdoll_create` keeps. Null is none, and fine.
+BS_API void bs_ragdoll_destroy(struct BsRagdoll *ragdoll);
+
+// The bodies of a ragdoll, one a bone. `count` becomes their number.
+BS_API
+BsStatus bs_ragdoll_bodies(const struct BsRagdoll *ragdoll,
+                           struct BsBody *bodies,
+                           size_t capacity,
+                           size_t *count);
+
+// The joints of a ragdoll, one for each bone but the roots. `count` becomes their number.
+BS_API
+BsStatus bs_ragdoll_joints(const struct BsRagdoll *ragdoll,
+                           struct BsJoint *joints,
+                           size_t capacity,
+                           size_t *count);
+
+// Drives the joints of a ragdoll to a pose, by a spring about each axis that a joint turns about with at
+// most so much torque [N m], in the place of the friction there: with each frame of an animation.
+// `rotations` has `count` of them, for each bone from where it is in the skeleton, in the skeleton's axes.
+// Nothing holds the figure as a whole. Joints that broke are left out.
+BS_API
+BsStatus bs_ragdoll_drive_to(const struct BsRagdoll *ragdoll,
+                             struct BsWorld *world,
+                             const struct BsQuat *rotations,
+                             size_t count,
+                             struct BsSpring spring,
+                             float max_torque);
+
+// Takes the springs of `bs_ragdoll_drive_to` away: the figure is limp again, with the friction of its
+// skeleton.
+BS_API BsStatus bs_ragdoll_relax(const struct BsRagdoll *ragdoll, struct BsWorld *world);
 
 // The name of a category of memory; empty for none. Valid for ever.
 BS_API const char *bs_category_name(BsCategory category);
@@ -2626,6 +2946,18 @@ BS_API BsStatus bs_shape_set_density(struct BsWorld *world, struct BsShape shape
 // The box around a shape, along the axes of the world.
 BS_API BsStatus bs_shape_aabb(const struct BsWorld *world, struct BsShape shape, struct BsAabb *aabb);
 
+// Changes heights of a height field [m]: `columns` times `rows` samples from column `first_column` and row
+// `first_row` on, row by row. What is near wakes; what would be below the surface is lifted above it. Other
+// shapes that share the field keep theirs.
+BS_API
+BsStatus bs_shape_set_heights(struct BsWorld *world,
+                              struct BsShape shape,
+                              size_t first_column,
+                              size_t first_row,
+                              size_t columns,
+                              size_t rows,
+                              const float *heights);
+
 // An empty snapshot, to be filled by `bs_world_snapshot`, again and again without new memory.
 BS_API BsStatus bs_snapshot_create(struct BsSnapshot **snapshot);
 
@@ -2662,6 +2994,72 @@ BsStatus bs_snapshot_to_whole_bytes(const struct BsSnapshot *snapshot,
 // A snapshot from bytes of `bs_snapshot_to_bytes` or `bs_snapshot_to_whole_bytes`. Whether it fits a world
 // is checked when it is restored.
 BS_API BsStatus bs_snapshot_from_bytes(const uint8_t *bytes, size_t count, struct BsSnapshot **snapshot);
+
+// Records every call that changes a world from here on, until `bs_world_stop_recording`. The world must be
+// new: it never had a body or stepped. Queries change nothing and are not recorded.
+BS_API BsStatus bs_world_start_recording(struct BsWorld *world);
+
+// Ends the recording of a world. `steps`, `calls` and `bytes` become the numbers of what is in it; each may
+// be null. `bs_world_recording` has the bytes.
+BS_API
+BsStatus bs_world_stop_recording(struct BsWorld *world,
+                                 uint64_t *steps,
+                                 uint64_t *calls,
+                                 uint64_t *bytes);
+
+// Whether a world is being recorded.
+BS_API BsStatus bs_world_is_recording(const struct BsWorld *world, BsBool *recording);
+
+// The bytes of a world's last recording, complete once it was stopped: `bs_replay_create` plays them, and a
+// file of them is one that the command `backstop replay` plays. `count` becomes their number, zero if there
+// never was a recording.
+BS_API
+BsStatus bs_world_recording(const struct BsWorld *world,
+                            uint8_t *bytes,
+                            size_t capacity,
+                            size_t *count);
+
+// Gives a body a name in the recording, if there is one: which `bs_replay_divergence` tells. UTF-8, ends
+// with a zero.
+BS_API BsStatus bs_world_name_recorded(struct BsWorld *world, struct BsBody body, const char *name);
+
+// As it was recorded, within generous limits.
+BS_API struct BsReplayOptions bs_replay_options_default(void);
+
+// A replay of `count` bytes of a recording, which are copied, before its first step. `options` may be null:
+// the defaults.
+BS_API
+BsStatus bs_replay_create(const uint8_t *bytes,
+                          size_t count,
+                          const struct BsReplayOptions *options,
+                          struct BsReplay **replay);
+
+// Destroys a replay. Null is none, and fine.
+BS_API void bs_replay_destroy(struct BsReplay *replay);
+
+// Plays all calls up to the next step, and that. A replay that diverged stays where it is.
+BS_API BsStatus bs_replay_step(struct BsReplay *replay, BsReplayProgress *progress);
+
+// Plays on to the end, or to the first divergence: `progress` becomes which of them.
+BS_API BsStatus bs_replay_run(struct BsReplay *replay, BsReplayProgress *progress);
+
+// Where a replay diverged, and in words if `text` is not null: valid until the replay is played on or
+// destroyed, and empty if it did not diverge.
+BS_API
+BsStatus bs_replay_divergence(const struct BsReplay *replay,
+                              struct BsDivergence *divergence,
+                              const char **text);
+
+// Number of steps that a replay has played, the hash of its world, and the version of backstop that
+// recorded, valid until the replay is destroyed; each pointer may be null.
+BS_API
+BsStatus bs_replay_state(const struct BsReplay *replay,
+                         uint64_t *steps,
+                         uint64_t *hash,
+                         const char **engine);
+
+// Writes the state of a replay's world into a snapshot: a world that restores it goes on from there.
+BS_API BsStatus bs_replay_snapshot(const struct BsReplay *replay, struct BsSnapshot *snapshot);
 
 // An empty world. `settings` may be null: the defaults.
 BS_API BsStatus bs_world_create(const struct BsSettings *settings, struct BsWorld **world);

@@ -1,8 +1,12 @@
-//! Characters: capsules that walk.
+//! Characters: capsules and other convex shapes that walk.
+
+mod resident;
+
+pub use resident::*;
 
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out, borrow};
-use crate::abi::sized::{described, read, write};
+use crate::abi::sized::{described, place, read, write};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
 use crate::query::{BsQueryFilter, with_filter};
@@ -11,8 +15,8 @@ use crate::world::{BsWorld, changing, reading};
 use backstop::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground, QueryFilter};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-/// A capsule that walks, climbs steps, slides along walls and is carried by what it stands on. Calls that
-/// take it as `const` may come from any number of threads at once.
+/// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it
+/// stands on. Calls that take it as `const` may come from any number of threads at once.
 pub struct BsCharacter {
     walker: RwLock<Walker>,
 }
@@ -20,6 +24,13 @@ pub struct BsCharacter {
 struct Walker {
     character: Character,
     report: CharacterReport,
+}
+
+impl Walker {
+    /// The report of its last walk.
+    fn told(&self) -> BsCharacterReport {
+        BsCharacterReport::of_engine(&self.report, self.character.position().into())
+    }
 }
 
 /// Settings of a character.
@@ -292,10 +303,9 @@ pub unsafe extern "C" fn bs_character_walk(
         // SAFETY: the caller keeps to the header.
         let (mut walker, content) = unsafe { (moving(character)?, reading(world)?) };
         if !report.is_null() {
-            // A report that can't be written is refused before the walk. What is written now is overwritten.
-            let before = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+            // A report that can't be written is refused before the walk.
             // SAFETY: the caller keeps to the header.
-            unsafe { write(report, before) }?;
+            unsafe { place(report) }?;
         }
         let walk = |filter: &QueryFilter<'_>| {
             walker.report = walker.character.walk(&content, filter, velocity.into(), dt)?;
@@ -306,7 +316,7 @@ pub unsafe extern "C" fn bs_character_walk(
         if report.is_null() {
             return Ok(());
         }
-        let after = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+        let after = walker.told();
         // SAFETY: the caller keeps to the header.
         unsafe { write(report, after) }
     })
@@ -321,7 +331,7 @@ pub unsafe extern "C" fn bs_character_report(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let walker = unsafe { looking(character) }?;
-        let own = BsCharacterReport::of_engine(&walker.report, walker.character.position().into());
+        let own = walker.told();
         // SAFETY: the caller keeps to the header.
         unsafe { write(report, own) }
     })
@@ -430,6 +440,94 @@ pub unsafe extern "C" fn bs_character_capsule(
         if let Some(out) = rotation {
             out.set(turned.into());
         }
+        Ok(())
+    })
+}
+
+/// Gives a character a shape of its own, any convex one, or with null the capsule of its settings again. Its
+/// y axis is along `up`, its origin at the character's position, which stays; `radius` and `half_height` of
+/// the settings then mean nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_set_shape(
+    character: *mut BsCharacter,
+    shape: *const BsGeometry,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut walker = unsafe { moving(character) }?;
+        let own = match shape.is_null() {
+            true => None,
+            // SAFETY: the caller keeps to the header.
+            false => Some(unsafe { borrow("the shape", shape)?.to_engine() }?),
+        };
+        Ok(walker.character.set_shape(own)?)
+    })
+}
+
+/// The shape of a character without the skin, its own or its capsule, and how that is turned in the world. A
+/// hull in it is the character's: retain it to keep it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_shape(
+    character: *const BsCharacter,
+    shape: *mut BsGeometry,
+    rotation: *mut BsQuat,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, shape, rotation) = unsafe {
+            let shape = Out::new("the place for the shape", shape)?;
+            (looking(character)?, shape, Out::optional("the place for the rotation", rotation)?)
+        };
+        let (geometry, turned) = walker.character.shape();
+        shape.set(BsGeometry::of_engine(&geometry));
+        if let Some(out) = rotation {
+            out.set(turned.into());
+        }
+        Ok(())
+    })
+}
+
+/// Turns a character's own shape from upright at once, in axes whose y is `up`; a capsule is not turned.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_set_rotation(
+    character: *mut BsCharacter,
+    rotation: BsQuat,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { moving(character) }?.character.set_rotation(rotation)?))
+}
+
+/// The rotation of a character's own shape from upright.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_rotation(
+    character: *const BsCharacter,
+    rotation: *mut BsQuat,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, out) =
+            unsafe { (looking(character)?, Out::new("the place for the rotation", rotation)?) };
+        out.set(walker.character.rotation().into());
+        Ok(())
+    })
+}
+
+/// What a character stood on after its last walk, `on_ground` 0 if on nothing: all else is then zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_character_ground(
+    character: *const BsCharacter,
+    ground: *mut BsGround,
+    on_ground: *mut BsBool,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (walker, ground, on) = unsafe {
+            let ground = Out::new("the place for the ground", ground)?;
+            (looking(character)?, ground, Out::new("the place for the answer", on_ground)?)
+        };
+        let found = walker.character.ground();
+        ground.set(found.map_or(BsGround::NONE, BsGround::of_engine));
+        on.set(found.is_some().into());
         Ok(())
     })
 }

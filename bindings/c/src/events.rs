@@ -82,7 +82,7 @@ fn renew<T, U>(own: &mut Vec<T>, engine: &[U], convert: impl FnMut(&U) -> T) {
 impl Content {
     /// Takes over the events of a step. Its buffers grow to the most events of a step, and then no more.
     pub(crate) fn read_events(&mut self) {
-        let Content { world, events } = self;
+        let Content { world, events, .. } = self;
         renew(&mut events.begins, world.contact_begins(), of_contact);
         let of_end = |end: &backstop::ContactEnd| BsContactEnd { shapes: end.shapes.map(Into::into) };
         renew(&mut events.ends, world.contact_ends(), of_end);

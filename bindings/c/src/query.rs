@@ -1,8 +1,10 @@
 //! Queries: rays, moving shapes, overlaps, nearest points. They change nothing, and may come from any number
 //! of threads at once.
 
+mod cast;
 mod overlap;
 
+pub use cast::*;
 pub use overlap::*;
 
 use crate::abi::guard::call;
@@ -14,7 +16,7 @@ use crate::shape::{BsFilter, BsGeometry, bs_filter_default};
 use crate::world::{BsWorld, reading};
 use backstop::{
     BodyHandle, ClosestPoint, Geometry, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast, ShapeHandle,
-    ShapeHit,
+    ShapeHit, World,
 };
 use std::ffi::c_void;
 use std::ptr::null_mut;
@@ -219,6 +221,52 @@ impl BsHit {
     }
 }
 
+/// A query with one answer.
+///
+/// # Safety
+/// As `with_filter`; the world is null or one that nobody destroys meanwhile, the place null or one.
+unsafe fn ask<T>(
+    world: *const BsWorld,
+    filter: *const BsQueryFilter,
+    place: *mut T,
+    work: impl FnOnce(&World, &QueryFilter<'_>) -> Outcome<T>,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: as this function.
+        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", place)?) };
+        let answer = |filter: &QueryFilter<'_>| {
+            out.set(work(&content, filter)?);
+            Ok(())
+        };
+        // SAFETY: as this function.
+        unsafe { with_filter(filter, answer) }
+    })
+}
+
+/// A query with any number of answers, into a buffer of the caller.
+///
+/// # Safety
+/// As `ask`, and as `Buffer::new`.
+unsafe fn ask_all<T, I>(
+    world: *const BsWorld,
+    filter: *const BsQueryFilter,
+    (at, capacity, count): (*mut T, usize, *mut usize),
+    own: impl Fn(&I) -> T,
+    work: impl FnOnce(&World, &QueryFilter<'_>, &mut Vec<I>) -> Outcome,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: as this function.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("the answers", at, capacity, count)?) };
+        let answer = |filter: &QueryFilter<'_>| {
+            let mut found = Vec::new();
+            work(&content, filter, &mut found)?;
+            out.fill(found.iter().map(own))
+        };
+        // SAFETY: as this function.
+        unsafe { with_filter(filter, answer) }
+    })
+}
+
 /// The first shape that a ray meets; `hit->hit` says whether there is one. `filter` may be null: all but
 /// sensors.
 #[unsafe(no_mangle)]
@@ -228,17 +276,13 @@ pub unsafe extern "C" fn bs_world_cast_ray(
     filter: *const BsQueryFilter,
     hit: *mut BsHit,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the hit", hit)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let hit = content.cast_ray(&ray.to_engine(), filter)?;
-            out.set(hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray));
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, hit, |world, filter| {
+            let hit = world.cast_ray(&ray.to_engine(), filter)?;
+            Ok(hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray))
+        })
+    }
 }
 
 /// Whether a ray meets anything at all.
@@ -249,16 +293,10 @@ pub unsafe extern "C" fn bs_world_cast_ray_any(
     filter: *const BsQueryFilter,
     any: *mut BsBool,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", any)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            out.set(content.cast_ray_any(&ray.to_engine(), filter)?.into());
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, any, |world, filter| Ok(world.cast_ray_any(&ray.to_engine(), filter)?.into()))
+    }
 }
 
 /// All shapes that a ray meets, each where it is met first, by fraction. `count` becomes their number.
@@ -271,17 +309,12 @@ pub unsafe extern "C" fn bs_world_cast_ray_all(
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Buffer::new("hits", hits, capacity, count)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = Vec::new();
-            content.cast_ray_all(&ray.to_engine(), filter, &mut found)?;
-            out.fill(found.iter().map(BsHit::of_ray))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask_all(world, filter, (hits, capacity, count), BsHit::of_ray, |world, filter, found| {
+            Ok(world.cast_ray_all(&ray.to_engine(), filter, found)?)
+        })
+    }
 }
 
 /// The first shapes that many rays meet: the answer to `rays[i]` goes to `hits[i]`. Faster than one by one
@@ -294,22 +327,16 @@ pub unsafe extern "C" fn bs_world_cast_rays(
     filter: *const BsQueryFilter,
     hits: *mut BsHit,
 ) -> BsStatus {
-    call(|| {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
         let mut written = 0;
-        // SAFETY: the caller keeps to the header.
-        let (content, rays, out) = unsafe {
-            let rays = slice("the rays", rays, count)?;
-            (reading(world)?, rays, Buffer::new("hits", hits, count, &mut written)?)
-        };
-        let rays: Vec<_> = rays.iter().map(|ray| ray.to_engine()).collect();
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = vec![None; rays.len()];
-            content.cast_rays(&rays, filter, &mut found)?;
-            out.fill(found.iter().map(|hit| hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray)))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+        let own = |hit: &Option<RayHit>| hit.as_ref().map_or(BsHit::NONE, BsHit::of_ray);
+        ask_all(world, filter, (hits, count, &mut written), own, |world, filter, found| {
+            let rays: Vec<_> = slice("the rays", rays, count)?.iter().map(|ray| ray.to_engine()).collect();
+            found.resize(rays.len(), None);
+            Ok(world.cast_rays(&rays, filter, found)?)
+        })
+    }
 }
 
 /// # Safety
@@ -334,18 +361,13 @@ pub unsafe extern "C" fn bs_world_cast_shape(
     filter: *const BsQueryFilter,
     hit: *mut BsHit,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, shape, out) =
-            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the hit", hit)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let hit = content.cast_shape(&cast_of(&shape, pose, path), filter)?;
-            out.set(hit.as_ref().map_or(BsHit::NONE, BsHit::of_shape));
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, hit, |world, filter| {
+            let hit = world.cast_shape(&cast_of(&geometry(shape)?, pose, path), filter)?;
+            Ok(hit.as_ref().map_or(BsHit::NONE, BsHit::of_shape))
+        })
+    }
 }
 
 /// Whether a moving shape touches anything at all.
@@ -358,17 +380,12 @@ pub unsafe extern "C" fn bs_world_cast_shape_any(
     filter: *const BsQueryFilter,
     any: *mut BsBool,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, shape, out) =
-            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the answer", any)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            out.set(content.cast_shape_any(&cast_of(&shape, pose, path), filter)?.into());
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, any, |world, filter| {
+            Ok(world.cast_shape_any(&cast_of(&geometry(shape)?, pose, path), filter)?.into())
+        })
+    }
 }
 
 /// All shapes that a moving one would touch if none stopped it, by fraction. With a path of zero: all that it
@@ -384,18 +401,12 @@ pub unsafe extern "C" fn bs_world_cast_shape_all(
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, shape, out) =
-            unsafe { (reading(world)?, geometry(shape)?, Buffer::new("hits", hits, capacity, count)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = Vec::new();
-            content.cast_shape_all(&cast_of(&shape, pose, path), filter, &mut found)?;
-            out.fill(found.iter().map(BsHit::of_shape))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask_all(world, filter, (hits, capacity, count), BsHit::of_shape, |world, filter, found| {
+            Ok(world.cast_shape_all(&cast_of(&geometry(shape)?, pose, path), filter, found)?)
+        })
+    }
 }
 
 /// The point of a shape that is nearest to a given one.
@@ -466,17 +477,13 @@ pub unsafe extern "C" fn bs_world_closest_point(
     filter: *const BsQueryFilter,
     closest: *mut BsClosestPoint,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the point", closest)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let found = content.closest_point(point.into(), distance, filter)?;
-            out.set(found.as_ref().map_or(BsClosestPoint::NONE, BsClosestPoint::of_engine));
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, closest, |world, filter| {
+            let found = world.closest_point(point.into(), distance, filter)?;
+            Ok(found.as_ref().map_or(BsClosestPoint::NONE, BsClosestPoint::of_engine))
+        })
+    }
 }
 
 /// Whether any shape is within a distance [m] of a point [m]; inside counts.
@@ -488,16 +495,12 @@ pub unsafe extern "C" fn bs_world_closest_point_any(
     filter: *const BsQueryFilter,
     any: *mut BsBool,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", any)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            out.set(content.closest_point_any(point.into(), distance, filter)?.into());
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, any, |world, filter| {
+            Ok(world.closest_point_any(point.into(), distance, filter)?.into())
+        })
+    }
 }
 
 /// The nearest point of every shape within a distance [m], by distance. `count` becomes their number.
@@ -511,15 +514,14 @@ pub unsafe extern "C" fn bs_world_closest_point_all(
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Buffer::new("points", points, capacity, count)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = Vec::new();
-            content.closest_point_all(point.into(), distance, filter, &mut found)?;
-            out.fill(found.iter().map(BsClosestPoint::of_engine))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask_all(
+            world,
+            filter,
+            (points, capacity, count),
+            BsClosestPoint::of_engine,
+            |world, filter, found| Ok(world.closest_point_all(point.into(), distance, filter, found)?),
+        )
+    }
 }

@@ -1,5 +1,9 @@
 //! Ragdolls: bodies and joints out of a skeleton.
 
+mod driven;
+
+pub use driven::*;
+
 use crate::abi::guard::call;
 use crate::abi::pointers::Buffer;
 use crate::abi::sized::{described, read, read_all};
@@ -175,6 +179,23 @@ pub unsafe extern "C" fn bs_humanoid_bones(
     })
 }
 
+/// The engine's skeleton.
+///
+/// # Safety
+/// The pointer is null or that of a description, which has as many bones as it says.
+unsafe fn skeleton_of(desc: *const BsSkeletonDesc) -> Outcome<Skeleton> {
+    // SAFETY: as this function.
+    let desc = unsafe { read(desc) }?;
+    // SAFETY: as this function.
+    let bones = unsafe { read_all(desc.bones, desc.bone_count) }?;
+    let bones = bones.into_iter().map(BsBoneDesc::to_engine).collect::<Outcome<_>>()?;
+    Ok(Skeleton::new(bones)
+        .with_density(desc.density)
+        .with_material(desc.surface.on(desc.material.to_engine()?))
+        .with_filter(desc.filter.to_engine())
+        .with_friction(desc.friction))
+}
+
 /// Adds a skeleton that stands somewhere, turned, and moves [m/s]: a body for each bone, and a joint for each
 /// that has a parent, in their order. `bodies` has a place for each bone; `joints` has `joint_capacity` of
 /// them, and `joint_count` becomes their number.
@@ -191,10 +212,8 @@ pub unsafe extern "C" fn bs_world_add_ragdoll(
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
-        let (mut content, desc) = unsafe { (changing(world)?, read(desc)?) };
-        // SAFETY: the caller keeps to the header.
-        let bones = unsafe { read_all(desc.bones, desc.bone_count) }?;
-        let bones: Vec<_> = bones.into_iter().map(BsBoneDesc::to_engine).collect::<Outcome<_>>()?;
+        let (mut content, skeleton) = unsafe { (changing(world)?, skeleton_of(desc)?) };
+        let bones = &skeleton.bones;
         let mut body_count = 0;
         // SAFETY: the caller keeps to the header.
         let (bodies, joints) = unsafe {
@@ -202,11 +221,6 @@ pub unsafe extern "C" fn bs_world_add_ragdoll(
             (bodies, Buffer::new("joints", joints, joint_capacity, joint_count)?)
         };
         joints.reserve(bones.iter().filter(|bone| bone.parent.is_some()).count())?;
-        let skeleton = Skeleton::new(bones)
-            .with_density(desc.density)
-            .with_material(desc.surface.on(desc.material.to_engine()?))
-            .with_filter(desc.filter.to_engine())
-            .with_friction(desc.friction);
         let (position, rotation) = (pose.position.into(), Quat::from(pose.rotation));
         let ragdoll = skeleton.add_to(&mut content.world, position, rotation, velocity.into())?;
         bodies.fill(ragdoll.bodies.into_iter().map(Into::into))?;

@@ -1,11 +1,15 @@
 //! Snapshots: the state of a world, from which it goes on to the same bits.
 
+mod recording;
+
+pub use recording::*;
+
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
 use crate::world::{BsWorld, mending, reading};
 use backstop::{Snapshot, World};
-use std::sync::{RwLock, RwLockReadGuard, TryLockError};
+use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// The state of a world. It may be used by several threads as long as none of them writes it.
 pub struct BsSnapshot {
@@ -21,6 +25,17 @@ fn give(out: Out<*mut BsSnapshot>, snapshot: Snapshot) {
 unsafe fn read<'a>(snapshot: *const BsSnapshot) -> Outcome<RwLockReadGuard<'a, Snapshot>> {
     // SAFETY: as this function.
     match unsafe { borrow("the snapshot", snapshot) }?.snapshot.try_read() {
+        Ok(guard) => Ok(guard),
+        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
+    }
+}
+
+/// # Safety
+/// As `read`.
+unsafe fn writing<'a>(snapshot: *const BsSnapshot) -> Outcome<RwLockWriteGuard<'a, Snapshot>> {
+    // SAFETY: as this function.
+    match unsafe { borrow("the snapshot", snapshot) }?.snapshot.try_write() {
         Ok(guard) => Ok(guard),
         Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
         Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
@@ -53,12 +68,7 @@ pub unsafe extern "C" fn bs_snapshot_destroy(snapshot: *mut BsSnapshot) {
 pub unsafe extern "C" fn bs_world_snapshot(world: *const BsWorld, snapshot: *mut BsSnapshot) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
-        let (content, into) = unsafe { (reading(world)?, borrow("the snapshot", snapshot)?) };
-        let mut into = match into.snapshot.try_write() {
-            Ok(guard) => guard,
-            Err(TryLockError::WouldBlock) => return Err(Refusal::Busy),
-            Err(TryLockError::Poisoned(_)) => return Err(Refusal::Panicked),
-        };
+        let (content, mut into) = unsafe { (reading(world)?, writing(snapshot)?) };
         content.snapshot(&mut into);
         Ok(())
     })

@@ -8,6 +8,7 @@ use crate::abi::values::{BsBody, BsDVec3};
 use crate::events::Events;
 use crate::report::{BsMemoryReport, BsModelPart, BsStepReport};
 use crate::settings::BsSettings;
+use backstop::replay::RecordingBuffer;
 use backstop::{Error, Feature, World};
 use std::ops::{Deref, DerefMut};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
@@ -23,6 +24,8 @@ pub struct BsWorld {
 pub(crate) struct Content {
     pub(crate) world: World,
     pub(crate) events: Events,
+    /// The bytes of the last recording.
+    pub(crate) recording: RecordingBuffer,
 }
 
 impl Deref for Content {
@@ -172,7 +175,8 @@ pub unsafe extern "C" fn bs_world_create(settings: *const BsSettings, world: *mu
         let (out, settings) =
             unsafe { (Out::new("the place for the world", world)?, read_or_default(settings)?) };
         let world = World::new(settings.to_engine()?)?;
-        let content = RwLock::new(Content { world, events: Events::default() });
+        let content =
+            RwLock::new(Content { world, events: Events::default(), recording: RecordingBuffer::default() });
         out.set(Box::into_raw(Box::new(BsWorld { content })));
         Ok(())
     })

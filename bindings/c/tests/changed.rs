@@ -130,8 +130,38 @@ fn a_rope_joins_two_weights_and_a_lamp_strains_its_joint() {
         ok(bs_world_strained_joints(world.0, strained.as_mut_ptr(), 1, &mut count));
         assert_eq!((count, strained[0].joint), (1, hook));
         assert!((strained[0].force.y - 9.81).abs() < 0.05, "{:?}", strained[0]);
+        couplings_are_read_as_they_were_set(&world, coupling, ropes[0]);
         ok(bs_world_remove_coupling(world.0, coupling));
+        assert_eq!(bs_world_contains_coupling(world.0, coupling), 0);
+        assert_eq!(bs_coupling_keep(world.0, coupling), BS_ERROR_STALE_COUPLING);
+        assert_eq!(bs_coupling_desc(world.0, coupling, &mut desc), BS_ERROR_STALE_COUPLING);
         assert_eq!(bs_coupling_sum(world.0, coupling, &mut sum), BS_ERROR_STALE_COUPLING);
+    }
+}
+
+/// Expected: each value as it was set.
+fn couplings_are_read_as_they_were_set(world: &World, coupling: BsCoupling, rope: BsJoint) {
+    let (mut found, mut count) = ([BsCoupling { slot: 0, generation: 0 }], 0);
+    let mut desc = bs_coupling_desc_pulley(rope, rope, 1.0, 1.0);
+    // SAFETY: the world is alive, and all places are.
+    unsafe {
+        assert_eq!(bs_world_contains_coupling(world.0, coupling), 1);
+        ok(bs_world_coupling_count(world.0, &mut count));
+        assert_eq!(count, 1);
+        ok(bs_joint_couplings(world.0, rope, found.as_mut_ptr(), 1, &mut count));
+        assert_eq!((count, found[0]), (1, coupling));
+        ok(bs_coupling_set_strength(world.0, coupling, 1e4, 2e4));
+        assert!(bs_coupling_set_strength(world.0, coupling, f32::NAN, 1.0) != BS_OK);
+        ok(bs_coupling_set_user_data(world.0, coupling, 7));
+        ok(bs_coupling_desc(world.0, coupling, &mut desc));
+        assert_eq!((desc.has_range, desc.max, desc.motions[0].joint), (1, 8.0, rope));
+        assert_eq!((desc.strength, desc.user_data), ([1e4, 2e4], 7));
+        ok(bs_coupling_keep(world.0, coupling));
+        ok(bs_coupling_desc(world.0, coupling, &mut desc));
+        // Its range has no width, and is where the sum is.
+        let mut sum = 0.0;
+        ok(bs_coupling_sum(world.0, coupling, &mut sum));
+        assert_eq!((desc.has_range, desc.min, desc.max), (1, sum, sum));
     }
 }
 

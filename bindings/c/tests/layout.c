@@ -473,3 +473,37 @@ SIZE(BsStrainedJoint, 32);
 FIELD(BsStrainedJoint, joint, 0);
 FIELD(BsStrainedJoint, force, 8);
 FIELD(BsStrainedJoint, torque, 20);
+
+SIZE(BsWorldCharacter, 8);
+FIELD(BsWorldCharacter, slot, 0);
+FIELD(BsWorldCharacter, generation, 4);
+
+SIZE(BsShapeCast, 88);
+FIELD(BsShapeCast, size, 0);
+FIELD(BsShapeCast, path, 4);
+FIELD(BsShapeCast, pose, 16);
+FIELD(BsShapeCast, spin, 56);
+FIELD(BsShapeCast, pivot, 68);
+FIELD(BsShapeCast, shape, 80);
+
+SIZE(BsReplayOptions, 64);
+FIELD(BsReplayOptions, size, 0);
+FIELD(BsReplayOptions, threads, 4);
+FIELD(BsReplayOptions, substeps, 8);
+FIELD(BsReplayOptions, iterations, 12);
+FIELD(BsReplayOptions, bytes, 16);
+FIELD(BsReplayOptions, vertices, 24);
+FIELD(BsReplayOptions, triangles, 32);
+FIELD(BsReplayOptions, bodies, 40);
+FIELD(BsReplayOptions, joints, 48);
+FIELD(BsReplayOptions, memory, 56);
+
+SIZE(BsDivergence, 56);
+FIELD(BsDivergence, size, 0);
+FIELD(BsDivergence, stage, 4);
+FIELD(BsDivergence, step, 8);
+FIELD(BsDivergence, body, 16);
+FIELD(BsDivergence, user_data, 24);
+FIELD(BsDivergence, bodies, 32);
+FIELD(BsDivergence, recorded_hash, 40);
+FIELD(BsDivergence, replayed_hash, 48);

@@ -222,3 +222,21 @@ fn couplings_and_strains_are_where_they_were() {
         joint 0, force 8, torque 20,
     ]);
 }
+
+#[test]
+fn casts_and_replays_are_where_they_were() {
+    pinned!(BsWorldCharacter, 8, 4, [
+        slot 0, generation 4,
+    ]);
+    pinned!(BsShapeCast, 88, 8, [
+        size 0, path 4, pose 16, spin 56, pivot 68, shape 80,
+    ]);
+    pinned!(BsReplayOptions, 64, 8, [
+        size 0, threads 4, substeps 8, iterations 12, bytes 16, vertices 24, triangles 32,
+        bodies 40, joints 48, memory 56,
+    ]);
+    pinned!(BsDivergence, 56, 8, [
+        size 0, stage 4, step 8, body 16, user_data 24, bodies 32, recorded_hash 40,
+        replayed_hash 48,
+    ]);
+}

@@ -224,10 +224,10 @@ fn every_status_has_its_words() {
         // SAFETY: texts are valid for ever.
         unsafe { CStr::from_ptr(bs_error_text(status)) }.to_str().unwrap()
     };
-    let mut texts: Vec<_> = (BS_OK..=BS_ERROR_SHAPE_VERSION).map(text).collect();
+    let mut texts: Vec<_> = (BS_OK..=BS_ERROR_LIMIT).map(text).collect();
     texts.sort_unstable();
     texts.dedup();
-    assert_eq!(texts.len(), 1 + BS_ERROR_SHAPE_VERSION as usize);
+    assert_eq!(texts.len(), 1 + BS_ERROR_LIMIT as usize);
     assert_eq!(text(-1), text(1000));
 }
 

@@ -145,12 +145,12 @@ pub(crate) unsafe fn read_all<T: Described>(at: *const T, count: usize) -> Outco
     Ok(all)
 }
 
-/// Writes a report into a struct of the caller, whose `size` says how much of it the caller knows: no more
-/// than that is written, and `size` becomes what was.
+/// How much of a report a struct of the caller has place for, whose `size` says how much of it the caller
+/// knows.
 ///
 /// # Safety
-/// As `read`, and so many bytes can be written.
-pub(crate) unsafe fn write<T: Described>(at: *mut T, value: T) -> Outcome {
+/// As `read`.
+pub(crate) unsafe fn place<T: Described>(at: *const T) -> Outcome<usize> {
     if at.is_null() || !at.is_aligned() {
         return Err(Refusal::Null(T::NAME));
     }
@@ -160,6 +160,17 @@ pub(crate) unsafe fn write<T: Described>(at: *mut T, value: T) -> Outcome {
     if !T::ENDS.contains(&size) {
         return Err(Refusal::Size { what: T::NAME, given, own: size_of::<T>() });
     }
+    Ok(size)
+}
+
+/// Writes a report into a struct of the caller: no more than there is place for, and `size` becomes what was
+/// written.
+///
+/// # Safety
+/// As `read`, and so many bytes can be written.
+pub(crate) unsafe fn write<T: Described>(at: *mut T, value: T) -> Outcome {
+    // SAFETY: as this function.
+    let size = unsafe { place(at) }?;
     // SAFETY: the caller has at least so many bytes.
     unsafe {
         std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), at.cast::<u8>(), size);

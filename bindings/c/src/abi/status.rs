@@ -1,6 +1,7 @@
 //! Codes of all functions, and what they mean.
 
 use backstop::Error;
+use backstop::replay::ReplayError;
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::fmt;
@@ -74,11 +75,20 @@ pub const BS_ERROR_SHAPE_VERSION: BsStatus = 29;
 pub const BS_ERROR_STALE_COUPLING: BsStatus = 30;
 /// A motion that cannot be coupled.
 pub const BS_ERROR_COUPLED_MOTION: BsStatus = 31;
+/// A world that is being recorded already, is not being recorded, or is no longer new.
+pub const BS_ERROR_RECORDING: BsStatus = 32;
+/// Bytes that are no recording, or no longer, or not all of it.
+pub const BS_ERROR_BROKEN_RECORDING: BsStatus = 33;
+/// A recording of another version of its format.
+pub const BS_ERROR_RECORDING_VERSION: BsStatus = 34;
+/// A recording asks for more than its limits allow.
+pub const BS_ERROR_LIMIT: BsStatus = 35;
 
 /// Why a call is refused.
 #[derive(Debug)]
 pub(crate) enum Refusal {
     Engine(Error),
+    Replay(ReplayError),
     Null(&'static str),
     Size { what: &'static str, given: u32, own: usize },
     Buffer { what: &'static str, capacity: usize, needed: usize },
@@ -95,10 +105,17 @@ impl From<Error> for Refusal {
     }
 }
 
+impl From<ReplayError> for Refusal {
+    fn from(error: ReplayError) -> Refusal {
+        Refusal::Replay(error)
+    }
+}
+
 impl Refusal {
     pub(crate) fn status(&self) -> BsStatus {
         match self {
             Refusal::Engine(error) => of_engine(error),
+            Refusal::Replay(error) => of_replay(error),
             Refusal::Null(_) => BS_ERROR_NULL,
             Refusal::Size { .. } => BS_ERROR_SIZE,
             Refusal::Buffer { .. } => BS_ERROR_BUFFER,
@@ -141,10 +158,26 @@ fn of_engine(error: &Error) -> BsStatus {
     }
 }
 
+fn of_replay(error: &ReplayError) -> BsStatus {
+    match error {
+        ReplayError::NotNew | ReplayError::Recording | ReplayError::NotRecording => BS_ERROR_RECORDING,
+        ReplayError::Foreign | ReplayError::CutOff { .. } | ReplayError::Damaged { .. } => {
+            BS_ERROR_BROKEN_RECORDING
+        }
+        ReplayError::Version { .. } => BS_ERROR_RECORDING_VERSION,
+        ReplayError::Limit { .. } => BS_ERROR_LIMIT,
+        ReplayError::Refused(error) => of_engine(error),
+        _ => BS_ERROR_OTHER,
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Refusal::Engine(error) => error.fmt(f),
+            Refusal::Replay(ReplayError::Refused(source)) => write!(f, "a recording's settings: {source}"),
+            Refusal::Replay(ReplayError::Io(source)) => write!(f, "a recording: {source}"),
+            Refusal::Replay(error) => error.fmt(f),
             Refusal::Null(what) => write!(f, "{what} is null or misaligned"),
             Refusal::Size { what, given, own } => {
                 write!(f, "{what} has the size {given}, which no version had up to this one with {own}")
@@ -229,6 +262,12 @@ fn text_of(status: BsStatus) -> &'static CStr {
         BS_ERROR_NO_DRIVE => c"the joint has no such drive",
         BS_ERROR_BROKEN_SHAPE => c"the baked shape is broken",
         BS_ERROR_SHAPE_VERSION => c"the baked shape is of another version",
+        BS_ERROR_STALE_COUPLING => c"the coupling broke or was removed",
+        BS_ERROR_COUPLED_MOTION => c"the motion can't be coupled",
+        BS_ERROR_RECORDING => c"the world is being recorded already, is not, or is no longer new",
+        BS_ERROR_BROKEN_RECORDING => c"the recording is broken or cut off",
+        BS_ERROR_RECORDING_VERSION => c"the recording is of another version",
+        BS_ERROR_LIMIT => c"the recording asks for more than its limits allow",
         _ => c"no status of this library",
     }
 }

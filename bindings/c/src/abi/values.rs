@@ -1,7 +1,7 @@
 //! Plain values: numbers, vectors, handles.
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{Aabb, BodyHandle, CouplingHandle, JointHandle, ShapeHandle};
+use backstop::{Aabb, BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 
 /// Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
 pub type BsBool = u8;
@@ -115,10 +115,21 @@ pub struct BsCoupling {
     pub generation: u32,
 }
 
+/// A character that lives in a world. Stale once it is removed. All zeros is no character.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BsWorldCharacter {
+    /// Place in the world.
+    pub slot: u32,
+    /// How often the place was taken.
+    pub generation: u32,
+}
+
 convert_handle!(BsBody, BodyHandle);
 convert_handle!(BsShape, ShapeHandle);
 convert_handle!(BsJoint, JointHandle);
 convert_handle!(BsCoupling, CouplingHandle);
+convert_handle!(BsWorldCharacter, CharacterHandle);
 
 /// Where a body is and how it is turned.
 #[repr(C)]

@@ -280,3 +280,30 @@ pub unsafe extern "C" fn bs_height_field_is_hole(
         Ok(())
     })
 }
+
+/// A height field with other heights [m]: `columns` times `rows` samples from column `first_column` and row
+/// `first_row` on, row by row. The caller has a reference to the result; `bs_shape_set_heights` changes the
+/// field of a shape in place.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_height_field_with_heights(
+    field: *const BsHeightField,
+    first_column: usize,
+    first_row: usize,
+    columns: usize,
+    rows: usize,
+    heights: *const f32,
+    changed: *mut *const BsHeightField,
+) -> BsStatus {
+    call(|| {
+        let count = columns.saturating_mul(rows);
+        // SAFETY: the caller keeps to the header.
+        let (out, field, heights) = unsafe {
+            let out = Out::new("the place for the result", changed)?;
+            (out, share(field)?, slice("the heights", heights, count)?)
+        };
+        let mut field = HeightField::clone(&field);
+        field.set_heights([first_column, first_row], [columns, rows], heights)?;
+        out.set(give(Arc::new(field)));
+        Ok(())
+    })
+}

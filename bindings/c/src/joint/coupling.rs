@@ -1,13 +1,13 @@
 //! Couplings: gears, racks, screws and pulleys out of two motions of joints.
 
 use super::desc::{BS_AXES_ALL, BS_AXIS_X, BS_MOTION_ANGULAR, BS_MOTION_LINEAR};
-use super::desc::{BsJointAxes, BsMotion, read_axes, read_motion};
-use crate::abi::guard::call;
+use super::desc::{BsJointAxes, BsMotion, read_axes, read_motion, write_axes, write_motion};
+use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::Out;
-use crate::abi::sized::{described, read};
+use crate::abi::sized::{described, read, write};
 use crate::abi::status::{BsStatus, Outcome};
 use crate::abi::values::{BsBool, BsCoupling, BsJoint};
-use crate::world::{BsWorld, change, changing, get, get_all, get_two};
+use crate::world::{BsWorld, change, changing, get, get_all, get_two, reading};
 use backstop::{CoupledMotion, CouplingDesc};
 use std::f64::consts::TAU;
 
@@ -121,6 +121,25 @@ pub extern "C" fn bs_coupling_desc_pulley(
 }
 
 impl BsCouplingDesc {
+    fn of_engine(desc: &CouplingDesc) -> BsCouplingDesc {
+        let one = |of: &CoupledMotion| BsCoupledMotion {
+            joint: of.joint.into(),
+            motion: write_motion(of.motion),
+            axes: write_axes(of.axes),
+            factor: of.factor,
+        };
+        let [first, second] = &desc.motions;
+        let plain = BsCouplingDesc {
+            strength: desc.strength,
+            user_data: desc.user_data,
+            ..bs_coupling_desc_default(one(first), one(second))
+        };
+        match desc.range {
+            Some([min, max]) => BsCouplingDesc { has_range: 1, min, max, ..plain },
+            None => plain,
+        }
+    }
+
     fn to_engine(self) -> Outcome<CouplingDesc> {
         let one = |of: BsCoupledMotion| -> Outcome<CoupledMotion> {
             let mut motion = CoupledMotion::distance(of.joint.into(), of.factor);
@@ -234,5 +253,83 @@ pub unsafe extern "C" fn bs_world_broken_couplings(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get_all(world, "couplings", (couplings, capacity, count), |w| Ok(w.broken_couplings().to_vec()))
+    }
+}
+
+/// Makes a coupling keep its sum at what it is, instead of within a range.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_coupling_keep(world: *mut BsWorld, coupling: BsCoupling) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_coupling_range(coupling.into(), None)) }
+}
+
+/// Sets what a coupling breaks at on each of its motions [N] or [N m], infinite for never.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_coupling_set_strength(
+    world: *mut BsWorld,
+    coupling: BsCoupling,
+    first: f32,
+    second: f32,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_coupling_strength(coupling.into(), [first, second])) }
+}
+
+/// Sets the caller's number of a coupling.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_coupling_set_user_data(
+    world: *mut BsWorld,
+    coupling: BsCoupling,
+    user_data: u64,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_coupling_user_data(coupling.into(), user_data)) }
+}
+
+/// A coupling as it is now, into a description whose `size` says how much of it the caller knows. It always
+/// has a range, of no width if it keeps its sum.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_coupling_desc(
+    world: *const BsWorld,
+    coupling: BsCoupling,
+    desc: *mut BsCouplingDesc,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let found = unsafe { reading(world) }?.coupling(coupling.into())?;
+        // SAFETY: the caller keeps to the header.
+        unsafe { write(desc, BsCouplingDesc::of_engine(&found)) }
+    })
+}
+
+/// Whether a handle is that of a coupling of the world; no if there is no such world.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_contains_coupling(world: *const BsWorld, coupling: BsCoupling) -> BsBool {
+    // SAFETY: the caller keeps to the header.
+    let there = || unsafe { reading(world) }.is_ok_and(|content| content.contains_coupling(coupling.into()));
+    value_or(0, || there().into())
+}
+
+/// Number of couplings of a world.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_world_coupling_count(world: *const BsWorld, count: *mut usize) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { get(world, "the count", count, |w| Ok(w.coupling_count())) }
+}
+
+/// Couplings of a motion of a joint. `count` becomes their number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_joint_couplings(
+    world: *const BsWorld,
+    joint: BsJoint,
+    couplings: *mut BsCoupling,
+    capacity: usize,
+    count: *mut usize,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get_all(world, "couplings", (couplings, capacity, count), |w| {
+            Ok(w.couplings_of(joint.into())?.collect())
+        })
     }
 }

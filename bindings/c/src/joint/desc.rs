@@ -54,14 +54,14 @@ pub(super) fn read_axes(value: BsJointAxes) -> Outcome<Axes> {
     }
 }
 
-fn write_motion(motion: Motion) -> BsMotion {
+pub(super) fn write_motion(motion: Motion) -> BsMotion {
     match motion {
         Motion::Linear => BS_MOTION_LINEAR,
         Motion::Angular => BS_MOTION_ANGULAR,
     }
 }
 
-fn write_axes(axes: Axes) -> BsJointAxes {
+pub(super) fn write_axes(axes: Axes) -> BsJointAxes {
     match axes {
         Axes::One(axis) => axis as u32,
         Axes::Around(axis) => BS_AROUND_X + axis as u32,

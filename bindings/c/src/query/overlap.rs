@@ -1,13 +1,11 @@
 //! What a shape or a box overlaps.
 
-use super::{BsQueryFilter, geometry, with_filter};
-use crate::abi::guard::call;
-use crate::abi::pointers::{Buffer, Out};
+use super::{BsQueryFilter, ask, ask_all, geometry};
 use crate::abi::status::BsStatus;
 use crate::abi::values::{BsAabb, BsBody, BsBool, BsPose, BsShape};
 use crate::shape::BsGeometry;
-use crate::world::{BsWorld, reading};
-use backstop::{Overlap, QueryFilter};
+use crate::world::BsWorld;
+use backstop::Overlap;
 
 /// A shape that a query's shape overlaps.
 #[repr(C)]
@@ -17,6 +15,10 @@ pub struct BsOverlap {
     pub body: BsBody,
     /// Which shape.
     pub shape: BsShape,
+}
+
+fn own(overlap: &Overlap) -> BsOverlap {
+    BsOverlap { body: overlap.body.into(), shape: overlap.shape.into() }
 }
 
 /// All shapes that a convex one at a pose overlaps or touches, by handle. `count` becomes their number.
@@ -30,20 +32,13 @@ pub unsafe extern "C" fn bs_world_overlap(
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, shape, out) = unsafe {
-            (reading(world)?, geometry(shape)?, Buffer::new("overlaps", overlaps, capacity, count)?)
-        };
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = Vec::new();
-            content.overlap(&shape, pose.position.into(), pose.rotation.into(), filter, &mut found)?;
-            let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
-            out.fill(found.into_iter().map(own))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask_all(world, filter, (overlaps, capacity, count), own, |world, filter, found| {
+            let (shape, rotation) = (geometry(shape)?, pose.rotation.into());
+            Ok(world.overlap(&shape, pose.position.into(), rotation, filter, found)?)
+        })
+    }
 }
 
 /// All shapes whose boxes meet a box along the axes of the world, by their handles: a cheap first choice of
@@ -57,19 +52,12 @@ pub unsafe extern "C" fn bs_world_overlap_aabb(
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, out) =
-            unsafe { (reading(world)?, Buffer::new("overlaps", overlaps, capacity, count)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let mut found = Vec::new();
-            content.overlap_aabb(&area.into(), filter, &mut found)?;
-            let own = |o: Overlap| BsOverlap { body: o.body.into(), shape: o.shape.into() };
-            out.fill(found.into_iter().map(own))
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask_all(world, filter, (overlaps, capacity, count), own, |world, filter, found| {
+            Ok(world.overlap_aabb(&area.into(), filter, found)?)
+        })
+    }
 }
 
 /// Whether a convex shape at a pose overlaps or touches anything.
@@ -81,16 +69,11 @@ pub unsafe extern "C" fn bs_world_overlap_any(
     filter: *const BsQueryFilter,
     any: *mut BsBool,
 ) -> BsStatus {
-    call(|| {
-        // SAFETY: the caller keeps to the header.
-        let (content, shape, out) =
-            unsafe { (reading(world)?, geometry(shape)?, Out::new("the place for the answer", any)?) };
-        let ask = |filter: &QueryFilter<'_>| {
-            let (position, rotation) = (pose.position.into(), pose.rotation.into());
-            out.set(content.overlap_any(&shape, position, rotation, filter)?.into());
-            Ok(())
-        };
-        // SAFETY: the caller keeps to the header.
-        unsafe { with_filter(filter, ask) }
-    })
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        ask(world, filter, any, |world, filter| {
+            let (shape, rotation) = (geometry(shape)?, pose.rotation.into());
+            Ok(world.overlap_any(&shape, pose.position.into(), rotation, filter)?.into())
+        })
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{BsFilter, BsGeometry, BsSurface};
 use crate::abi::guard::call;
-use crate::abi::pointers::borrow;
+use crate::abi::pointers::{borrow, slice};
 use crate::abi::status::BsStatus;
 use crate::abi::values::{BsAabb, BsBody, BsBool, BsPose, BsQuat, BsShape, BsVec3};
 use crate::world::{BsWorld, change, changing, get, get_two};
@@ -165,4 +165,26 @@ pub unsafe extern "C" fn bs_shape_set_density(world: *mut BsWorld, shape: BsShap
 pub unsafe extern "C" fn bs_shape_aabb(world: *const BsWorld, shape: BsShape, aabb: *mut BsAabb) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     unsafe { get(world, "the place for the box", aabb, |w| Ok(w.shape_aabb(shape.into())?.into())) }
+}
+
+/// Changes heights of a height field [m]: `columns` times `rows` samples from column `first_column` and row
+/// `first_row` on, row by row. What is near wakes; what would be below the surface is lifted above it. Other
+/// shapes that share the field keep theirs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_heights(
+    world: *mut BsWorld,
+    shape: BsShape,
+    first_column: usize,
+    first_row: usize,
+    columns: usize,
+    rows: usize,
+    heights: *const f32,
+) -> BsStatus {
+    call(|| {
+        // What does not fit is null or too long to be a slice.
+        let count = columns.saturating_mul(rows);
+        // SAFETY: the caller keeps to the header.
+        let (mut content, heights) = unsafe { (changing(world)?, slice("the heights", heights, count)?) };
+        Ok(content.set_heights(shape.into(), [first_column, first_row], [columns, rows], heights)?)
+    })
 }
