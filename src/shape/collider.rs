@@ -56,10 +56,12 @@ pub(crate) struct ColliderSummary {
     pub(crate) flags: u8,
 }
 
-/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked.
+/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked; as a sensor it notices
+/// what is static, and surfaces.
 pub(crate) const SENSOR: u8 = 1;
 pub(crate) const EVENTS: u8 = 2;
 pub(crate) const HOOKS: u8 = 4;
+pub(crate) const STATICS: u8 = 32;
 /// Its material resists rolling or spinning; its surface moves. See
 /// [`RareMaterial`](super::RareMaterial).
 pub(crate) const ROLLS: u8 = 8;
@@ -88,6 +90,10 @@ impl Collider {
     }
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
+    }
+    /// Whether it is a sensor that notices what is static, and surfaces.
+    pub(crate) fn senses_static(&self) -> bool {
+        self.flags & (SENSOR | STATICS) == SENSOR | STATICS
     }
 
     pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {

@@ -20,7 +20,7 @@ mod slabs;
 mod stored;
 mod stream;
 
-pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
+pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR, STATICS};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
@@ -271,6 +271,11 @@ pub struct ShapeDesc {
     /// Default no.
     #[cfg_attr(feature = "serde", serde(default))]
     pub sensor: bool,
+    /// As a sensor it also notices shapes of static bodies, and the surfaces of meshes and height fields,
+    /// which are not convex; a plane notices none of the latter. Without effect while it is no sensor.
+    /// Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub senses_static: bool,
     /// Contacts of it are heard of: [`World::contact_begins`](crate::World::contact_begins). Default no.
     #[cfg_attr(feature = "serde", serde(default))]
     pub events: bool,
@@ -291,6 +296,7 @@ with_fields! {
         with_material(material: Material),
         with_filter(filter: Filter),
         with_sensor(sensor: bool),
+        with_senses_static(senses_static: bool),
         with_user_data(user_data: u64),
     }
 }
@@ -306,6 +312,7 @@ impl ShapeDesc {
             material: Material::default(),
             filter: Filter::default(),
             sensor: false,
+            senses_static: false,
             events: false,
             hooks: false,
             user_data: 0,
@@ -331,10 +338,13 @@ impl ShapeDesc {
     }
 
     pub(crate) fn flags(&self) -> u8 {
-        [(self.sensor, SENSOR), (self.events, EVENTS), (self.hooks, HOOKS)]
-            .into_iter()
-            .map(|(set, bit)| if set { bit } else { 0 })
-            .sum::<u8>()
+        let asks = [
+            (self.sensor, SENSOR),
+            (self.events, EVENTS),
+            (self.hooks, HOOKS),
+            (self.senses_static, STATICS),
+        ];
+        asks.into_iter().map(|(set, bit)| if set { bit } else { 0 }).sum::<u8>()
             | self.material.rare().flags()
     }
 

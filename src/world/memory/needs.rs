@@ -2,7 +2,7 @@
 //! removed, never searched for.
 
 use crate::config::Continuous;
-use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
+use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, ROLLS, SENSOR, STATICS};
 use crate::world::World;
 use glam::Vec3;
 
@@ -21,6 +21,8 @@ pub(crate) struct Needs {
     /// Shapes that ask for events, are sensors, or have hooks.
     pub(crate) events: u32,
     pub(crate) sensors: u32,
+    /// Sensors that notice what is static.
+    pub(crate) senses_static: u32,
     pub(crate) hooks: u32,
     /// Shapes by the kind of geometry that they share.
     pub(crate) hulls: u32,
@@ -48,6 +50,7 @@ impl Needs {
         add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));
+        add(&mut self.senses_static, has(SENSOR) && has(STATICS));
         add(&mut self.hooks, has(HOOKS));
         add(&mut self.hulls, collider.kind == Kind::Hull);
         add(&mut self.meshes, collider.kind == Kind::Mesh);

@@ -26,6 +26,7 @@ pub(crate) enum Change<'a> {
     SetFilter(ShapeHandle, Filter),
     SetListening(ShapeHandle, bool, bool),
     SetSensor(ShapeHandle, bool),
+    SetSensesStatic(ShapeHandle, bool),
     SetPose(BodyHandle, DVec3, glam::Quat),
     SetVelocity(BodyHandle, Vec3, Vec3),
     AddForce(BodyHandle, Vec3, Vec3),

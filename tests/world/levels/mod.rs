@@ -7,3 +7,4 @@ mod descriptions;
 mod heights;
 mod holes;
 mod scaled;
+mod triggers;
