@@ -1,6 +1,6 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
-use super::{BaseMaterial, Filter, Geometry};
+use super::{BaseMaterial, Filter, Geometry, Material};
 use crate::config::Continuous;
 use crate::math::Quat;
 use glam::Vec3;
@@ -94,6 +94,17 @@ impl Collider {
     /// Whether it is a sensor that notices what is static, and surfaces.
     pub(crate) fn senses_static(&self) -> bool {
         self.flags & (SENSOR | STATICS) == SENSOR | STATICS
+    }
+
+    /// The material of a part of it, by the number that a contact has; none if it is the shape's own.
+    #[inline]
+    pub(crate) fn part_material(&self, part: u8) -> Option<&Material> {
+        if part == 0 { None } else { self.geometry.materials().get(usize::from(part) - 1) }
+    }
+    /// Friction and restitution of a part of it.
+    #[inline]
+    pub(crate) fn surface(&self, part: u8) -> BaseMaterial {
+        self.part_material(part).map_or(self.material, Material::base)
     }
 
     pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {

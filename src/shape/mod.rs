@@ -19,6 +19,7 @@ mod slabs;
 #[cfg(feature = "serde")]
 mod stored;
 mod stream;
+mod surfaces;
 
 pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR, STATICS};
 pub(crate) use corners::Corners;
@@ -37,6 +38,7 @@ pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{RAYS, Stream, Walk};
+pub(crate) use surfaces::Surfaces;
 
 use crate::config::with_fields;
 use crate::error::{Error, finite, within};
@@ -346,6 +348,7 @@ impl ShapeDesc {
         ];
         asks.into_iter().map(|(set, bit)| if set { bit } else { 0 }).sum::<u8>()
             | self.material.rare().flags()
+            | self.geometry.rare_flags()
     }
 
     /// Checks every range.

@@ -442,7 +442,7 @@ fn read_collider(
     }
     material.validate()?;
     let rare = material.rare();
-    if rare.flags() != flags & (ROLLS | BELT) {
+    if rare.flags() | geometry.rare_flags() != flags & (ROLLS | BELT) {
         return Err(broken("a material"));
     }
     let collider = Collider {

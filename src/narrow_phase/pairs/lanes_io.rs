@@ -101,7 +101,7 @@ impl<L: Lanes> ManifoldLanes<L> {
                 count += 1;
             }
         }
-        out.count = count as u32;
+        out.count = count as u16;
         out
     }
 }

@@ -120,7 +120,9 @@ impl World {
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
         collider.material = material.base();
-        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS | STATICS) | rare.flags();
+        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS | STATICS)
+            | rare.flags()
+            | collider.geometry.rare_flags();
         self.needs.count(collider, 1);
         self.colliders.summaries[index].flags = collider.flags;
         self.colliders.set_rare(index as u32, rare);
