@@ -110,6 +110,8 @@ calls! {
     SetCouplingUserData "set_coupling_user_data" (CouplingHandle, u64),
     /// Column and row of the first sample, columns and rows, heights.
     SetHeights "set_heights" (ShapeHandle, [u32; 2], [u32; 2], Vec<f32>),
+    /// Column and row of the first cell, columns and rows, which are holes.
+    SetHoles "set_holes" (ShapeHandle, [u32; 2], [u32; 2], Vec<bool>),
     SetSensesStatic "set_senses_static" (ShapeHandle, bool),
 }
 
@@ -181,6 +183,10 @@ impl Call {
             Change::SetHeights(shape, patch) => {
                 let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
                 Call::SetHeights(shape, first, size, patch.heights.to_vec())
+            }
+            Change::SetHoles(shape, patch) => {
+                let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
+                Call::SetHoles(shape, first, size, patch.holes.to_vec())
             }
             Change::AddCharacter(Resident { geometry, words }) => {
                 Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())

@@ -453,6 +453,10 @@ impl<R: Read> Replay<R> {
                 let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
                 world.set_heights(shape, first, size, &heights)?;
             }
+            Call::SetHoles(shape, first, size, holes) => {
+                let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
+                world.set_holes(shape, first, size, &holes)?;
+            }
             of_character => self.play_on_character(of_character)?,
         }
         Ok(())

@@ -25,7 +25,7 @@ pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, 
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
-pub(crate) use height_field::edit::Patch;
+pub(crate) use height_field::edit::{HolePatch, Patch};
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
