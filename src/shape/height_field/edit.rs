@@ -28,6 +28,12 @@ pub(crate) struct HolePatch<'a> {
 }
 
 impl HolePatch<'_> {
+    /// Whether a cell will be a hole, if it is one of them.
+    fn at(&self, column: usize, row: usize) -> Option<bool> {
+        let (x, z) = (column.wrapping_sub(self.first[0]), row.wrapping_sub(self.first[1]));
+        (x < self.size[0] && z < self.size[1]).then(|| self.holes[z * self.size[0] + x])
+    }
+
     /// The samples at the corners of its cells, without heights: for [`HeightField::box_of`].
     pub(crate) fn samples(&self) -> Patch<'static> {
         Patch { first: self.first, size: self.size.map(|n| n + 1), heights: &[] }
@@ -156,27 +162,26 @@ impl HeightField {
     /// Height of the surface over a place [m], and what a patch will make of it; nothing beyond the field or
     /// in a hole.
     pub(crate) fn heights_at(&self, x: f32, z: f32, patch: &Patch<'_>) -> Option<[f32; 2]> {
+        let place = self.cell_at(x, z).filter(|&([column, row], _)| !self.is_hole(column, row))?;
+        let old = |c: usize, r: usize| self.heights[r * self.columns + c];
+        Some([on(place, &old), on(place, &|c, r| patch.at(c, r).unwrap_or_else(|| old(c, r)))])
+    }
+
+    /// Height of the surface over a place in a hole that a patch fills [m].
+    pub(crate) fn filled_at(&self, x: f32, z: f32, patch: &HolePatch<'_>) -> Option<f32> {
+        let fills = |&([c, r], _): &Place| self.is_hole(c, r) && patch.at(c, r) == Some(false);
+        let place = self.cell_at(x, z).filter(fills)?;
+        Some(on(place, &|c, r| self.heights[r * self.columns + c]))
+    }
+
+    /// The cell at a place [m], and where in it; nothing beyond the field.
+    fn cell_at(&self, x: f32, z: f32) -> Option<Place> {
         let (u, v) = (x / self.cell.x, z / self.cell.y);
         if !(u >= 0.0 && v >= 0.0 && u < (self.columns - 1) as f32 && v < (self.rows - 1) as f32) {
             return None;
         }
         let (column, row) = (u as usize, v as usize);
-        if self.is_hole_at(column, row) {
-            return None;
-        }
-        let (u, v) = (u - column as f32, v - row as f32);
-        let on = |height: &dyn Fn(usize, usize) -> f32| {
-            let (v10, v01) = (height(column + 1, row), height(column, row + 1));
-            if u + v <= 1.0 {
-                let v00 = height(column, row);
-                v00 + u * (v10 - v00) + v * (v01 - v00)
-            } else {
-                let v11 = height(column + 1, row + 1);
-                v11 + (1.0 - u) * (v01 - v11) + (1.0 - v) * (v10 - v11)
-            }
-        };
-        let old = |c: usize, r: usize| self.heights[r * self.columns + c];
-        Some([on(&old), on(&|c, r| patch.at(c, r).unwrap_or_else(|| old(c, r)))])
+        Some(([column, row], [u - column as f32, v - row as f32]))
     }
 
     /// Corners of a box around the cells that a patch changes, as they are and as they will be [m].
@@ -198,6 +203,21 @@ impl HeightField {
             glam::Vec3::new(at[0] as f32 * self.cell.x, y, at[1] as f32 * self.cell.y)
         };
         (corner(from, low), corner(to, high))
+    }
+}
+
+/// Column and row of a cell, and a place in it, as shares of its sides.
+type Place = ([usize; 2], [f32; 2]);
+
+/// The height at a place, of the triangle there [m]; `height` is that of a sample.
+fn on(([column, row], [u, v]): Place, height: &dyn Fn(usize, usize) -> f32) -> f32 {
+    let (v10, v01) = (height(column + 1, row), height(column, row + 1));
+    if u + v <= 1.0 {
+        let v00 = height(column, row);
+        v00 + u * (v10 - v00) + v * (v01 - v00)
+    } else {
+        let v11 = height(column + 1, row + 1);
+        v11 + (1.0 - u) * (v01 - v11) + (1.0 - v) * (v10 - v11)
     }
 }
 

@@ -39,7 +39,13 @@ impl World {
         let bounds = self.bounds_of_patch(collider, &field, &patch);
         self.disturb_box(&bounds);
         self.find_anew(collider, &bounds);
-        self.lift(collider, &field, &patch, &bounds);
+        // How far a ball of this radius has to go.
+        let rise = |at: Vec3, radius: f32| {
+            let [old, new] = field.heights_at(at.x, at.z, &patch)?;
+            let above = at.y - old;
+            (new > old && above > 0.0).then(|| above.min(radius) - (at.y - new))
+        };
+        self.lift(collider, &bounds, rise);
         self.revise(self.colliders.all[collider as usize].body as usize);
         self.exchange_field(collider, field, |field| field.edit(&patch));
         Ok(())
@@ -49,9 +55,10 @@ impl World {
     /// column `first[0]` and row `first[1]` on, row by row, those are holes for which `holes` says so
     /// ([`HeightField::set_holes`]).
     ///
-    /// What is near wakes. What lay on a cell that becomes a hole falls. A filled cell carries again; a body
-    /// that is in it by then is pushed out to the side on which its centre of mass is, as by any contact that
-    /// begins in overlap. What is shared is copied as by [`World::set_heights`].
+    /// What is near wakes. What lay on a cell that becomes a hole falls. A filled cell carries again. A shape
+    /// in it whose centre is above the surface, by less than its inner radius, is lifted by what is missing
+    /// of that, as by [`World::set_heights`], and what stands on its body too; what overlaps the surface from
+    /// below is left to contacts. What is shared is copied as there.
     ///
     /// # Errors
     /// If the handle is stale, the shape is no height field, the region is refused by the field, or the
@@ -70,6 +77,11 @@ impl World {
         let bounds = self.bounds_of_patch(collider, &field, &patch.samples());
         self.disturb_box(&bounds);
         self.find_anew(collider, &bounds);
+        let rise = |at: Vec3, radius: f32| {
+            let above = at.y - field.filled_at(at.x, at.z, &patch)?;
+            (above > 0.0).then_some(radius - above)
+        };
+        self.lift(collider, &bounds, rise);
         self.revise(self.colliders.all[collider as usize].body as usize);
         self.exchange_field(collider, field, |field| field.edit_holes(&patch));
         Ok(())
@@ -128,16 +140,14 @@ impl World {
         }
     }
 
-    /// Lifts bodies that stood above the surface and would be below it, and what stands on them.
-    fn lift(&mut self, collider: u32, field: &HeightField, patch: &Patch<'_>, bounds: &Aabb) {
+    /// Lifts bodies that stood above the surface and would be below it, and what stands on them. `rise`: how
+    /// far a ball has to go up [m], from its centre in the field's frame and its radius.
+    fn lift(&mut self, collider: u32, bounds: &Aabb, rise: impl Fn(Vec3, f32) -> Option<f32>) {
         let pose = self.collider_pose(collider);
         let (up, to_field) = (pose.rotation * Vec3::Y, pose.rotation.conjugate());
-        // How far a ball of this radius has to go.
         let lift_of = |centre: DVec3, radius: f32| {
             let at = to_field * (centre - pose.position).as_vec3();
-            let Some([old, new]) = field.heights_at(at.x, at.z, patch) else { return 0.0 };
-            let above = at.y - old;
-            if new > old && above > 0.0 { (above.min(radius) - (at.y - new)).max(0.0) } else { 0.0 }
+            rise(at, radius).map_or(0.0, |lift| lift.max(0.0))
         };
         let mut lifts: Vec<f32> = Vec::new();
         let dynamic = self.bodies.dynamic();

@@ -341,7 +341,7 @@ fn change_joint(
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 63] = [
+const CALLS: [&str; 66] = [
     "add_bodies",
     "add_body",
     "add_character",
@@ -439,7 +439,7 @@ fn thousands_of_calls_at_random_play_again() {
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
     let (mut churn, buffer) = Churn::new(settings, 5);
-    churn.run(900, 6);
+    churn.run(1200, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
     churn.world.stop_recording().unwrap();
     let played = plays_again(&buffer.bytes(), hash);
