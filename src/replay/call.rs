@@ -115,6 +115,11 @@ calls! {
     SetSensesStatic "set_senses_static" (ShapeHandle, bool),
 }
 
+/// Columns and rows, of which a field has no more.
+fn small(two: [usize; 2]) -> [u32; 2] {
+    two.map(|n| n as u32)
+}
+
 impl Call {
     /// A change, with its geometry by number.
     pub(super) fn of(change: Change<'_>, sink: &mut Sink) -> Call {
@@ -181,12 +186,10 @@ impl Call {
             Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
             Change::SetHeights(shape, patch) => {
-                let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
-                Call::SetHeights(shape, first, size, patch.heights.to_vec())
+                Call::SetHeights(shape, small(patch.first), small(patch.size), patch.heights.to_vec())
             }
             Change::SetHoles(shape, patch) => {
-                let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
-                Call::SetHoles(shape, first, size, patch.holes.to_vec())
+                Call::SetHoles(shape, small(patch.first), small(patch.size), patch.holes.to_vec())
             }
             Change::AddCharacter(Resident { geometry, words }) => {
                 Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())

@@ -242,7 +242,8 @@ impl Churn {
         self.model.check(&self.world, &mut self.random);
     }
 
-    /// Takes out all but the floor, the sensor, which is to see none of them, and the field; returns live bytes.
+    /// Takes out all but the floor, the sensor, which is to see none of them, and the field; returns live
+    /// bytes.
     fn clear(&mut self) -> usize {
         let all: Vec<BodyHandle> = self.model.bodies.keys().copied().collect();
         let fixed = self.fixed;

@@ -1,8 +1,9 @@
 //! Merges the patches of many triangles into few manifolds.
 //!
-//! Patches whose normals are about the same become one manifold, if their triangles are of one material. A box that lies on ten triangles has some
-//! forty points, most of them on flat edges inside its own outline. Points that are furthest in none of eight
-//! directions are dropped before the more expensive reduction to four.
+//! Patches whose normals are about the same become one manifold, if their triangles are of one material. A
+//! box that lies on ten triangles has some forty points, most of them on flat edges inside its own outline.
+//! Points that are furthest in none of eight directions are dropped before the more expensive reduction to
+//! four.
 
 use super::boxes::CORNERS;
 use super::nearby::Ground;
