@@ -48,8 +48,8 @@ impl TriangleMesh {
 
 impl HeightField {
     /// A field of its own with cells times the scale's x and z, and heights times its y, which may be
-    /// negative; holes and materials stay. To mirror x or z takes a mesh: the diagonals of its cells would run
-    /// the other way.
+    /// negative; holes and materials stay. To mirror x or z takes a mesh: the diagonals of its cells would
+    /// run the other way.
     ///
     /// # Errors
     /// A factor is zero or not finite, x or z is negative, or the scaled samples make no field
