@@ -54,6 +54,8 @@ pub(crate) struct Input<'a> {
     pub(crate) mode: Continuous,
     /// The length unit [m].
     pub(crate) unit: f32,
+    /// Whether a sensor notices what is static.
+    pub(crate) senses_static: bool,
 }
 
 /// Updates the colliders of all movable bodies, and their boxes in the broad phase.
@@ -138,11 +140,13 @@ pub(crate) fn find(
         let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
         let awake = |c: &Collider| (c.body as usize) < count;
         let moves = |c: &Collider| bodies.kind[c.body as usize] != BodyKind::Static;
+        let still = || !moves(a) && !moves(b) && (a.senses_static() || b.senses_static());
         a.body != b.body
-            && (awake(a) || awake(b))
+            && (awake(a) || awake(b) || still())
             && a.filter.allows(&b.filter)
             && if a.is_sensor() || b.is_sensor() {
-                a.is_sensor() != b.is_sensor() && (moves(a) || a.is_sensor()) && (moves(b) || b.is_sensor())
+                let (sensor, visitor) = if a.is_sensor() { (a, b) } else { (b, a) };
+                !visitor.is_sensor() && (moves(visitor) || sensor.senses_static())
             } else {
                 (dynamic(a) || dynamic(b))
                     && !joints.keep_apart(bodies.slot[a.body as usize], bodies.slot[b.body as usize])
@@ -152,7 +156,8 @@ pub(crate) fn find(
         let kind = |c: u32| all[c as usize].kind;
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
-    let rules = Rules { may_collide: &may_collide, order: &order, missing };
+    let still = input.senses_static;
+    let rules = Rules { may_collide: &may_collide, order: &order, missing, still };
     broad.update_within(workers, &rules, &mut buffers.removed, memory)
 }
 

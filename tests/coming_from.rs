@@ -21,6 +21,9 @@ struct AtHand<'a> {
     frames: [Frame; 2],
     geometry: Geometry,
     mesh: TriangleMesh,
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    ice: Material,
     cast: ShapeCast<'a>,
     overlaps: Vec<Overlap>,
     area: Aabb,
@@ -43,7 +46,8 @@ macro_rules! rows {
 
 rows! {
     AtHand {
-        world, desc, shape_desc, joint_desc, bodies, body, shape, joint, frames, geometry, mesh, cast,
+        world, desc, shape_desc, joint_desc, bodies, body, shape, joint, frames, geometry, mesh, vertices,
+        triangles, ice, cast,
         mut overlaps, area, character, mut snapshot, drawing,
     } =>
     World::new(Settings::default());
@@ -80,6 +84,8 @@ rows! {
     Geometry::capsule(0.5, 0.2);
     mesh.scaled(Vec3::new(-1.0, 2.0, 1.0));
     world.set_heights(shape, [2, 3], [1, 1], &[0.5]);
+    world.set_holes(shape, [2, 3], [1, 1], &[true]);
+    TriangleMesh::with_materials(vertices, triangles, &[1, 0], &[ice]);
     world.add_shape(body, &shape_desc);
     world.body_of(shape);
     world.set_material(shape, Material::default().with_friction(0.3));
@@ -87,6 +93,7 @@ rows! {
     world.set_material(shape, Material::default().with_surface_velocity(Vec3::X));
     world.set_filter(shape, Filter::default());
     world.set_sensor(shape, true);
+    world.set_senses_static(shape, true);
     world.shape_aabb(shape);
     JointDesc::hinge(bodies, frames);
     JointDesc::slider(bodies, frames);

@@ -70,7 +70,8 @@ impl Crowd {
 
     fn update(&mut self) {
         self.removed.clear();
-        let rules = Rules { may_collide: &|_, _| true, order: &|i, j| (i.min(j), i.max(j)), missing: &|_| 0 };
+        let order = |i: u32, j: u32| (i.min(j), i.max(j));
+        let rules = Rules { may_collide: &|_, _| true, order: &order, missing: &|_| 0, still: false };
         self.broad.start_movers();
         self.broad.place_movers(&self.movers, MARGIN);
         let allowances = &mut Allowances::ENDLESS.clone();

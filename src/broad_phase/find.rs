@@ -96,6 +96,8 @@ pub(crate) struct Rules<'a> {
     pub(crate) order: Order<'a>,
     /// Bytes that the later stages of the step lack for so many pairs, all of them scratch.
     pub(crate) missing: &'a dyn Fn(usize) -> usize,
+    /// Whether two that don't move may be a pair.
+    pub(crate) still: bool,
 }
 
 /// Memory for pairs.
@@ -230,22 +232,23 @@ impl BroadPhase {
 
     /// Searches for the pairs of some blocks of what changed.
     fn search(&self, workers: &Workers, first: usize, count: usize, rules: &Rules) {
+        let &Rules { may_collide, order, still, .. } = rules;
         self.run(workers, count, &|b| {
             let block = &mut *lock(&self.blocks.all[b]);
             block.found.clear();
             let start = (first + b) * BLOCK;
             for &c in &self.changed[start..self.changed.len().min(start + BLOCK)] {
                 let path = self.path(c).filter(|path| self.roles[c as usize] == Role::Fast && path.is_long());
-                self.partners(c, path, block);
+                self.partners(c, path, still, block);
                 self.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {
                     // The table before the exact test: most that are found are pairs already, and were
                     // tested.
                     if self.table.find(&self.pairs, c, other).is_none()
                         && self.may_touch(c, other)
-                        && (rules.may_collide)(c, other)
+                        && may_collide(c, other)
                     {
-                        let (a, b) = (rules.order)(c, other);
+                        let (a, b) = order(c, other);
                         let pair = (if self.is_fast(c, other) { a | FAST } else { a }, b);
                         block.shed += u32::from(!block.allowance.push(&mut block.found, pair));
                     }
@@ -370,8 +373,9 @@ impl BroadPhase {
     }
 
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save
-    /// what can't collide with it. An endless one finds nothing: the others find it.
-    pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
+    /// what can't collide with it. An endless one finds nothing: the others find it. `still`: two that don't
+    /// move may be a pair.
+    pub(super) fn partners(&self, collider: u32, path: Option<&Path>, still: bool, block: &mut Block) {
         let Block { stack, partners, allowance, shed, .. } = block;
         partners.clear();
         let mut add = |c: u32| *shed += u32::from(!allowance.push(partners, c));
@@ -388,11 +392,12 @@ impl BroadPhase {
                 tree.visit(stack, |node| lanes.hits(node.min, node.max).bits(), &mut add);
             }
         };
-        if role != Role::Static {
+        let all = still || role != Role::Static;
+        if all {
             search(&self.statics);
         }
         search(&self.movers);
-        if role != Role::Static {
+        if all {
             self.unbounded.iter().for_each(|&c| add(c));
         }
     }

@@ -208,13 +208,14 @@ impl BroadPhase {
     }
 
     /// Takes a collider out. Its pairs go to `removed`: the owner frees their contacts.
-    pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
+    /// `still`: two that don't move may be a pair.
+    pub(crate) fn remove(&mut self, collider: u32, still: bool, removed: &mut Vec<Pair>) {
         let c = collider as usize;
         let Some(&role) = self.roles.get(c) else { return };
         let mut block = std::mem::take(&mut self.block);
         if role >= Role::Static && !self.refreshed {
             // All partners' boxes touch its box, so the trees lead to its pairs.
-            self.partners(collider, None, &mut block);
+            self.partners(collider, None, still, &mut block);
         } else {
             let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
             block.partners.clear();
@@ -285,7 +286,7 @@ impl BroadPhase {
         order: Order,
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
-        let rules = Rules { may_collide, order, missing: &|_| 0 };
+        let rules = Rules { may_collide, order, missing: &|_| 0, still: false };
         self.start_movers();
         self.place_movers(movers, margin);
         let allowances = &mut crate::memory::Allowances::ENDLESS.clone();
@@ -302,7 +303,7 @@ impl BroadPhase {
         removed: &mut Vec<Pair>,
         memory: &mut PairMemory<'_>,
     ) -> BroadStats {
-        let built = self.fit_trees();
+        let built = self.fit_trees(rules.still);
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
         let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
         self.refreshed = false;
@@ -330,12 +331,12 @@ impl BroadPhase {
     fn refresh(&mut self, movers: &[Mover], margin: f32) {
         self.start_movers();
         self.place_movers(movers, margin);
-        self.fit_trees();
+        self.fit_trees(false);
     }
 
     /// Makes the trees fit the boxes; returns how many were built anew.
-    fn fit_trees(&mut self) -> u32 {
-        let built = self.fit_movers() + self.fit_statics();
+    fn fit_trees(&mut self, still: bool) -> u32 {
+        let built = self.fit_movers() + self.fit_statics(still);
         self.refreshed = !self.changed.is_empty();
         built
     }
@@ -428,25 +429,31 @@ impl BroadPhase {
         Self::add_leaves(movers, proxies, new_movers, bad)
     }
 
-    /// Puts new static colliders into their tree; returns how often it was built anew.
-    fn fit_statics(&mut self) -> u32 {
+    /// Puts new static colliders into their tree; returns how often it was built anew. `still`: they look for
+    /// each other too.
+    fn fit_statics(&mut self, still: bool) -> u32 {
         // Each new static looks for movers, or, where they are many, each mover for statics.
         let few = self.new_statics.len() * 4 <= self.movers.leaves();
-        let mut all = self.unbounded.iter().any(|&u| self.marks[u as usize] != 0);
+        let endless = self.unbounded.iter().any(|&u| self.marks[u as usize] != 0);
+        let mut all = endless;
         let built = self.build_statics(|broad, c| {
-            if few {
+            if few || still {
                 broad.mark(c, MOVED);
             }
             all |= !few;
         });
+        let BroadPhase { movers, statics, marks, changed, .. } = self;
+        let mut look = |c: u32| {
+            if marks[c as usize] == 0 {
+                marks[c as usize] = MOVED;
+                changed.push(c);
+            }
+        };
         if all {
-            let BroadPhase { movers, marks, changed, .. } = self;
-            movers.for_each(|c| {
-                if marks[c as usize] == 0 {
-                    marks[c as usize] = MOVED;
-                    changed.push(c);
-                }
-            });
+            movers.for_each(&mut look);
+        }
+        if endless && still {
+            statics.for_each(look);
         }
         built
     }

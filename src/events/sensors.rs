@@ -8,7 +8,9 @@ use super::{Events, SensorEvent, push};
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
-use crate::narrow_phase::{BodyPath, Motion, cast_convex, cast_plane, tolerance};
+use crate::narrow_phase::{
+    BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance, touches_mesh,
+};
 use crate::shape::Kind;
 use glam::Vec3;
 
@@ -56,10 +58,21 @@ impl Sensing<'_> {
         let path = |c: u32| if at_end { self.place_now(c) } else { self.way_of(c) };
         let motion = Motion::new(a, &path(pair.a), b, &path(pair.b));
         let close = tolerance(a, b, self.settings.length_unit);
-        let touch = if b.kind == Kind::Plane {
-            cast_plane(a, b, &motion, close)
-        } else {
-            cast_convex(a, b, &motion, close)
+        let touch = match b.kind {
+            Kind::Plane => cast_plane(a, b, &motion, close),
+            Kind::Mesh | Kind::HeightField if a.senses_static() => {
+                let start = motion.relative(0.0);
+                // The cast leaves out what is touched at the start.
+                let touches = touches_mesh(a, b, &start, close);
+                if touches || at_end {
+                    return touches.then_some(0.0);
+                }
+                match cast_mesh(a, b, &start, &motion, MeshCast::first(close, close), None) {
+                    CastResult::First(touch) => Some(touch),
+                    CastResult::Near | CastResult::Free => None,
+                }
+            }
+            _ => cast_convex(a, b, &motion, close),
         };
         touch.map(|touch| touch.fraction)
     }

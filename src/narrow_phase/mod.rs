@@ -14,7 +14,7 @@ pub(crate) mod pairs;
 mod segment;
 
 pub(crate) use cast::ahead::out_by_the_centre;
-pub(crate) use cast::mesh::{CastResult, MeshCast, Triangles, cast_mesh};
+pub(crate) use cast::mesh::{CastResult, MeshCast, Triangles, cast_mesh, touches_mesh};
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};

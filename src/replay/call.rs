@@ -110,6 +110,14 @@ calls! {
     SetCouplingUserData "set_coupling_user_data" (CouplingHandle, u64),
     /// Column and row of the first sample, columns and rows, heights.
     SetHeights "set_heights" (ShapeHandle, [u32; 2], [u32; 2], Vec<f32>),
+    /// Column and row of the first cell, columns and rows, which are holes.
+    SetHoles "set_holes" (ShapeHandle, [u32; 2], [u32; 2], Vec<bool>),
+    SetSensesStatic "set_senses_static" (ShapeHandle, bool),
+}
+
+/// Columns and rows, of which a field has no more.
+fn small(two: [usize; 2]) -> [u32; 2] {
+    two.map(|n| n as u32)
 }
 
 impl Call {
@@ -127,6 +135,7 @@ impl Call {
             Change::SetFilter(shape, filter) => Call::SetFilter(shape, filter),
             Change::SetListening(shape, events, hooks) => Call::SetListening(shape, events, hooks),
             Change::SetSensor(shape, sensor) => Call::SetSensor(shape, sensor),
+            Change::SetSensesStatic(shape, senses) => Call::SetSensesStatic(shape, senses),
             Change::SetPose(body, position, rotation) => Call::SetPose(body, position, rotation),
             Change::SetVelocity(body, linear, angular) => Call::SetVelocity(body, linear, angular),
             Change::AddForce(body, force, torque) => Call::AddForce(body, force, torque),
@@ -177,8 +186,10 @@ impl Call {
             Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
             Change::SetHeights(shape, patch) => {
-                let [first, size] = [patch.first, patch.size].map(|two| two.map(|n| n as u32));
-                Call::SetHeights(shape, first, size, patch.heights.to_vec())
+                Call::SetHeights(shape, small(patch.first), small(patch.size), patch.heights.to_vec())
+            }
+            Change::SetHoles(shape, patch) => {
+                Call::SetHoles(shape, small(patch.first), small(patch.size), patch.holes.to_vec())
             }
             Change::AddCharacter(Resident { geometry, words }) => {
                 Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())
@@ -317,8 +328,8 @@ pub(crate) struct Shape {
     material: BaseMaterial,
     rare: Option<RareMaterial>,
     filter: Filter,
-    /// Sensor, events, hooks.
-    asks: [bool; 3],
+    /// Sensor, events, hooks, whether it senses what is static.
+    asks: [bool; 4],
     user_data: u64,
 }
 
@@ -332,6 +343,7 @@ impl Shape {
             material,
             filter,
             sensor,
+            senses_static,
             events,
             hooks,
             user_data,
@@ -344,13 +356,13 @@ impl Shape {
             material: material.base(),
             rare: Some(material.rare()).filter(|rare| rare.flags() != 0),
             filter,
-            asks: [sensor, events, hooks],
+            asks: [sensor, events, hooks, senses_static],
             user_data,
         }
     }
 
     pub(super) fn desc(&self, geometry: crate::shape::Geometry) -> ShapeDesc {
-        let [sensor, events, hooks] = self.asks;
+        let [sensor, events, hooks, senses_static] = self.asks;
         ShapeDesc {
             geometry,
             position: self.position,
@@ -359,6 +371,7 @@ impl Shape {
             material: Material::of(self.material, self.rare.unwrap_or_default()),
             filter: self.filter,
             sensor,
+            senses_static,
             events,
             hooks,
             user_data: self.user_data,

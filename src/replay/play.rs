@@ -438,6 +438,7 @@ impl<R: Read> Replay<R> {
             Call::SetFilter(shape, filter) => world.set_filter(shape, filter)?,
             Call::SetListening(shape, events, hooks) => world.set_listening(shape, events, hooks)?,
             Call::SetSensor(shape, sensor) => world.set_sensor(shape, sensor)?,
+            Call::SetSensesStatic(shape, senses) => world.set_senses_static(shape, senses)?,
             Call::SetShapeUserData(shape, user_data) => world.set_shape_user_data(shape, user_data)?,
             Call::SetGeometry(shape, form) => {
                 let geometry = self.geometries.geometry(form);
@@ -451,6 +452,10 @@ impl<R: Read> Replay<R> {
             Call::SetHeights(shape, first, size, heights) => {
                 let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
                 world.set_heights(shape, first, size, &heights)?;
+            }
+            Call::SetHoles(shape, first, size, holes) => {
+                let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
+                world.set_holes(shape, first, size, &holes)?;
             }
             of_character => self.play_on_character(of_character)?,
         }

@@ -1,6 +1,6 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
-use super::{BaseMaterial, Filter, Geometry};
+use super::{BaseMaterial, Filter, Geometry, Material};
 use crate::config::Continuous;
 use crate::math::Quat;
 use glam::Vec3;
@@ -56,10 +56,12 @@ pub(crate) struct ColliderSummary {
     pub(crate) flags: u8,
 }
 
-/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked.
+/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked; as a sensor it notices
+/// what is static, and surfaces.
 pub(crate) const SENSOR: u8 = 1;
 pub(crate) const EVENTS: u8 = 2;
 pub(crate) const HOOKS: u8 = 4;
+pub(crate) const STATICS: u8 = 32;
 /// Its material resists rolling or spinning; its surface moves. See
 /// [`RareMaterial`](super::RareMaterial).
 pub(crate) const ROLLS: u8 = 8;
@@ -88,6 +90,21 @@ impl Collider {
     }
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
+    }
+    /// Whether it is a sensor that notices what is static, and surfaces.
+    pub(crate) fn senses_static(&self) -> bool {
+        self.flags & (SENSOR | STATICS) == SENSOR | STATICS
+    }
+
+    /// The material of a part of it, by the number that a contact has; none if it is the shape's own.
+    #[inline]
+    pub(crate) fn part_material(&self, part: u8) -> Option<&Material> {
+        if part == 0 { None } else { self.geometry.materials().get(usize::from(part) - 1) }
+    }
+    /// Friction and restitution of a part of it.
+    #[inline]
+    pub(crate) fn surface(&self, part: u8) -> BaseMaterial {
+        self.part_material(part).map_or(self.material, Material::base)
     }
 
     pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {

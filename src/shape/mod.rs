@@ -19,12 +19,13 @@ mod slabs;
 #[cfg(feature = "serde")]
 mod stored;
 mod stream;
+mod surfaces;
 
-pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
+pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR, STATICS};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
-pub(crate) use height_field::edit::Patch;
+pub(crate) use height_field::edit::{HolePatch, Patch};
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
@@ -37,6 +38,7 @@ pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{RAYS, Stream, Walk};
+pub(crate) use surfaces::Surfaces;
 
 use crate::config::with_fields;
 use crate::error::{Error, finite, within};
@@ -271,6 +273,11 @@ pub struct ShapeDesc {
     /// Default no.
     #[cfg_attr(feature = "serde", serde(default))]
     pub sensor: bool,
+    /// As a sensor it also notices shapes of static bodies, and the surfaces of meshes and height fields,
+    /// which are not convex; a plane notices none of the latter. Without effect while it is no sensor.
+    /// Default no.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub senses_static: bool,
     /// Contacts of it are heard of: [`World::contact_begins`](crate::World::contact_begins). Default no.
     #[cfg_attr(feature = "serde", serde(default))]
     pub events: bool,
@@ -291,6 +298,7 @@ with_fields! {
         with_material(material: Material),
         with_filter(filter: Filter),
         with_sensor(sensor: bool),
+        with_senses_static(senses_static: bool),
         with_user_data(user_data: u64),
     }
 }
@@ -306,6 +314,7 @@ impl ShapeDesc {
             material: Material::default(),
             filter: Filter::default(),
             sensor: false,
+            senses_static: false,
             events: false,
             hooks: false,
             user_data: 0,
@@ -331,11 +340,15 @@ impl ShapeDesc {
     }
 
     pub(crate) fn flags(&self) -> u8 {
-        [(self.sensor, SENSOR), (self.events, EVENTS), (self.hooks, HOOKS)]
-            .into_iter()
-            .map(|(set, bit)| if set { bit } else { 0 })
-            .sum::<u8>()
+        let asks = [
+            (self.sensor, SENSOR),
+            (self.events, EVENTS),
+            (self.hooks, HOOKS),
+            (self.senses_static, STATICS),
+        ];
+        asks.into_iter().map(|(set, bit)| if set { bit } else { 0 }).sum::<u8>()
             | self.material.rare().flags()
+            | self.geometry.rare_flags()
     }
 
     /// Checks every range.

@@ -29,7 +29,7 @@ impl ConvexHull {
 impl TriangleMesh {
     /// A mesh of its own with each vertex times the scale, component by component. Where negative factors
     /// mirror it triangles are wound the other way round, so that fronts stay fronts. It is built as others
-    /// are: triangles have indices of their own, and those that lose their area are dropped.
+    /// are: triangles have indices of their own, and those that lose their area are dropped. Materials stay.
     ///
     /// # Errors
     /// A factor is zero or not finite, or the scaled triangles make no mesh ([`TriangleMesh::new`]).
@@ -39,13 +39,17 @@ impl TriangleMesh {
         let mirrored = scale.to_array().iter().filter(|factor| **factor < 0.0).count() % 2 == 1;
         let wound = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let triangles = self.triangles.iter().map(|t| wound(t).map(|v| v & VERTEX_MASK));
-        TriangleMesh::new(vertices, triangles.collect())
+        match &self.surfaces {
+            None => TriangleMesh::new(vertices, triangles.collect()),
+            Some(own) => TriangleMesh::with_materials(vertices, triangles.collect(), &own.parts, &own.table),
+        }
     }
 }
 
 impl HeightField {
     /// A field of its own with cells times the scale's x and z, and heights times its y, which may be
-    /// negative. To mirror x or z takes a mesh: the diagonals of its cells would run the other way.
+    /// negative; holes and materials stay. To mirror x or z takes a mesh: the diagonals of its cells would
+    /// run the other way.
     ///
     /// # Errors
     /// A factor is zero or not finite, x or z is negative, or the scaled samples make no field
@@ -58,6 +62,8 @@ impl HeightField {
         let cell = self.cell * Vec2::new(scale.x, scale.z);
         let cells = self.columns - 1;
         let holes = self.holes().map(|cell| cell as usize).map(|cell| [cell % cells, cell / cells]);
-        HeightField::new(self.columns, self.rows, cell, heights)?.with_holes(holes)
+        let mut field = HeightField::new(self.columns, self.rows, cell, heights)?.with_holes(holes)?;
+        field.surfaces.clone_from(&self.surfaces);
+        Ok(field)
     }
 }

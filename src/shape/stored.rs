@@ -6,7 +6,9 @@
 
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
+use super::material::Material;
 use super::mesh::{MAX_COORDINATE, TriangleMesh, VERTEX_BITS, VERTEX_MASK, has_area};
+use super::surfaces::Surfaces;
 use crate::error::{Error, finite, finite3, within};
 use crate::limits;
 use crate::shape::mesh::bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
@@ -38,6 +40,16 @@ pub(crate) struct StoredMesh {
     folds: Vec<u8>,
     nodes: Vec<StoredNode>,
     slack: f32,
+    #[serde(default)]
+    materials: Option<StoredMaterials>,
+}
+
+/// One for each triangle or cell, by its number, and the table.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredMaterials {
+    parts: Vec<u8>,
+    table: Vec<Material>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -58,6 +70,22 @@ pub(crate) struct StoredField {
     /// One byte a cell; none: they are found.
     #[serde(default)]
     folds: Vec<u8>,
+    #[serde(default)]
+    materials: Option<StoredMaterials>,
+}
+
+impl StoredMaterials {
+    fn of(surfaces: &Option<Box<Surfaces>>) -> Option<StoredMaterials> {
+        surfaces.as_ref().map(|own| StoredMaterials { parts: own.parts.clone(), table: own.table.clone() })
+    }
+
+    /// For so many triangles or cells.
+    fn surfaces(this: Option<StoredMaterials>, count: usize) -> Result<Option<Box<Surfaces>>, Error> {
+        let Some(StoredMaterials { mut parts, mut table }) = this else { return Ok(None) };
+        parts.shrink_to_fit();
+        table.shrink_to_fit();
+        Surfaces::new(count, parts, table).map(Some)
+    }
 }
 
 #[cfg(feature = "replay")]
@@ -160,11 +188,12 @@ impl TriangleMesh {
             folds: (0..self.triangles.len() as u32).map(|i| self.edges(i).0).collect(),
             nodes: self.tree.nodes.iter().map(StoredNode::new).collect(),
             slack: self.tree.slack,
+            materials: StoredMaterials::of(&self.surfaces),
         }
     }
 
     pub(crate) fn from_stored(stored: StoredMesh) -> Result<TriangleMesh, Error> {
-        let StoredMesh { mut vertices, corners, folds, nodes, slack } = stored;
+        let StoredMesh { mut vertices, corners, folds, nodes, slack, materials } = stored;
         for v in &vertices {
             finite3("stored mesh", *v)?;
             within("stored mesh", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7")?;
@@ -192,7 +221,9 @@ impl TriangleMesh {
         let nodes: Vec<Node> = nodes.iter().map(StoredNode::node).collect();
         let min = vertices.iter().fold(Vec3::INFINITY, |m, v| m.min(*v));
         let max = vertices.iter().fold(Vec3::NEG_INFINITY, |m, v| m.max(*v));
-        let mesh = TriangleMesh { vertices, triangles, tree: MeshBvh { nodes, slack }, min, max };
+        let surfaces = StoredMaterials::surfaces(materials, triangles.len())?;
+        let tree = MeshBvh { nodes, slack };
+        let mesh = TriangleMesh { vertices, triangles, tree, min, max, surfaces };
         check_tree(&mesh)?;
         Ok(mesh)
     }
@@ -282,14 +313,17 @@ impl HeightField {
             cell: self.cell,
             heights: self.heights.clone(),
             folds: self.folds.clone(),
+            materials: StoredMaterials::of(&self.surfaces),
         }
     }
 
     pub(crate) fn from_stored(stored: StoredField) -> Result<HeightField, Error> {
-        let StoredField { columns, rows, cell, mut heights, mut folds } = stored;
+        let StoredField { columns, rows, cell, mut heights, mut folds, materials } = stored;
         heights.shrink_to_fit();
         folds.shrink_to_fit();
-        HeightField::with_folds(columns as usize, rows as usize, cell, heights, folds)
+        let mut field = HeightField::with_folds(columns as usize, rows as usize, cell, heights, folds)?;
+        field.surfaces = StoredMaterials::surfaces(materials, field.triangle_count() / 2)?;
+        Ok(field)
     }
 }
 

@@ -18,6 +18,7 @@ struct Known {
     dynamic: bool,
     moves: bool,
     sensor: bool,
+    senses_static: bool,
     disabled: bool,
 }
 
@@ -29,8 +30,9 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         for c in &body.colliders {
             let (kind, dynamic) = (c.collider.kind, body.body.kind == BodyKind::Dynamic);
             let (sensor, disabled) = (c.collider.is_sensor(), body.body.traits.disabled);
-            let moves = body.body.kind != BodyKind::Static;
-            known[c.index as usize] = Some(Known { kind, body: body.slot, dynamic, moves, sensor, disabled });
+            let (moves, senses_static) = (body.body.kind != BodyKind::Static, c.collider.senses_static());
+            let known = &mut known[c.index as usize];
+            *known = Some(Known { kind, body: body.slot, dynamic, moves, sensor, senses_static, disabled });
         }
     }
     let mut absent: Vec<u32> = records
@@ -65,7 +67,8 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         let (Some(one), Some(other)) = (of(a), of(b)) else { return false };
         let there = !(one.disabled || other.disabled);
         let collide = if one.sensor || other.sensor {
-            one.sensor != other.sensor && (one.moves || one.sensor) && (other.moves || other.sensor)
+            let (sensor, visitor) = if one.sensor { (&one, &other) } else { (&other, &one) };
+            !visitor.sensor && (visitor.moves || sensor.senses_static)
         } else {
             one.dynamic || other.dynamic
         };

@@ -44,6 +44,8 @@ const LASTS: u32 = 1 << 19;
 const SHARES: u32 = 1 << 20;
 /// An angular impulse against rolling.
 const ROLLING: u32 = 1 << 21;
+/// The material is not the shape's own.
+const MATERIAL: u32 = 1 << 22;
 /// Eight bits: the key of a single point.
 const KEY: u32 = 24;
 
@@ -54,7 +56,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MAX_CONTACT_WORDS: usize = 1 + 1 + 3 + 4 + 3 + 3 + 11 + MAX_POINTS * 9 + 4;
+const MAX_CONTACT_WORDS: usize = 1 + 1 + 1 + 3 + 4 + 3 + 3 + 11 + MAX_POINTS * 9 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -190,6 +192,10 @@ fn save_contact(contact: ContactRef<'_>, rolling: Vec3, kept: bool, out: &mut Ve
     line.flag(FRACTION, fraction != 0);
     if fraction != 0 {
         line.put([fraction]);
+    }
+    line.flag(MATERIAL, contact.material != 0);
+    if contact.material != 0 {
+        line.put([contact.material.into()]);
     }
     let axis = axis_of(contact.normal);
     line.flag(axis << NORMAL, true);
@@ -408,6 +414,10 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
     contact.pushed = flags & PUSHED != 0;
     if flags & FRACTION != 0 {
         contact.fraction = f32::from_bits(from.one()?);
+    }
+    if flags & MATERIAL != 0 {
+        let number = u8::try_from(from.one()?).ok().filter(|&number| number > 0);
+        contact.material = number.ok_or_else(|| broken("the material of a contact"))?;
     }
     contact.normal = match flags >> NORMAL & 7 {
         0 => from.record::<Vec3, 3>()?,

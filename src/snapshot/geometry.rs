@@ -3,7 +3,7 @@
 
 use super::checksum::hash;
 use crate::error::Error;
-use crate::shape::Geometry;
+use crate::shape::{Geometry, Surfaces};
 use crate::words::{broken, words};
 use crate::world::World;
 use std::sync::Arc;
@@ -104,11 +104,13 @@ fn print_of(geometry: &Geometry) -> u64 {
         }
         Geometry::Mesh(mesh) => {
             triangles(mesh.triangle_count(), &|i| mesh.triangle(i));
+            all.extend(Surfaces::words(&mesh.surfaces));
             6
         }
         Geometry::HeightField(field) => {
             triangles(field.triangle_count(), &|i| field.triangle(i));
             all.extend(field.holes());
+            all.extend(Surfaces::words(&field.surfaces));
             7
         }
         _ => 0,

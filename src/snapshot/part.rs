@@ -15,7 +15,8 @@ use crate::lanes::Record;
 use crate::limits;
 use crate::math::Quat;
 use crate::shape::{
-    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, ROLLS, RareMaterial, SENSOR,
+    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, ROLLS, RareMaterial,
+    SENSOR, STATICS,
 };
 use crate::words::{Reader, broken, words};
 use crate::world::World;
@@ -398,7 +399,7 @@ fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
 /// Flags of a shape that may have them.
 fn flags_of(bits: u32, geometry: &crate::shape::Geometry) -> Result<u8, Error> {
     let flags = bits as u8;
-    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | ROLLS | BELT);
+    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | ROLLS | BELT | STATICS);
     let senses = flags & SENSOR == 0 || Kind::of(geometry) == Kind::Plane || Kind::of(geometry).is_convex();
     if known && senses { Ok(flags) } else { Err(broken("what a shape is for")) }
 }
@@ -441,7 +442,7 @@ fn read_collider(
     }
     material.validate()?;
     let rare = material.rare();
-    if rare.flags() != flags & (ROLLS | BELT) {
+    if rare.flags() | geometry.rare_flags() != flags & (ROLLS | BELT) {
         return Err(broken("a material"));
     }
     let collider = Collider {

@@ -32,10 +32,11 @@ impl Structure<'_> {
                 if along.abs() > rest.closing || slip.length_squared() > rest.slip * rest.slip {
                     continue;
                 }
-                let [x, y] = [contact.a, contact.b].map(|c| &self.colliders.all[c as usize].material);
+                let [x, y] = [contact.a, contact.b].map(|c| &self.colliders.all[c as usize]);
                 let origin = self.colliders.poses[contact.a as usize].position;
                 // A body that bounces off with one end may have its centre at rest.
-                let bounces = x.restitution_with(y) > 0.0
+                let restitution = x.material.restitution_with(&y.surface(contact.material));
+                let bounces = restitution > 0.0
                     && contact.points().iter().any(|point| {
                         let at = origin + (contact.frame * point.position).as_dvec3();
                         let [a, b] = [a, b].map(|body| point_velocity(self.bodies, body as usize, at));

@@ -44,10 +44,13 @@ impl Run<'_, '_> {
         let mut a = self.struck(i, tracks[0], time, &ends[0]);
         let mut b = self.struck(k, tracks[1], time, &ends[1]);
         let before = [a.velocity.angular, b.velocity.angular];
-        let material = |c: u32| &self.on.colliders.all[c as usize].material;
+        // That of the deepest manifold.
+        let part = self.buffers.manifolds.first().map_or(0, |raw| raw.material as u8);
+        let [x, y] = [hit.a, hit.b].map(|c| &self.on.colliders.all[c as usize]);
+        let (x, y) = (&x.material, &y.surface(part));
         let law = Law {
-            friction: material(hit.a).friction_with(material(hit.b)).1,
-            restitution: material(hit.a).restitution_with(material(hit.b)),
+            friction: x.friction_with(y).1,
+            restitution: x.restitution_with(y),
             threshold: self.on.settings.restitution_threshold * self.on.settings.length_unit,
         };
         let met = resolve(&mut a, &mut b, &points[..count], law);

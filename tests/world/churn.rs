@@ -3,10 +3,10 @@
 //! comes back.
 
 use crate::common::random::Random;
-use backstop::glam::{Quat, Vec3};
+use backstop::glam::{Quat, Vec2, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, QueryFilter, Ray, SensorEvent, Settings,
-    ShapeDesc, ShapeHandle, Snapshot, World,
+    BodyDesc, BodyHandle, Geometry, HeightField, JointDesc, JointHandle, QueryFilter, Ray, SensorEvent,
+    Settings, ShapeDesc, ShapeHandle, Snapshot, World,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,8 +87,8 @@ struct Churn {
     world: World,
     model: Model,
     random: Random,
-    /// The floor and the sensor, which stay.
-    fixed: [BodyHandle; 2],
+    /// The floor, the sensor and a field that changes, which stay.
+    fixed: [BodyHandle; 3],
     /// A moment to go back to.
     saved: Option<(Snapshot, Model, Random)>,
     calls: u32,
@@ -98,15 +98,18 @@ impl Churn {
     fn new() -> Churn {
         let mut world = World::new(Settings::default().with_sleeping(true).with_sleep_time(0.1)).unwrap();
         let mut model = Model::default();
-        let fixed =
-            [ShapeDesc::new(Geometry::Plane), ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).sensing()].map(
-                |shape| {
-                    let body = world.add_body(&BodyDesc::fixed().with_shape(shape)).unwrap();
-                    let shapes = world.shapes(body).unwrap().collect();
-                    model.bodies.insert(body, (shapes, true));
-                    body
-                },
-            );
+        let field = HeightField::new(9, 9, Vec2::splat(0.75), vec![-1.0; 81]).unwrap();
+        let fixed = [
+            ShapeDesc::new(Geometry::Plane),
+            ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).sensing(),
+            ShapeDesc::new(Geometry::height_field(field)).with_position(Vec3::new(-3.0, 0.0, -3.0)),
+        ];
+        let fixed = fixed.map(|shape| {
+            let body = world.add_body(&BodyDesc::fixed().with_shape(shape)).unwrap();
+            let shapes = world.shapes(body).unwrap().collect();
+            model.bodies.insert(body, (shapes, true));
+            body
+        });
         Churn { world, model, random: Random(1), fixed, saved: None, calls: 0 }
     }
 
@@ -153,6 +156,7 @@ impl Churn {
         }
         let (Some(body), Some(other)) = (self.some(), self.some()) else { return };
         let (v, w) = (self.random.cube(), self.random.cube());
+        let [_, sensor, field] = self.fixed.map(|body| self.model.bodies[&body].0[0]);
         let Churn { world, model, .. } = self;
         match what {
             4 | 5 => self.remove(body),
@@ -209,6 +213,15 @@ impl Churn {
                     self.step();
                 }
             }
+            21 => {
+                let first = [4.0 + 4.0 * v.x, 4.0 + 4.0 * v.z].map(|x| x as usize);
+                world.set_heights(field, first, [1, 1], &[w.y]).unwrap();
+            }
+            22 => {
+                let first = [4.0 + 3.9 * v.x, 4.0 + 3.9 * v.z].map(|x| (x as usize).min(7));
+                world.set_holes(field, first, [1, 1], &[w.y > 0.5]).unwrap();
+            }
+            23 => world.set_senses_static(sensor, v.x > 0.0).unwrap(),
             _ => {}
         }
         if self.calls.is_multiple_of(8) {
@@ -229,12 +242,15 @@ impl Churn {
         self.model.check(&self.world, &mut self.random);
     }
 
-    /// Takes out all but the floor and the sensor; returns live bytes.
+    /// Takes out all but the floor, the sensor, which is to see none of them, and the field; returns live
+    /// bytes.
     fn clear(&mut self) -> usize {
         let all: Vec<BodyHandle> = self.model.bodies.keys().copied().collect();
         let fixed = self.fixed;
         all.into_iter().filter(|body| !fixed.contains(body)).for_each(|body| self.remove(body));
         (self.saved, self.model.joints) = (None, BTreeMap::new());
+        let sensor = self.model.bodies[&fixed[1]].0[0];
+        self.world.set_senses_static(sensor, false).unwrap();
         self.step();
         assert!(self.model.touching.is_empty() && self.model.inside.is_empty());
         assert_eq!((self.world.asleep(), self.world.islands_asleep(), self.world.report().pairs), (0, 0, 0));

@@ -156,7 +156,11 @@ impl<const P: usize> Columns<P> {
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {
-                let mut friction = shape_a.material.friction_with(&shape_b.material);
+                let mut friction = if contact.material == 0 {
+                    shape_a.material.friction_with(&shape_b.material)
+                } else {
+                    shape_a.material.friction_with(&shape_b.surface(contact.material))
+                };
                 if !input.tweaks.is_empty() {
                     friction = tweak_of(input.tweaks, part.slot()).friction_or(friction);
                 }
@@ -269,13 +273,13 @@ impl<const P: usize> Columns<P> {
     #[inline(never)]
     fn put_surface(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, part, contact, shape_a, shape_b, swap, .. } = entry;
-        let moves = |c: u32, shape: &Collider| {
+        let moves = |c: u32, shape: &Collider, part: u8| {
             if shape.flags & BELT == 0 {
                 return glam::Vec3::ZERO;
             }
-            input.poses[c as usize].rotation * input.rare[c as usize].surface_velocity
+            input.poses[c as usize].rotation * input.rare_of(c, part).surface_velocity
         };
-        let of_materials = moves(contact.b, shape_b) - moves(contact.a, shape_a);
+        let of_materials = moves(contact.b, shape_b, contact.material) - moves(contact.a, shape_a, 0);
         let past = tweak_of(input.tweaks, part.slot()).surface + of_materials;
         put3(&mut self.past, lane, if swap { -past } else { past });
     }
@@ -284,8 +288,7 @@ impl<const P: usize> Columns<P> {
     #[inline(never)]
     fn put_rolling(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, part, contact, swap, .. } = entry;
-        let rare = |c: u32| input.rare.get(c as usize).copied().unwrap_or_default();
-        let (a, b) = (rare(contact.a), rare(contact.b));
+        let (a, b) = (input.rare_of(contact.a, 0), input.rare_of(contact.b, contact.material));
         self.rolls = true;
         self.roll_arms[0][lane] = a.rolling_friction.max(b.rolling_friction);
         self.roll_arms[1][lane] = a.spinning_friction.max(b.spinning_friction);

@@ -16,7 +16,7 @@ use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Contacts, Scale};
-use crate::shape::{Collider, ColliderSummary, RareMaterial};
+use crate::shape::{Collider, ColliderSummary, Material, RareMaterial};
 use crate::threads::{Shared, Workers, per_block};
 
 /// Input of preparation.
@@ -61,6 +61,15 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) rare: &'a [RareMaterial],
     /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
+}
+
+impl PrepareInput<'_> {
+    /// What few materials have, of a part of a shape: zero for the shape's own.
+    pub(super) fn rare_of(&self, collider: u32, part: u8) -> RareMaterial {
+        let own = self.rare.get(collider as usize).copied();
+        let of_part = self.colliders[collider as usize].part_material(part).map(Material::rare);
+        of_part.or(own).unwrap_or_default()
+    }
 }
 
 // Rounding: of a mobility along locked axes.

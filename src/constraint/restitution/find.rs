@@ -143,16 +143,20 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
-    let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);
-    let restitution = x.restitution_with(y);
-    if restitution <= 0.0 && input.tweaks.is_empty() {
+    let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize]);
+    let law = |part: u8| {
+        let (x, y) = (&x.material, &y.surface(part));
+        (x.restitution_with(y), x.friction_with(y))
+    };
+    let own = law(0);
+    if own.0 <= 0.0 && input.tweaks.is_empty() && y.geometry.materials().is_empty() {
         return;
     }
-    let friction = x.friction_with(y);
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
         let contact = input.contacts.at(slot);
         let tweak = tweak_of(input.tweaks, slot as usize);
+        let (restitution, friction) = if contact.material == 0 { own } else { law(contact.material) };
         let (restitution, friction) = (tweak.restitution_or(restitution), tweak.friction_or(friction).1);
         let shape = &input.poses[contact.a as usize];
         let bodies = [contact.a, contact.b].map(|c| input.colliders[c as usize].body);

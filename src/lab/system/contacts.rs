@@ -13,7 +13,7 @@ impl System {
         let contact = world.contacts.at(lane.part.slot() as u32);
         let [x, y] = [contact.a, contact.b].map(|c| &world.colliders.all[c as usize]);
         let tweak = tweak_of(&world.events.tweaks, lane.part.slot());
-        let restitution = tweak.restitution_or(x.material.restitution_with(&y.material));
+        let restitution = tweak.restitution_or(x.material.restitution_with(&y.surface(contact.material)));
         let (a, b) = lane.bodies;
         let (own, other) = if x.body == a { (x.body, y.body) } else { (y.body, x.body) };
         let law = SystemLaw {

@@ -112,7 +112,7 @@ fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion,
             count += 1;
         }
     }
-    raw.count = count as u32;
+    raw.count = count as u16;
 }
 
 /// Intermediate result of sweeping two convex shapes against each other: when the last of the tried axes was

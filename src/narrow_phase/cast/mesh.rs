@@ -6,12 +6,13 @@ use super::sweep::MeshSweep;
 use super::{Other, Placed, Sweep, Touch};
 use crate::lanes::ones;
 use crate::narrow_phase::Relative;
+use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
-use crate::narrow_phase::convex::support::Support;
+use crate::narrow_phase::convex::support::{Pose, Support};
 use crate::narrow_phase::mesh::nearby::{Eight, Ground, Nearby};
 use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, HeightField, TriangleMesh};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
 /// largest fraction that still matters.
@@ -109,6 +110,31 @@ pub(crate) fn cast_mesh(
         },
     }
     search.finish()
+}
+
+/// Whether a convex shape overlaps a triangle of a mesh or height field, or is within `tolerance` of one [m].
+/// `rel`: pose of the mesh in the shape's frame.
+pub(crate) fn touches_mesh(a: &Collider, mesh: &Collider, rel: &Relative, tolerance: f32) -> bool {
+    let (Some(ground), Some(shape)) = (Ground::of(mesh), Support::of(a)) else { return false };
+    let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
+    let pose = Pose { rotation, position: rel.position.as_dvec3() };
+    let (to_mesh, tolerance) = (pose.rotation.transpose(), f64::from(tolerance));
+    let at = to_mesh * -pose.position;
+    let half = shape.half_extents(to_mesh) + DVec3::splat(tolerance);
+    // `f32` rounds the box.
+    let half = half + 1e-6 * (at.abs() + half);
+    let (min, max) = ((at - half).as_vec3(), (at + half).as_vec3());
+    let accuracy = Accuracy { absolute: 0.1 * tolerance, relative: 1e-3 };
+    let mut near = |_: u32, corners: [Vec3; 3]| {
+        let triangle = Support::triangle(corners);
+        let hint = pose.rotation * corners[0].as_dvec3() + pose.position;
+        let gap = core_gap(&shape, &triangle, &pose, hint, &mut Simplex::empty(), accuracy);
+        gap.lower - shape.radius - triangle.radius <= tolerance
+    };
+    match ground {
+        Ground::Mesh(mesh) => mesh.any_in_box(min, max, &mut near),
+        Ground::Field(field) => field.any_in_box(min, max, &mut near),
+    }
 }
 
 macro_rules! triangles {

@@ -55,6 +55,8 @@ pub(crate) struct Header {
     pub(crate) count: u8,
     /// The solver had to push a potential point of it in this step.
     pub(crate) pushed: bool,
+    /// Number of the material of `b`, if it is a mesh or a height field; zero: the shape's own.
+    pub(crate) material: u8,
     /// Fraction of the step at which the contact was found: the pose of first touch. Its separations are
     /// carried back to the start. Zero: found at the start. Others are never recycled.
     pub(crate) fraction: f32,
@@ -150,6 +152,7 @@ impl Contact {
             next: NO_CONTACT,
             count: 0,
             pushed: false,
+            material: 0,
             fraction: 0.0,
             normal: Vec3::Y,
             friction: Vec3::ZERO,
@@ -325,7 +328,7 @@ impl<'a> ContactMut<'a> {
 
     /// Sets the points without impulses.
     fn take(&mut self, raw: &RawManifold, FoundAt { pose, frame, fraction }: FoundAt) {
-        self.count = raw.count as u8;
+        (self.count, self.material) = (raw.count as u8, raw.material as u8);
         self.normal = raw.normal;
         (self.found_at, self.frame, self.fraction) = (pose, frame, fraction);
         self.pushed = false;

@@ -80,13 +80,13 @@ impl BlockOutput<'_> {
             let weight_of = |found: &Fresh| found.weight(pair_of(found), input);
             let lightest = own.min_by_key(|found| weight_of(found));
             if let Some(lightest) = lightest.filter(|found| weight_of(found) < weight) {
-                block.shed += lightest.raw.count;
+                block.shed += lightest.raw.size();
                 *lightest = new;
             } else {
-                block.shed += raw.count;
+                block.shed += raw.size();
             }
         } else {
-            block.shed += raw.count;
+            block.shed += raw.size();
         }
     }
 
@@ -371,7 +371,7 @@ impl FoundContacts {
         for found in found_by(blocks, fresh) {
             let pair = &mut pairs[found.pair as usize];
             if !allowances.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
-                shed += found.raw.count;
+                shed += found.raw.size();
                 continue;
             }
             let at = FoundAt::of(pair, input, found.fraction);
@@ -379,7 +379,7 @@ impl FoundContacts {
             self.touching |= contact.as_ref().touches_anew(input.touch_distance);
             let room = input.room(pair, !allowances.is_endless());
             pair.contact = contacts.insert_within(&contact, room, way.most);
-            shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
+            shed += if pair.contact == NO_CONTACT { found.raw.size() } else { 0 };
         }
         if last {
             allowances.within(Category::Scratch, |allowance| {

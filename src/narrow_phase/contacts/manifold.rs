@@ -36,13 +36,20 @@ pub(crate) struct RawPoint {
 pub(crate) struct RawManifold {
     /// Unit, from `a` to `b`, in the frame of shape `a`.
     pub(crate) normal: Vec3,
-    pub(crate) count: u32,
+    pub(crate) count: u16,
+    /// Number of the material of `b` there; zero: the shape's own.
+    pub(crate) material: u16,
     pub(crate) points: [RawPoint; MAX_POINTS],
 }
 
 impl RawManifold {
     pub(crate) fn points(&self) -> &[RawPoint] {
         &self.points[..self.count as usize]
+    }
+
+    /// How many points it has.
+    pub(crate) fn size(&self) -> u32 {
+        self.count.into()
     }
 
     /// Leaves out the points that are furthest apart until there are so many; returns how many it left out.
@@ -55,7 +62,7 @@ impl RawManifold {
             self.points[from..self.count as usize].rotate_left(1);
             self.count -= 1;
         }
-        before - self.count
+        u32::from(before - self.count)
     }
 
     /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.

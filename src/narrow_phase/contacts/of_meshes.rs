@@ -42,7 +42,7 @@ impl MeshBlock {
     /// Adds a manifold that was found at a fraction of the step.
     pub(crate) fn add(&mut self, raw: RawManifold, fraction: f32) {
         if !self.mesh.allowance.push(&mut self.many, OfMesh { raw, fraction }) {
-            self.mesh.shed += raw.count;
+            self.mesh.shed += raw.size();
         }
     }
 
@@ -55,7 +55,7 @@ impl MeshBlock {
         let listed = self.mesh.allowance.push(&mut self.looked, Looked { pair, start, end });
         if !listed {
             let lost = self.many.drain(start as usize..);
-            self.mesh.shed += lost.map(|found| found.raw.count).sum::<u32>();
+            self.mesh.shed += lost.map(|found| found.raw.size()).sum::<u32>();
         }
         listed
     }
@@ -78,7 +78,7 @@ impl MeshBlock {
     pub(super) fn count_more(&self, pairs: &[Pair], contacts: &Contacts) -> ContactCount {
         let mut count = ContactCount::default();
         for (&Looked { pair, start, end }, (more, _)) in self.looked.iter().zip(self.more(pairs, contacts)) {
-            let new: u32 = self.many[start as usize..end as usize].iter().map(|found| found.raw.count).sum();
+            let new: u32 = self.many[start as usize..end as usize].iter().map(|found| found.raw.size()).sum();
             let slot = pairs[pair as usize].contact;
             let old: usize = contacts.chain(slot).map(|contact| contact.points().len()).sum();
             count.contacts += more.len();
@@ -127,9 +127,9 @@ pub(super) fn commit_meshes(
         let mut last = NO_CONTACT;
         for &OfMesh { ref raw, fraction } in &block.many[start as usize..end as usize] {
             let mut contact = Contact::found(pair.a, pair.b, raw, FoundAt { fraction, ..now });
-            // The manifold of the last step whose normal is nearest.
-            let nearest =
-                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
+            // The manifold of the last step on the same material whose normal is nearest.
+            let same = chain.iter().filter(|old| u16::from(old.material) == raw.material);
+            let nearest = same.max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
                 contact.as_mut().inherit(old.as_ref(), MatchLimits::of(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
@@ -138,7 +138,7 @@ pub(super) fn commit_meshes(
             *touching |= contact.as_ref().touches_anew(input.touch_distance);
             let slot = contacts.insert_within(&contact, 0, most);
             if slot == NO_CONTACT {
-                shed += raw.count;
+                shed += raw.size();
             } else if last == NO_CONTACT {
                 // The first one has all of it; the passes over the rows share it out.
                 contacts.set_rolling(slot, rolling, allowance);

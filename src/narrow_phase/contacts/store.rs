@@ -413,7 +413,7 @@ mod tests {
 
     /// A contact of shapes and keys that no other one has.
     fn contact(id: u32, points: usize) -> Contact {
-        let mut raw = RawManifold { normal: Vec3::Y, count: points as u32, ..RawManifold::default() };
+        let mut raw = RawManifold { normal: Vec3::Y, count: points as u16, ..RawManifold::default() };
         for (point, k) in raw.points.iter_mut().zip(0..) {
             point.key = 10 * id + k;
         }

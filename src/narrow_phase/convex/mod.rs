@@ -97,7 +97,7 @@ fn in_frame(mut manifold: RawManifold, b_in_a: &Pose) -> RawManifold {
 /// The points of a cloud, at most four of them.
 pub(super) fn manifold_of(cloud: &Cloud, normal: Vec3) -> RawManifold {
     let (points, count) = reduce(cloud.points(), normal);
-    RawManifold { normal, count, points }
+    RawManifold { normal, count: count as u16, material: 0, points }
 }
 
 /// A convex shape and the half-space y <= 0 of the frame at `pose`.

@@ -1,10 +1,12 @@
 //! Merges the patches of many triangles into few manifolds.
 //!
-//! Patches whose normals are about the same become one manifold. A box that lies on ten triangles has some
-//! forty points, most of them on flat edges inside its own outline. Points that are furthest in none of eight
-//! directions are dropped before the more expensive reduction to four.
+//! Patches whose normals are about the same become one manifold, if their triangles are of one material. A
+//! box that lies on ten triangles has some forty points, most of them on flat edges inside its own outline.
+//! Points that are furthest in none of eight directions are dropped before the more expensive reduction to
+//! four.
 
 use super::boxes::CORNERS;
+use super::nearby::Ground;
 use super::patch::Patches;
 use crate::config::tuning::{RELATED_NORMAL_COSINE, SAME_NORMAL_COSINE};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
@@ -39,23 +41,28 @@ impl Merge {
     pub(crate) fn manifolds(
         &mut self,
         patches: &Patches,
+        ground: &Ground<'_>,
         pose: &Pose,
         size: f32,
         out: &mut Vec<RawManifold>,
     ) {
         let mut normals = [Vec3::ZERO; MAX_MANIFOLDS];
+        let mut materials = [0; MAX_MANIFOLDS];
         let mut count = 0;
         self.place.clear();
         for patch in &patches.patches {
-            let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
-            let nearest = nearest
+            let material = ground.material(patches.touches[patch.touch as usize].index);
+            // Once there are as many as there may be, materials are told apart no longer: the deepest patch
+            // of a manifold decides.
+            let full = count == MAX_MANIFOLDS;
+            let some = (0..count).filter(|&i| full || materials[i] == material);
+            let nearest = some
+                .map(|i| (normals[i].dot(patch.normal), i))
                 .fold((f32::MIN, MAX_MANIFOLDS), |best, this| if this.0 > best.0 { this } else { best });
-            let place = if nearest.0 > SAME_NORMAL_COSINE
-                || (count == MAX_MANIFOLDS && nearest.0 > RELATED_NORMAL_COSINE)
-            {
+            let place = if nearest.0 > SAME_NORMAL_COSINE || (full && nearest.0 > RELATED_NORMAL_COSINE) {
                 nearest.1
-            } else if count < MAX_MANIFOLDS {
-                normals[count] = patch.normal;
+            } else if !full {
+                (normals[count], materials[count]) = (patch.normal, material);
                 count += 1;
                 count - 1
             } else {
@@ -73,6 +80,7 @@ impl Merge {
                 self.points.extend_from_slice(&patches.points[first..first + patch.count as usize]);
             }
             let mut manifold = few(&self.points, normal, size);
+            manifold.material = materials[i].into();
             // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side
             // they face.
             let side = pose.back(normal);
@@ -121,7 +129,7 @@ fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
         furthest(points, normal, 1e-5 * size).iter().for_each(|&i| take(&points[i]));
     }
     let (points, count) = reduce(&some[..count], normal);
-    RawManifold { normal, count, points }
+    RawManifold { normal, count: count as u16, material: 0, points }
 }
 
 /// The points furthest in eight directions across the normal, and the deepest; some may be the same. The

@@ -267,7 +267,7 @@ pub(crate) fn collide_mesh(
             return true;
         }
     }
-    merge.manifolds(patches, &shape.pose, a.radius, out);
+    merge.manifolds(patches, &ground, &shape.pose, a.radius, out);
     true
 }
 

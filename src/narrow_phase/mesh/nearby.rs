@@ -26,6 +26,14 @@ impl<'a> Ground<'a> {
             _ => None,
         }
     }
+    /// The material of a triangle, by its number.
+    #[inline]
+    pub(crate) fn material(&self, i: u32) -> u8 {
+        match self {
+            Ground::Mesh(mesh) => mesh.material_of(i),
+            Ground::Field(field) => field.material_of(i),
+        }
+    }
     fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
         match self {
             Ground::Mesh(mesh) => mesh.visit_box(min, max, f),

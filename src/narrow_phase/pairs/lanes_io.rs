@@ -101,7 +101,7 @@ impl<L: Lanes> ManifoldLanes<L> {
                 count += 1;
             }
         }
-        out.count = count as u32;
+        out.count = count as u16;
         out
     }
 }
@@ -181,14 +181,14 @@ pub(crate) mod testing {
             let m = kernel(&PairLanes::from_fn(|i| pairs[(start + i).min(last)]));
             for i in 0..L::N.min(pairs.len() - start) {
                 out.push(m.lane(i));
-                assert_eq!(m.lane(i).count, m.count(i));
+                assert_eq!(m.lane(i).size(), m.count(i));
             }
         }
         out
     }
 
     fn bits(m: &RawManifold) -> Vec<u32> {
-        let mut all = vec![m.count];
+        let mut all = vec![m.size()];
         all.extend(m.normal.to_array().map(f32::to_bits));
         for p in m.points() {
             all.extend(p.position.to_array().map(f32::to_bits));

@@ -10,6 +10,7 @@ use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::limits::MAX_COORDINATE;
 use crate::memory::{bytes_of, sum_bytes};
+use crate::shape::Surfaces;
 use crate::shape::mesh::bvh::Path;
 use crate::shape::mesh::edges::{Edges, Fold};
 use crate::shape::mesh::rays::take;
@@ -40,6 +41,8 @@ pub struct HeightField {
     pub(super) has_holes: bool,
     /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
     levels: Vec<Level>,
+    /// Materials of cells.
+    pub(crate) surfaces: Option<Box<Surfaces>>,
 }
 
 #[derive(Clone, Debug)]
@@ -107,7 +110,8 @@ impl HeightField {
             return Err(Error::OutOfRange { what: "folds", expected, value: folds.len() as f64 });
         }
         let has_holes = folds.iter().any(|&bits| bits & holes::HOLE != 0);
-        let mut field = HeightField { columns, rows, cell, heights, folds, has_holes, levels: Vec::new() };
+        let (levels, surfaces) = (Vec::new(), None);
+        let mut field = HeightField { columns, rows, cell, heights, folds, has_holes, levels, surfaces };
         if field.folds.is_empty() {
             field.folds = field.find_folds();
         }
@@ -132,7 +136,7 @@ impl HeightField {
         let own = size_of::<Self>();
         let levels = self.levels.iter().map(|level| bytes_of(&level.bounds));
         let lists = [bytes_of(&self.heights), bytes_of(&self.folds), bytes_of(&self.levels)];
-        sum_bytes(levels.chain(lists).chain([(own, own)]))
+        sum_bytes(levels.chain(lists).chain([Surfaces::bytes(&self.surfaces), (own, own)]))
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ pub(crate) mod segment_triangle;
 use super::corners::Corners;
 use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
+use super::{Material, Surfaces};
 use crate::error::{Error, finite3};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
 use crate::memory::{bytes_of, sum_bytes};
@@ -37,6 +38,8 @@ pub struct TriangleMesh {
     pub(super) tree: MeshBvh,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
+    /// Materials of triangles.
+    pub(crate) surfaces: Option<Box<Surfaces>>,
 }
 
 impl TriangleMesh {
@@ -49,7 +52,24 @@ impl TriangleMesh {
     /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there
     /// are more than 2^28 triangles.
     pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
-        TriangleMesh::build(vertices, triangles, find_edges)
+        TriangleMesh::build(vertices, triangles, find_edges, None)
+    }
+
+    /// The same with materials of the triangles, in the order of these: zero for that of the shape
+    /// ([`ShapeDesc::material`](crate::ShapeDesc::material)), `i` for `materials[i - 1]`. A contact has the
+    /// material of the triangles that it is on. A byte a triangle.
+    ///
+    /// # Errors
+    /// As for [`TriangleMesh::new`]; or the number of triangles isn't that of `of_triangles`, a number is
+    /// beyond the table, which has at most 255 materials, or one of these is out of range.
+    pub fn with_materials(
+        vertices: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        of_triangles: &[u8],
+        materials: &[Material],
+    ) -> Result<TriangleMesh, Error> {
+        let surfaces = Surfaces::new(triangles.len(), of_triangles.to_vec(), materials.to_vec())?;
+        TriangleMesh::build(vertices, triangles, find_edges, Some(surfaces))
     }
 
     /// The same without inactive edges: every edge may yield a normal of its own, as if nothing were beyond
@@ -61,13 +81,14 @@ impl TriangleMesh {
     #[cfg(feature = "lab")]
     pub fn with_active_edges(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
         let open = |_: &[Vec3], triangles: &[[u32; 3]]| vec![Edges::new([Fold::Open; 3]); triangles.len()];
-        TriangleMesh::build(vertices, triangles, open)
+        TriangleMesh::build(vertices, triangles, open, None)
     }
 
     fn build(
         mut vertices: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
         find_edges: impl Fn(&[Vec3], &[[u32; 3]]) -> Vec<Edges>,
+        mut surfaces: Option<Box<Surfaces>>,
     ) -> Result<TriangleMesh, Error> {
         for v in &vertices {
             finite3("mesh vertex", *v)?;
@@ -83,7 +104,7 @@ impl TriangleMesh {
                 value: index.into(),
             });
         }
-        let triangles = weld(&mut vertices, &triangles);
+        let (triangles, given) = weld(&mut vertices, &triangles);
         if triangles.is_empty() {
             return Err(Error::Degenerate("no triangle of the mesh has an area".into()));
         }
@@ -115,9 +136,13 @@ impl TriangleMesh {
             })
         }));
         sorted.shrink_to_fit();
+        if let Some(surfaces) = &mut surfaces {
+            let part = |item: &Item| surfaces.parts[given[item.triangle as usize] as usize];
+            surfaces.parts = items.iter().map(part).collect();
+        }
         let min = sorted.iter().fold(Vec3::INFINITY, |m, v| m.min(*v));
         let max = sorted.iter().fold(Vec3::NEG_INFINITY, |m, v| m.max(*v));
-        Ok(TriangleMesh { vertices: sorted, triangles: in_order, tree, min, max })
+        Ok(TriangleMesh { vertices: sorted, triangles: in_order, tree, min, max, surfaces })
     }
 
     /// Corners of its bounding box [m].
@@ -133,7 +158,9 @@ impl TriangleMesh {
     /// Bytes live and reserved.
     pub fn bytes(&self) -> (usize, usize) {
         let own = size_of::<Self>();
-        sum_bytes([bytes_of(&self.vertices), bytes_of(&self.triangles), self.tree.bytes(), (own, own)])
+        let lists = [bytes_of(&self.vertices), bytes_of(&self.triangles)];
+        let more = [self.tree.bytes(), Surfaces::bytes(&self.surfaces), (own, own)];
+        sum_bytes(lists.into_iter().chain(more))
     }
 
     #[inline(always)]
@@ -379,8 +406,8 @@ pub(super) fn has_area(corners: [Vec3; 3]) -> bool {
 }
 
 /// Makes equal vertices one and drops triangles without area and those that are there already, either way
-/// round.
-fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+/// round. Returns the triangles, and which of those given each is.
+fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<u32>) {
     // Adding zero makes of -0 a +0, so that equal numbers are equal bits.
     vertices.iter_mut().for_each(|v| *v += Vec3::ZERO);
     let bits = |v: u32| vertices[v as usize].to_array().map(f32::to_bits);
@@ -405,7 +432,7 @@ fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     kept.dedup_by_key(|(sorted, _)| *sorted);
     let mut kept: Vec<u32> = kept.into_iter().map(|(_, i)| i).collect();
     kept.sort_unstable();
-    kept.into_iter().map(|i| welded[i as usize]).collect()
+    (kept.iter().map(|&i| welded[i as usize]).collect(), kept)
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
-//! Heights of a field that change while the world runs.
+//! Heights and holes of a field that change while the world runs.
 
 use crate::broad_phase::Aabb;
 use crate::error::Error;
 use crate::handle::ShapeHandle;
 use crate::narrow_phase::NO_CONTACT;
-use crate::shape::{Geometry, HeightField, Patch};
+use crate::shape::{Geometry, HeightField, HolePatch, Patch};
 use crate::world::{Change, World};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 impl World {
     /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
-    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes stay.
+    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay.
     ///
     /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface
     /// and would be below it is lifted, by any height and at once, until its centres are as far above as they
@@ -34,24 +34,76 @@ impl World {
     ) -> Result<(), Error> {
         let collider = self.collider(shape)?;
         let patch = Patch { first, size, heights };
-        let Geometry::HeightField(field) = &self.colliders.all[collider as usize].geometry else {
-            return Err(Error::Degenerate("only a height field has heights".into()));
-        };
-        field.check(&patch)?;
-        let mut field = field.clone();
-        if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
-            // Its own copy from here on; the budget counts it.
-            field = Arc::new((*field).clone());
-            self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
-        }
+        let field = self.own_field(collider, |field| field.check(&patch))?;
         self.note(Change::SetHeights(shape, &patch));
         let bounds = self.bounds_of_patch(collider, &field, &patch);
         self.disturb_box(&bounds);
         self.find_anew(collider, &bounds);
-        self.lift(collider, &field, &patch, &bounds);
+        // How far a ball of this radius has to go.
+        let rise = |at: Vec3, radius: f32| {
+            let [old, new] = field.heights_at(at.x, at.z, &patch)?;
+            let above = at.y - old;
+            (new > old && above > 0.0).then(|| above.min(radius) - (at.y - new))
+        };
+        self.lift(collider, &bounds, rise);
         self.revise(self.colliders.all[collider as usize].body as usize);
-        self.exchange_heights(collider, field, &patch);
+        self.exchange_field(collider, field, |field| field.edit(&patch));
         Ok(())
+    }
+
+    /// Makes holes of some cells of a height field and fills others: of `size[0]` times `size[1]` cells from
+    /// column `first[0]` and row `first[1]` on, row by row, those are holes for which `holes` says so
+    /// ([`HeightField::set_holes`]).
+    ///
+    /// What is near wakes. What lay on a cell that becomes a hole falls. A filled cell carries again. A shape
+    /// in it whose centre is above the surface, by less than its inner radius, is lifted by what is missing
+    /// of that, as by [`World::set_heights`], and what stands on its body too; what overlaps the surface from
+    /// below is left to contacts. What is shared is copied as there.
+    ///
+    /// # Errors
+    /// If the handle is stale, the shape is no height field, the region is refused by the field, or the
+    /// budget does not allow the copy.
+    pub fn set_holes(
+        &mut self,
+        shape: ShapeHandle,
+        first: [usize; 2],
+        size: [usize; 2],
+        holes: &[bool],
+    ) -> Result<(), Error> {
+        let collider = self.collider(shape)?;
+        let patch = HolePatch { first, size, holes };
+        let field = self.own_field(collider, |field| field.check_holes(&patch))?;
+        self.note(Change::SetHoles(shape, &patch));
+        let bounds = self.bounds_of_patch(collider, &field, &patch.samples());
+        self.disturb_box(&bounds);
+        self.find_anew(collider, &bounds);
+        let rise = |at: Vec3, radius: f32| {
+            let above = at.y - field.filled_at(at.x, at.z, &patch)?;
+            (above > 0.0).then_some(radius - above)
+        };
+        self.lift(collider, &bounds, rise);
+        self.revise(self.colliders.all[collider as usize].body as usize);
+        self.exchange_field(collider, field, |field| field.edit_holes(&patch));
+        Ok(())
+    }
+
+    /// The field of a shape, once it was checked: a copy of its own, which the budget counts, if other shapes
+    /// have it too.
+    fn own_field(
+        &mut self,
+        collider: u32,
+        check: impl FnOnce(&HeightField) -> Result<(), Error>,
+    ) -> Result<Arc<HeightField>, Error> {
+        let Geometry::HeightField(field) = &self.colliders.all[collider as usize].geometry else {
+            return Err(Error::Degenerate("only a height field has heights and holes".into()));
+        };
+        check(field)?;
+        let mut field = field.clone();
+        if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
+            field = Arc::new((*field).clone());
+            self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
+        }
+        Ok(field)
     }
 
     /// World bounds of what a patch changes, before and after.
@@ -88,16 +140,14 @@ impl World {
         }
     }
 
-    /// Lifts bodies that stood above the surface and would be below it, and what stands on them.
-    fn lift(&mut self, collider: u32, field: &HeightField, patch: &Patch<'_>, bounds: &Aabb) {
+    /// Lifts bodies that stood above the surface and would be below it, and what stands on them. `rise`: how
+    /// far a ball has to go up [m], from its centre in the field's frame and its radius.
+    fn lift(&mut self, collider: u32, bounds: &Aabb, rise: impl Fn(Vec3, f32) -> Option<f32>) {
         let pose = self.collider_pose(collider);
         let (up, to_field) = (pose.rotation * Vec3::Y, pose.rotation.conjugate());
-        // How far a ball of this radius has to go.
         let lift_of = |centre: DVec3, radius: f32| {
             let at = to_field * (centre - pose.position).as_vec3();
-            let Some([old, new]) = field.heights_at(at.x, at.z, patch) else { return 0.0 };
-            let above = at.y - old;
-            if new > old && above > 0.0 { (above.min(radius) - (at.y - new)).max(0.0) } else { 0.0 }
+            rise(at, radius).map_or(0.0, |lift| lift.max(0.0))
         };
         let mut lifts: Vec<f32> = Vec::new();
         let dynamic = self.bodies.dynamic();
@@ -159,7 +209,12 @@ impl World {
     }
 
     /// Edits a field that was checked, in place if nobody else has it, and takes it as a shape's.
-    fn exchange_heights(&mut self, collider: u32, mut field: Arc<HeightField>, patch: &Patch<'_>) {
+    fn exchange_field(
+        &mut self,
+        collider: u32,
+        mut field: Arc<HeightField>,
+        edit: impl FnOnce(&mut HeightField),
+    ) {
         let before = field.aabb();
         {
             let World { colliders, needs, assets, .. } = self;
@@ -168,7 +223,7 @@ impl World {
             assets.remove(&own.geometry);
             // The shape lets go of it, so that it counts as shared only if somebody else has it.
             own.geometry = Geometry::Plane;
-            Arc::make_mut(&mut field).edit(patch);
+            edit(Arc::make_mut(&mut field));
         }
         let moved = field.aabb() != before;
         if moved {

@@ -4,7 +4,7 @@ use super::mass::movable;
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, ShapeDesc};
+use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, STATICS, ShapeDesc};
 use crate::world::{Change, World};
 
 impl World {
@@ -120,7 +120,9 @@ impl World {
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
         collider.material = material.base();
-        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS) | rare.flags();
+        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS | STATICS)
+            | rare.flags()
+            | collider.geometry.rare_flags();
         self.needs.count(collider, 1);
         self.colliders.summaries[index].flags = collider.flags;
         self.colliders.set_rare(index as u32, rare);
@@ -213,16 +215,42 @@ impl World {
             geometry.require_convex()?;
         }
         self.note(Change::SetSensor(shape, sensor));
+        self.set_sense(index, SENSOR, sensor);
+        Ok(())
+    }
+
+    /// Whether a shape, as a sensor, also notices what is static; see
+    /// [`ShapeDesc::senses_static`](crate::ShapeDesc::senses_static).
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn senses_static(&self, shape: ShapeHandle) -> Result<bool, Error> {
+        Ok(self.colliders.all[self.collider(shape)? as usize].flags & STATICS != 0)
+    }
+
+    /// Sets whether a shape, as a sensor, also notices what is static. What a sensor has noticed leaves, and
+    /// enters anew.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_senses_static(&mut self, shape: ShapeHandle, senses_static: bool) -> Result<(), Error> {
+        let index = self.collider(shape)?;
+        self.note(Change::SetSensesStatic(shape, senses_static));
+        self.set_sense(index, STATICS, senses_static);
+        Ok(())
+    }
+
+    /// Sets a flag that decides about the pairs of a shape.
+    fn set_sense(&mut self, index: u32, flag: u8, set: bool) {
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.leave_broad(index);
         let collider = &mut self.colliders.all[index as usize];
         self.needs.count(collider, -1);
-        collider.flags = collider.flags & !SENSOR | if sensor { SENSOR } else { 0 };
+        collider.flags = collider.flags & !flag | if set { flag } else { 0 };
         self.needs.count(collider, 1);
         self.colliders.summaries[index as usize].flags = collider.flags;
         self.enter_broad(index);
-        Ok(())
     }
 
     /// The caller's number of a shape.

@@ -2,7 +2,7 @@
 //! removed, never searched for.
 
 use crate::config::Continuous;
-use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
+use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, Material, ROLLS, SENSOR, STATICS};
 use crate::world::World;
 use glam::Vec3;
 
@@ -21,6 +21,8 @@ pub(crate) struct Needs {
     /// Shapes that ask for events, are sensors, or have hooks.
     pub(crate) events: u32,
     pub(crate) sensors: u32,
+    /// Sensors that notice what is static.
+    pub(crate) senses_static: u32,
     pub(crate) hooks: u32,
     /// Shapes by the kind of geometry that they share.
     pub(crate) hulls: u32,
@@ -37,17 +39,23 @@ impl Needs {
                 *count = count.wrapping_add_signed(change);
             }
         };
-        let material = &collider.material;
+        let (material, parts) = (&collider.material, collider.geometry.materials());
         // A sensor pushes nothing.
         let solid = !has(SENSOR);
-        let has_friction = material.static_friction > 0.0 || material.dynamic_friction > 0.0 || has(ROLLS);
+        let rubs = |m: &Material| m.static_friction > 0.0 || m.dynamic_friction > 0.0;
+        let has_friction = material.static_friction > 0.0
+            || material.dynamic_friction > 0.0
+            || has(ROLLS)
+            || parts.iter().any(rubs);
         add(&mut self.friction, solid && (has_friction || has(HOOKS)));
         add(&mut self.rolling, solid && has(ROLLS));
         add(&mut self.belts, solid && has(BELT));
         add(&mut self.rare_materials, has(ROLLS | BELT));
-        add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
+        let bounces = material.restitution > 0.0 || parts.iter().any(|part| part.restitution > 0.0);
+        add(&mut self.restitution, solid && (bounces || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));
+        add(&mut self.senses_static, has(SENSOR) && has(STATICS));
         add(&mut self.hooks, has(HOOKS));
         add(&mut self.hulls, collider.kind == Kind::Hull);
         add(&mut self.meshes, collider.kind == Kind::Mesh);

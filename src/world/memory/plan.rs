@@ -7,7 +7,7 @@ use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::{ContactCount, FRESH_BYTES};
-use crate::shape::ROLLS;
+use crate::shape::{Material, ROLLS};
 use crate::world::World;
 
 /// Maximum numbers of pairs, contacts and other content that varies from step to step.
@@ -39,9 +39,12 @@ impl World {
         let mut shapes =
             bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
         let friction = shapes.any(|shape| {
-            let material = &shape.material;
-            let rolls = material.rare().flags() & ROLLS != 0;
-            shape.hooks || material.static_friction > 0.0 || material.dynamic_friction > 0.0 || rolls
+            let mut materials = std::iter::once(&shape.material).chain(shape.geometry.materials());
+            let rubs = |material: &Material| {
+                let rolls = material.rare().flags() & ROLLS != 0;
+                material.static_friction > 0.0 || material.dynamic_friction > 0.0 || rolls
+            };
+            shape.hooks || materials.any(rubs)
         });
         let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
 

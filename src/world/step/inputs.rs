@@ -31,6 +31,7 @@ impl World {
             motion: &forces.motion,
             mode: self.settings.stage_modes().broad,
             unit: self.settings.length_unit,
+            senses_static: self.needs.senses_static > 0,
         };
         movers::place(workers, &input, &mut self.colliders, &mut self.broad, buffers, &mut allowances);
         // The rows of the last step are obsolete, and without pairs there are none to make.

@@ -7,7 +7,7 @@ use crate::config::{Continuous, RowGroup, Settings};
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{Filter, Geometry, MassProperties, Material, Patch, ShapeDesc};
+use crate::shape::{Filter, Geometry, HolePatch, MassProperties, Material, Patch, ShapeDesc};
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
 
@@ -26,6 +26,7 @@ pub(crate) enum Change<'a> {
     SetFilter(ShapeHandle, Filter),
     SetListening(ShapeHandle, bool, bool),
     SetSensor(ShapeHandle, bool),
+    SetSensesStatic(ShapeHandle, bool),
     SetPose(BodyHandle, DVec3, glam::Quat),
     SetVelocity(BodyHandle, Vec3, Vec3),
     AddForce(BodyHandle, Vec3, Vec3),
@@ -74,6 +75,7 @@ pub(crate) enum Change<'a> {
     SetShapePose(ShapeHandle, Vec3, glam::Quat),
     SetDensity(ShapeHandle, f32),
     SetHeights(ShapeHandle, &'a Patch<'a>),
+    SetHoles(ShapeHandle, &'a HolePatch<'a>),
     AddCharacter(&'a Resident),
     RemoveCharacter(CharacterHandle),
     SetCharacter(CharacterHandle, &'a Resident),

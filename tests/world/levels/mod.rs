@@ -6,4 +6,6 @@ mod baked;
 mod descriptions;
 mod heights;
 mod holes;
+mod materials;
 mod scaled;
+mod triggers;

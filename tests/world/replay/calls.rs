@@ -139,7 +139,7 @@ impl Churn {
             self.bodies.extend(self.world.add_body(&desc));
             return self.look_up();
         }
-        let (body, what) = (self.random.of(&self.bodies), self.random.below(43));
+        let (body, what) = (self.random.of(&self.bodies), self.random.below(46));
         let shape = self.shapes.get(self.random.below(self.shapes.len())).copied();
         let Some(shape) = shape else { return };
         let joint = self.joints.get(self.random.below(self.joints.len().max(1))).copied();
@@ -245,6 +245,19 @@ impl Churn {
             }
             40 => world.set_shape_pose(shape, v * 0.1, q),
             41 => world.set_density(shape, if yes && also { 0.0 } else { 1000.0 * (1.0 + v.x) }),
+            43 => world.set_senses_static(shape, yes),
+            44 | 45 => {
+                let is_field = |shape: &&ShapeHandle| {
+                    matches!(world.geometry(**shape).unwrap(), Geometry::HeightField(_))
+                };
+                let Some(&field) = self.shapes.iter().find(is_field) else { return };
+                let first = [4.0 + 4.0 * v.x, 4.0 + 4.0 * w.x].map(|x| x as usize);
+                if what == 44 {
+                    world.set_heights(field, first, [2, 1], &[v.y, w.y])
+                } else {
+                    world.set_holes(field, first, [1, 2], &[yes, also])
+                }
+            }
             _ => world.add_force_at(body, v * 1e4, w.as_dvec3()),
         };
         self.look_up();
@@ -328,7 +341,7 @@ fn change_joint(
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 63] = [
+const CALLS: [&str; 66] = [
     "add_bodies",
     "add_body",
     "add_character",
@@ -362,6 +375,8 @@ const CALLS: [&str; 63] = [
     "set_filter",
     "set_geometry",
     "set_gravity_scale",
+    "set_heights",
+    "set_holes",
     "set_joint_drive",
     "remove_joint_drive",
     "set_joint_target",
@@ -383,6 +398,7 @@ const CALLS: [&str; 63] = [
     "set_max_speeds",
     "set_origin",
     "set_pose",
+    "set_senses_static",
     "set_sensor",
     "set_settings",
     "set_shape_pose",
@@ -423,7 +439,7 @@ fn thousands_of_calls_at_random_play_again() {
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
     let (mut churn, buffer) = Churn::new(settings, 5);
-    churn.run(900, 6);
+    churn.run(1200, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
     churn.world.stop_recording().unwrap();
     let played = plays_again(&buffer.bytes(), hash);

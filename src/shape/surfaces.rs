@@ -1,0 +1,124 @@
+//! Materials of the triangles of a mesh, or of the cells of a height field: a byte each, and a table.
+
+use super::{Geometry, HeightField, Material, TriangleMesh};
+use crate::error::{Error, within};
+use crate::memory::{bytes_of, sum_bytes};
+
+/// Most materials of a table: a byte counts them, and zero is the shape's own.
+pub(super) const MAX_MATERIALS: usize = u8::MAX as usize;
+
+/// The materials of parts of a shape. There is none of it where all parts have the shape's own.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Surfaces {
+    /// For each triangle or cell: zero for the shape's own material, `i` for the table's `i - 1`.
+    pub(super) parts: Vec<u8>,
+    pub(super) table: Vec<Material>,
+}
+
+impl Surfaces {
+    /// For so many triangles or cells.
+    pub(super) fn new(count: usize, parts: Vec<u8>, table: Vec<Material>) -> Result<Box<Surfaces>, Error> {
+        if parts.len() != count {
+            let (what, value) = ("materials of a mesh or a height field", parts.len() as f64);
+            return Err(Error::OutOfRange { what, expected: "one for each triangle or cell", value });
+        }
+        if table.len() > MAX_MATERIALS {
+            return Err(Error::TooMany { what: "materials of a shape", most: MAX_MATERIALS as u64 });
+        }
+        table.iter().try_for_each(Material::validate)?;
+        let most = parts.iter().copied().max().unwrap_or(0);
+        within(
+            "number of a material",
+            f32::from(most),
+            0.0,
+            table.len() as f32,
+            "at most the table's length",
+        )?;
+        Ok(Box::new(Surfaces { parts, table }))
+    }
+
+    /// Bytes live and reserved.
+    pub(super) fn bytes(this: &Option<Box<Surfaces>>) -> (usize, usize) {
+        let Some(this) = this else { return (0, 0) };
+        let own = size_of::<Surfaces>();
+        sum_bytes([bytes_of(&this.parts), bytes_of(&this.table), (own, own)])
+    }
+
+    #[inline]
+    pub(super) fn part(this: &Option<Box<Surfaces>>, i: usize) -> u8 {
+        this.as_ref().map_or(0, |this| this.parts.get(i).copied().unwrap_or(0))
+    }
+
+    pub(super) fn table(this: &Option<Box<Surfaces>>) -> &[Material] {
+        this.as_ref().map_or(&[], |this| &this.table)
+    }
+
+    /// All as words, for a fingerprint; nothing if there are none.
+    pub(crate) fn words(this: &Option<Box<Surfaces>>) -> impl Iterator<Item = u32> + '_ {
+        this.iter().flat_map(|this| {
+            let numbers = |m: &Material| {
+                let how = [m.friction_combine as u32, m.restitution_combine as u32];
+                let of_contacts = [m.static_friction, m.dynamic_friction, m.restitution];
+                let rare = [m.rolling_friction, m.spinning_friction];
+                let numbers = of_contacts.into_iter().chain(rare).chain(m.surface_velocity.to_array());
+                how.into_iter().chain(numbers.map(f32::to_bits)).collect::<Vec<u32>>()
+            };
+            this.parts.iter().map(|&part| part.into()).chain(this.table.iter().flat_map(numbers))
+        })
+    }
+}
+
+impl HeightField {
+    /// The same field with materials of its cells, row by row: zero for that of the shape
+    /// ([`ShapeDesc::material`](crate::ShapeDesc::material)), `i` for `materials[i - 1]`. A contact has the
+    /// material of the cell that it is on. A byte a cell; the materials that it had are replaced.
+    ///
+    /// # Errors
+    /// The number of cells isn't that of `of_cells`, which have a column and a row less than the samples; a
+    /// number is beyond the table, which has at most 255 materials; or one of these is out of range.
+    pub fn with_materials(mut self, of_cells: &[u8], materials: &[Material]) -> Result<HeightField, Error> {
+        let cells = (self.columns - 1) * (self.rows - 1);
+        self.surfaces = Some(Surfaces::new(cells, of_cells.to_vec(), materials.to_vec())?);
+        Ok(self)
+    }
+
+    /// The table of materials; empty if all cells have that of the shape.
+    pub fn materials(&self) -> &[Material] {
+        Surfaces::table(&self.surfaces)
+    }
+
+    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
+    /// `materials()[i - 1]`.
+    pub fn material_of(&self, triangle: u32) -> u8 {
+        Surfaces::part(&self.surfaces, triangle as usize / 2)
+    }
+}
+
+impl TriangleMesh {
+    /// The table of materials; empty if all triangles have that of the shape.
+    pub fn materials(&self) -> &[Material] {
+        Surfaces::table(&self.surfaces)
+    }
+
+    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
+    /// `materials()[i - 1]`.
+    pub fn material_of(&self, triangle: u32) -> u8 {
+        Surfaces::part(&self.surfaces, triangle as usize)
+    }
+}
+
+impl Geometry {
+    /// The materials of its parts, beside that of the shape.
+    pub(crate) fn materials(&self) -> &[Material] {
+        match self {
+            Geometry::Mesh(mesh) => mesh.materials(),
+            Geometry::HeightField(field) => field.materials(),
+            _ => &[],
+        }
+    }
+
+    /// What any of them has that few have; see [`RareMaterial::flags`](super::RareMaterial::flags).
+    pub(crate) fn rare_flags(&self) -> u8 {
+        self.materials().iter().fold(0, |flags, material| flags | material.rare().flags())
+    }
+}
