@@ -58,10 +58,11 @@ impl World {
     /// vetoed; those with static geometry among them. Sensors have none. In the order of the world's pairs,
     /// which depends only on the past, those of sleeping islands last.
     ///
-    /// Takes time with the body's neighbours, not with the world: less than 2 µs for a body in a pile. All
-    /// pairs are looked through for a plane and for a body with very many neighbours, such as a floor; all of
-    /// the island for a body that sleeps, and all that sleep for static and kinematic ones. Allocates nothing.
-    /// For the contacts of most bodies go once through [`World::contacts`].
+    /// Takes time with the body's neighbours, not with the world: 0.5 µs for one of 2000 boxes on a floor,
+    /// where a look through all pairs took 3 to 5 µs (tests/world/reading.rs). All pairs are looked through
+    /// for a plane and for a body with very many neighbours, such as a floor; all of the island for a body
+    /// that sleeps, and all that sleep for static and kinematic ones. Allocates nothing. For the contacts of
+    /// most bodies go once through [`World::contacts`].
     ///
     /// # Errors
     /// If the handle is stale.

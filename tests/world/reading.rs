@@ -363,3 +363,25 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
         assert!(most > 30 && slept, "{most} contacts of one body");
     }
 }
+
+/// Expected: a contact for each box on the floor, and for each that lies on another one a contact of both;
+/// prints what one body takes (`--nocapture`).
+#[test]
+fn contacts_of_one_body_among_many() {
+    let mut world = world();
+    let floor = ShapeDesc::new(Geometry::cuboid(200.0, 1.0, 200.0));
+    world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor)).unwrap();
+    let boxes: Vec<BodyHandle> = (0..2000_u16)
+        .map(|i| {
+            let at = DVec3::new(f64::from(i % 40) * 1.5, 0.5 + f64::from(i / 1600), f64::from(i / 40 % 40) * 1.5);
+            world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+        })
+        .collect();
+    steps(&mut world, 20);
+    for _ in 0..3 {
+        let start = std::time::Instant::now();
+        let found: usize = boxes.iter().map(|&body| world.contacts_of(body).unwrap().count()).sum();
+        println!("{:?} to ask for the contacts of one body", start.elapsed() / boxes.len() as u32);
+        assert_eq!(found, 1600 + 2 * 400);
+    }
+}
