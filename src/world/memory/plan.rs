@@ -31,7 +31,7 @@ impl World {
     pub(crate) fn planned<'a>(
         settings: &Settings,
         bodies: impl IntoIterator<Item = &'a BodyDesc> + Clone,
-        joints: &[JointDesc],
+        (joints, couplings): (&[JointDesc], usize),
         crowd: &ContentForecast,
     ) -> Amounts {
         // No body is ever added to it: it only provides sizes.
@@ -45,8 +45,9 @@ impl World {
         });
         let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
 
-        let more =
-            joints.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
+        let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());
+        let more = joints.iter().map(JointAdditions::of_joint).chain(coupled);
+        let more = more.fold(JointAdditions::default(), JointAdditions::and);
         bytes.add(Category::Joints, empty.joints.missing_columns(more));
         let [lock, row, branch] = JOINT_BYTES;
         let (locks, rows) = more.rows();
