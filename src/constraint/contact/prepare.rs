@@ -3,7 +3,7 @@
 use super::batch::{Batch, unlocked};
 use super::columns::{Columns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow};
-use super::rows::{Rows, Surface, Views, with_batch};
+use super::rows::{Beside, Rows, Surface, Views, with_batch};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
@@ -63,6 +63,12 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) scale: Scale<'a>,
 }
 
+impl PrepareInput<'_> {
+    pub(crate) fn beside(&self) -> Beside {
+        Beside { surfaces: self.surfaces, rolling: self.rolling }
+    }
+}
+
 // Rounding: of a mobility along locked axes.
 /// For bodies with locked axes: share of their mobility below which the rest is rounding.
 pub(crate) const GONE: f32 = 1e-6;
@@ -96,8 +102,8 @@ pub(crate) fn prepare(
     prepared
 }
 
-/// What few batches need besides rows and friction, of the batch at a place of the schedule.
-struct Beside<'a> {
+/// [`Beside`] of the batch at a place of the schedule.
+struct BesideBatch<'a> {
     place: u32,
     surface: Option<&'a mut Surface>,
     rolling: Option<&'a mut RollingRow>,
@@ -127,7 +133,7 @@ fn fill_all(
             let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
             let (surface, rolling) = unsafe { (surfaces.find(place), views.rolling.find(place)) };
-            let beside = Beside { place: place as u32, surface, rolling };
+            let beside = BesideBatch { place: place as u32, surface, rolling };
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
@@ -179,7 +185,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     friction: FrictionToFill<'_, L, B>,
     parts: &[Part],
     tree_slots: Option<&TreeSlots>,
-    beside: Beside<'_>,
+    beside: BesideBatch<'_>,
     input: &PrepareInput<'_>,
 ) {
     let columns =
