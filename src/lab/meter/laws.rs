@@ -215,6 +215,9 @@ impl<'a> Found<'a> {
 
     /// Cone and direction of friction.
     fn friction(&self, law: &SystemLaw, out: &mut Measures) {
+        if self.system.is_rolling(law) {
+            return;
+        }
         let (first, rows) = (law.first, &self.system.rows);
         let (at, most) = match law.law {
             Law::Contact { mu } => (first + 1, mu * rows[first].impulse.max(0.0)),

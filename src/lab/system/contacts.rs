@@ -1,7 +1,16 @@
 //! Rows of contacts, from the batches.
+//!
+//! Rolling and spinning friction is a patch of its own: rows about both tangents and the normal, as velocities
+//! at the distance of the surface from the centre of mass, whose bounds are lever arms over that distance
+//! times the load.
 
 use super::*;
 use crate::constraint::{ContactLane, FrictionLane, tweak_of};
+
+// Rounding: of an arm that is none.
+/// Lever arm against rolling of a contact that only resists spinning, as a share of that: the law of a patch
+/// has the bound of its twist as a multiple of the other.
+const NO_ROLL: f64 = 1e-9;
 
 impl System {
     pub(super) fn take_contacts(&mut self, world: &World, views: &Views<'_>) {
@@ -33,9 +42,9 @@ impl System {
         let bodies = [self.mover(a as usize), b.and_then(|b| self.mover(b as usize))];
         let n = lane.normal.as_dvec3();
         let along = |d: DVec3, arms: [DVec3; 2], bias: f64| SystemRow {
-            bodies,
-            linear: [-d, d],
-            angular: [-arms[0], arms[1]],
+            bodies: of_two(bodies),
+            linear: of_two([-d, d]),
+            angular: of_two([-arms[0], arms[1]]),
             bias,
             compliance: 0.0,
             impulse: 0.0,
@@ -57,7 +66,7 @@ impl System {
             ..along(n, lane.points()[i].arms.map(|arm| arm.as_dvec3()), 0.0)
         };
         let gap = |i: usize| Some(f64::from(lane.points()[i].separation));
-        if let (Some(f), [_]) = (&friction, lane.points()) {
+        if let (Some(f), [_], None) = (&friction, lane.points(), &lane.rolling) {
             // A single point has no arm against twist, so this is exactly Coulomb's cone.
             let [t, s] = tangents(f);
             let mu = f.coefficient.into();
@@ -77,14 +86,31 @@ impl System {
         if let Some(f) = &friction {
             let [t, s] = tangents(f);
             let twist = SystemRow {
-                linear: [DVec3::ZERO; 2],
-                angular: [-n, n],
+                linear: [DVec3::ZERO; SIDES],
                 angle: true,
-                impulse: f64::from(f.impulse[2]) * substeps,
+                impulse: LaneRows::twists(lane)[0] * substeps,
                 ..along(n, [n; 2], 0.0)
             };
             let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());
             self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
+        }
+        if let (Some(f), Some(rolling)) = (&lane.friction, &lane.rolling) {
+            let reach = LaneRows::reach(lane);
+            let about = |d: DVec3, impulse: f64| SystemRow {
+                linear: [DVec3::ZERO; SIDES],
+                impulse: impulse / reach * substeps,
+                ..along(d, [d * reach; 2], 0.0)
+            };
+            let [x, y] = [f.tangent, lane.normal.cross(f.tangent)].map(|t| t.as_dvec3());
+            let rows = [
+                about(x, rolling.impulse[0].into()),
+                about(y, rolling.impulse[1].into()),
+                about(n, LaneRows::twists(lane)[1]),
+            ];
+            let [roll, spin] = [rolling.arm, rolling.spin_arm].map(f64::from);
+            let roll = roll.max(spin * NO_ROLL);
+            let law_of = Law::Patch { mu: roll / reach, arm: spin / roll, first, count: lane.points().len() };
+            self.push(SystemLaw { law: law_of, ..law }, &rows);
         }
     }
 }
