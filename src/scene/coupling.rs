@@ -26,10 +26,7 @@ pub struct SceneCoupling {
 impl SceneCoupling {
     /// A coupling of joints with these indices; `describe` gets handles that stand for them:
     /// `SceneCoupling::new([0, 1], |hinges| CouplingDesc::gear(hinges, [20.0, 31.0]))`.
-    pub fn new(
-        joints: [usize; 2],
-        describe: impl FnOnce([JointHandle; 2]) -> CouplingDesc,
-    ) -> SceneCoupling {
+    pub fn new(joints: [usize; 2], describe: impl FnOnce([JointHandle; 2]) -> CouplingDesc) -> SceneCoupling {
         let desc = describe([0, 1].map(|slot| JointHandle { slot, generation: 0 }));
         SceneCoupling {
             joints: desc.motions.map(|motion| joints[motion.joint.slot as usize & 1]),

@@ -44,8 +44,8 @@ fn rolling(system: &System) -> &SystemLaw {
     system.laws[..system.contacts()].iter().rfind(patch).expect("a patch")
 }
 
-/// A ball on a slope of half of atan(b / r). Expected, by statics: it stays; the row against rolling bears the
-/// torque m g sin(a) r for the step, so as a velocity of its surface m g sin(a) dt; that is half of its
+/// A ball on a slope of half of atan(b / r). Expected, by statics: it stays; the row against rolling bears
+/// the torque m g sin(a) r for the step, so as a velocity of its surface m g sin(a) dt; that is half of its
 /// bound; no law is broken, and the impulses solve the problem of the step. On twice the angle the row is at
 /// its bound b N / r, which is the law too.
 #[test]
@@ -76,7 +76,11 @@ fn a_ball_on_a_slope_breaks_no_law() {
             // Without what the row bears the laws are broken by the speed that the step would give.
             let mut without = system.impulses();
             without[law.first..law.first + 2].fill(0.0);
-            assert!(problem.residual(&without).worst > 0.3 * expected / 2.0, "{:?}", problem.residual(&without));
+            assert!(
+                problem.residual(&without).worst > 0.3 * expected / 2.0,
+                "{:?}",
+                problem.residual(&without)
+            );
         }
     }
 }
@@ -92,8 +96,10 @@ fn spinning_friction_is_at_its_bound() {
         world.set_angular_velocity(ball, Vec3::Y * 30.0).unwrap();
         common::steps(&mut world, 10, DT);
         let system = world.system().unwrap();
-        // As a velocity of the surface, half a metre from the centre.
-        let (borne, most) = (system.rows[rolling(system).first + 2].impulse, 2.0 * G * f64::from(DT) * 0.01);
+        // As a velocity of the surface, half a metre from the centre, where it also resists rolling.
+        let reach = if roll > 0.0 { 0.5 } else { 1.0 };
+        let most = 2.0 * G * f64::from(DT) * 0.005 / reach;
+        let borne = system.rows[rolling(system).first + 2].impulse;
         assert!((borne.abs() / most - 1.0).abs() < 0.01, "{borne} for {most}");
         let measures = &world.accuracy().unwrap().whole;
         assert!(measures.residual.worst < 1e-3 && measures.unexplained < 1e-4, "{measures:?}");

@@ -373,7 +373,8 @@ fn contacts_of_one_body_among_many() {
     world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor)).unwrap();
     let boxes: Vec<BodyHandle> = (0..2000_u16)
         .map(|i| {
-            let at = DVec3::new(f64::from(i % 40) * 1.5, 0.5 + f64::from(i / 1600), f64::from(i / 40 % 40) * 1.5);
+            let at =
+                DVec3::new(f64::from(i % 40) * 1.5, 0.5 + f64::from(i / 1600), f64::from(i / 40 % 40) * 1.5);
             world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
         })
         .collect();

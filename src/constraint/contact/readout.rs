@@ -199,8 +199,8 @@ impl Views<'_> {
 }
 
 impl JointViews<'_> {
-    /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling` with
-    /// each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
+    /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling`
+    /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
     ///
     /// # Safety
     /// No other thread works on the batches.

@@ -61,7 +61,7 @@ pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let unknown = |&i: &usize| {
         let law = &system.laws[i];
-        (i >= system.contacts() && law.gap.is_none()) || system.is_rolling(law)
+        (i >= system.contacts() && law.gap.is_none()) || law.resists
     };
     if step.island.laws.iter().any(unknown) {
         found.solution.status = Status::NoSolution;

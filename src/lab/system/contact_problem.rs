@@ -15,7 +15,7 @@ pub struct Reduction {
     pub held: usize,
     /// Ends of ranges that bear nothing: left out.
     pub open: usize,
-    /// Contacts that resist rolling or spinning: without that, which Coulomb's law at points does not have.
+    /// Points of contacts that resist rolling or spinning: without that, which Coulomb's law does not know.
     pub rolling: usize,
 }
 
@@ -43,7 +43,8 @@ impl System {
             }
         }
         points.contacts = points.laws.len();
-        let rolling = self.laws[..self.contacts].iter().filter(|law| self.is_rolling(law)).count();
+        let rolling =
+            self.laws[..self.contacts].iter().filter(|law| law.resists && law.gap.is_some()).count();
         let mut told = Reduction { rolling, ..Reduction::default() };
         for law in &self.laws[self.contacts..] {
             let row = &self.rows[law.first];

@@ -1,15 +1,17 @@
 //! Rows of contacts, from the batches.
 //!
-//! Rolling and spinning friction is a patch of its own: rows about both tangents and the normal, as velocities
-//! at the distance of the surface from the centre of mass, whose bounds are lever arms over that distance
-//! times the load.
+//! Rolling and spinning friction is a patch of its own: rows about both tangents and the normal, as
+//! velocities at the distance of the surface from the centre of mass, whose bounds are lever arms over that
+//! distance times the load. Where a contact has friction and only resists spinning, that widens the bound of
+//! its twist.
 
 use super::*;
 use crate::constraint::{ContactLane, FrictionLane, tweak_of};
+use glam::Vec3;
 
 // Rounding: of an arm that is none.
-/// Lever arm against rolling of a contact that only resists spinning, as a share of that: the law of a patch
-/// has the bound of its twist as a multiple of the other.
+/// Lever arm against rolling of a contact without friction that only resists spinning, as a share of that:
+/// the law of a patch has the bound of its twist as a multiple of the other.
 const NO_ROLL: f64 = 1e-9;
 
 impl System {
@@ -37,6 +39,7 @@ impl System {
             bouncing: false,
             yields: false,
             drives: false,
+            resists: lane.rolling.is_some(),
             size: x.thickness().min(y.thickness()).into(),
         };
         let bodies = [self.mover(a as usize), b.and_then(|b| self.mover(b as usize))];
@@ -91,26 +94,44 @@ impl System {
                 impulse: LaneRows::twists(lane)[0] * substeps,
                 ..along(n, [n; 2], 0.0)
             };
-            let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());
+            let mut arm = f64::from(f.radius);
+            if let Some(rolling) = lane.rolling.filter(|_| LaneRows::only_spins(lane)) {
+                arm += f64::from(rolling.spin_arm / f.coefficient);
+            }
+            let (mu, count) = (f.coefficient.into(), lane.points().len());
             self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
         }
-        if let (Some(f), Some(rolling)) = (&lane.friction, &lane.rolling) {
-            let reach = LaneRows::reach(lane);
-            let about = |d: DVec3, impulse: f64| SystemRow {
-                linear: [DVec3::ZERO; SIDES],
-                impulse: impulse / reach * substeps,
-                ..along(d, [d * reach; 2], 0.0)
-            };
-            let [x, y] = [f.tangent, lane.normal.cross(f.tangent)].map(|t| t.as_dvec3());
-            let rows = [
-                about(x, rolling.impulse[0].into()),
-                about(y, rolling.impulse[1].into()),
-                about(n, LaneRows::twists(lane)[1]),
-            ];
-            let [roll, spin] = [rolling.arm, rolling.spin_arm].map(f64::from);
-            let roll = roll.max(spin * NO_ROLL);
-            let law_of = Law::Patch { mu: roll / reach, arm: spin / roll, first, count: lane.points().len() };
-            self.push(SystemLaw { law: law_of, ..law }, &rows);
-        }
+        self.take_rolling(lane, law, (bodies, first), substeps);
+    }
+
+    /// Adds the rows against rolling of a contact whose normals begin at a row.
+    fn take_rolling(
+        &mut self,
+        lane: &ContactLane,
+        law: SystemLaw,
+        (bodies, first): ([Option<usize>; 2], usize),
+        substeps: f64,
+    ) {
+        let rolling = lane.rolling.filter(|_| !LaneRows::only_spins(lane));
+        let (Some(f), Some(rolling)) = (&lane.friction, rolling) else { return };
+        let reach = LaneRows::reach(lane);
+        let about = |axis: Vec3, impulse: f64| SystemRow {
+            bodies: of_two(bodies),
+            linear: [DVec3::ZERO; SIDES],
+            angular: of_two([-axis.as_dvec3(), axis.as_dvec3()].map(|axis| axis * reach)),
+            bias: 0.0,
+            compliance: 0.0,
+            impulse: impulse / reach * substeps,
+            angle: false,
+        };
+        let rows = [
+            about(f.tangent, rolling.impulse[0].into()),
+            about(lane.normal.cross(f.tangent), rolling.impulse[1].into()),
+            about(lane.normal, LaneRows::twists(lane)[1]),
+        ];
+        let [roll, spin] = [rolling.arm, rolling.spin_arm].map(f64::from);
+        let roll = roll.max(spin * NO_ROLL);
+        let patch = Law::Patch { mu: roll / reach, arm: spin / roll, first, count: lane.points().len() };
+        self.push(SystemLaw { law: patch, ..law }, &rows);
     }
 }

@@ -17,9 +17,8 @@ pub(super) fn each_end(slot: usize, coupling: &Coupling, joints: [&Joined; 2], f
         compliance: 0.0,
         impulse: 0.0,
         // A joint's error is an angle where the greater factor is on one.
-        angle: (0..2).any(|i| {
-            coupling.terms[i].motion == Motion::Angular && coupling.factors[i].abs() == scale
-        }),
+        angle: (0..2)
+            .any(|i| coupling.terms[i].motion == Motion::Angular && coupling.factors[i].abs() == scale),
     };
     let (mut sum, mut coupled) = (0.0, [None; 2]);
     for (i, joint) in joints.into_iter().enumerate() {
@@ -37,7 +36,11 @@ pub(super) fn each_end(slot: usize, coupling: &Coupling, joints: [&Joined; 2], f
         let arms = [at.arm[0] + at.apart, at.arm[1]];
         add(&mut row, &joint.rigid(Source::Coupling(slot, 2), direction, arms).row);
     }
-    let whole = JointRow { coupled, row, ..joints[0].rigid(Source::Coupling(slot, 2), [DVec3::ZERO; 2], [DVec3::ZERO; 2]) };
+    let whole = JointRow {
+        coupled,
+        row,
+        ..joints[0].rigid(Source::Coupling(slot, 2), [DVec3::ZERO; 2], [DVec3::ZERO; 2])
+    };
     let [min, max] = coupling.range;
     if coupling.is_equality() {
         f(&JointRow { error: (sum - min) / scale, ..whole });

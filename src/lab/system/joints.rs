@@ -56,6 +56,7 @@ impl System {
                 bouncing: false,
                 yields: one.yields,
                 drives: one.drives,
+                resists: false,
                 size: f64::INFINITY,
             };
             self.push(law, &[one.row]);
@@ -63,8 +64,8 @@ impl System {
     }
 }
 
-/// Calls `f` with each row of the joints of awake bodies, then of couplings, at the present poses. Their number
-/// and order do not depend on the poses.
+/// Calls `f` with each row of the joints of awake bodies, then of couplings, at the present poses. Their
+/// number and order do not depend on the poses.
 pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)) {
     let (joints, bodies) = (&world.joints, &world.bodies);
     let enabled = |joint: u32| {

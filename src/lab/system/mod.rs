@@ -65,8 +65,8 @@ pub struct SystemBody {
 /// The most bodies that a row moves: a coupling has two joints.
 pub const SIDES: usize = 4;
 
-/// A direction in which bodies move past each other. `u = Σ linear · v + angular · w` over all of them. Rows of
-/// contacts and joints have two bodies, in the first two places; no body is in two places.
+/// A direction in which bodies move past each other. `u = Σ linear · v + angular · w` over all of them. Rows
+/// of contacts and joints have two bodies, in the first two places; no body is in two places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SystemRow {
     /// Indices of the bodies; none for static ones.
@@ -122,6 +122,8 @@ pub struct SystemLaw {
     pub yields: bool,
     /// Whether it is a drive.
     pub drives: bool,
+    /// Whether it is of a contact whose materials resist rolling or spinning.
+    pub resists: bool,
     /// Size of the smaller of two shapes, from its middle to its surface [m].
     pub size: f64,
 }

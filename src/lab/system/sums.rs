@@ -180,23 +180,35 @@ impl LaneRows {
             }
             _ => 0,
         };
-        LaneRows { points, friction, rolling: if lane.rolling.is_some() { 3 } else { 0 } }
+        let rolls = lane.rolling.is_some() && !Self::only_spins(lane);
+        LaneRows { points, friction, rolling: if rolls { 3 } else { 0 } }
     }
 
-    /// The shares of sliding and of spinning friction in the twist of a lane, which is one row there, by their
-    /// bounds [N m s].
+    /// Whether the twist of its friction has all that its materials resist.
+    pub(in crate::lab) fn only_spins(lane: &ContactLane) -> bool {
+        let rubs = lane.friction.is_some_and(|f| f.coefficient > 0.0);
+        rubs && lane.rolling.is_some_and(|rolling| rolling.arm == 0.0)
+    }
+
+    /// The shares of sliding and of spinning friction in the twist of a lane, which is one row there, by
+    /// their bounds [N m s].
     pub(in crate::lab) fn twists(lane: &ContactLane) -> [f64; 2] {
         let Some(f) = &lane.friction else { return [0.0; 2] };
-        let (slides, spins) = (f.coefficient * f.radius, lane.rolling.map_or(0.0, |rolling| rolling.spin_arm));
+        if Self::only_spins(lane) {
+            return [f.impulse[2].into(), 0.0];
+        }
+        let (slides, spins) =
+            (f.coefficient * f.radius, lane.rolling.map_or(0.0, |rolling| rolling.spin_arm));
         let share = if slides + spins > 0.0 { spins / (slides + spins) } else { 0.0 };
         let (twist, share) = (f64::from(f.impulse[2]), f64::from(share));
         [twist * (1.0 - share), twist * share]
     }
 
-    /// The distance at which rows against rolling are velocities [m]: of the surface from the centres of mass,
-    /// the greater one.
+    /// The distance at which rows against rolling are velocities [m]: of the surface from the centres of
+    /// mass, the greater one.
     pub(in crate::lab) fn reach(lane: &ContactLane) -> f64 {
-        let arms = lane.friction.map_or([0.0; 2], |f| f.arms.map(|arm| f64::from(arm.dot(lane.normal).abs())));
+        let arms =
+            lane.friction.map_or([0.0; 2], |f| f.arms.map(|arm| f64::from(arm.dot(lane.normal).abs())));
         let most = arms[0].max(arms[1]);
         if most > 0.0 { most } else { 1.0 }
     }
@@ -258,7 +270,7 @@ impl Witness for Sums {
                     for (sum, impulse) in own.iter_mut().zip(slid).take(rows.friction) {
                         *sum += impulse;
                     }
-                    if let Some(rolling) = lane.rolling {
+                    if let Some(rolling) = lane.rolling.filter(|_| rows.rolling > 0) {
                         let [x, y] = rolling.impulse.map(f64::from);
                         for (sum, impulse) in own[rows.friction..].iter_mut().zip([x, y, twists[1]]) {
                             *sum += impulse / LaneRows::reach(lane);

@@ -47,8 +47,8 @@ impl Last {
     }
 }
 
-/// A joint or a coupling, by its slot and generation, and which of its rows: it has as many, in the same order,
-/// in every step.
+/// A joint or a coupling, by its slot and generation, and which of its rows: it has as many, in the same
+/// order, in every step.
 type JointRowKey = (bool, u32, u32, u32);
 
 /// Each row of a joint, and its place in the system. Locks of all joints come before their other rows.

@@ -37,8 +37,7 @@ impl World {
     ) -> Amounts {
         // No body is ever added to it: it only provides sizes.
         let mut empty = World { settings: settings.clone(), ..World::default() };
-        let shapes =
-            bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
+        let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
         let mut beside = Beside { surfaces: false, rolling: false };
         let friction = shapes.fold(false, |friction, shape| {
             let material = &shape.material;

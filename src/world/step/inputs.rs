@@ -7,7 +7,9 @@ use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
 };
 use crate::config::{FrictionModel, Settings};
-use crate::constraint::{Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
+use crate::constraint::{
+    Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare,
+};
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
 use crate::memory::{Allowances, Category};

@@ -4,8 +4,8 @@ use super::DT;
 use backstop::glam::{DVec3, Vec3};
 use backstop::scene::{Scene, SceneCoupling, SceneError, SceneJoint, from_bytes, load, write_scene};
 use backstop::{
-    Axes, Axis, BodyDesc, CouplingDesc, Drive, Error, Frame, Geometry, JointDesc, LoadLimits, Material, Motion,
-    Settings, ShapeDesc, World,
+    Axes, Axis, BodyDesc, CouplingDesc, Drive, Error, Frame, Geometry, JointDesc, LoadLimits, Material,
+    Motion, Settings, ShapeDesc, World,
 };
 use std::f64::consts::PI;
 
@@ -128,11 +128,8 @@ fn couplings_of_joints_that_are_not_there_are_refused() {
     let mut scene = machine();
     scene.couplings[3].joints[1] = 99;
     let mut world = World::new(Settings::default()).unwrap();
-    let refused = Error::OutOfRange {
-        what: "coupled joint",
-        expected: "an index of the scene's joints",
-        value: 99.0,
-    };
+    let refused =
+        Error::OutOfRange { what: "coupled joint", expected: "an index of the scene's joints", value: 99.0 };
     assert_eq!(scene.add_to(&mut world).unwrap_err(), refused);
     assert_eq!((world.bodies().count(), world.joint_count(), world.coupling_count()), (0, 0, 0));
     // A file has no place for it.
@@ -154,7 +151,8 @@ fn file(root: &str, material: &str, motion: &str) -> Result<Scene, SceneError> {
                 "collider": {{"geometry": {{"shape": 0}}}}}}}}}},
             {{"extensions": {{"KHR_physics_rigid_bodies": {{"joint": {{"connectedNode": 2, "joint": 0}}}}}}}},
             {{"extensions": {{"KHR_physics_rigid_bodies": {{"joint": {{"connectedNode": 0, "joint": 0}}}}}}}},
-            {{"extensions": {{"KHR_physics_rigid_bodies": {{"joint": {{"connectedNode": 2, "joint": 0}}}}}}}}],
+            {{"extensions": {{"KHR_physics_rigid_bodies":
+                {{"joint": {{"connectedNode": 2, "joint": 0}}}}}}}}],
         "extensions": {{"KHR_implicit_shapes": {{"shapes": [{{"type": "sphere"}}]}},
             "KHR_physics_rigid_bodies": {{"extras": {root}, "physicsJoints": [{{}}],
                 "physicsMaterials": [{{"extras": {material}}}]}}}}}}"#
@@ -192,7 +190,12 @@ fn what_a_file_says_wrongly_is_refused() {
         (motions(&format!("{}, {around}", turn(1))), none, none, "about one axis"),
         (r#"{"backstop": {"coupling": []}}"#.into(), none, none, "unknown field `coupling`"),
         (none.into(), r#"{"backstop": {"rollingFriction": -1}}"#, none, "rolling friction"),
-        (none.into(), r#"{"backstop": {"surfaceVelocity": [1, 2]}}"#, none, "extras, backstop: invalid length"),
+        (
+            none.into(),
+            r#"{"backstop": {"surfaceVelocity": [1, 2]}}"#,
+            none,
+            "extras, backstop: invalid length",
+        ),
         (none.into(), r#"{"backstop": {"rolingFriction": 1}}"#, none, "unknown field `rolingFriction`"),
         (none.into(), none, r#"{"backstop": {"maxLinearSpeed": -3}}"#, "maximum linear speed"),
         (none.into(), none, r#"{"backstop": {"linearDamping": -3}}"#, "linear damping"),

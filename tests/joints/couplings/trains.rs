@@ -135,7 +135,9 @@ fn eccentric_wheels_keep_their_ratio() {
 /// apart from the engine, and no mesh is ever open by more than 2 mrad once they go evenly.
 #[test]
 fn eight_gears_keep_their_teeth_for_ten_minutes() {
-    for (hertz, substeps, inertia) in [(30.0f32, 1, 5.0), (60.0, 4, 0.05), (120.0, 8, 1e-4), (240.0, 2, 300.0)] {
+    for (hertz, substeps, inertia) in
+        [(30.0f32, 1, 5.0), (60.0, 4, 0.05), (120.0, 8, 1e-4), (240.0, 2, 300.0)]
+    {
         for teeth in [[10.0, 10.0], [20.0, 31.0], [31.0, 20.0]] {
             let settings = Settings::default().with_gravity(Vec3::ZERO).with_substeps(substeps);
             let mut world = World::new(settings).unwrap();

@@ -1,5 +1,5 @@
-//! Rolling friction, belts and speed caps at other sizes, masses, rates and substeps than those that they were
-//! made at.
+//! Rolling friction, belts and speed caps at other sizes, masses, rates and substeps than those that they
+//! were made at.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
@@ -8,8 +8,8 @@ use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyHandle, Geometry, Material, Settings, World};
 
 /// A ball of radius r rolls at v = sqrt(2 g r) / 2 with an arm of r / 40. Expected: v² / (2 a) with
-/// a = (5/7) g b / r, in v / a, within 2 %, whatever its mass, the length of the step and the substeps; and it
-/// stands where it stopped.
+/// a = (5/7) g b / r, in v / a, within 2 %, whatever its mass, the length of the step and the substeps; and
+/// it stands where it stopped.
 #[test]
 fn a_ball_of_any_size_rolls_as_far_as_its_arm_says() {
     let mut worst = (0.0, String::new());
@@ -81,7 +81,10 @@ fn a_belt_carries_boxes_of_any_size_up_a_slope() {
                     let name = format!("{half} m, {hertz} Hz, {substeps} substeps, {degrees} degrees");
                     // The start is within a step.
                     let step = (v + pull.abs() * time) / f64::from(hertz);
-                    assert!((way.x - expected).abs() < 0.02 * expected.abs() + step, "{name}: {way} {expected}");
+                    assert!(
+                        (way.x - expected).abs() < 0.02 * expected.abs() + step,
+                        "{name}: {way} {expected}"
+                    );
                     assert!(way.z.abs() < 0.01 * expected.abs(), "{name}: {way}");
                 }
             }

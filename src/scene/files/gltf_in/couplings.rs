@@ -13,10 +13,8 @@ impl Loader<'_> {
         for (i, coupling) in std::mem::take(&mut self.couplings).iter().enumerate() {
             let beyond = |source| SceneError::Limit { file: file.clone(), source };
             self.tally.joints.take(1).map_err(beyond)?;
-            let wrong = |why| SceneError::Malformed {
-                file: file.clone(),
-                what: format!("coupling {i}: {why}"),
-            };
+            let wrong =
+                |why| SceneError::Malformed { file: file.clone(), what: format!("coupling {i}: {why}") };
             match self.coupling(coupling).map_err(wrong)? {
                 Some(coupling) => self.scene.couplings.push(coupling),
                 None => {
@@ -34,9 +32,8 @@ impl Loader<'_> {
         let (Some(joint_a), Some(joint_b)) = (self.joint_of(a)?, self.joint_of(b)?) else {
             return Ok(None);
         };
-        let infinite = |[min, max]: [Option<f64>; 2]| {
-            [min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)]
-        };
+        let infinite =
+            |[min, max]: [Option<f64>; 2]| [min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)];
         let coupling = SceneCoupling {
             joints: [joint_a, joint_b],
             motions: [motion_a, motion_b],

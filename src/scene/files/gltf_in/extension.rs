@@ -1,8 +1,8 @@
 //! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it; and what they have no names
 //! for, in the object `backstop` of their `extras`.
 
-use serde::de::{DeserializeOwned, Deserializer, Error};
 use serde::Deserialize;
+use serde::de::{DeserializeOwned, Deserializer, Error};
 
 pub(in crate::scene) const RIGID_BODIES: &str = "KHR_physics_rigid_bodies";
 pub(in crate::scene) const SHAPES: &str = "KHR_implicit_shapes";
