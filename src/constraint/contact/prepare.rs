@@ -230,6 +230,12 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         of.iter().zip(&points.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
     };
     let (fa, fb) = (mean(&points.arms_a), mean(&points.arms_b));
+    if let Some(surface) = beside.surface {
+        let (past, (t1, t2)) = (vec3::<L>(&columns.past), n.tangents());
+        past.dot(t1).store(&mut surface[0]);
+        past.dot(t2).store(&mut surface[1]);
+        batch.surface = beside.place;
+    }
     match friction {
         FrictionToFill::None => {}
         FrictionToFill::Impact(f) => {
@@ -245,7 +251,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
                 fill_rolling(rolling, &geometry);
                 batch.rolling = beside.place;
             }
-            choose_coefficient(batch, f, &geometry, fb, (beside.place, beside.surface), input);
+            choose_coefficient(batch, f, &geometry, fb, input);
         }
     }
 }
@@ -352,15 +358,13 @@ fn fill_rolling<L: GatherLanes, const P: usize>(row: &mut RollingRow, geometry: 
     L::select(turns, old.dot(t2), L::zero()).store(&mut row.impulse[1]);
 }
 
-/// Chooses static friction below a slip speed, dynamic friction above, and stores the velocity of moving
-/// surfaces.
+/// Chooses static friction below a slip speed, dynamic friction above.
 #[inline(always)]
 fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &mut Batch<L, P, B>,
+    batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     geometry: &Geometry<'_, L, P>,
     fb: Vec3<L>,
-    (place, surface): (u32, Option<&mut Surface>),
     input: &PrepareInput<'_>,
 ) {
     let (n, fa, columns) = (geometry.normal, f.arm_a, geometry.columns);
@@ -370,13 +374,8 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
     let (va, wa) = gather::<L>(record, &batch.a);
     let (vb, wb) = if B > 0 { gather::<L>(record, &batch.b[0].index) } else { (Vec3::zero(), Vec3::zero()) };
     let mut slip = vb + wb.cross(fb) - (va + wa.cross(fa));
-    if let Some(surface) = surface {
-        let past = vec3::<L>(&columns.past);
-        slip += past;
-        let (t1, t2) = n.tangents();
-        past.dot(t1).store(&mut surface[0]);
-        past.dot(t2).store(&mut surface[1]);
-        batch.surface = place;
+    if batch.surface != u32::MAX {
+        slip += vec3::<L>(&columns.past);
     }
     let slip = slip - n * slip.dot(n);
     let sticks = slip.length_squared().lt(L::splat(input.static_slip_speed * input.static_slip_speed));
