@@ -94,10 +94,7 @@ impl System {
                 impulse: LaneRows::twists(lane)[0] * substeps,
                 ..along(n, [n; 2], 0.0)
             };
-            let mut arm = f64::from(f.radius);
-            if let Some(rolling) = lane.rolling.filter(|_| LaneRows::only_spins(lane)) {
-                arm += f64::from(rolling.spin_arm / f.coefficient);
-            }
+            let arm = LaneRows::twist_arm(lane);
             let (mu, count) = (f.coefficient.into(), lane.points().len());
             self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
         }

@@ -190,6 +190,13 @@ impl LaneRows {
         rubs && lane.rolling.is_some_and(|rolling| rolling.arm == 0.0)
     }
 
+    /// The lever arm of twist as a multiple of the bound of friction [m].
+    pub(in crate::lab) fn twist_arm(lane: &ContactLane) -> f64 {
+        let Some(f) = &lane.friction else { return 0.0 };
+        let spins = lane.rolling.filter(|_| Self::only_spins(lane));
+        f64::from(f.radius) + spins.map_or(0.0, |rolling| f64::from(rolling.spin_arm / f.coefficient))
+    }
+
     /// The shares of sliding and of spinning friction in the twist of a lane, which is one row there, by
     /// their bounds [N m s].
     pub(in crate::lab) fn twists(lane: &ContactLane) -> [f64; 2] {

@@ -1,6 +1,5 @@
 //! Couplings, and what else glTF has no names for, in scenes: written, read back, and refused.
 
-use super::DT;
 use backstop::glam::{DVec3, Vec3};
 use backstop::scene::{Scene, SceneCoupling, SceneError, SceneJoint, from_bytes, load, write_scene};
 use backstop::{
