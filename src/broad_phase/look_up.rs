@@ -4,8 +4,9 @@
 //! movers may be outside their boxes, because the solver changed what was predicted: refresh first, unless
 //! only statics matter.
 
-use super::{Aabb, BroadPhase, Path};
-use crate::lanes::{Mask, f32x4};
+use super::{Aabb, BroadPhase, Path, Role};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
+use crate::shape::boxes_meet;
 use glam::Vec3;
 use std::cell::Cell;
 
@@ -17,7 +18,95 @@ pub(crate) enum SearchSet {
     Statics,
 }
 
+/// Most pairs that [`BroadPhase::places_of`] finds without a search of the list.
+const MOST_PLACES: usize = 96;
+/// Colliders that are looked at for each so many pairs of the list before it is searched instead: a look is a
+/// search of the hash table, and costs as much as a few entries of the list (tests/world/reading.rs).
+const PAIRS_A_LOOK: usize = 4;
+
+/// Places in the list of pairs, in ascending order.
+pub(crate) struct Places {
+    places: [u32; MOST_PLACES],
+    count: usize,
+}
+
+impl Places {
+    pub(crate) fn into_iter(self) -> impl Iterator<Item = usize> {
+        let Places { places, count } = self;
+        (0..count).map(move |i| places[i] as usize)
+    }
+}
+
 impl BroadPhase {
+    /// Where the pairs with contacts of some colliders are in the list. None: they are many, or have no
+    /// bounds, so a search of the list is as good. By the trees and the table of pairs: nothing is kept for
+    /// it.
+    pub(crate) fn places_of(&self, colliders: &[u32]) -> Option<Places> {
+        let mut found = Places { places: [0; MOST_PLACES], count: 0 };
+        let mut left = self.pairs.len() / PAIRS_A_LOOK;
+        // Boxes that are newer than pairs don't lead to them.
+        let fits = !self.refreshed && colliders.iter().all(|&c| self.add_places(c, &mut left, &mut found));
+        if !fits {
+            return None;
+        }
+        let places = &mut found.places[..found.count];
+        places.sort_unstable();
+        // A pair of two of them is found twice.
+        let mut kept = 0;
+        for i in 0..places.len() {
+            if i == 0 || places[i] != places[kept - 1] {
+                places[kept] = places[i];
+                kept += 1;
+            }
+        }
+        found.count = kept;
+        Some(found)
+    }
+
+    /// Adds those of one collider; says no if that takes more than `left` looks or places.
+    fn add_places(&self, collider: u32, left: &mut usize, found: &mut Places) -> bool {
+        let role = self.roles[collider as usize];
+        match role {
+            Role::Endless => return false,
+            Role::Absent | Role::New => return true,
+            _ => {}
+        }
+        // A key above the limit is passed over, so a negative limit ends the walk.
+        let (go_on, stop) = (0.0, -1.0);
+        let mut look = |other: u32, _: f32| {
+            let place = self.table.find(&self.pairs, collider, other);
+            let place = place.filter(|&place| self.pairs[place].contact != u32::MAX);
+            if *left == 0 || (place.is_some() && found.count == MOST_PLACES) {
+                *left = 0;
+                return stop;
+            }
+            *left -= 1;
+            if let Some(place) = place {
+                found.places[found.count] = place as u32;
+                found.count += 1;
+            }
+            go_on
+        };
+        let bounds = &self.proxies[collider as usize].bounds;
+        let own = (LaneVec3::splat(bounds.min), LaneVec3::splat(bounds.max));
+        let key = |low: &LaneVec3<f32x4>, high: &LaneVec3<f32x4>, _: f32| {
+            Lanes::select(boxes_meet((*low, *high), own), f32x4::splat(0.0), f32x4::splat(1.0))
+        };
+        let mut most = go_on;
+        if role != Role::Static {
+            for &other in &self.unbounded {
+                most = look(other, most).min(most);
+            }
+            if most == go_on {
+                most = self.statics.visit_keys(&key, most, &mut look);
+            }
+        }
+        if most == go_on {
+            most = self.movers.visit_keys(&key, most, &mut look);
+        }
+        most == go_on
+    }
+
     /// Calls `f` with every collider whose box touches this one.
     pub(crate) fn in_box(
         &self,

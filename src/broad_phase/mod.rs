@@ -37,7 +37,7 @@ use bvh::{NONE, Tree};
 use find::{Block, Blocks, Change};
 pub(crate) use find::{PairMemory, Rules, STACK};
 use glam::Vec3;
-pub(crate) use look_up::SearchSet;
+pub(crate) use look_up::{Places, SearchSet};
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 pub(crate) use query_tree::{QueryIndex, QueryTree, Sorts, WorldView};

@@ -7,6 +7,7 @@
 
 pub mod builtin;
 pub mod comparison;
+mod coupling;
 mod crowd;
 #[cfg(feature = "gltf")]
 mod files;
@@ -19,6 +20,7 @@ mod weld;
 
 pub use builtin::standing::Standing;
 pub use builtin::terrain::Terrain;
+pub use coupling::SceneCoupling;
 pub use plan::Plan;
 pub use record::Recorder;
 
@@ -32,7 +34,7 @@ pub use files::{
 
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
-use crate::handle::{BodyHandle, JointHandle};
+use crate::handle::{BodyHandle, CouplingHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit};
 use crate::world::World;
 use glam::Vec3;
@@ -49,6 +51,8 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// The joints between these bodies.
     pub joints: Vec<SceneJoint>,
+    /// The couplings of these joints.
+    pub couplings: Vec<SceneCoupling>,
     /// Steps of 1/60 s after which there is nothing new to see.
     pub steps: u32,
     /// The file that it is from.
@@ -107,6 +111,8 @@ pub struct Added {
     pub bodies: Vec<BodyHandle>,
     /// Handles of [`Scene::joints`].
     pub joints: Vec<JointHandle>,
+    /// Handles of [`Scene::couplings`].
+    pub couplings: Vec<CouplingHandle>,
 }
 
 impl Scene {
@@ -117,6 +123,7 @@ impl Scene {
             gravity: Vec3::new(0.0, -9.81, 0.0),
             bodies: Vec::new(),
             joints: Vec::new(),
+            couplings: Vec::new(),
             steps: 300,
             source: None,
             parts: Vec::new(),
@@ -140,31 +147,45 @@ impl Scene {
         self.bodies.iter().map(|b| b.desc.clone()).collect()
     }
 
-    /// Adds all bodies and then all joints to a world, or none of them. Gravity is the world's.
+    /// Adds all bodies, then all joints and then all couplings to a world, or none of them. Gravity is the
+    /// world's.
     ///
     /// # Errors
-    /// If the world refuses one, or a joint's index is beyond the bodies.
+    /// If the world refuses one, an index of a joint is beyond the bodies, or one of a coupling beyond the
+    /// joints.
     pub fn add_to(&self, world: &mut World) -> Result<Added, Error> {
         let bodies = world.add_bodies(&self.descs())?;
-        let joints = self.joints.iter().map(|joint| match joint.desc(&bodies) {
-            Some(desc) => Ok(desc),
-            None => {
-                let value = joint.bodies[0].max(joint.bodies[1]) as f64;
-                Err(Error::OutOfRange {
-                    what: "joint body",
-                    expected: "an index of the scene's bodies",
-                    value,
-                })
-            }
-        });
-        let joints = joints.collect::<Result<Vec<_>, _>>().and_then(|joints| world.add_joints(&joints));
-        match joints {
-            Ok(joints) => Ok(Added { bodies, joints }),
+        match self.add_joints(world, &bodies) {
+            Ok((joints, couplings)) => Ok(Added { bodies, joints, couplings }),
             Err(error) => {
-                // This removes their joints too.
+                // This removes their joints and couplings too.
                 bodies.into_iter().try_for_each(|body| world.remove_body(body))?;
                 Err(error)
             }
         }
+    }
+
+    /// Adds the joints and the couplings.
+    fn add_joints(
+        &self,
+        world: &mut World,
+        bodies: &[BodyHandle],
+    ) -> Result<(Vec<JointHandle>, Vec<CouplingHandle>), Error> {
+        let beyond = |what, expected, indices: [usize; 2]| Error::OutOfRange {
+            what,
+            expected,
+            value: indices[0].max(indices[1]) as f64,
+        };
+        let joints = self.joints.iter().map(|joint| {
+            let beyond = || beyond("joint body", "an index of the scene's bodies", joint.bodies);
+            joint.desc(bodies).ok_or_else(beyond)
+        });
+        let joints = world.add_joints(&joints.collect::<Result<Vec<_>, _>>()?)?;
+        let couplings = self.couplings.iter().map(|coupling| {
+            let beyond = || beyond("coupled joint", "an index of the scene's joints", coupling.joints);
+            world.add_coupling(&coupling.desc(&joints).ok_or_else(beyond)?)
+        });
+        let couplings = couplings.collect::<Result<_, _>>()?;
+        Ok((joints, couplings))
     }
 }

@@ -24,7 +24,8 @@ impl Plan {
             (0..scene.bodies.len() as u32).map(|slot| BodyHandle { slot, generation: 1 }).collect();
         let joints: Vec<_> = scene.joints.iter().filter_map(|joint| joint.desc(&handles)).collect();
         let bodies = scene.bodies.iter().map(|body| &body.desc);
-        Plan { bytes: World::planned(settings, bodies, &joints, &crowd::expect(scene, settings)) }
+        let content = (&joints[..], scene.couplings.len());
+        Plan { bytes: World::planned(settings, bodies, content, &crowd::expect(scene, settings)) }
     }
 
     /// Bytes of one category.

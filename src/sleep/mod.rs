@@ -172,7 +172,19 @@ impl Sleep {
 
     /// Pairs of all that sleeps.
     pub(crate) fn sleeping_pairs(&self) -> impl Iterator<Item = &Pair> {
-        let lists = self.islands.iter().map(|island| island.pair);
+        self.kept_by(&self.islands)
+    }
+
+    /// The same, but of the body's own island alone if it sleeps: it is in no others.
+    pub(crate) fn sleeping_pairs_for(&self, slot: u32) -> impl Iterator<Item = &Pair> {
+        self.kept_by(match self.island_of(slot) {
+            Some(island) => &self.islands[island as usize..=island as usize],
+            None => &self.islands,
+        })
+    }
+
+    fn kept_by<'a>(&'a self, islands: &'a [Island]) -> impl Iterator<Item = &'a Pair> {
+        let lists = islands.iter().map(|island| island.pair);
         lists.flat_map(|first| {
             let of = |&place: &u32| Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
             std::iter::successors(Some(first).filter(|&first| first != NONE), of)

@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::body::{BodyKind, Pose, exp_map};
-use crate::broad_phase::Pair;
+use crate::broad_phase::{Pair, Places};
 use crate::config::tuning::TOUCH_DISTANCE;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
@@ -55,9 +55,14 @@ impl BodyContact {
 
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
-    /// vetoed; those with static geometry among them. Sensors have none. In an order that only the past
-    /// depends on. Looks through all pairs of the world, and allocates nothing: for the contacts of many
-    /// bodies go once through [`World::contacts`].
+    /// vetoed; those with static geometry among them. Sensors have none. In the order of the world's pairs,
+    /// which depends only on the past, those of sleeping islands last.
+    ///
+    /// Takes time with the body's neighbours, not with the world: 0.5 µs for one of 2000 boxes on a floor,
+    /// where a look through all pairs took 3 to 5 µs (tests/world/reading.rs). All pairs are looked through
+    /// for a plane and for a body with very many neighbours, such as a floor; all of the island for a body
+    /// that sleeps, and all that sleep for static and kinematic ones. Allocates nothing. For the contacts of
+    /// most bodies go once through [`World::contacts`].
     ///
     /// # Errors
     /// If the handle is stale.
@@ -70,8 +75,13 @@ impl World {
             _ => self.colliders.summaries[c as usize].body as usize == index,
         };
         // An awake dynamic body has none with islands that sleep.
-        let asleep = (index >= self.bodies.dynamic()).then(|| self.sleep.sleeping_pairs());
-        let pairs = self.broad.pairs.iter().chain(asleep.into_iter().flatten());
+        let slot = self.bodies.slot[index];
+        let asleep = (index >= self.bodies.dynamic()).then(|| self.sleep.sleeping_pairs_for(slot));
+        let all = &self.broad.pairs;
+        let places = self.broad.places_of(shapes);
+        let rest = if places.is_none() { all.as_slice() } else { &[] };
+        let few = places.into_iter().flat_map(Places::into_iter).map(|place| &all[place]);
+        let pairs = few.chain(rest).chain(asleep.into_iter().flatten());
         let met = pairs.filter(move |pair| {
             pair.contact != NO_CONTACT
                 && (own(pair.a) || own(pair.b))

@@ -11,6 +11,7 @@ mod lcp;
 mod penalty;
 mod problems;
 mod retroactive;
+mod rolling_and_couplings;
 mod simbench;
 mod tosses;
 mod world_solver;

@@ -1,10 +1,11 @@
 //! What a game reads of bodies and shapes is what it said, and what the last step did.
 
 use crate::common::Floor;
+use crate::common::random::Random;
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Combine, Continuous, Error, Filter, Geometry, Material, RowGroup, Settings,
-    ShapeDesc, World,
+    BodyContact, BodyDesc, BodyHandle, BodyKind, Combine, Continuous, Error, Filter, Geometry, Material,
+    RowGroup, Settings, ShapeDesc, Snapshot, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -295,5 +296,93 @@ fn contacts_of_the_world_are_those_of_its_bodies() {
             let turned = [contact.shapes[1], contact.shapes[0]];
             assert!(world.contacts_of(b).unwrap().any(|own| own.shapes == turned));
         }
+    }
+}
+
+/// What [`World::contacts`] has of a body, by a look at all of the world's.
+fn looked_through(world: &World, body: BodyHandle) -> Vec<BodyContact> {
+    world.contacts().filter(|contact| contact.bodies.contains(&body)).collect()
+}
+
+/// Expected: the list of a look through all contacts of the world, in the same order, for each body after
+/// whatever happens between two questions: steps, removed and added and moved bodies, sleep, waking, a
+/// snapshot, a plane, a floor with more neighbours than are looked up one by one, and fast bodies.
+#[test]
+fn contacts_of_a_body_are_those_of_the_whole_list() {
+    for plane in [false, true] {
+        let mut world = world();
+        world.add_body(&if plane { Floor::Plane } else { Floor::Mesh }.desc(Material::default())).unwrap();
+        let mut random = Random(11);
+        for i in 0..200_u16 {
+            let at = DVec3::new(f64::from(i % 6), 1.0 + f64::from(i / 36), f64::from(i / 6 % 6)) * 1.01;
+            let body = BodyDesc::dynamic().at(at).with_shape(if i % 3 == 0 { ball() } else { cube() });
+            let body = if i % 7 == 0 { body.with_shape(ball().with_position(Vec3::X * 0.8)) } else { body };
+            world.add_body(&body).unwrap();
+        }
+        let lift = BodyDesc::kinematic().at(DVec3::new(3.0, 0.5, -2.0)).moving(Vec3::Z * 0.2, Vec3::ZERO);
+        world.add_body(&lift.with_shape(cube())).unwrap();
+        let (mut most, mut slept) = (0, false);
+        for round in 0..60 {
+            steps(&mut world, if round < 40 { 5 } else { 25 });
+            let bodies: Vec<BodyHandle> = world.bodies().collect();
+            let some = random.of(&bodies);
+            match round % 8 {
+                _ if round >= 40 => {}
+                1 => world.remove_body(some).unwrap(),
+                2 if world.kind(some) == Ok(BodyKind::Dynamic) => {
+                    world.set_pose(some, DVec3::new(2.0, 1.0, 2.0), glam::Quat::IDENTITY).unwrap();
+                }
+                3 => {
+                    let shot = BodyDesc::dynamic().at(DVec3::new(-9.0, 1.0, 3.0));
+                    world.add_body(&shot.moving(Vec3::X * 80.0, Vec3::ZERO).with_shape(ball())).unwrap();
+                }
+                5 => {
+                    let mut snapshot = Snapshot::new();
+                    world.snapshot(&mut snapshot);
+                    world.restore(&snapshot).unwrap();
+                }
+                6 => world.wake(some).unwrap(),
+                _ => {}
+            }
+            for body in world.bodies().collect::<Vec<_>>() {
+                slept |= world.is_asleep(body) == Ok(true);
+                let mut own: Vec<BodyContact> = world.contacts_of(body).unwrap().collect();
+                most = most.max(own.len());
+                assert!(own.iter().all(|contact| contact.bodies[0] == body));
+                let all = looked_through(&world, body);
+                for (contact, listed) in own.iter_mut().zip(&all) {
+                    if contact.bodies != listed.bodies {
+                        contact.bodies.reverse();
+                        contact.shapes.reverse();
+                        contact.normal = -contact.normal;
+                    }
+                }
+                assert_eq!(own, all, "round {round}");
+            }
+        }
+        assert!(most > 30 && slept, "{most} contacts of one body");
+    }
+}
+
+/// Expected: a contact for each box on the floor, and for each that lies on another one a contact of both;
+/// prints what one body takes (`--nocapture`).
+#[test]
+fn contacts_of_one_body_among_many() {
+    let mut world = world();
+    let floor = ShapeDesc::new(Geometry::cuboid(200.0, 1.0, 200.0));
+    world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor)).unwrap();
+    let boxes: Vec<BodyHandle> = (0..2000_u16)
+        .map(|i| {
+            let at =
+                DVec3::new(f64::from(i % 40) * 1.5, 0.5 + f64::from(i / 1600), f64::from(i / 40 % 40) * 1.5);
+            world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+        })
+        .collect();
+    steps(&mut world, 20);
+    for _ in 0..3 {
+        let start = std::time::Instant::now();
+        let found: usize = boxes.iter().map(|&body| world.contacts_of(body).unwrap().count()).sum();
+        println!("{:?} to ask for the contacts of one body", start.elapsed() / boxes.len() as u32);
+        assert_eq!(found, 1600 + 2 * 400);
     }
 }

@@ -147,12 +147,12 @@ impl<const P: usize> Columns<P> {
             out.put_points(&entry, input);
             if touching {
                 out.put_friction_impulse(&entry, input);
-                if input.surfaces {
-                    out.put_surface(&entry, input);
-                }
                 if input.rolling && (shape_a.flags | shape_b.flags) & ROLLS != 0 {
                     out.put_rolling(&entry, input);
                 }
+            }
+            if input.surfaces {
+                out.put_surface(&entry, input);
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {

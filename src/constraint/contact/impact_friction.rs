@@ -43,6 +43,10 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
     if B > 0 {
         u += v.vb + v.wb.cross(arm_b);
     }
+    if let Some([x, y]) = pass.surfaces.get(batch.surface as usize) {
+        let (t1, t2) = n.tangents();
+        u += t1 * L::load(x) + t2 * L::load(y);
+    }
     let u = u - n * n.dot(u);
     let speed = u.length();
     let slides = speed.gt(L::zero());
@@ -53,7 +57,7 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
     if B > 0 {
         k += on_b.length_squared() * batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
     }
-    // No more than stops the slip: it removes energy and never adds any.
+    // No more than stops the slip: where no surface moves, it removes energy and never adds any.
     let most = L::select(slides & k.gt(L::zero()), speed / k, L::zero());
     let p = -(load * f.coefficient).min(most);
     v.apply(batch, direction * p, ta * p, tb * p);

@@ -3,7 +3,7 @@
 use super::batch::{Batch, unlocked};
 use super::columns::{Columns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow};
-use super::rows::{Rows, Surface, Views, with_batch};
+use super::rows::{Beside, Rows, Surface, Views, with_batch};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
@@ -70,6 +70,10 @@ impl PrepareInput<'_> {
         let of_part = self.colliders[collider as usize].part_material(part).map(Material::rare);
         of_part.or(own).unwrap_or_default()
     }
+
+    pub(crate) fn beside(&self) -> Beside {
+        Beside { surfaces: self.surfaces, rolling: self.rolling }
+    }
 }
 
 // Rounding: of a mobility along locked axes.
@@ -105,8 +109,8 @@ pub(crate) fn prepare(
     prepared
 }
 
-/// What few batches need besides rows and friction, of the batch at a place of the schedule.
-struct Beside<'a> {
+/// [`Beside`] of the batch at a place of the schedule.
+struct BesideBatch<'a> {
     place: u32,
     surface: Option<&'a mut Surface>,
     rolling: Option<&'a mut RollingRow>,
@@ -136,7 +140,7 @@ fn fill_all(
             let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
             let (surface, rolling) = unsafe { (surfaces.find(place), views.rolling.find(place)) };
-            let beside = Beside { place: place as u32, surface, rolling };
+            let beside = BesideBatch { place: place as u32, surface, rolling };
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
@@ -188,7 +192,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     friction: FrictionToFill<'_, L, B>,
     parts: &[Part],
     tree_slots: Option<&TreeSlots>,
-    beside: Beside<'_>,
+    beside: BesideBatch<'_>,
     input: &PrepareInput<'_>,
 ) {
     let columns =
@@ -233,6 +237,12 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         of.iter().zip(&points.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
     };
     let (fa, fb) = (mean(&points.arms_a), mean(&points.arms_b));
+    if let Some(surface) = beside.surface {
+        let (past, (t1, t2)) = (vec3::<L>(&columns.past), n.tangents());
+        past.dot(t1).store(&mut surface[0]);
+        past.dot(t2).store(&mut surface[1]);
+        batch.surface = beside.place;
+    }
     match friction {
         FrictionToFill::None => {}
         FrictionToFill::Impact(f) => {
@@ -248,7 +258,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
                 fill_rolling(rolling, &geometry);
                 batch.rolling = beside.place;
             }
-            choose_coefficient(batch, f, &geometry, fb, (beside.place, beside.surface), input);
+            choose_coefficient(batch, f, &geometry, fb, input);
         }
     }
 }
@@ -355,15 +365,13 @@ fn fill_rolling<L: GatherLanes, const P: usize>(row: &mut RollingRow, geometry: 
     L::select(turns, old.dot(t2), L::zero()).store(&mut row.impulse[1]);
 }
 
-/// Chooses static friction below a slip speed, dynamic friction above, and stores the velocity of moving
-/// surfaces.
+/// Chooses static friction below a slip speed, dynamic friction above.
 #[inline(always)]
 fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &mut Batch<L, P, B>,
+    batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     geometry: &Geometry<'_, L, P>,
     fb: Vec3<L>,
-    (place, surface): (u32, Option<&mut Surface>),
     input: &PrepareInput<'_>,
 ) {
     let (n, fa, columns) = (geometry.normal, f.arm_a, geometry.columns);
@@ -373,13 +381,8 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
     let (va, wa) = gather::<L>(record, &batch.a);
     let (vb, wb) = if B > 0 { gather::<L>(record, &batch.b[0].index) } else { (Vec3::zero(), Vec3::zero()) };
     let mut slip = vb + wb.cross(fb) - (va + wa.cross(fa));
-    if let Some(surface) = surface {
-        let past = vec3::<L>(&columns.past);
-        slip += past;
-        let (t1, t2) = n.tangents();
-        past.dot(t1).store(&mut surface[0]);
-        past.dot(t2).store(&mut surface[1]);
-        batch.surface = place;
+    if batch.surface != u32::MAX {
+        slip += vec3::<L>(&columns.past);
     }
     let slip = slip - n * slip.dot(n);
     let sticks = slip.length_squared().lt(L::splat(input.static_slip_speed * input.static_slip_speed));

@@ -35,6 +35,17 @@ pub(crate) struct FrictionLane {
     pub(crate) impulse: [f32; 3],
 }
 
+/// Friction against rolling and spinning of a manifold that touches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RollingLane {
+    /// Lever arms of the load [m]; one of them at least is positive.
+    pub(crate) arm: f32,
+    pub(crate) spin_arm: f32,
+    /// On the second body, about both tangents of friction [N m s]. Spinning friction is in the twist of
+    /// [`FrictionLane`].
+    pub(crate) impulse: [f32; 2],
+}
+
 /// Friction of the impact of a manifold that doesn't touch yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImpactLane {
@@ -57,6 +68,8 @@ pub(crate) struct ContactLane {
     points: [PointLane; 4],
     count: usize,
     pub(crate) friction: Option<FrictionLane>,
+    /// For one with friction, if its materials resist rolling or spinning.
+    pub(crate) rolling: Option<RollingLane>,
     /// For a potential contact that will have friction once it touches.
     pub(crate) impact: Option<ImpactLane>,
 }
@@ -68,8 +81,8 @@ impl ContactLane {
 }
 
 /// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the
-/// normal.
-pub(crate) type LaneImpulses = ([f32; 4], [f32; 3]);
+/// normal, then against rolling about both tangents.
+pub(crate) type LaneImpulses = ([f32; 4], [f32; 3], [f32; 2]);
 
 impl Views<'_> {
     /// Calls `f` with each lane that has a contact, in the order in which they are solved.
@@ -118,6 +131,8 @@ impl Views<'_> {
         let mut rows = if potential { None } else { unsafe { friction.touching(of) } };
         // SAFETY: by the contract.
         let impact = if potential { unsafe { friction.impact(of) } } else { None };
+        // SAFETY: by the contract.
+        let mut rolling = if potential { None } else { unsafe { self.rolling_of(batch) } };
         for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
             let mut out = ContactLane {
                 part: batch.contact[lane],
@@ -131,6 +146,7 @@ impl Views<'_> {
                 points: [PointLane::default(); 4],
                 count: 0,
                 friction: None,
+                rolling: None,
                 impact: impact.map(|row| ImpactLane {
                     coefficient: row.coefficient.lane(lane),
                     along: row.along.lane(lane),
@@ -157,7 +173,13 @@ impl Views<'_> {
                 surface: self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane])),
                 impulse: [f.impulse[0].lane(lane), f.impulse[1].lane(lane), f.twist.lane(lane)],
             });
-            let Some((normal, friction_impulses)) = f(&out) else { continue };
+            let resists = rolling.as_ref().map(|row| RollingLane {
+                arm: row.arm[lane],
+                spin_arm: row.spin_arm[lane],
+                impulse: row.impulse.map(|impulse| impulse[lane]),
+            });
+            out.rolling = resists.filter(|row| out.friction.is_some() && row.arm.max(row.spin_arm) > 0.0);
+            let Some((normal, friction_impulses, rolls)) = f(&out) else { continue };
             let there = batch.points.iter_mut().filter(|point| point.separation.lane(lane).is_finite());
             for (point, impulse) in there.zip(normal) {
                 point.impulse.set_lane(lane, impulse);
@@ -167,12 +189,18 @@ impl Views<'_> {
                 friction.impulse[1].set_lane(lane, friction_impulses[1]);
                 friction.twist.set_lane(lane, friction_impulses[2]);
             }
+            if let (Some(row), Some(_)) = (&mut rolling, out.rolling) {
+                for (impulse, new) in row.impulse.iter_mut().zip(rolls) {
+                    impulse[lane] = new;
+                }
+            }
         }
     }
 }
 
 impl JointViews<'_> {
-    /// Calls `lock` with each lock and its impulse, and `row` with each other row and its own.
+    /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling`
+    /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
     ///
     /// # Safety
     /// No other thread works on the batches.
@@ -180,6 +208,7 @@ impl JointViews<'_> {
         &self,
         lock: &mut dyn FnMut(u32, Vec3),
         row: &mut dyn FnMut(u32, RowImpulse),
+        coupling: &mut dyn FnMut(u32, [f32; 2], [[Vec3; 2]; 2]),
     ) {
         let mut to = Call { lock, row };
         // SAFETY: by the contract.
@@ -190,6 +219,7 @@ impl JointViews<'_> {
             self.tables.report(false, &mut to);
             self.trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
             self.single_trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
+            self.each_coupling(&mut to, coupling);
         }
     }
 }

@@ -48,6 +48,23 @@ pub(crate) struct Rows {
     pub(crate) rolling: Vec<RollingRow>,
 }
 
+/// What each batch of the schedule has besides its rows and friction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beside {
+    /// Whether any surface moves.
+    pub(crate) surfaces: bool,
+    /// Whether any shape resists rolling or spinning.
+    pub(crate) rolling: bool,
+}
+
+impl Beside {
+    /// Bytes of a batch.
+    pub(crate) fn bytes(self) -> usize {
+        let of = |is_there: bool, bytes: usize| if is_there { bytes } else { 0 };
+        of(self.surfaces, size_of::<Surface>()) + of(self.rolling, size_of::<RollingRow>())
+    }
+}
+
 /// Velocity of the surfaces of each lane past each other, along the two tangents of friction [m/s].
 pub(crate) type Surface = [[f32; 8]; 2];
 
@@ -56,13 +73,13 @@ impl Rows {
     pub(crate) const SIZES: Tally = [sizes::<1>(), sizes::<0>()];
 
     /// Minimum number of contacts for which a batch takes less memory than single rows.
-    pub(crate) fn worth(points: usize, group: Group, friction: bool) -> usize {
+    pub(crate) fn worth(points: usize, group: Group, friction: bool, beside: Beside) -> usize {
         let sizes = &Self::SIZES[usize::from(group.is_static())];
         let of_friction = |single: usize| {
             if friction { sizes[FRICTION + 2 * usize::from(group.is_potential()) + single] } else { 0 }
         };
-        let single = sizes[4] + of_friction(1) + size_of::<BatchRef>();
-        (sizes[points - 1] + of_friction(0)).div_ceil(single)
+        let single = sizes[4] + of_friction(1) + size_of::<BatchRef>() + beside.bytes();
+        (sizes[points - 1] + of_friction(0) + beside.bytes()).div_ceil(single)
     }
 
     /// Bytes for so many batches and friction rows.
@@ -75,11 +92,16 @@ impl Rows {
         [of(0..FRICTION), of(FRICTION..KINDS)]
     }
 
-    /// Reserves exactly what is missing for so many; if need be, out of what the other buffer has to spare.
-    /// Returns whether there is room for all.
-    pub(crate) fn reserve(&mut self, wanted: &Tally, allowance: &mut Allowance) -> bool {
+    /// Reserves exactly what is missing for so many, with what the batches of the schedule have beside them;
+    /// if need be, out of what the other buffer has to spare. Returns whether there is room for all.
+    pub(crate) fn reserve(&mut self, wanted: &Tally, beside: Beside, allowance: &mut Allowance) -> bool {
         let [batches, friction] = Self::bytes_of(wanted);
-        let lacking = self.batches.missing(batches) + self.friction.missing(friction);
+        let count = |is_there: bool| if is_there { self.schedule.len() } else { 0 };
+        let (surfaces, rolling) = (count(beside.surfaces), count(beside.rolling));
+        let lacking = self.batches.missing(batches)
+            + self.friction.missing(friction)
+            + self.surfaces.missing(surfaces)
+            + self.rolling.missing(rolling);
         let spare = self.batches.spare(batches) + self.friction.spare(friction);
         if lacking > allowance.left().saturating_add(spare) {
             return false;
@@ -93,6 +115,8 @@ impl Rows {
         allowance.take(lacking);
         self.batches.reserve_total(batches);
         self.friction.reserve_total(friction);
+        self.surfaces.reserve_total(surfaces);
+        self.rolling.reserve_total(rolling);
         true
     }
 
@@ -143,14 +167,21 @@ impl Rows {
 
     /// Bytes that are missing for so many batches of one to four points, with dynamic and with static bodies
     /// `b`, and so many stages, where there are none yet.
-    pub(crate) fn missing(&self, batches: [[usize; 4]; 2], stages: usize, friction: bool) -> usize {
+    pub(crate) fn missing(
+        &self,
+        batches: [[usize; 4]; 2],
+        stages: usize,
+        friction: bool,
+        beside: Beside,
+    ) -> usize {
         let mut tally = Tally::default();
         for (side, batches) in tally.iter_mut().zip(batches) {
             side[..4].copy_from_slice(&batches);
             side[FRICTION] = if friction { batches.iter().sum() } else { 0 };
         }
         let [rows, friction] = Self::bytes_of(&tally);
-        let lists = self.schedule.missing(batches.iter().flatten().sum()) + self.stages.missing(stages);
+        let all = batches.iter().flatten().sum::<usize>();
+        let lists = self.schedule.missing(all) + self.stages.missing(stages) + all * beside.bytes();
         self.batches.missing(rows) + self.friction.missing(friction) + lists
     }
 
@@ -187,6 +218,11 @@ impl Rows {
     /// Reserved bytes of friction.
     pub(crate) fn friction_bytes(&self) -> usize {
         self.friction.bytes(0).1
+    }
+
+    /// Reserved bytes of what batches have beside them.
+    pub(crate) fn beside_bytes(&self) -> usize {
+        bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1
     }
 
     /// Live and reserved bytes.

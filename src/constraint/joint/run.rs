@@ -4,6 +4,8 @@ use super::arrange::{JointRows, JointStage};
 use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
+#[cfg(feature = "lab")]
+use super::store::Report;
 use crate::constraint::articulation::close::Closing;
 use crate::constraint::articulation::contacts::{Request, TreeLanes};
 use crate::constraint::articulation::slots::TreeRef;
@@ -38,6 +40,26 @@ macro_rules! on_trees {
             $call
         }
     };
+}
+
+#[cfg(feature = "lab")]
+impl JointViews<'_> {
+    /// Reports the drives in blocks of couplings, and calls `coupling` with each coupling by its slot, its
+    /// impulses at both ends, and force and torque on each of its joints per impulse.
+    ///
+    /// # Safety
+    /// No other thread works on the blocks.
+    pub(crate) unsafe fn each_coupling(
+        &self,
+        drives: &mut impl Report,
+        coupling: &mut dyn FnMut(u32, [f32; 2], [[glam::Vec3; 2]; 2]),
+    ) {
+        // SAFETY: by the contract.
+        for block in unsafe { self.couplings.all() } {
+            block.report_drives(drives);
+            block.report_levers(coupling);
+        }
+    }
 }
 
 impl JointRows {

@@ -120,6 +120,9 @@ pub(crate) fn arrange(
         allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
         return prepared;
     }
+    let reserve = |batches: &Tally, rows: &mut Rows, allowances: &mut Allowances| {
+        allowances.within(Category::Rows, |allowance| rows.reserve(batches, input.beside(), allowance))
+    };
     // Maximum number of stages.
     scratch.keys.reset(input.order, input.bodies.solved_after_groups());
     let ahead = Ahead::new(input);
@@ -127,7 +130,7 @@ pub(crate) fn arrange(
     let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
     let (prepared, fits) = sort(input, scratch, Some(Thrift::none(place)), ahead);
     let batches = schedule(input, rows, scratch, false);
-    if fits && allowances.within(Category::Rows, |allowance| rows.reserve(&batches, allowance)) {
+    if fits && reserve(&batches, rows, allowances) {
         allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
         return prepared;
     }
@@ -142,7 +145,7 @@ pub(crate) fn arrange(
         let thrift = Thrift::after(step, &counts, place);
         let (prepared, fits) = sort(input, scratch, Some(thrift), ahead);
         let batches = schedule(input, rows, scratch, true);
-        let fits = fits && allowances.within(Category::Rows, |allowance| rows.reserve(&batches, allowance));
+        let fits = fits && reserve(&batches, rows, allowances);
         if last {
             allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
             return prepared;
@@ -388,7 +391,8 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
             // The points of the first part, which has the most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
             let count = (width as u32).min(tree_start - at);
-            if thin && !serial && (count as usize) < Rows::worth(points, layer.group, input.friction) {
+            let worth = || Rows::worth(points, layer.group, input.friction, input.beside());
+            if thin && !serial && (count as usize) < worth() {
                 for at in at..at + count {
                     rows.schedule.push(batch(0, layer.group));
                     ranges.push((at, 1));

@@ -194,8 +194,10 @@ impl<'a> Found<'a> {
                 let turned = if twist > 0.0 { r(2) - (r(2) - u(2) / twist).clamp(-most, most) } else { 0.0 };
                 let error = s * (own[0] - to[0]).hypot(own[1] - to[1]);
                 let free = if normal > 0.0 { self.free[first].hypot(self.free[first + 1]) } else { 0.0 };
-                // A twist is the velocity of the points about their middle.
-                (error.hypot(twist * turned * arm), free)
+                // A twist is the velocity of the points about their middle; rows against rolling are
+                // velocities as they are.
+                let reach = if self.system.is_rolling(law) { 1.0 } else { arm };
+                (error.hypot(twist * turned * reach), free)
             }
         }
     }
@@ -215,6 +217,9 @@ impl<'a> Found<'a> {
 
     /// Cone and direction of friction.
     fn friction(&self, law: &SystemLaw, out: &mut Measures) {
+        if self.system.is_rolling(law) {
+            return;
+        }
         let (first, rows) = (law.first, &self.system.rows);
         let (at, most) = match law.law {
             Law::Contact { mu } => (first + 1, mu * rows[first].impulse.max(0.0)),

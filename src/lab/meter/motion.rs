@@ -1,7 +1,7 @@
 //! Energy and momentum of a step.
 
 use super::Measures;
-use crate::lab::system::{JointRow, System, SystemRow, Velocity};
+use crate::lab::system::{JointRow, SIDES, System, SystemRow, Velocity};
 use crate::world::World;
 use glam::DVec3;
 
@@ -108,7 +108,7 @@ fn changes(system: &System, joints: &[JointRow]) -> Vec<Velocity> {
     let laws = system.laws[system.contacts()..].iter().zip(joints);
     for (law, end) in laws {
         let start = &system.rows[law.first];
-        for side in 0..2 {
+        for side in 0..SIDES {
             if let Some(i) = start.bodies[side] {
                 let body = &system.bodies[i];
                 let half = 0.5 * start.impulse;

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub(super) struct Block {
     /// Indices of laws in the system, in ascending order.
     pub(super) laws: Vec<usize>,
-    /// Indices of its bodies.
+    /// Indices of its bodies, of a coupling of the first two.
     pub(super) bodies: [Option<usize>; 2],
     pub(super) contact: bool,
 }
@@ -25,13 +25,14 @@ impl Block {
         let mut joints = Vec::new();
         for &i in &island.laws {
             let law = &system.laws[i];
-            let bodies = system.rows[law.first].bodies;
+            let [a, b, ..] = system.rows[law.first].bodies;
+            let bodies = [a, b];
             let key = match law.owner {
                 Owner::Contact(_) => (0, bodies),
-                Owner::Joint(joint) => {
-                    let known = joints.iter().position(|own| *own == joint);
+                owner @ (Owner::Joint(_) | Owner::Coupling(_)) => {
+                    let known = joints.iter().position(|own| *own == owner);
                     let place = known.unwrap_or_else(|| {
-                        joints.push(joint);
+                        joints.push(owner);
                         joints.len() - 1
                     });
                     (1 + place, bodies)

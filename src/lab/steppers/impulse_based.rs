@@ -25,8 +25,8 @@ const HOPS: f64 = 4.0;
 /// Parts of a collision over which its slip is followed.
 const PARTS: u32 = 64;
 
-/// Treats every contact as a train of collisions with friction, in the order of time. Islands with joints are
-/// refused ([`Status::NoSolution`]).
+/// Treats every contact as a train of collisions with friction, in the order of time. Islands with joints or
+/// with rolling or spinning friction are refused ([`Status::NoSolution`]).
 pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let (points, of) = step.system.with_points(step.island);
     let mut moving = Moving::new(&points, |body| body.start);
@@ -58,7 +58,12 @@ pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let mut found = resolution(step, &moving, &all, events);
     let mean = |&i: &usize| moving.way[i].map(|way| way / step.system.dt);
     found.moving = Some(step.island.bodies.iter().map(mean).collect());
-    if step.island.laws.iter().any(|&i| step.system.laws[i].gap.is_none() && i >= step.system.contacts()) {
+    let system = step.system;
+    let unknown = |&i: &usize| {
+        let law = &system.laws[i];
+        (i >= system.contacts() && law.gap.is_none()) || law.resists
+    };
+    if step.island.laws.iter().any(unknown) {
         found.solution.status = Status::NoSolution;
     }
     found

@@ -1,6 +1,6 @@
 //! Bodies of a system with velocities that impulses change.
 
-use crate::lab::system::{System, SystemBody, SystemRow, Velocity};
+use crate::lab::system::{SIDES, System, SystemBody, SystemRow, Velocity};
 use glam::DVec3;
 
 /// Velocities of all bodies, and which of them are held for now.
@@ -38,7 +38,7 @@ impl<'a> Moving<'a> {
     /// Gives a row an impulse.
     pub(super) fn push(&mut self, row: usize, r: f64) {
         let row = &self.system.rows[row];
-        for side in 0..2 {
+        for side in 0..SIDES {
             if let Some(i) = row.bodies[side].filter(|&i| self.moves(i)) {
                 let body = &self.system.bodies[i];
                 self.velocity[i][0] += body.inverse_mass * row.linear[side] * r;
@@ -50,9 +50,9 @@ impl<'a> Moving<'a> {
     /// By how much an impulse of one row changes the velocity of another [1/kg].
     pub(super) fn coupling(&self, a: &SystemRow, b: &SystemRow) -> f64 {
         let mut sum = 0.0;
-        for side in 0..2 {
+        for side in 0..SIDES {
             let Some(i) = a.bodies[side].filter(|&i| self.moves(i)) else { continue };
-            for other in (0..2).filter(|&other| b.bodies[other] == Some(i)) {
+            for other in (0..SIDES).filter(|&other| b.bodies[other] == Some(i)) {
                 let body = &self.system.bodies[i];
                 let (p, l) = (body.inverse_mass * b.linear[other], body.inverse_inertia * b.angular[other]);
                 sum += a.linear[side].dot(p) + a.angular[side].dot(l);

@@ -15,6 +15,8 @@ pub struct Reduction {
     pub held: usize,
     /// Ends of ranges that bear nothing: left out.
     pub open: usize,
+    /// Points of contacts that resist rolling or spinning: without that, which Coulomb's law does not know.
+    pub rolling: usize,
 }
 
 /// Eigenvalues below this share of the greatest one belong to redundant directions of joints.
@@ -41,7 +43,9 @@ impl System {
             }
         }
         points.contacts = points.laws.len();
-        let mut told = Reduction::default();
+        let rolling =
+            self.laws[..self.contacts].iter().filter(|law| law.resists && law.gap.is_some()).count();
+        let mut told = Reduction { rolling, ..Reduction::default() };
         for law in &self.laws[self.contacts..] {
             let row = &self.rows[law.first];
             let is_bounded = |min: f64, max: f64| min.is_finite() || max.is_finite();
@@ -87,7 +91,9 @@ impl System {
     fn patch_of(&self, i: usize) -> Option<(f64, usize)> {
         let normal = self.laws[i].first;
         self.laws[i..self.contacts].iter().find_map(|patch| match patch.law {
-            Law::Patch { mu, first, count, .. } if (first..first + count).contains(&normal) => {
+            Law::Patch { mu, first, count, .. }
+                if (first..first + count).contains(&normal) && !self.is_rolling(patch) =>
+            {
                 Some((mu, patch.first))
             }
             _ => None,
@@ -123,12 +129,14 @@ impl System {
             n.cross(moment) + n * along[side]
         });
         let bias = patch.map_or([0.0; 2], |(_, first)| [self.rows[first].bias, self.rows[first + 1].bias]);
-        let tangents = [t, n.cross(t)].map(|t| SystemRow {
-            linear: [-t, t],
-            angular: [-arm[0].cross(t), arm[1].cross(t)],
-            impulse: 0.0,
-            ..normal
-        });
+        let tangent = |t: DVec3| {
+            let mut row = normal;
+            row.linear = of_two([-t, t]);
+            row.angular = of_two([-arm[0].cross(t), arm[1].cross(t)]);
+            row.impulse = 0.0;
+            row
+        };
+        let tangents = [tangent(t), tangent(n.cross(t))];
         let [t, s] = tangents;
         let rows = [normal, SystemRow { bias: bias[0], ..t }, SystemRow { bias: bias[1], ..s }];
         out.push(SystemLaw { law: Law::Contact { mu }, ..*law }, &rows);

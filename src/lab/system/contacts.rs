@@ -1,7 +1,18 @@
 //! Rows of contacts, from the batches.
+//!
+//! Rolling and spinning friction is a patch of its own: rows about both tangents and the normal, as
+//! velocities at the distance of the surface from the centre of mass, whose bounds are lever arms over that
+//! distance times the load. Where a contact has friction and only resists spinning, that widens the bound of
+//! its twist.
 
 use super::*;
 use crate::constraint::{ContactLane, FrictionLane, tweak_of};
+use glam::Vec3;
+
+// Rounding: of an arm that is none.
+/// Lever arm against rolling of a contact without friction that only resists spinning, as a share of that:
+/// the law of a patch has the bound of its twist as a multiple of the other.
+const NO_ROLL: f64 = 1e-9;
 
 impl System {
     pub(super) fn take_contacts(&mut self, world: &World, views: &Views<'_>) {
@@ -28,14 +39,15 @@ impl System {
             bouncing: false,
             yields: false,
             drives: false,
+            resists: lane.rolling.is_some(),
             size: x.thickness().min(y.thickness()).into(),
         };
         let bodies = [self.mover(a as usize), b.and_then(|b| self.mover(b as usize))];
         let n = lane.normal.as_dvec3();
         let along = |d: DVec3, arms: [DVec3; 2], bias: f64| SystemRow {
-            bodies,
-            linear: [-d, d],
-            angular: [-arms[0], arms[1]],
+            bodies: of_two(bodies),
+            linear: of_two([-d, d]),
+            angular: of_two([-arms[0], arms[1]]),
             bias,
             compliance: 0.0,
             impulse: 0.0,
@@ -57,7 +69,7 @@ impl System {
             ..along(n, lane.points()[i].arms.map(|arm| arm.as_dvec3()), 0.0)
         };
         let gap = |i: usize| Some(f64::from(lane.points()[i].separation));
-        if let (Some(f), [_]) = (&friction, lane.points()) {
+        if let (Some(f), [_], None) = (&friction, lane.points(), &lane.rolling) {
             // A single point has no arm against twist, so this is exactly Coulomb's cone.
             let [t, s] = tangents(f);
             let mu = f.coefficient.into();
@@ -77,14 +89,46 @@ impl System {
         if let Some(f) = &friction {
             let [t, s] = tangents(f);
             let twist = SystemRow {
-                linear: [DVec3::ZERO; 2],
-                angular: [-n, n],
+                linear: [DVec3::ZERO; SIDES],
                 angle: true,
-                impulse: f64::from(f.impulse[2]) * substeps,
+                impulse: LaneRows::twists(lane)[0] * substeps,
                 ..along(n, [n; 2], 0.0)
             };
-            let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());
+            let arm = LaneRows::twist_arm(lane);
+            let (mu, count) = (f.coefficient.into(), lane.points().len());
             self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
         }
+        self.take_rolling(lane, law, (bodies, first), substeps);
+    }
+
+    /// Adds the rows against rolling of a contact whose normals begin at a row.
+    fn take_rolling(
+        &mut self,
+        lane: &ContactLane,
+        law: SystemLaw,
+        (bodies, first): ([Option<usize>; 2], usize),
+        substeps: f64,
+    ) {
+        let rolling = lane.rolling.filter(|_| !LaneRows::only_spins(lane));
+        let (Some(f), Some(rolling)) = (&lane.friction, rolling) else { return };
+        let reach = LaneRows::reach(lane);
+        let about = |axis: Vec3, impulse: f64| SystemRow {
+            bodies: of_two(bodies),
+            linear: [DVec3::ZERO; SIDES],
+            angular: of_two([-axis.as_dvec3(), axis.as_dvec3()].map(|axis| axis * reach)),
+            bias: 0.0,
+            compliance: 0.0,
+            impulse: impulse / reach * substeps,
+            angle: false,
+        };
+        let rows = [
+            about(f.tangent, rolling.impulse[0].into()),
+            about(lane.normal.cross(f.tangent), rolling.impulse[1].into()),
+            about(lane.normal, LaneRows::twists(lane)[1]),
+        ];
+        let [roll, spin] = [rolling.arm, rolling.spin_arm].map(f64::from);
+        let roll = roll.max(spin * NO_ROLL);
+        let patch = Law::Patch { mu: roll / reach, arm: spin / roll, first, count: lane.points().len() };
+        self.push(SystemLaw { law: patch, ..law }, &rows);
     }
 }

@@ -51,8 +51,8 @@ fn tangents(normal: &SystemRow, arms: [DVec3; 2]) -> [SystemRow; 2] {
     let n = normal.linear[1];
     let t = n.any_orthonormal_vector();
     [t, n.cross(t)].map(|t| SystemRow {
-        linear: [-t, t],
-        angular: [-arms[0].cross(t), arms[1].cross(t)],
+        linear: of_two([-t, t]),
+        angular: of_two([-arms[0].cross(t), arms[1].cross(t)]),
         impulse: 0.0,
         ..*normal
     })

@@ -15,8 +15,10 @@ impl System {
         }
         let dynamic = |row: &SystemRow| row.bodies.map(|b| b.filter(|&b| self.bodies[b].dynamic));
         for row in &self.rows {
-            if let [Some(a), Some(b)] = dynamic(row) {
-                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            let mut own = dynamic(row).into_iter().flatten();
+            let Some(first) = own.next() else { continue };
+            for other in own {
+                let (a, b) = (root(&mut parent, first), root(&mut parent, other));
                 // The lower index stays: islands are in the order of their first bodies.
                 parent[a.max(b)] = a.min(b);
             }

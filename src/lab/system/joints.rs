@@ -1,5 +1,6 @@
 //! Rows of joints, measured where the bodies are.
 
+use super::couplings;
 use super::frames::Frames;
 use super::*;
 use crate::joint::{Axes, Axis, Lock, Motion, Row, RowKind, Spring};
@@ -12,6 +13,8 @@ pub(super) enum Source {
     Lock(usize),
     /// Another row, and which end of it: 0 the lower, 1 the upper, 2 both.
     Row(usize, usize),
+    /// A coupling by its slot, and which end of it.
+    Coupling(usize, usize),
 }
 
 /// A row of a joint, without its impulse.
@@ -21,25 +24,30 @@ pub(in crate::lab) struct JointRow {
     pub(super) source: Source,
     /// Force on the second body and torque.
     pub(super) direction: [DVec3; 2],
+    /// Of a coupling: each of its joints, with force and torque on the second body.
+    pub(super) coupled: [Option<(u32, [DVec3; 2])>; 2],
     pub(in crate::lab) row: SystemRow,
-    law: Law,
+    pub(super) law: Law,
     /// Distance to the end of a range.
     pub(in crate::lab) gap: Option<f64>,
     /// Error of a rigid direction [m] or [rad].
     pub(in crate::lab) error: f64,
-    yields: bool,
-    drives: bool,
+    pub(super) yields: bool,
+    pub(super) drives: bool,
 }
 
 impl System {
     pub(super) fn take_joints(&mut self, world: &World) {
         each_joint_row(world, &mut |one| {
-            let handle =
-                JointHandle { slot: one.joint, generation: world.joints.slots.generation(one.joint) };
+            let joint = |slot: u32| JointHandle { slot, generation: world.joints.slots.generation(slot) };
+            let owner = match one.source {
+                Source::Coupling(slot, _) => Owner::Coupling(world.joints.couplings.handle(slot as u32)),
+                Source::Lock(_) | Source::Row(..) => Owner::Joint(joint(one.joint)),
+            };
             let law = SystemLaw {
                 law: one.law,
                 first: 0,
-                owner: Owner::Joint(handle),
+                owner,
                 gap: one.gap,
                 off: if one.law == Law::LOCKED && !one.drives { one.error } else { 0.0 },
                 potential: false,
@@ -48,6 +56,7 @@ impl System {
                 bouncing: false,
                 yields: one.yields,
                 drives: one.drives,
+                resists: false,
                 size: f64::INFINITY,
             };
             self.push(law, &[one.row]);
@@ -55,18 +64,19 @@ impl System {
     }
 }
 
-/// Calls `f` with each row of the joints of awake bodies, at the present poses. Their number and order do not
-/// depend on the poses.
+/// Calls `f` with each row of the joints of awake bodies, then of couplings, at the present poses. Their
+/// number and order do not depend on the poses.
 pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)) {
     let (joints, bodies) = (&world.joints, &world.bodies);
-    let place = |joint: u32| {
+    let enabled = |joint: u32| {
         let own = &joints.all[joint as usize];
         if !own.is_there() {
             return None;
         }
         let dense = own.bodies.map(|slot| bodies.slots.dense(slot) as usize);
-        let acts =
-            dense.iter().any(|&i| i < bodies.dynamic()) && dense.iter().all(|&i| !bodies.traits[i].disabled);
+        if dense.iter().any(|&i| bodies.traits[i].disabled) {
+            return None;
+        }
         let to = Joined {
             joint,
             bodies: dense.map(|i| (i < bodies.movers()).then_some(i)),
@@ -81,8 +91,9 @@ pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)
                 if i < bodies.dynamic() { inverse_inertia(bodies, i) } else { DMat3::ZERO }
             }),
         };
-        acts.then_some(to)
+        Some((to, dense.iter().any(|&i| i < bodies.dynamic())))
     };
+    let place = |joint: u32| enabled(joint).filter(|(_, acts)| *acts).map(|(to, _)| to);
     for (i, lock) in joints.locks.iter().enumerate() {
         if let Some(to) = place(lock.joint) {
             to.lock(i, lock, f);
@@ -93,13 +104,19 @@ pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)
             to.row(i, row, f);
         }
     }
+    for (slot, coupling) in joints.couplings.live() {
+        let [Some((a, acts)), Some((b, also))] = coupling.joints().map(enabled) else { continue };
+        if acts || also {
+            couplings::each_end(slot as usize, coupling, [&a, &b], f);
+        }
+    }
 }
 
 /// A joint at its bodies.
-struct Joined {
-    joint: u32,
-    bodies: [Option<usize>; 2],
-    at: Frames,
+pub(super) struct Joined {
+    pub(super) joint: u32,
+    pub(super) bodies: [Option<usize>; 2],
+    pub(super) at: Frames,
     dt: f64,
     /// Inverse masses [1/kg] and inertias [1/(kg m²)].
     mobility: [f64; 2],
@@ -108,12 +125,12 @@ struct Joined {
 
 impl Joined {
     /// A row whose impulse is a force on the second body and a torque, with arms from the centres of mass.
-    fn rigid(&self, source: Source, [force, torque]: [DVec3; 2], arms: [DVec3; 2]) -> JointRow {
+    pub(super) fn rigid(&self, source: Source, [force, torque]: [DVec3; 2], arms: [DVec3; 2]) -> JointRow {
         let moments = arms.map(|arm| torque + arm.cross(force));
         let row = SystemRow {
-            bodies: self.bodies,
-            linear: [-force, force],
-            angular: [-moments[0], moments[1]],
+            bodies: of_two(self.bodies),
+            linear: of_two([-force, force]),
+            angular: of_two([-moments[0], moments[1]]),
             bias: 0.0,
             compliance: 0.0,
             impulse: 0.0,
@@ -123,6 +140,7 @@ impl Joined {
             joint: self.joint,
             source,
             direction: [force, torque],
+            coupled: [None; 2],
             row,
             law: Law::LOCKED,
             gap: None,
@@ -146,11 +164,11 @@ impl Joined {
     }
 
     /// The direction in which a row's displacement grows, and the displacement.
-    fn measure(&self, row: &Row) -> ([DVec3; 2], f64) {
+    pub(super) fn measure(&self, motion: Motion, axes: Axes) -> ([DVec3; 2], f64) {
         let at = &self.at;
         let some = |v: DVec3, aside: DVec3| if v.length() > 1e-12 { v.normalize() } else { aside };
         let next = |axis: Axis| at.axis(0, Axis::ALL[(axis as usize + 1) % 3]);
-        match (row.motion, row.axes) {
+        match (motion, axes) {
             (Motion::Linear, Axes::One(axis)) => {
                 let axis = at.axis(0, axis);
                 ([axis, DVec3::ZERO], axis.dot(at.apart))
@@ -185,7 +203,7 @@ impl Joined {
 
     fn row(&self, i: usize, row: &Row, f: &mut dyn FnMut(&JointRow)) {
         let at = &self.at;
-        let (direction, mut value) = self.measure(row);
+        let (direction, mut value) = self.measure(row.motion, row.axes);
         if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
             // Angles are periodic: take the turn that is nearest to the target.
             let middle = match row.kind {

@@ -11,6 +11,7 @@
 
 mod contact_problem;
 mod contacts;
+mod couplings;
 mod frames;
 mod impacts;
 mod islands;
@@ -25,7 +26,7 @@ use super::problem::Law;
 use crate::body::Bodies;
 use crate::constraint::Views;
 use crate::forces::world_inertia;
-use crate::handle::{BodyHandle, JointHandle};
+use crate::handle::{BodyHandle, CouplingHandle, JointHandle};
 use crate::lanes::{Record, Sym3};
 use crate::world::World;
 use glam::{DMat3, DVec3};
@@ -61,15 +62,19 @@ pub struct SystemBody {
     pub moved: Velocity,
 }
 
-/// A direction in which two bodies move past each other. `u = Σ linear · v + angular · w` over both bodies.
+/// The most bodies that a row moves: a coupling has two joints.
+pub const SIDES: usize = 4;
+
+/// A direction in which bodies move past each other. `u = Σ linear · v + angular · w` over all of them. Rows
+/// of contacts and joints have two bodies, in the first two places; no body is in two places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SystemRow {
     /// Indices of the bodies; none for static ones.
-    pub bodies: [Option<usize>; 2],
+    pub bodies: [Option<usize>; SIDES],
     /// J of the linear velocities.
-    pub linear: [DVec3; 2],
+    pub linear: [DVec3; SIDES],
     /// J of the angular velocities [m], or without a unit where the row is an angular one.
-    pub angular: [DVec3; 2],
+    pub angular: [DVec3; SIDES],
     /// Added to the velocity: motion of surfaces, minus the target speed of a motor [m/s] or [rad/s].
     pub bias: f64,
     /// Compliance: velocity per impulse [1/kg] or [1/(kg m²)]; zero for rigid rows.
@@ -87,6 +92,8 @@ pub enum Owner {
     Contact([BodyHandle; 2]),
     /// A joint, a limit or a drive of it.
     Joint(JointHandle),
+    /// A coupling of two motions of joints.
+    Coupling(CouplingHandle),
 }
 
 /// One law over one or more rows in sequence.
@@ -115,6 +122,8 @@ pub struct SystemLaw {
     pub yields: bool,
     /// Whether it is a drive.
     pub drives: bool,
+    /// Whether it is of a contact whose materials resist rolling or spinning.
+    pub resists: bool,
     /// Size of the smaller of two shapes, from its middle to its surface [m].
     pub size: f64,
 }
@@ -139,7 +148,7 @@ pub struct System {
     pub bodies: Vec<SystemBody>,
     /// All rows.
     pub rows: Vec<SystemRow>,
-    /// All laws, in the order of their rows: contacts first, then joints.
+    /// All laws, in the order of their rows: contacts first, then joints, then couplings.
     pub laws: Vec<SystemLaw>,
     /// The islands that have rows, by their first bodies.
     pub islands: Vec<SystemIsland>,
@@ -223,7 +232,12 @@ impl System {
                 row.linear[i].dot(v) + row.angular[i].dot(w)
             })
         };
-        side(0) + side(1)
+        (0..SIDES).map(side).sum()
+    }
+
+    /// Whether a law is of rolling and spinning friction: a patch whose rows push nothing along.
+    pub(super) fn is_rolling(&self, law: &SystemLaw) -> bool {
+        matches!(law.law, Law::Patch { .. }) && self.rows[law.first].linear == [DVec3::ZERO; SIDES]
     }
 
     /// By how much impulses of all rows change the velocity of each body: `M⁻¹ Jᵀ r`. Panics if `r` has
@@ -300,6 +314,11 @@ impl System {
     pub fn impulses(&self) -> Vec<f64> {
         self.rows.iter().map(|row| row.impulse).collect()
     }
+}
+
+/// What two bodies have of a row, for [`SystemRow`].
+pub(super) fn of_two<T: Copy + Default>([a, b]: [T; 2]) -> [T; SIDES] {
+    [a, b, T::default(), T::default()]
 }
 
 /// Share of its energy that an island may gain by the inexactness of its solution.

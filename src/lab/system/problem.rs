@@ -154,6 +154,6 @@ impl System {
                     + row.angular[i].dot(body.inverse_inertia * row.angular[i])
             })
         };
-        side(0) + side(1)
+        (0..SIDES).map(side).sum()
     }
 }

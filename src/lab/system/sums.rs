@@ -16,6 +16,8 @@ pub(in crate::lab) struct Sums {
     /// Impulses of other rows of joints: at both ends, and as force and torque on the second body at its
     /// point.
     rows: Vec<([f64; 2], [DVec3; 2])>,
+    /// The same of couplings, which act on two joints.
+    couplings: Vec<([f64; 2], [[DVec3; 2]; 2])>,
     given: Vec<Velocity>,
     /// Changes by gravity and forces; a body that stops after a bounce has none.
     pulled: Vec<Velocity>,
@@ -29,6 +31,7 @@ impl Sums {
             impacts: vec![0.0; world.contacts.slots()],
             locks: vec![DVec3::ZERO; world.joints.locks.len()],
             rows: vec![([0.0; 2], [DVec3::ZERO; 2]); world.joints.rows.len()],
+            couplings: vec![Default::default(); world.joints.couplings.all.len()],
             given: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             pulled: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             before: Vec::new(),
@@ -85,16 +88,13 @@ impl Sums {
         let contacts = self.contacts.len();
         let mut row = contacts;
         let mut seen = vec![false; self.rows.len()];
+        let mut seen_couplings = vec![false; self.couplings.len()];
         let mut rests = vec![[DVec3::ZERO; 2]; world.joints.all.len()];
         each_joint_row(world, &mut |one: &JointRow| {
             if let Source::Row(i, end) = one.source {
-                let ([lower, upper], acted) = self.rows[i];
-                let impulse = match end {
-                    0 => lower,
-                    1 => upper,
-                    _ => lower - upper,
-                };
-                system.rows[row].impulse = impulse;
+                let (ends, acted) = self.rows[i];
+                let [lower, upper] = ends;
+                system.rows[row].impulse = at_end(ends, end);
                 // The guiding rows bear the rest.
                 let rest = &mut rests[one.joint as usize];
                 let sign = if end == 1 { -1.0 } else { 1.0 };
@@ -102,6 +102,17 @@ impl Sums {
                     let net = lower - upper;
                     for k in 0..2 {
                         rest[k] += acted[k] - one.direction[k] * (sign * net);
+                    }
+                }
+            }
+            if let Source::Coupling(i, end) = one.source {
+                let (ends, acted) = self.couplings[i];
+                system.rows[row].impulse = at_end(ends, end);
+                let net = ends[0] - ends[1];
+                let first = !std::mem::replace(&mut seen_couplings[i], true);
+                for ((joint, direction), acted) in one.coupled.into_iter().flatten().zip(acted) {
+                    for k in 0..if first { 2 } else { 0 } {
+                        rests[joint as usize][k] += acted[k] - direction[k] * net;
                     }
                 }
             }
@@ -120,13 +131,22 @@ impl Sums {
     }
 }
 
+/// The impulse at an end of a range, or of both.
+fn at_end([lower, upper]: [f64; 2], end: usize) -> f64 {
+    match end {
+        0 => lower,
+        1 => upper,
+        _ => lower - upper,
+    }
+}
+
 impl System {
     /// Adds an impulse of an impact to a row, and removes its effect from the changes that rows do not
     /// explain.
     fn give_impact(&mut self, row: usize, impulse: f64) {
         let row = &mut self.rows[row];
         row.impulse += impulse;
-        for side in 0..2 {
+        for side in 0..SIDES {
             if let Some(body) = row.bodies[side] {
                 let body = &mut self.bodies[body];
                 body.given[0] -= body.inverse_mass * row.linear[side] * impulse;
@@ -142,14 +162,17 @@ pub(in crate::lab) struct LaneRows {
     pub(in crate::lab) points: usize,
     /// How many rows of friction.
     pub(in crate::lab) friction: usize,
+    /// How many rows of rolling and spinning friction.
+    pub(in crate::lab) rolling: usize,
 }
 
 impl LaneRows {
     pub(in crate::lab) fn of(lane: &ContactLane) -> LaneRows {
         let points = lane.points().len();
         let friction = match lane.friction {
+            // A single point has no twist, unless rolling friction asks for the law of a patch.
             Some(f) if f.coefficient > 0.0 => {
-                if points == 1 {
+                if points == 1 && lane.rolling.is_none() {
                     2
                 } else {
                     3
@@ -157,12 +180,49 @@ impl LaneRows {
             }
             _ => 0,
         };
-        LaneRows { points, friction }
+        let rolls = lane.rolling.is_some() && !Self::only_spins(lane);
+        LaneRows { points, friction, rolling: if rolls { 3 } else { 0 } }
+    }
+
+    /// Whether the twist of its friction has all that its materials resist.
+    pub(in crate::lab) fn only_spins(lane: &ContactLane) -> bool {
+        let rubs = lane.friction.is_some_and(|f| f.coefficient > 0.0);
+        rubs && lane.rolling.is_some_and(|rolling| rolling.arm == 0.0)
+    }
+
+    /// The lever arm of twist as a multiple of the bound of friction [m].
+    pub(in crate::lab) fn twist_arm(lane: &ContactLane) -> f64 {
+        let Some(f) = &lane.friction else { return 0.0 };
+        let spins = lane.rolling.filter(|_| Self::only_spins(lane));
+        f64::from(f.radius) + spins.map_or(0.0, |rolling| f64::from(rolling.spin_arm / f.coefficient))
+    }
+
+    /// The shares of sliding and of spinning friction in the twist of a lane, which is one row there, by
+    /// their bounds [N m s].
+    pub(in crate::lab) fn twists(lane: &ContactLane) -> [f64; 2] {
+        let Some(f) = &lane.friction else { return [0.0; 2] };
+        if Self::only_spins(lane) {
+            return [f.impulse[2].into(), 0.0];
+        }
+        let (slides, spins) =
+            (f.coefficient * f.radius, lane.rolling.map_or(0.0, |rolling| rolling.spin_arm));
+        let share = if slides + spins > 0.0 { spins / (slides + spins) } else { 0.0 };
+        let (twist, share) = (f64::from(f.impulse[2]), f64::from(share));
+        [twist * (1.0 - share), twist * share]
+    }
+
+    /// The distance at which rows against rolling are velocities [m]: of the surface from the centres of
+    /// mass, the greater one.
+    pub(in crate::lab) fn reach(lane: &ContactLane) -> f64 {
+        let arms =
+            lane.friction.map_or([0.0; 2], |f| f.arms.map(|arm| f64::from(arm.dot(lane.normal).abs())));
+        let most = arms[0].max(arms[1]);
+        if most > 0.0 { most } else { 1.0 }
     }
 
     /// All of them.
     pub(in crate::lab) fn count(&self) -> usize {
-        self.points + self.friction
+        self.points + self.friction + self.rolling
     }
 }
 
@@ -211,9 +271,17 @@ impl Witness for Sums {
                 }
                 let rows = LaneRows::of(lane);
                 if let Some(f) = lane.friction {
-                    let own = own[rows.points..].iter_mut();
-                    for (sum, impulse) in own.zip(f.impulse).take(rows.friction) {
-                        *sum += f64::from(impulse);
+                    let twists = LaneRows::twists(lane);
+                    let own = &mut own[rows.points..];
+                    let slid = [f.impulse[0].into(), f.impulse[1].into(), twists[0]];
+                    for (sum, impulse) in own.iter_mut().zip(slid).take(rows.friction) {
+                        *sum += impulse;
+                    }
+                    if let Some(rolling) = lane.rolling.filter(|_| rows.rolling > 0) {
+                        let [x, y] = rolling.impulse.map(f64::from);
+                        for (sum, impulse) in own[rows.friction..].iter_mut().zip([x, y, twists[1]]) {
+                            *sum += impulse / LaneRows::reach(lane);
+                        }
                     }
                 }
                 at += rows.count();
@@ -228,6 +296,18 @@ impl Witness for Sums {
                     let net = f64::from(impulse[0] - impulse[1]);
                     acted[0] += force.as_dvec3() * net;
                     acted[1] += torque.as_dvec3() * net;
+                },
+                &mut |slot, impulse, levers| {
+                    let (ends, acted) = &mut self.couplings[slot as usize];
+                    for k in 0..2 {
+                        ends[k] += f64::from(impulse[k]);
+                    }
+                    let net = f64::from(impulse[0] - impulse[1]);
+                    for (acted, lever) in acted.iter_mut().zip(levers) {
+                        for k in 0..2 {
+                            acted[k] += lever[k].as_dvec3() * net;
+                        }
+                    }
                 },
             );
         }

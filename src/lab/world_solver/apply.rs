@@ -1,7 +1,7 @@
 //! Solves islands anew and replaces the results of the fast path.
 
 use super::{Guess, SolverReport, WorldMethod, WorldSolver};
-use crate::handle::JointHandle;
+use crate::handle::{CouplingHandle, JointHandle};
 use crate::lab::methods::{Effort, Status};
 use crate::lab::steppers::{Memory, Resolution, Step};
 use crate::lab::system::{LaneRows, Owner, Stabilisation, System, SystemIsland, Velocity};
@@ -47,18 +47,22 @@ impl Last {
     }
 }
 
-/// A joint by its slot and generation, and which of its rows: a joint has as many, in the same order, in
-/// every step.
-type JointRowKey = (u32, u32, u32);
+/// A joint or a coupling, by its slot and generation, and which of its rows: it has as many, in the same
+/// order, in every step.
+type JointRowKey = (bool, u32, u32, u32);
 
 /// Each row of a joint, and its place in the system. Locks of all joints come before their other rows.
 fn joint_rows(system: &System) -> impl Iterator<Item = (JointRowKey, usize)> + '_ {
-    let mut counts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    let mut counts: BTreeMap<(bool, u32, u32), u32> = BTreeMap::new();
     system.laws[system.contacts()..].iter().filter_map(move |law| {
-        let Owner::Joint(JointHandle { slot, generation }) = law.owner else { return None };
-        let count = counts.entry((slot, generation)).or_default();
+        let (couples, slot, generation) = match law.owner {
+            Owner::Joint(JointHandle { slot, generation }) => (false, slot, generation),
+            Owner::Coupling(CouplingHandle { slot, generation }) => (true, slot, generation),
+            Owner::Contact(_) => return None,
+        };
+        let count = counts.entry((couples, slot, generation)).or_default();
         *count += 1;
-        Some(((slot, generation, *count), law.first))
+        Some(((couples, slot, generation, *count), law.first))
     })
 }
 
@@ -266,10 +270,17 @@ fn put_impulses(world: &mut World, system: &System, replaced: &[bool]) {
         for (i, friction) in friction.iter_mut().enumerate().take(own.friction) {
             *friction = impulse(own.points + i);
         }
+        let mut rolls = [0.0; 2];
+        if own.rolling > 0 {
+            // In the world a contact has one twist, of both kinds of friction.
+            let (first, reach) = (own.points + own.friction, LaneRows::reach(lane) as f32);
+            rolls = [impulse(first) * reach, impulse(first + 1) * reach];
+            friction[2] += impulse(first + 2) * reach;
+        }
         if let Some(heard) = heard.get_mut(lane.part.slot()) {
             *heard = sum as f32;
         }
-        Some((normals, friction))
+        Some((normals, friction, rolls))
     };
     // SAFETY: between stages there is no other thread.
     unsafe { rows.views().replace_impulses(each) };

@@ -3,12 +3,13 @@
 use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
-use crate::constraint::JOINT_BYTES;
+use crate::constraint::{Beside, JOINT_BYTES};
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::{ContactCount, FRESH_BYTES};
-use crate::shape::{Material, ROLLS};
+use crate::shape::{BELT, ROLLS};
 use crate::world::World;
+use glam::Vec3;
 
 /// Maximum numbers of pairs, contacts and other content that varies from step to step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,25 +32,28 @@ impl World {
     pub(crate) fn planned<'a>(
         settings: &Settings,
         bodies: impl IntoIterator<Item = &'a BodyDesc> + Clone,
-        joints: &[JointDesc],
+        (joints, couplings): (&[JointDesc], usize),
         crowd: &ContentForecast,
     ) -> Amounts {
         // No body is ever added to it: it only provides sizes.
         let mut empty = World { settings: settings.clone(), ..World::default() };
-        let mut shapes =
-            bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
-        let friction = shapes.any(|shape| {
-            let mut materials = std::iter::once(&shape.material).chain(shape.geometry.materials());
-            let rubs = |material: &Material| {
-                let rolls = material.rare().flags() & ROLLS != 0;
-                material.static_friction > 0.0 || material.dynamic_friction > 0.0 || rolls
-            };
-            shape.hooks || materials.any(rubs)
+        let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
+        let mut beside = Beside { surfaces: false, rolling: false };
+        let friction = shapes.fold(false, |friction, shape| {
+            let materials = std::iter::once(&shape.material).chain(shape.geometry.materials());
+            materials.fold(friction || shape.hooks, |friction, material| {
+                let flags = material.rare().flags();
+                beside.rolling |= flags & ROLLS != 0;
+                beside.surfaces |= flags & BELT != 0;
+                let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
+                friction || rubs || flags & ROLLS != 0
+            })
         });
         let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
 
-        let more =
-            joints.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
+        let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());
+        let more = joints.iter().map(JointAdditions::of_joint).chain(coupled);
+        let more = more.fold(JointAdditions::default(), JointAdditions::and);
         bytes.add(Category::Joints, empty.joints.missing_columns(more));
         let [lock, row, branch] = JOINT_BYTES;
         let (locks, rows) = more.rows();
@@ -67,12 +71,13 @@ impl World {
         bytes.add(Category::Scratch, buffers.statics.missing(contacts));
         let points =
             crowd.contacts.iter().flat_map(|side| side.iter().zip(1..)).map(|(n, points)| n * points);
-        let manifolds = empty.contacts.missing(ContactCount { contacts, points: points.sum() });
+        let of_rolling = if beside.rolling { contacts * size_of::<Vec3>() } else { 0 };
+        let manifolds = of_rolling + empty.contacts.missing(ContactCount { contacts, points: points.sum() });
         // The last batches for each number of points are not full.
         let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));
         let stages = buffers.prepare.most_stages(settings.order);
         // New contacts occupy the memory of rows.
-        let rows = buffers.rows.missing(batches, stages, friction).max(crowd.fresh * FRESH_BYTES);
+        let rows = buffers.rows.missing(batches, stages, friction, beside).max(crowd.fresh * FRESH_BYTES);
         let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;
         bytes.add(Category::Manifolds, manifolds - ahead(manifolds));
         bytes.add(Category::Rows, rows - ahead(rows));

@@ -7,7 +7,9 @@ use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
 };
 use crate::config::{FrictionModel, Settings};
-use crate::constraint::{FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare};
+use crate::constraint::{
+    Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare,
+};
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
 use crate::memory::{Allowances, Category};
@@ -88,7 +90,13 @@ impl World {
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let (friction, model) = (self.needs.friction > 0, self.settings.friction_model);
-        let mut space = lend(rows, prepare, friction, model, statics.lists());
+        let beside = Beside { surfaces: self.needs.belts > 0, rolling: self.needs.rolling > 0 };
+        let mut lists = statics.lists();
+        if beside.rolling {
+            lists.0 += size_of::<Vec3>();
+            lists.1 += self.contacts.rolling_bytes().1;
+        }
+        let mut space = lend(rows, prepare, friction, model, beside, lists);
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
         let stats = collide(workers, &input, pairs, contacts, narrow, (&mut allowances, &mut space));
         rows.take_back(space.slab);

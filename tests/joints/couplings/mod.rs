@@ -5,6 +5,7 @@
 
 mod api;
 mod pulleys;
+mod scenes;
 mod trains;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};

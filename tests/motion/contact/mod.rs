@@ -5,6 +5,7 @@ mod elastic;
 mod extremes;
 mod friction;
 mod impact;
+mod other_sizes;
 mod overlap;
 mod restitution;
 mod rolling;

@@ -7,5 +7,6 @@ mod model;
 mod parts;
 mod piles;
 mod plan;
+mod rolling;
 mod rows;
 mod shedding;

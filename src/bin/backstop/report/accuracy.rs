@@ -101,6 +101,10 @@ impl Course {
             let (pair, joint) = match island.measures.worst {
                 Some(Owner::Contact(pair)) => (Some(pair), false),
                 Some(Owner::Joint(joint)) => (world.joint_bodies(joint).ok(), true),
+                Some(Owner::Coupling(coupling)) => {
+                    let of = world.coupling(coupling).ok().map(|desc| desc.motions[0].joint);
+                    (of.and_then(|joint| world.joint_bodies(joint).ok()), true)
+                }
                 None => (None, false),
             };
             let found = Island {

@@ -128,6 +128,24 @@ impl CouplingBlock {
         }
     }
 
+    /// Calls `f` with each coupling by its slot, its impulses, and force and torque on each of its joints per
+    /// impulse.
+    #[cfg(feature = "lab")]
+    pub(in crate::constraint::joint) fn report_levers(
+        &self,
+        f: &mut dyn FnMut(u32, [f32; 2], [[glam::Vec3; 2]; 2]),
+    ) {
+        for row in &self.rows {
+            if let Owner::Coupling(slot) = row.owner {
+                let levers = [0, 1].map(|i| {
+                    let one = &row.motions[i];
+                    [one.lever.force, one.lever.torque].map(|part| part.lane(0) * one.factor)
+                });
+                f(slot, row.impulse, levers);
+            }
+        }
+    }
+
     /// Calls `f` with each coupling by its slot, its displacements and impulses.
     pub(in crate::constraint::joint) fn report(&self, f: &mut dyn FnMut(u32, [f64; 2], [f32; 2])) {
         for row in &self.rows {

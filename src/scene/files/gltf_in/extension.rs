@@ -1,6 +1,8 @@
-//! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it.
+//! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it; and what they have no names
+//! for, in the object `backstop` of their `extras`.
 
 use serde::Deserialize;
+use serde::de::{DeserializeOwned, Deserializer, Error};
 
 pub(in crate::scene) const RIGID_BODIES: &str = "KHR_physics_rigid_bodies";
 pub(in crate::scene) const SHAPES: &str = "KHR_implicit_shapes";
@@ -74,6 +76,16 @@ pub(super) struct Plane {
     pub(super) double_sided: bool,
 }
 
+/// The object `backstop` in the `extras` of an object, in which other programs may put whatever they like.
+fn own<'de, D: Deserializer<'de>, T: DeserializeOwned + Default>(from: D) -> Result<T, D::Error> {
+    let extras = serde_json::Value::deserialize(from)?;
+    let own = extras.get(OWN).map(T::deserialize).transpose();
+    Ok(own.map_err(|e| D::Error::custom(format!("extras, {OWN}: {e}")))?.unwrap_or_default())
+}
+
+/// The name of our object in `extras`.
+pub(in crate::scene) const OWN: &str = "backstop";
+
 /// At the root of the file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -81,6 +93,36 @@ pub(super) struct Physics {
     pub(super) physics_joints: Vec<Joint>,
     pub(super) physics_materials: Vec<Material>,
     pub(super) collision_filters: Vec<Filter>,
+    #[serde(deserialize_with = "own")]
+    pub(super) extras: PhysicsExtras,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct PhysicsExtras {
+    pub(super) couplings: Vec<Coupling>,
+}
+
+/// A coupling of motions of joints, which are known by their nodes.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub(super) struct Coupling {
+    pub(super) motions: [CoupledMotion; 2],
+    /// Null is infinite.
+    pub(super) range: Option<[Option<f64>; 2]>,
+    #[serde(default)]
+    pub(super) strength: [Option<f32>; 2],
+    #[serde(default)]
+    pub(super) user_data: u64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub(super) struct CoupledMotion {
+    pub(super) node: usize,
+    pub(super) linear_axes: Option<Vec<usize>>,
+    pub(super) angular_axes: Option<Vec<usize>>,
+    pub(super) factor: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -91,6 +133,16 @@ pub(super) struct Material {
     pub(super) restitution: f32,
     pub(super) friction_combine: Option<Combine>,
     pub(super) restitution_combine: Option<Combine>,
+    #[serde(deserialize_with = "own")]
+    pub(super) extras: MaterialExtras,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase", deny_unknown_fields)]
+pub(super) struct MaterialExtras {
+    pub(super) rolling_friction: f32,
+    pub(super) spinning_friction: f32,
+    pub(super) surface_velocity: [f32; 3],
 }
 
 impl Default for Material {
@@ -101,6 +153,7 @@ impl Default for Material {
             restitution: 0.0,
             friction_combine: None,
             restitution_combine: None,
+            extras: MaterialExtras::default(),
         }
     }
 }
@@ -190,6 +243,17 @@ pub(super) struct Motion {
     pub(super) linear_velocity: [f32; 3],
     pub(super) angular_velocity: [f32; 3],
     pub(super) gravity_factor: Option<f32>,
+    #[serde(deserialize_with = "own")]
+    pub(super) extras: MotionExtras,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase", deny_unknown_fields)]
+pub(super) struct MotionExtras {
+    pub(super) max_linear_speed: Option<f32>,
+    pub(super) max_angular_speed: Option<f32>,
+    pub(super) linear_damping: f32,
+    pub(super) angular_damping: f32,
 }
 
 #[derive(Debug, Deserialize)]

@@ -51,7 +51,7 @@ fn limit(limit: &extension::Limit) -> Result<Limit, String> {
     Ok(limit)
 }
 
-fn axes(list: &[usize]) -> Result<Axes, String> {
+pub(super) fn axes(list: &[usize]) -> Result<Axes, String> {
     let mut has = [false; 3];
     for &i in list {
         let Some(has) = has.get_mut(i) else { return Err(beyond(i)) };
@@ -110,6 +110,7 @@ impl Loader<'_> {
         let mut world = None;
         for &node in &nodes {
             let Some(joint) = self.physics[node].as_mut().and_then(|p| p.joint.take()) else { continue };
+            self.joint_at.insert(node, None);
             let there = nodes.binary_search(&joint.connected_node).is_ok();
             if there || joint.connected_node >= self.tree.parent.len() {
                 self.add_joint(node, &joint, &mut world)?;
@@ -157,6 +158,7 @@ impl Loader<'_> {
         });
         let Rows { limits, drives } = self.joints[joint.joint].clone();
         let (name, collide) = (self.name(node), joint.enable_collision);
+        self.joint_at.insert(node, Some(self.scene.joints.len()));
         self.scene.joints.push(SceneJoint { name, bodies, frames, limits, drives, collide });
         Ok(())
     }

@@ -7,8 +7,13 @@
 //! A joint is between the bodies of its node and of the connected one. A node without `motion` at or above it
 //! stands on the nearest static body at or above it, so that what the joint holds doesn't collide with what
 //! it hangs from, and where there is none on a body without shapes, the world.
+//!
+//! What the extension has no names for is in the object `backstop` of the `extras` of its objects: rolling
+//! and spinning friction and the surface velocity of a material, caps and damping of a motion's speeds, and
+//! at its root the couplings of joints (docs/levels.md).
 
 mod accessor;
+mod couplings;
 pub(super) mod extension;
 pub(super) mod file;
 mod filter;
@@ -120,6 +125,9 @@ struct Loader<'a> {
     filters: Vec<Filter>,
     unfiltered: Filter,
     joints: Vec<joints::Rows>,
+    couplings: Vec<extension::Coupling>,
+    /// By the node of each joint: its index in the scene, or nothing if it is left out.
+    joint_at: BTreeMap<usize, Option<usize>>,
     scene: Scene,
     tally: Tally,
     /// What was built, for all who use the same at the same scale.
@@ -163,6 +171,8 @@ impl<'a> Loader<'a> {
             filters,
             unfiltered,
             joints,
+            couplings: root.extras.couplings,
+            joint_at: BTreeMap::new(),
             scene,
             tally,
             built: BTreeMap::new(),
@@ -335,6 +345,7 @@ impl<'a> Loader<'a> {
             notes.into_iter().for_each(|n| self.note(node, n));
         }
         self.add_joints()?;
+        self.add_couplings()?;
         Ok(self.scene)
     }
 
@@ -391,9 +402,11 @@ fn material(m: &extension::Material, notes: &mut Vec<String>) -> Material {
         static_friction: m.static_friction,
         dynamic_friction: m.dynamic_friction,
         restitution: m.restitution.min(1.0),
+        rolling_friction: m.extras.rolling_friction,
+        spinning_friction: m.extras.spinning_friction,
+        surface_velocity: m.extras.surface_velocity.into(),
         friction_combine: combine(m.friction_combine),
         restitution_combine: combine(m.restitution_combine),
-        ..Material::default()
     }
 }
 

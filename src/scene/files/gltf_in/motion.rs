@@ -17,6 +17,9 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
     // Velocities are given along the node's axes, but in the world's units: not scaled.
     desc.linear_velocity = desc.rotation * finite3("linear velocity", motion.linear_velocity.into())?;
     desc.angular_velocity = desc.rotation * finite3("angular velocity", motion.angular_velocity.into())?;
+    let extras = &motion.extras;
+    (desc.max_linear_speed, desc.max_angular_speed) = (extras.max_linear_speed, extras.max_angular_speed);
+    (desc.linear_damping, desc.angular_damping) = (extras.linear_damping, extras.angular_damping);
     desc.gravity_scale = finite("gravity factor", motion.gravity_factor.unwrap_or(1.0))?;
     if desc.kind == BodyKind::Kinematic {
         // Its mass never counts, but its centre is what moves at the linear velocity.

@@ -3,12 +3,12 @@
 //!
 //! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups
 //! of filters, no locked axes and no gravity; these are not written. What they have for joints is in
-//! `joints.rs`.
+//! `joints.rs`. What else they have no names for is in the object `backstop` of `extras`, see `gltf_in`.
 
 use super::document::Document;
 use super::visual;
 use crate::body::{BodyDesc, BodyKind};
-use crate::scene::files::gltf_in::extension::{RIGID_BODIES, SHAPES};
+use crate::scene::files::gltf_in::extension::{OWN, RIGID_BODIES, SHAPES};
 use crate::scene::{Scene, SceneBody};
 use crate::shape::{Combine, Filter, Geometry, MassProperties, Material, ShapeDesc};
 use glam::{DVec3, Quat, Vec3};
@@ -25,6 +25,7 @@ pub(super) struct Builder<'a> {
     materials: Vec<Value>,
     filters: Vec<Value>,
     pub(super) joints: Vec<Value>,
+    pub(super) couplings: Vec<Value>,
 }
 
 /// A document of the whole scene; body `i` is node `nodes[i]`.
@@ -33,7 +34,9 @@ pub(super) fn scene(scene: &Scene, physics: bool) -> (Document, Vec<usize>) {
     let mut builder = Builder::new(&mut document, physics);
     let nodes: Vec<usize> = scene.bodies.iter().map(|b| builder.body(b)).collect();
     if physics {
-        scene.joints.iter().for_each(|j| builder.joint(j, &scene.bodies, &nodes));
+        let joints: Vec<_> =
+            scene.joints.iter().map(|joint| builder.joint(joint, &scene.bodies, &nodes)).collect();
+        scene.couplings.iter().for_each(|coupling| builder.coupling(coupling, &joints));
     }
     builder.finish();
     document.push("scenes", json!({ "name": scene.name, "nodes": nodes }));
@@ -43,8 +46,8 @@ pub(super) fn scene(scene: &Scene, physics: bool) -> (Document, Vec<usize>) {
 
 impl<'a> Builder<'a> {
     pub(super) fn new(document: &'a mut Document, physics: bool) -> Self {
-        let [shapes, materials, filters, joints] = [const { Vec::new() }; 4];
-        Builder { document, physics, meshes: BTreeMap::new(), shapes, materials, filters, joints }
+        let [shapes, materials, filters, joints, couplings] = [const { Vec::new() }; 5];
+        Builder { document, physics, meshes: BTreeMap::new(), shapes, materials, filters, joints, couplings }
     }
 
     /// Adds a body; returns its node.
@@ -114,6 +117,9 @@ impl<'a> Builder<'a> {
             if !list.is_empty() {
                 root[RIGID_BODIES][name] = json!(list);
             }
+        }
+        if !self.couplings.is_empty() {
+            root[RIGID_BODIES]["extras"] = json!({ OWN: { "couplings": self.couplings } });
         }
         if !self.shapes.is_empty() {
             root[SHAPES] = json!({ "shapes": self.shapes });
@@ -223,6 +229,21 @@ fn motion(desc: &BodyDesc) -> Value {
     if desc.gravity_scale != 1.0 {
         motion["gravityFactor"] = json!(desc.gravity_scale);
     }
+    let mut extras = json!({});
+    for (name, cap) in
+        [("maxLinearSpeed", desc.max_linear_speed), ("maxAngularSpeed", desc.max_angular_speed)]
+    {
+        if let Some(cap) = cap {
+            extras[name] = json!(cap);
+        }
+    }
+    for (name, damping) in [("linearDamping", desc.linear_damping), ("angularDamping", desc.angular_damping)]
+    {
+        if damping != 0.0 {
+            extras[name] = json!(damping);
+        }
+    }
+    add_extras(&mut motion, extras);
     let dense =
         |s: &ShapeDesc| MassProperties::of(&s.geometry, s.density).transformed(s.position, s.rotation);
     let mass = match desc.mass {
@@ -276,8 +297,31 @@ fn material(m: &Material) -> Value {
         Combine::Maximum => "maximum",
         Combine::Multiply => "multiply",
     };
-    json!({ "staticFriction": m.static_friction, "dynamicFriction": m.dynamic_friction, "restitution": m.restitution,
-        "frictionCombine": combine(m.friction_combine), "restitutionCombine": combine(m.restitution_combine) })
+    let mut out = json!({
+        "staticFriction": m.static_friction,
+        "dynamicFriction": m.dynamic_friction,
+        "restitution": m.restitution,
+        "frictionCombine": combine(m.friction_combine),
+        "restitutionCombine": combine(m.restitution_combine),
+    });
+    let mut extras = json!({});
+    for (name, arm) in [("rollingFriction", m.rolling_friction), ("spinningFriction", m.spinning_friction)] {
+        if arm != 0.0 {
+            extras[name] = json!(arm);
+        }
+    }
+    if m.surface_velocity != Vec3::ZERO {
+        extras["surfaceVelocity"] = json!(m.surface_velocity.to_array());
+    }
+    add_extras(&mut out, extras);
+    out
+}
+
+/// Adds what the extensions have no names for, if there is any.
+fn add_extras(to: &mut Value, extras: Value) {
+    if extras != json!({}) {
+        to["extras"] = json!({ OWN: extras });
+    }
 }
 
 fn filter(f: &Filter) -> Value {

@@ -3,19 +3,26 @@
 //! A joint to a static body without shapes is a joint to the world in a file, and is read back as one to a
 //! body at the origin. A file has force springs only for limits, so limits with springs by acceleration or
 //! frequency are written rigid; it has no frequencies for drives, which get the equivalent acceleration.
+//! Couplings are in the `extras` of the physics extension, and name joints by their nodes.
 
 use super::super::gltf_in::extension::RIGID_BODIES;
 use super::build::{Builder, alone, intern, place};
 use crate::body::BodyKind;
 use crate::joint::{Axes, Coefficients, Drive, Frame, Limit, Motion, Spring};
-use crate::scene::{SceneBody, SceneJoint};
+use crate::scene::{SceneBody, SceneCoupling, SceneJoint};
 use serde_json::{Value, json};
 
 impl Builder<'_> {
-    /// Adds a joint between bodies that are at these nodes. One that refers to other bodies is left out.
-    pub(super) fn joint(&mut self, joint: &SceneJoint, bodies: &[SceneBody], nodes: &[usize]) {
+    /// Adds a joint between bodies that are at these nodes; returns its node. One that refers to other bodies
+    /// is left out.
+    pub(super) fn joint(
+        &mut self,
+        joint: &SceneJoint,
+        bodies: &[SceneBody],
+        nodes: &[usize],
+    ) -> Option<usize> {
         if joint.bodies.iter().any(|&b| b >= bodies.len().min(nodes.len())) {
-            return;
+            return None;
         }
         let [first, second] = [0, 1].map(|side| {
             let body = joint.bodies[side];
@@ -29,6 +36,30 @@ impl Builder<'_> {
         let node = &mut self.document.list("nodes")[first];
         node["name"] = json!(joint.name);
         node["extensions"] = json!({ RIGID_BODIES: { "joint": physics } });
+        Some(first)
+    }
+
+    /// Adds a coupling of joints that are at these nodes. One that refers to other joints is left out.
+    pub(super) fn coupling(&mut self, coupling: &SceneCoupling, joints: &[Option<usize>]) {
+        let node = |i: usize| joints.get(coupling.joints[i]).copied().flatten();
+        let motion = |i: usize| {
+            let mut out = json!({ "node": node(i)?, "factor": coupling.factors[i] });
+            out[axes_name(coupling.motions[i])] = json!(axes(coupling.axes[i]));
+            Some(out)
+        };
+        let (Some(first), Some(second)) = (motion(0), motion(1)) else { return };
+        let mut out = json!({ "motions": [first, second] });
+        if let Some(range) = coupling.range {
+            out["range"] = json!(range);
+        }
+        // An infinite number is null.
+        if coupling.strength != [f32::INFINITY; 2] {
+            out["strength"] = json!(coupling.strength);
+        }
+        if coupling.user_data != 0 {
+            out["userData"] = json!(coupling.user_data);
+        }
+        self.couplings.push(out);
     }
 
     /// A node for a frame of a body.
@@ -69,16 +100,23 @@ fn description(joint: &SceneJoint) -> Value {
     out
 }
 
-fn limit(limit: &Limit) -> Value {
-    let axes: Vec<usize> = match limit.axes {
+fn axes_name(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Linear => "linearAxes",
+        Motion::Angular => "angularAxes",
+    }
+}
+
+fn axes(axes: Axes) -> Vec<usize> {
+    match axes {
         Axes::One(axis) => vec![axis as usize],
         Axes::Around(axis) => (0..3).filter(|&i| i != axis as usize).collect(),
         Axes::All => vec![0, 1, 2],
-    };
-    let mut out = match limit.motion {
-        Motion::Linear => json!({ "linearAxes": axes }),
-        Motion::Angular => json!({ "angularAxes": axes }),
-    };
+    }
+}
+
+fn limit(limit: &Limit) -> Value {
+    let mut out = json!({ axes_name(limit.motion): axes(limit.axes) });
     for (name, bound) in [("min", limit.min), ("max", limit.max)] {
         if bound.is_finite() {
             out[name] = json!(bound);
