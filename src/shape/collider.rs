@@ -2,6 +2,7 @@
 
 use super::{BaseMaterial, Filter, Geometry};
 use crate::config::Continuous;
+use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
 use glam::Vec3;
 
@@ -64,6 +65,11 @@ pub(crate) const HOOKS: u8 = 4;
 /// [`RareMaterial`](super::RareMaterial).
 pub(crate) const ROLLS: u8 = 8;
 pub(crate) const BELT: u8 = 16;
+/// Its material is soft; or it is not, but has a damping ratio that would count if it were.
+pub(crate) const SOFT: u8 = 32;
+pub(crate) const IDLE_DAMPING: u8 = 64;
+/// Part of its material is in the column of rare ones.
+pub(crate) const RARE: u8 = ROLLS | BELT | SOFT | IDLE_DAMPING;
 
 impl ColliderSummary {
     #[inline]
@@ -88,6 +94,17 @@ impl Collider {
     }
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
+    }
+
+    /// How deep the spring of a soft contact with another shape lets the two into each other [m]: half of the
+    /// way to the middle of the thinner one. `None` if neither is soft.
+    #[inline(always)]
+    pub(crate) fn soft_depth(&self, other: &Collider) -> Option<f32> {
+        if (self.flags | other.flags) & SOFT == 0 {
+            return None;
+        }
+        let thinnest = self.thickness().min(other.thickness());
+        Some(if thinnest.is_finite() { SOFT_DEPTH * thinnest } else { 0.0 })
     }
 
     pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {

@@ -20,7 +20,9 @@ mod slabs;
 mod stored;
 mod stream;
 
-pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR};
+pub(crate) use collider::{
+    BELT, Collider, ColliderSummary, EVENTS, HOOKS, IDLE_DAMPING, Kind, RARE, ROLLS, SENSOR, SOFT,
+};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;

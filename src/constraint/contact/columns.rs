@@ -2,13 +2,14 @@
 
 use super::batch::lock_bits;
 use super::prepare::PrepareInput;
+use super::soft::bodies::moves_by_mean;
 use crate::config::tuning::THIN_SLOP;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
 use crate::narrow_phase::{ContactRef, Point};
-use crate::shape::{BELT, Collider, EVENTS, ROLLS};
+use crate::shape::{BELT, Collider, EVENTS, ROLLS, SOFT};
 
 /// A column of eight lanes for each number. Inert lanes are zero.
 pub(super) struct Columns<const P: usize> {
@@ -48,6 +49,18 @@ pub(super) struct Columns<const P: usize> {
     pub(super) rolling: [[f32; 8]; 3],
     /// Some lane resists rolling or spinning.
     pub(super) rolls: bool,
+    /// Of soft lanes: see [`SoftRow`](super::soft::SoftRow).
+    pub(super) soft: [f32; 8],
+    pub(super) start_share: [f32; 8],
+    pub(super) stop: [f32; 8],
+    /// Frequency [Hz] and damping ratio of the contact's spring, and the share of each of its points.
+    pub(super) hertz: [f32; 8],
+    pub(super) zeta: [f32; 8],
+    pub(super) point_share: [f32; 8],
+    /// Acceleration: linear, of body b as seen from body a [m/s²]; angular, of body a and of body b [rad/s²].
+    pub(super) pull: [[[f32; 8]; 3]; 3],
+    /// Some lane is soft.
+    pub(super) softens: bool,
 }
 
 fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
@@ -112,6 +125,14 @@ impl<const P: usize> Columns<P> {
             roll_arms: [[0.0; 8]; 2],
             rolling: [[0.0; 8]; 3],
             rolls: false,
+            soft: [0.0; 8],
+            start_share: [0.0; 8],
+            stop: [0.0; 8],
+            hertz: [0.0; 8],
+            zeta: [0.0; 8],
+            point_share: [0.0; 8],
+            pull: [[[0.0; 8]; 3]; 3],
+            softens: false,
         }
     }
 
@@ -153,6 +174,9 @@ impl<const P: usize> Columns<P> {
                 if input.rolling && (shape_a.flags | shape_b.flags) & ROLLS != 0 {
                     out.put_rolling(&entry, input);
                 }
+            }
+            if input.soft && (shape_a.flags | shape_b.flags) & SOFT != 0 {
+                out.put_spring(&entry, input);
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {
@@ -292,5 +316,29 @@ impl<const P: usize> Columns<P> {
         let last = input.contacts.rolling(part.slot() as u32);
         let carried = input.lengths.carry(last.extend(0.0), glam::Vec4::ZERO).truncate();
         put3(&mut self.rolling, lane, if swap { -carried } else { carried });
+    }
+
+    /// The spring of the softer material, and the accelerations of both bodies.
+    #[inline(never)]
+    fn put_spring(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, contact, shape_a, shape_b, a, b, .. } = entry;
+        let Some(depth) = shape_a.soft_depth(shape_b) else { return };
+        let rare = |c: u32| input.rare.get(c as usize).copied().unwrap_or_default();
+        self.softens = true;
+        self.soft[lane] = 1.0;
+        self.stop[lane] = depth;
+        (self.hertz[lane], self.zeta[lane]) = rare(contact.a).spring_with(&rare(contact.b));
+        self.point_share[lane] = contact.even_share();
+        let dynamic = input.bodies.dynamic();
+        let mean = [a, b].into_iter().all(|body| moves_by_mean(input.marks, body, dynamic));
+        self.start_share[lane] = if mean { 0.5 } else { 0.0 };
+        let pull = |body: u32| {
+            let moves = (body as usize) < dynamic;
+            input.acceleration.get(body as usize).copied().filter(|_| moves).unwrap_or_default()
+        };
+        let (on_a, on_b) = (pull(a), pull(b));
+        put3(&mut self.pull[0], lane, on_b.linear - on_a.linear);
+        put3(&mut self.pull[1], lane, on_a.angular);
+        put3(&mut self.pull[2], lane, on_b.angular);
     }
 }

@@ -8,7 +8,7 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::Allowance;
 use crate::narrow_phase::{Contacts, NO_CONTACT};
-use crate::shape::Collider;
+use crate::shape::{Collider, SOFT};
 use glam::Vec3;
 
 /// Input of the search for impacts.
@@ -141,6 +141,10 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut 
 fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
     let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
     if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
+        return;
+    }
+    // The spring of a soft contact throws back what it stops.
+    if [pair.a, pair.b].iter().any(|&c| input.colliders[c as usize].flags & SOFT != 0) {
         return;
     }
     let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);

@@ -15,6 +15,7 @@ use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
 use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Weight};
+use crate::shape::SOFT;
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -285,7 +286,8 @@ fn sort(
         let body = |c: u32| input.summaries[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
-        if contact.points().iter().any(|p| p.separation < -CROWD_OVERLAP * input.slop) {
+        let soft = is_soft(input, contact);
+        if !soft && contact.points().iter().any(|p| p.separation < -CROWD_OVERLAP * input.slop) {
             crowd.overlap((a, b), dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
@@ -317,7 +319,8 @@ fn sort(
                 return;
             }
             let colour = colouring[group as usize].assign(a, b);
-            let in_tree = group.is_static() && colour != OVERFLOW && input.tree_slots.of(a.min(b)).is_some();
+            let of_tree = !soft && group.is_static() && colour != OVERFLOW;
+            let in_tree = of_tree && input.tree_slots.of(a.min(b)).is_some();
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
             allowance.push(entries, (part, key));
         };
@@ -336,6 +339,12 @@ fn sort(
     scratch.line_up(input, &mut allowance);
     scratch.note_ahead(input, &ahead);
     (prepared, fits)
+}
+
+/// Whether springs act between the two shapes.
+fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
+    let flags = |c: u32| input.summaries[c as usize].flags;
+    input.soft && (flags(contact.a) | flags(contact.b)) & SOFT != 0
 }
 
 /// Bytes of batches of potential contacts, with their friction: for bodies that may move and for static ones,

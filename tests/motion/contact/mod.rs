@@ -9,3 +9,4 @@ mod overlap;
 mod restitution;
 mod rolling;
 mod sliding;
+mod soft;
