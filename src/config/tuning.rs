@@ -245,6 +245,9 @@ pub(crate) const STIFFEST_SPRING_SHARE: f32 = 0.83;
 /// substep no longer know what springs do to each other.
 pub(crate) const SOFT_TURN: f32 = 1.0;
 
+/// Least damping ratio of a soft contact: more than rounding gives back in a bounce, and far less than shows.
+pub(crate) const LEAST_SOFT_DAMPING: f32 = 2e-6;
+
 /// Depth of a soft contact from which on it is rigid, as a share of the inner radius of the thinner shape: a
 /// centre stays outside with a margin, and the shapes keep the sides that face each other.
 pub(crate) const SOFT_DEPTH: f32 = 0.5;

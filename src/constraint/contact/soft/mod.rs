@@ -20,7 +20,8 @@ use super::friction_rows::{follow_load, solve_friction};
 use super::impact_friction::potential_load;
 use super::row::{BodyPair, Free, ImpulseChange, Motion, NormalRows, Pass, relative, row as spin};
 use crate::lanes::{GatherLanes, Mask};
-pub(crate) use row::{SoftRow, fill_soft};
+pub(crate) use row::SoftRow;
+pub(in crate::constraint::contact) use row::fill_soft;
 use spring::{Course, Spring};
 
 /// Sweeps over the points of a manifold in a pass: the springs of a body that lands flat share its weight.

@@ -3,7 +3,7 @@
 use super::super::batch::Batch;
 use super::super::columns::{Columns, vec3};
 use super::super::prepare::GONE;
-use crate::config::tuning::SOFT_TURN;
+use crate::config::tuning::{LEAST_SOFT_DAMPING, SOFT_TURN};
 use crate::lanes::{Lanes, Vec3};
 
 /// What soft lanes of a batch need besides their normal rows.
@@ -46,7 +46,7 @@ impl Default for SoftRow {
 /// not rotate, so the depth at which a body rests does not depend on the number of points or on its shape. A
 /// spring is at most so stiff that its phase turns by [`SOFT_TURN`] in a substep.
 #[inline(never)]
-pub(crate) fn fill_soft<L: Lanes, const P: usize, const B: usize>(
+pub(in crate::constraint::contact) fn fill_soft<L: Lanes, const P: usize, const B: usize>(
     row: &mut SoftRow,
     batch: &Batch<L, P, B>,
     columns: &Columns<P>,
@@ -58,7 +58,7 @@ pub(crate) fn fill_soft<L: Lanes, const P: usize, const B: usize>(
     let (n, time) = (batch.normal, L::splat(h));
     let most = L::splat(SOFT_TURN / h);
     let omega = (L::load(&columns.hertz) * L::splat(std::f32::consts::TAU)).min(most);
-    let zeta = L::load(&columns.zeta);
+    let zeta = L::load(&columns.zeta).max(L::splat(LEAST_SOFT_DAMPING));
     let share = L::load(&columns.point_share);
     let pull: [Vec3<L>; 3] = [0, 1, 2].map(|i| vec3(&columns.pull[i]));
     for i in 0..P {
