@@ -79,7 +79,7 @@ pub struct Material {
     /// restitution. At most about 0.15 of the rate of substeps is reached: a stiffer spring acts as that one.
     pub contact_hertz: f32,
     /// Damping ratio of that spring, 0..=100: with 0 a ball comes back with nearly its energy, with 1 it does
-    /// not swing. Default 1.
+    /// not swing. Damping that would stop a body within a substep is reduced to that. Default 1.
     pub contact_damping: f32,
 }
 

@@ -143,13 +143,13 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
-    // The spring of a soft contact throws back what it stops.
-    if [pair.a, pair.b].iter().any(|&c| input.colliders[c as usize].flags & SOFT != 0) {
-        return;
-    }
     let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);
     let restitution = x.restitution_with(y);
     if restitution <= 0.0 && input.tweaks.is_empty() {
+        return;
+    }
+    // The spring of a soft contact throws back what it stops.
+    if [pair.a, pair.b].iter().any(|&c| input.colliders[c as usize].flags & SOFT != 0) {
         return;
     }
     let friction = x.friction_with(y);

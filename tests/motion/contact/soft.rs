@@ -139,6 +139,59 @@ fn a_ball_on_a_damped_spring_comes_to_rest_and_sleeps() {
     }
 }
 
+/// Bodies that tumble on a spring without damping gain nothing either: looked at while they fly.
+#[test]
+fn what_tumbles_on_a_spring_gains_nothing() {
+    let shapes =
+        [Geometry::cuboid(0.5, 0.3, 0.4), Geometry::capsule(0.3, 0.2), Geometry::cylinder(0.3, 0.3)];
+    let (reach, mut worst) = (0.75, 0.0_f64);
+    for (i, geometry) in shapes.iter().enumerate() {
+        for friction in [0.0, 0.6] {
+            for seed in 0..5u8 {
+                let material = soft(10.0, 0.0).with_friction(friction);
+                let mut world = world(Settings::default(), Floor::Plane, material);
+                let x = f32::from(seed);
+                let desc = dynamic(geometry.clone(), material, Vec3::new(0.0, 1.5, 0.0));
+                let desc = desc.moving(Vec3::new(1.0, -x, 0.3), Vec3::new(x - 1.0, 0.7, 2.0 - 0.5 * x));
+                let body = world.add_body(&desc).unwrap();
+                let start = world.energy();
+                let mut most = start;
+                for _ in 0..1200 {
+                    world.step(1.0 / 60.0).unwrap();
+                    if height(&world, body) > reach {
+                        most = most.max(world.energy());
+                    }
+                }
+                worst = worst.max(most / start);
+                println!("shape {i}, friction {friction}, seed {seed}: {:.5}", most / start);
+            }
+        }
+    }
+    assert!(worst < 1.01, "{worst}");
+}
+
+/// Strong damping stops a ball and throws nothing back.
+#[test]
+fn an_overdamped_spring_throws_nothing_back() {
+    for damping in [1.0, 3.0, 10.0, 100.0] {
+        for (rate, substeps) in [(60.0, 4), (30.0, 1), (120.0, 8)] {
+            let settings = Settings::default().with_substeps(substeps);
+            let mut world = world(settings, Floor::Box, soft(8.0, damping));
+            let desc = dynamic(Geometry::cuboid(0.4, 0.4, 0.4), Material::default(), Vec3::new(0.0, 2.0, 0.0));
+            let body = world.add_body(&desc).unwrap();
+            let mut touched = false;
+            for step in 0..(20.0 * rate) as u32 {
+                world.step(1.0 / rate).unwrap();
+                touched |= height(&world, body) < 0.4;
+                let name = format!("damping {damping}, {rate}/s x{substeps}, step {step}");
+                assert!(!touched || height(&world, body) < 0.405, "{name}: {}", height(&world, body));
+            }
+            let (sag, depth) = (G / (TAU * 8.0).powi(2), 0.4 - height(&world, body));
+            assert!((depth / sag - 1.0).abs() < 0.01, "{damping} {rate}/s x{substeps}: {depth} for {sag}");
+        }
+    }
+}
+
 /// What swings is not put to sleep: a ball on a spring of 1 Hz without damping moves for a minute, at one
 /// amplitude.
 #[test]

@@ -67,7 +67,8 @@ pub(in crate::constraint::contact) fn fill_soft<L: Lanes, const P: usize, const 
         // The mass that the point carries; that of its row if the bodies can only turn.
         let carried = L::select(whole, share / along, own);
         let stiffness = (carried * omega * omega).min(own * most * most);
-        let drag = L::splat(2.0) * zeta * (carried * stiffness).sqrt();
+        // No more than stops a body that moves by the mean of its velocities: that would throw it back.
+        let drag = (L::splat(2.0) * zeta * (carried * stiffness).sqrt()).min(own * L::splat(2.0 / h));
         let turned = if B > 0 { point.arm_b[0].dot(pull[2]) } else { L::zero() };
         let gained = n.dot(pull[0]) + turned - point.arm_a.dot(pull[1]);
         (stiffness * time).store(&mut row.rate[i]);

@@ -65,7 +65,7 @@ mod tests {
     /// once it left.
     fn bounce(hertz: f32, zeta: f32, speed: f32, gap: f32, h: f32) -> (f32, f32) {
         let omega = std::f32::consts::TAU * hertz;
-        let spring = Spring { rate: h * omega * omega, drag: 2.0 * zeta * omega };
+        let spring = Spring { rate: h * omega * omega, drag: (2.0 * zeta * omega).min(2.0 / h) };
         let (mut x, mut v, mut deepest) = (gap, -speed, 0.0_f32);
         while v < 0.0 || x < 0.0 {
             let course = Course { from: x, free_way: h * v, gain: 0.5 * h };
