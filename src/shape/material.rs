@@ -71,12 +71,14 @@ pub struct Material {
     /// Frequency of the spring with which the surface yields [Hz], 0..=1e6; 0 for a rigid one, for which
     /// [`Settings::contact_hertz`](crate::Settings::contact_hertz) counts. Default 0.
     ///
-    /// It is that of two bodies on the spring of one contact, each free: a body that rests on a soft floor
-    /// sinks g / (2 pi f)², whatever its mass, and so does each of two that it is held by; what it carries
-    /// sinks it by as many times its own weight. Of two surfaces the softer one decides. The surface gives way
-    /// by at most half the inner radius of the thinner shape (half a ball's radius, or a quarter of a plate's
-    /// thickness), and is rigid there. The spring alone throws back what falls on it: a soft contact has no
-    /// restitution. At most about 0.15 of the rate of substeps is reached: a stiffer spring acts as that one.
+    /// It is the frequency of the two bodies on the spring of their contact: a body that lies flat on a soft
+    /// floor sinks by g / (2 pi f)², whatever its mass. An edge has half the spring of a face with four
+    /// points, a corner a quarter. What a body carries sinks it further, and each contact of a body has a
+    /// spring of its own. Of two surfaces the softer one decides. The surface gives way by at most half the
+    /// inner radius of the thinner shape (half a ball's radius, or a quarter of a plate's thickness), and is
+    /// rigid there. The spring alone throws back what falls on it: a soft contact has no restitution. Springs
+    /// above 0.15 of the rate of substeps act as one of about that frequency
+    /// (docs/decisions/soft-contacts.md).
     pub contact_hertz: f32,
     /// Damping ratio of that spring, 0..=100: with 0 a ball comes back with nearly its energy, with 1 it does
     /// not swing. Damping that would stop a body within a substep is reduced to that. Default 1.

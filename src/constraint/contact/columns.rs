@@ -8,8 +8,8 @@ use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
-use crate::narrow_phase::{ContactRef, Point};
-use crate::shape::{BELT, Collider, EVENTS, ROLLS, SOFT};
+use crate::narrow_phase::{ContactRef, Point, most_points};
+use crate::shape::{BELT, Collider, EVENTS, Kind, ROLLS, SOFT};
 
 /// A column of eight lanes for each number. Inert lanes are zero.
 pub(super) struct Columns<const P: usize> {
@@ -49,7 +49,12 @@ pub(super) struct Columns<const P: usize> {
     pub(super) rolling: [[f32; 8]; 3],
     /// Some lane resists rolling or spinning.
     pub(super) rolls: bool,
-    /// Of soft lanes: see [`SoftRow`](super::soft::SoftRow).
+}
+
+/// The same for soft contacts, of which most scenes have none.
+#[derive(Default)]
+pub(super) struct SpringColumns {
+    /// See [`SoftRow`](super::soft::SoftRow).
     pub(super) soft: [f32; 8],
     pub(super) start_share: [f32; 8],
     pub(super) stop: [f32; 8],
@@ -125,14 +130,6 @@ impl<const P: usize> Columns<P> {
             roll_arms: [[0.0; 8]; 2],
             rolling: [[0.0; 8]; 3],
             rolls: false,
-            soft: [0.0; 8],
-            start_share: [0.0; 8],
-            stop: [0.0; 8],
-            hertz: [0.0; 8],
-            zeta: [0.0; 8],
-            point_share: [0.0; 8],
-            pull: [[[0.0; 8]; 3]; 3],
-            softens: false,
         }
     }
 
@@ -146,6 +143,7 @@ impl<const P: usize> Columns<P> {
         parts: &[Part],
         touching: bool,
         tree_slots: Option<&TreeSlots>,
+        mut springs: Option<&mut SpringColumns>,
         input: &PrepareInput<'_>,
     ) -> Columns<P> {
         let mut out = Columns::inert();
@@ -175,8 +173,10 @@ impl<const P: usize> Columns<P> {
                     out.put_rolling(&entry, input);
                 }
             }
-            if input.soft && (shape_a.flags | shape_b.flags) & SOFT != 0 {
-                out.put_spring(&entry, input);
+            if let Some(springs) = &mut springs
+                && (shape_a.flags | shape_b.flags) & SOFT != 0
+            {
+                springs.put(&entry, input);
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {
@@ -317,10 +317,12 @@ impl<const P: usize> Columns<P> {
         let carried = input.lengths.carry(last.extend(0.0), glam::Vec4::ZERO).truncate();
         put3(&mut self.rolling, lane, if swap { -carried } else { carried });
     }
+}
 
+impl SpringColumns {
     /// The spring of the softer material, and the accelerations of both bodies.
     #[inline(never)]
-    fn put_spring(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+    fn put(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, contact, shape_a, shape_b, a, b, .. } = entry;
         let Some(depth) = shape_a.soft_depth(shape_b) else { return };
         let rare = |c: u32| input.rare.get(c as usize).copied().unwrap_or_default();
@@ -328,7 +330,10 @@ impl<const P: usize> Columns<P> {
         self.soft[lane] = 1.0;
         self.stop[lane] = depth;
         (self.hertz[lane], self.zeta[lane]) = rare(contact.a).spring_with(&rare(contact.b));
-        self.point_share[lane] = contact.even_share();
+        let facing = |shape: &Collider| {
+            if matches!(shape.kind, Kind::Mesh | Kind::HeightField) { Kind::Plane } else { shape.kind }
+        };
+        self.point_share[lane] = 1.0 / most_points(facing(shape_a), facing(shape_b)) as f32;
         let dynamic = input.bodies.dynamic();
         let mean = [a, b].into_iter().all(|body| moves_by_mean(input.marks, body, dynamic));
         self.start_share[lane] = if mean { 0.5 } else { 0.0 };

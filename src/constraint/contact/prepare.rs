@@ -1,7 +1,7 @@
 //! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
 use super::batch::{Batch, unlocked};
-use super::columns::{Columns, sym3, vec3};
+use super::columns::{Columns, SpringColumns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow};
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::soft::{SoftRow, bodies::mark, fill_soft};
@@ -213,8 +213,9 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     beside: Beside<'_>,
     input: &PrepareInput<'_>,
 ) {
-    let columns =
-        Columns::<P>::gather(parts, matches!(friction, FrictionToFill::Touching(_)), tree_slots, input);
+    let touching = matches!(friction, FrictionToFill::Touching(_));
+    let mut springs = input.soft.then(SpringColumns::default);
+    let columns = Columns::<P>::gather(parts, touching, tree_slots, springs.as_mut(), input);
     (batch.a, batch.contact) = (columns.a, columns.contact);
     (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
@@ -246,9 +247,9 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         inverse_inertia: [ia, ib],
     };
     let points = fill_points(batch, &geometry);
-    if let Some(soft) = beside.soft.filter(|_| columns.softens) {
+    if let (Some(soft), Some(springs)) = (beside.soft, springs.filter(|springs| springs.softens)) {
         let along = geometry.linear(n, n, ma + mb);
-        fill_soft(soft, batch, &columns, along, input.lengths.now());
+        fill_soft(soft, batch, &springs, along, input.lengths.now());
         batch.soft = beside.place;
     }
     let count = match friction {

@@ -14,7 +14,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Point, Weight};
 use crate::shape::SOFT;
 
 /// Counts of the preparation.
@@ -286,8 +286,8 @@ fn sort(
         let body = |c: u32| input.summaries[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
-        let soft = is_soft(input, contact);
-        if !soft && contact.points().iter().any(|p| p.separation < -CROWD_OVERLAP * input.slop) {
+        let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
+        if contact.points().iter().any(deep) && !is_soft(input, contact) {
             crowd.overlap((a, b), dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
@@ -319,8 +319,10 @@ fn sort(
                 return;
             }
             let colour = colouring[group as usize].assign(a, b);
-            let of_tree = !soft && group.is_static() && colour != OVERFLOW;
-            let in_tree = of_tree && input.tree_slots.of(a.min(b)).is_some();
+            let in_tree = group.is_static()
+                && colour != OVERFLOW
+                && input.tree_slots.of(a.min(b)).is_some()
+                && !is_soft(input, contact);
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
             allowance.push(entries, (part, key));
         };

@@ -1,7 +1,7 @@
 //! What soft lanes of a batch need besides their normal rows.
 
 use super::super::batch::Batch;
-use super::super::columns::{Columns, vec3};
+use super::super::columns::{SpringColumns, vec3};
 use super::super::prepare::GONE;
 use crate::config::tuning::{LEAST_SOFT_DAMPING, SOFT_TURN};
 use crate::lanes::{Lanes, Vec3};
@@ -42,14 +42,16 @@ impl Default for SoftRow {
 /// Fills the springs of a batch, whose normal rows are filled, for substeps of `h` seconds. `along`: by how
 /// much a unit impulse at both centres changes the normal velocity [1/kg].
 ///
-/// The points of a contact share a spring of the frequency that the two bodies would have on it if they did
-/// not rotate, so the depth at which a body rests does not depend on the number of points or on its shape. A
-/// spring is at most so stiff that its phase turns by [`SOFT_TURN`] in a substep.
+/// The points share a spring of the frequency that the two bodies would have on it if they did not rotate, so
+/// the depth at which a body rests does not depend on its shape. Each has the share that it has where the
+/// contact has as many points as the two kinds of shape can have: a share by the number of points that there
+/// are would change the energy of the spring whenever one comes or goes. A spring is at most so stiff that its
+/// phase turns by [`SOFT_TURN`] in a substep.
 #[inline(never)]
 pub(in crate::constraint::contact) fn fill_soft<L: Lanes, const P: usize, const B: usize>(
     row: &mut SoftRow,
     batch: &Batch<L, P, B>,
-    columns: &Columns<P>,
+    columns: &SpringColumns,
     along: L,
     h: f32,
 ) {
