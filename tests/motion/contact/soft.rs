@@ -139,35 +139,36 @@ fn a_ball_on_a_damped_spring_comes_to_rest_and_sleeps() {
     }
 }
 
-/// Bodies that tumble on a spring without damping gain nothing either: looked at while they fly.
+/// Bodies that tumble on a spring gain nothing either: looked at while they fly. Boxes and capsules even
+/// without damping; the points at the rim of a cylinder are others from step to step, and with them the
+/// energy of its spring, so it has some damping.
 #[test]
 fn what_tumbles_on_a_spring_gains_nothing() {
-    let shapes =
-        [Geometry::cuboid(0.5, 0.3, 0.4), Geometry::capsule(0.3, 0.2), Geometry::cylinder(0.3, 0.3)];
-    let (reach, mut worst) = (0.75, 0.0_f64);
-    for (i, geometry) in shapes.iter().enumerate() {
+    let shapes = [
+        (Geometry::cuboid(0.5, 0.3, 0.4), 0.0),
+        (Geometry::capsule(0.3, 0.2), 0.0),
+        (Geometry::cylinder(0.3, 0.3), 0.1),
+    ];
+    let reach = 0.75;
+    for (i, (geometry, damping)) in shapes.iter().enumerate() {
         for friction in [0.0, 0.6] {
             for seed in 0..5u8 {
-                let material = soft(10.0, 0.0).with_friction(friction);
+                let material = soft(10.0, *damping).with_friction(friction);
                 let mut world = world(Settings::default(), Floor::Plane, material);
                 let x = f32::from(seed);
                 let desc = dynamic(geometry.clone(), material, Vec3::new(0.0, 1.5, 0.0));
                 let desc = desc.moving(Vec3::new(1.0, -x, 0.3), Vec3::new(x - 1.0, 0.7, 2.0 - 0.5 * x));
                 let body = world.add_body(&desc).unwrap();
                 let start = world.energy();
-                let mut most = start;
-                for _ in 0..1200 {
+                for step in 0..1200 {
                     world.step(1.0 / 60.0).unwrap();
-                    if height(&world, body) > reach {
-                        most = most.max(world.energy());
-                    }
+                    let gained = world.energy() / start;
+                    let name = format!("shape {i}, friction {friction}, seed {seed}, step {step}");
+                    assert!(height(&world, body) < reach || gained < 1.0 + 1e-4, "{name}: {gained}");
                 }
-                worst = worst.max(most / start);
-                println!("shape {i}, friction {friction}, seed {seed}: {:.5}", most / start);
             }
         }
     }
-    assert!(worst < 1.01, "{worst}");
 }
 
 /// Strong damping stops a ball and throws nothing back.
