@@ -100,10 +100,7 @@ fn a_ball_that_falls_on_a_spring_comes_back_with_its_energy() {
                 let sag = G / (omega * omega);
                 let expected = sag + (sag * sag + 2.0 * sag * f64::from(drop)).sqrt();
                 let name = format!("{floor:?} {hertz} Hz from {drop} m, {rate}/s x{substeps}");
-                println!(
-                    "{name}: depth {deepest:.5} of {expected:.5}, energy {:.6} of {start:.6}, top {highest:.4}",
-                    most
-                );
+                println!("{name}: depth {deepest:.5} of {expected:.5} m, {most:.6} of {start:.6} J/kg");
                 assert!((deepest / expected - 1.0).abs() < 0.05, "{name}: {deepest} for {expected}");
                 assert!(most < start * (1.0 + 2e-5), "{name}: energy {start} to {most}");
                 assert!(highest > 0.9 * f64::from(drop), "{name}: back at {highest}");

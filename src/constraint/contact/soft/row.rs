@@ -45,8 +45,8 @@ impl Default for SoftRow {
 /// The points share a spring of the frequency that the two bodies would have on it if they did not rotate, so
 /// the depth at which a body rests does not depend on its shape. Each has the share that it has where the
 /// contact has as many points as the two kinds of shape can have: a share by the number of points that there
-/// are would change the energy of the spring whenever one comes or goes. A spring is at most so stiff that its
-/// phase turns by [`SOFT_TURN`] in a substep.
+/// are would change the energy of the spring whenever one comes or goes. A spring is at most so stiff that
+/// its phase turns by [`SOFT_TURN`] in a substep.
 #[inline(never)]
 pub(in crate::constraint::contact) fn fill_soft<L: Lanes, const P: usize, const B: usize>(
     row: &mut SoftRow,
