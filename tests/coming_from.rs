@@ -91,6 +91,7 @@ rows! {
     world.set_material(shape, Material::default().with_friction(0.3));
     world.set_material(shape, Material::default().with_rolling_friction(0.01));
     world.set_material(shape, Material::default().with_surface_velocity(Vec3::X));
+    world.set_material(shape, Material::default().with_contact_hertz(8.0));
     world.set_filter(shape, Filter::default());
     world.set_sensor(shape, true);
     world.set_senses_static(shape, true);

@@ -145,8 +145,10 @@ pub struct Settings {
     /// Overlap that sliding, rolling and new contacts keep, and a tenth of the maximum gap at which the
     /// springs of resting contacts act [length units]. Default 0.0005.
     pub slop: f32,
-    /// Contact stiffness [Hz], limited to the stable maximum: 0.15 of the rate of substeps with one
-    /// iteration, growing with the root of the number of iterations. Default 120.
+    /// Contact stiffness where both materials are rigid (see
+    /// [`Material::contact_hertz`](crate::Material::contact_hertz)) [Hz], limited to the stable maximum: 0.15
+    /// of the rate of substeps with one iteration, growing with the root of the number of iterations. Default
+    /// 120.
     pub contact_hertz: f32,
     /// Contact damping ratio. Default 10 (Catto, Box2D v3).
     pub contact_damping: f32,

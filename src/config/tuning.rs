@@ -241,6 +241,17 @@ pub(crate) const CROWD_OVERLAP: f32 = 20.0;
 /// rocks ever more.
 pub(crate) const STIFFEST_SPRING_SHARE: f32 = 0.83;
 
+/// Most phase by which the spring of a soft contact turns in a substep [rad]: with more, the passes of a
+/// substep no longer know what springs do to each other.
+pub(crate) const SOFT_TURN: f32 = 1.0;
+
+/// Least damping ratio of a soft contact: more than rounding gives back in a bounce, and far less than shows.
+pub(crate) const LEAST_SOFT_DAMPING: f32 = 2e-6;
+
+/// Depth of a soft contact from which on it is rigid, as a share of the inner radius of the thinner shape: a
+/// centre stays outside with a margin, and the shapes keep the sides that face each other.
+pub(crate) const SOFT_DEPTH: f32 = 0.5;
+
 /// Cosine of the steepest slope that bears a load by statics: friction seldom holds more.
 pub(crate) const STEEPEST_SUPPORT: f32 = 0.5;
 

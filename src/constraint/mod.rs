@@ -18,6 +18,7 @@ pub(crate) use contact::prepare::{PrepareInput, prepare};
 #[cfg(feature = "lab")]
 pub(crate) use contact::readout::{ContactLane, FrictionLane};
 pub(crate) use contact::rows::{Beside, Rows, Views, with_batch};
+pub(crate) use contact::soft::bodies::move_by_mean;
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
 pub(crate) use joint::arrange::{JointInput, JointRows, JointStage, arranged_alike};
 pub(crate) use joint::ends::{JointPass, Recovery};

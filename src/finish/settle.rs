@@ -306,7 +306,11 @@ impl Settling<'_> {
             position: back * (at.position - here.position).as_vec3(),
             rotation: back * at.rotation,
         };
-        let depth = |raw: &RawManifold| raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation));
+        let depth = |raw: &RawManifold| {
+            // As deep as a soft contact may be, it is left.
+            let allowed = shape.soft_depth(still, raw.material as u8).unwrap_or(0.0);
+            raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation - allowed))
+        };
         if !matches!(still.kind, Kind::Mesh | Kind::HeightField) {
             let raw = collide_convex(shape, still, &rel, 0.0);
             let raw = out_by_the_centre(shape, still, &rel, &raw, 0.0).unwrap_or(raw);

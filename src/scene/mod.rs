@@ -106,6 +106,7 @@ impl SceneJoint {
 
 /// Handles of a scene's contents, in its order.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Added {
     /// Handles of [`Scene::bodies`].
     pub bodies: Vec<BodyHandle>,

@@ -2,6 +2,7 @@
 
 use super::{BaseMaterial, Filter, Geometry, Material};
 use crate::config::Continuous;
+use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
 use glam::Vec3;
 
@@ -66,6 +67,11 @@ pub(crate) const STATICS: u8 = 32;
 /// [`RareMaterial`](super::RareMaterial).
 pub(crate) const ROLLS: u8 = 8;
 pub(crate) const BELT: u8 = 16;
+/// Its material is soft; or it is not, but has a damping ratio that would count if it were.
+pub(crate) const SOFT: u8 = 64;
+pub(crate) const IDLE_DAMPING: u8 = 128;
+/// Part of its material is in the column of rare ones.
+pub(crate) const RARE: u8 = ROLLS | BELT | SOFT | IDLE_DAMPING;
 
 impl ColliderSummary {
     #[inline]
@@ -101,10 +107,27 @@ impl Collider {
     pub(crate) fn part_material(&self, part: u8) -> Option<&Material> {
         if part == 0 { None } else { self.geometry.materials().get(usize::from(part) - 1) }
     }
+    /// Whether contacts with a part of it are soft, whatever the other shape is.
+    #[inline]
+    pub(crate) fn is_soft(&self, part: u8) -> bool {
+        self.part_material(part).map_or(self.flags & SOFT != 0, Material::is_soft)
+    }
+
     /// Friction and restitution of a part of it.
     #[inline]
     pub(crate) fn surface(&self, part: u8) -> BaseMaterial {
         self.part_material(part).map_or(self.material, Material::base)
+    }
+
+    /// How deep the spring of a soft contact with a part of another shape lets the two into each other [m]:
+    /// half of the way to the middle of the thinner one. `None` if neither is soft.
+    #[inline(always)]
+    pub(crate) fn soft_depth(&self, other: &Collider, part: u8) -> Option<f32> {
+        if !self.is_soft(0) && !other.is_soft(part) {
+            return None;
+        }
+        let thinnest = self.thickness().min(other.thickness());
+        Some(if thinnest.is_finite() { SOFT_DEPTH * thinnest } else { 0.0 })
     }
 
     pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {

@@ -1,7 +1,7 @@
 //! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a
 //! column of its own.
 
-use super::collider::{BELT, ROLLS};
+use super::collider::{BELT, IDLE_DAMPING, ROLLS, SOFT};
 use crate::config::with_fields;
 use crate::error::{Error, within};
 use crate::limits;
@@ -36,7 +36,8 @@ impl Combine {
 
 /// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
 /// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it). Of rolling
-/// and of spinning friction the larger of the two counts, and surface velocities add up.
+/// and of spinning friction the larger of the two counts, surface velocities add up, and the softer surface
+/// decides how the contact yields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -67,6 +68,21 @@ pub struct Material {
     /// Velocity at which the surface moves past the shape, in the shape's frame [m/s], within 1e6 along each
     /// axis: a belt. Friction pulls what touches it along. Default zero.
     pub surface_velocity: Vec3,
+    /// Frequency of the spring with which the surface yields [Hz], 0..=1e6; 0 for a rigid one, for which
+    /// [`Settings::contact_hertz`](crate::Settings::contact_hertz) counts. Default 0.
+    ///
+    /// It is the frequency of the two bodies on the spring of their contact: a body that lies flat on a soft
+    /// floor sinks by g / (2 pi f)², whatever its mass. An edge has half the spring of a face with four
+    /// points, a corner a quarter. What a body carries sinks it further, and each contact of a body has a
+    /// spring of its own. Of two surfaces the softer one decides. The surface gives way by at most half the
+    /// inner radius of the thinner shape (half a ball's radius, or a quarter of a plate's thickness), and is
+    /// rigid there. The spring alone throws back what falls on it: a soft contact has no restitution. Springs
+    /// above 0.15 of the rate of substeps act as one of about that frequency
+    /// (docs/decisions/soft-contacts.md).
+    pub contact_hertz: f32,
+    /// Damping ratio of that spring, 0..=100: with 0 a ball comes back with nearly its energy, with 1 it does
+    /// not swing. Damping that would stop a body within a substep is reduced to that. Default 1.
+    pub contact_damping: f32,
 }
 
 impl Default for Material {
@@ -85,6 +101,8 @@ with_fields! {
         with_rolling_friction(rolling_friction: f32),
         with_spinning_friction(spinning_friction: f32),
         with_surface_velocity(surface_velocity: into Vec3),
+        with_contact_hertz(contact_hertz: f32),
+        with_contact_damping(contact_damping: f32),
     }
 }
 
@@ -106,12 +124,19 @@ impl Material {
         }
     }
 
+    /// Whether its contacts are soft.
+    pub(crate) fn is_soft(&self) -> bool {
+        self.contact_hertz > 0.0
+    }
+
     /// What few colliders have.
     pub(crate) fn rare(&self) -> RareMaterial {
         RareMaterial {
             rolling_friction: self.rolling_friction,
             spinning_friction: self.spinning_friction,
             surface_velocity: self.surface_velocity,
+            contact_hertz: self.contact_hertz,
+            contact_damping: self.contact_damping,
         }
     }
 
@@ -125,6 +150,8 @@ impl Material {
             rolling_friction: rare.rolling_friction,
             spinning_friction: rare.spinning_friction,
             surface_velocity: rare.surface_velocity,
+            contact_hertz: rare.contact_hertz,
+            contact_damping: rare.contact_damping,
         }
     }
 
@@ -134,6 +161,8 @@ impl Material {
         within("restitution", self.restitution, 0.0, 1.0, "in 0..=1")?;
         within("rolling friction", self.rolling_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
         within("spinning friction", self.spinning_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
+        within("contact hertz", self.contact_hertz, 0.0, 1e6, "in 0..=1e6 Hz")?;
+        within("contact damping", self.contact_damping, 0.0, 100.0, "in 0..=100")?;
         limits::speed("surface velocity", self.surface_velocity)
     }
 }
@@ -176,20 +205,46 @@ impl BaseMaterial {
     }
 }
 
-/// The part of a [`Material`] that few colliders have; all zero in others.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The part of a [`Material`] that few colliders have; the default in others.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RareMaterial {
     pub(crate) rolling_friction: f32,
     pub(crate) spinning_friction: f32,
     pub(crate) surface_velocity: Vec3,
+    pub(crate) contact_hertz: f32,
+    pub(crate) contact_damping: f32,
+}
+
+impl Default for RareMaterial {
+    fn default() -> Self {
+        RareMaterial {
+            rolling_friction: 0.0,
+            spinning_friction: 0.0,
+            surface_velocity: Vec3::ZERO,
+            contact_hertz: 0.0,
+            contact_damping: 1.0,
+        }
+    }
 }
 
 impl RareMaterial {
-    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): what is not zero.
+    /// Frequency [Hz] and damping ratio of the spring between two surfaces: those of the softer one, and of
+    /// two alike the lower damping. The frequency is zero if both are rigid.
+    pub(crate) fn spring_with(&self, other: &RareMaterial) -> (f32, f32) {
+        let own = (self.contact_hertz, self.contact_damping);
+        let others = (other.contact_hertz, other.contact_damping);
+        let softer = own.0 < others.0 || own.0 == others.0 && own.1 < others.1;
+        if others.0 == 0.0 || own.0 > 0.0 && softer { own } else { others }
+    }
+
+    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): what is not as by default.
     pub(crate) fn flags(&self) -> u8 {
         let rolls = self.rolling_friction > 0.0 || self.spinning_friction > 0.0;
         let moves = self.surface_velocity != Vec3::ZERO;
-        (if rolls { ROLLS } else { 0 }) | (if moves { BELT } else { 0 })
+        let soft = if self.contact_hertz > 0.0 { SOFT } else { 0 };
+        let idle = soft == 0 && self.contact_damping != 1.0;
+        let idle = if idle { IDLE_DAMPING } else { 0 };
+        (if rolls { ROLLS } else { 0 }) | (if moves { BELT } else { 0 }) | soft | idle
     }
 }

@@ -21,7 +21,9 @@ mod stored;
 mod stream;
 mod surfaces;
 
-pub(crate) use collider::{BELT, Collider, ColliderSummary, EVENTS, HOOKS, Kind, ROLLS, SENSOR, STATICS};
+pub(crate) use collider::{
+    BELT, Collider, ColliderSummary, EVENTS, HOOKS, IDLE_DAMPING, Kind, RARE, ROLLS, SENSOR, SOFT, STATICS,
+};
 pub(crate) use corners::Corners;
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;

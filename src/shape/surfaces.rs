@@ -1,5 +1,6 @@
 //! Materials of the triangles of a mesh, or of the cells of a height field: a byte each, and a table.
 
+use super::collider::{BELT, ROLLS};
 use super::{Geometry, HeightField, Material, TriangleMesh};
 use crate::error::{Error, within};
 use crate::memory::{bytes_of, sum_bytes};
@@ -59,7 +60,7 @@ impl Surfaces {
             let numbers = |m: &Material| {
                 let how = [m.friction_combine as u32, m.restitution_combine as u32];
                 let of_contacts = [m.static_friction, m.dynamic_friction, m.restitution];
-                let rare = [m.rolling_friction, m.spinning_friction];
+                let rare = [m.rolling_friction, m.spinning_friction, m.contact_hertz, m.contact_damping];
                 let numbers = of_contacts.into_iter().chain(rare).chain(m.surface_velocity.to_array());
                 how.into_iter().chain(numbers.map(f32::to_bits)).collect::<Vec<u32>>()
             };
@@ -117,8 +118,9 @@ impl Geometry {
         }
     }
 
-    /// What any of them has that few have; see [`RareMaterial::flags`](super::RareMaterial::flags).
+    /// Whether any of them rolls with losses or moves; see [`RareMaterial::flags`](super::RareMaterial::flags).
+    /// Softness is asked of the part itself.
     pub(crate) fn rare_flags(&self) -> u8 {
-        self.materials().iter().fold(0, |flags, material| flags | material.rare().flags())
+        self.materials().iter().fold(0, |flags, part| flags | part.rare().flags()) & (ROLLS | BELT)
     }
 }

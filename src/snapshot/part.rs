@@ -15,8 +15,8 @@ use crate::lanes::Record;
 use crate::limits;
 use crate::math::Quat;
 use crate::shape::{
-    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, ROLLS, RareMaterial,
-    SENSOR, STATICS,
+    BELT, BaseMaterial, Collider, Combine, EVENTS, Filter, HOOKS, IDLE_DAMPING, Kind, Material, RARE, ROLLS,
+    RareMaterial, SENSOR, SOFT, STATICS,
 };
 use crate::words::{Reader, broken, words};
 use crate::world::World;
@@ -168,12 +168,21 @@ fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mu
     out.extend(words::<4>([collider.filter.category, collider.filter.mask]));
     out.push(collider.filter.group as u32);
     out.extend(words::<2>(collider.user_data));
-    let RareMaterial { rolling_friction, spinning_friction, surface_velocity } = world.colliders.rare(c);
+    let RareMaterial {
+        rolling_friction,
+        spinning_friction,
+        surface_velocity,
+        contact_hertz,
+        contact_damping,
+    } = world.colliders.rare(c);
     if collider.flags & ROLLS != 0 {
         out.extend([rolling_friction, spinning_friction].map(f32::to_bits));
     }
     if collider.flags & BELT != 0 {
         out.extend(words::<3>(surface_velocity));
+    }
+    if collider.flags & (SOFT | IDLE_DAMPING) != 0 {
+        out.extend([contact_hertz, contact_damping].map(f32::to_bits));
     }
     if fixed {
         save_pose(&world.colliders.poses[c as usize], out);
@@ -399,7 +408,7 @@ fn read_kept_mass(from: &mut Reader<'_>) -> Result<KeptMass, Error> {
 /// Flags of a shape that may have them.
 fn flags_of(bits: u32, geometry: &crate::shape::Geometry) -> Result<u8, Error> {
     let flags = bits as u8;
-    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | ROLLS | BELT | STATICS);
+    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS | STATICS | RARE);
     let senses = flags & SENSOR == 0 || Kind::of(geometry) == Kind::Plane || Kind::of(geometry).is_convex();
     if known && senses { Ok(flags) } else { Err(broken("what a shape is for")) }
 }
@@ -440,9 +449,12 @@ fn read_collider(
     if flags & BELT != 0 {
         material.surface_velocity = from.finite::<Vec3, 3>()?;
     }
+    if flags & (SOFT | IDLE_DAMPING) != 0 {
+        [material.contact_hertz, material.contact_damping] = from.finite::<[f32; 2], 2>()?;
+    }
     material.validate()?;
     let rare = material.rare();
-    if rare.flags() | geometry.rare_flags() != flags & (ROLLS | BELT) {
+    if rare.flags() | geometry.rare_flags() != flags & RARE {
         return Err(broken("a material"));
     }
     let collider = Collider {

@@ -259,6 +259,7 @@ impl Passes<'_> {
             relax: kind == PassKind::Relax,
             surfaces: self.contacts.surfaces,
             rolling: &self.contacts.rolling,
+            soft: &self.contacts.soft,
         }
     }
 }

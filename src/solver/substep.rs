@@ -7,7 +7,7 @@ use crate::body::{BySlot, ColliderList, Mass, Pose, SpeedCap, Traits};
 use crate::config::Settings;
 use crate::config::tuning::BOUNCE_TOGETHER;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::{NetInput, Nets, Restitution, Struck};
+use crate::constraint::{NetInput, Nets, Restitution, Struck, move_by_mean};
 use crate::forces::Forces;
 use crate::handle::Slots;
 use crate::lanes::Record;
@@ -195,7 +195,14 @@ impl Substeps<'_> {
     /// Moves bodies on by the substep. Returns whether all velocities are in range.
     #[inline(always)]
     pub(super) fn integrate_displacements(&self) -> bool {
-        self.context.integrator.displacements(&self.forces.acceleration)
+        let (acceleration, marks) = (&self.forces.acceleration, self.context.passes.contacts.marks);
+        let in_range = self.context.integrator.displacements(acceleration);
+        if !marks.is_empty() {
+            // SAFETY: between stages this thread is alone.
+            let MotionSlices { velocity, base, delta } = unsafe { self.context.slices() };
+            move_by_mean(marks, (velocity, base, delta), acceleration, self.context.h);
+        }
+        in_range
     }
 
     /// Gives bodies the velocities after their last impacts; closes joints, and moves trees that conserve

@@ -73,7 +73,7 @@ impl Run {
 
     fn with(scene: &Scene, settings: Settings) -> Run {
         let mut world = World::new(settings.with_gravity(scene.gravity)).unwrap();
-        let Added { bodies, joints } = scene.add_to(&mut world).unwrap();
+        let Added { bodies, joints, .. } = scene.add_to(&mut world).unwrap();
         Run { world, bodies, joints }
     }
 

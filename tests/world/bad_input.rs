@@ -198,6 +198,8 @@ fn materials_must_be_in_range() {
         bad.push(good.with_restitution(x));
         bad.push(good.with_rolling_friction(x));
         bad.push(good.with_spinning_friction(x));
+        bad.push(good.with_contact_hertz(x));
+        bad.push(good.with_contact_damping(x));
     }
     bad.push(good.with_surface_velocity(Vec3::new(0.0, f32::NAN, 0.0)));
     bad.push(good.with_surface_velocity(Vec3::X * 1e7));

@@ -68,6 +68,8 @@ pub(crate) struct Batch<L, const P: usize, const B: usize> {
     pub(crate) surface: u32,
     /// Index in [`Rows::rolling`](crate::constraint::Rows::rolling), or beyond its end.
     pub(crate) rolling: u32,
+    /// Index in [`Rows::soft`](crate::constraint::Rows::soft), or beyond its end.
+    pub(crate) soft: u32,
     /// Bit per lane: body `a` (and `b`) may be written.
     pub(crate) write_a: u8,
     pub(crate) write_b: u8,
@@ -78,7 +80,7 @@ pub(crate) struct Batch<L, const P: usize, const B: usize> {
     /// Axes along which the bodies `a` and `b` are locked: see [`unlocked`].
     pub(crate) locks: [u32; 2],
     /// Padding to a multiple of eight lanes: every byte is initialised.
-    _pad: [u32; 3],
+    _pad: [u32; 2],
 }
 
 // SAFETY: zero is a value of every field.

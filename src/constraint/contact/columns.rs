@@ -2,13 +2,14 @@
 
 use super::batch::lock_bits;
 use super::prepare::PrepareInput;
+use super::soft::bodies::moves_by_mean;
 use crate::config::tuning::THIN_SLOP;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
-use crate::narrow_phase::{ContactRef, Point};
-use crate::shape::{BELT, Collider, EVENTS, ROLLS};
+use crate::narrow_phase::{ContactRef, Point, most_points};
+use crate::shape::{BELT, Collider, EVENTS, Kind, ROLLS};
 
 /// A column of eight lanes for each number. Inert lanes are zero.
 pub(super) struct Columns<const P: usize> {
@@ -48,6 +49,23 @@ pub(super) struct Columns<const P: usize> {
     pub(super) rolling: [[f32; 8]; 3],
     /// Some lane resists rolling or spinning.
     pub(super) rolls: bool,
+}
+
+/// The same for soft contacts, of which most scenes have none.
+#[derive(Default)]
+pub(super) struct SpringColumns {
+    /// See [`SoftRow`](super::soft::SoftRow).
+    pub(super) soft: [f32; 8],
+    pub(super) start_share: [f32; 8],
+    pub(super) stop: [f32; 8],
+    /// Frequency [Hz] and damping ratio of the contact's spring, and the share of each of its points.
+    pub(super) hertz: [f32; 8],
+    pub(super) zeta: [f32; 8],
+    pub(super) point_share: [f32; 8],
+    /// Acceleration: linear, of body b as seen from body a [m/s²]; angular, of body a and of body b [rad/s²].
+    pub(super) pull: [[[f32; 8]; 3]; 3],
+    /// Some lane is soft.
+    pub(super) softens: bool,
 }
 
 fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
@@ -125,6 +143,7 @@ impl<const P: usize> Columns<P> {
         parts: &[Part],
         touching: bool,
         tree_slots: Option<&TreeSlots>,
+        mut springs: Option<&mut SpringColumns>,
         input: &PrepareInput<'_>,
     ) -> Columns<P> {
         let mut out = Columns::inert();
@@ -153,6 +172,9 @@ impl<const P: usize> Columns<P> {
             }
             if input.surfaces {
                 out.put_surface(&entry, input);
+            }
+            if let Some(springs) = &mut springs {
+                springs.put(&entry, input);
             }
             out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
             if input.friction {
@@ -295,5 +317,34 @@ impl<const P: usize> Columns<P> {
         let last = input.contacts.rolling(part.slot() as u32);
         let carried = input.lengths.carry(last.extend(0.0), glam::Vec4::ZERO).truncate();
         put3(&mut self.rolling, lane, if swap { -carried } else { carried });
+    }
+}
+
+impl SpringColumns {
+    /// The spring of the softer material, and the accelerations of both bodies.
+    #[inline(never)]
+    fn put(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, contact, shape_a, shape_b, a, b, .. } = entry;
+        let Some(depth) = shape_a.soft_depth(shape_b, contact.material) else { return };
+        let (of_a, of_b) = (input.rare_of(contact.a, 0), input.rare_of(contact.b, contact.material));
+        self.softens = true;
+        self.soft[lane] = 1.0;
+        self.stop[lane] = depth;
+        (self.hertz[lane], self.zeta[lane]) = of_a.spring_with(&of_b);
+        let facing = |shape: &Collider| {
+            if matches!(shape.kind, Kind::Mesh | Kind::HeightField) { Kind::Plane } else { shape.kind }
+        };
+        self.point_share[lane] = 1.0 / most_points(facing(shape_a), facing(shape_b)) as f32;
+        let dynamic = input.bodies.dynamic();
+        let mean = [a, b].into_iter().all(|body| moves_by_mean(input.marks, body, dynamic));
+        self.start_share[lane] = if mean { 0.5 } else { 0.0 };
+        let pull = |body: u32| {
+            let moves = (body as usize) < dynamic;
+            input.acceleration.get(body as usize).copied().filter(|_| moves).unwrap_or_default()
+        };
+        let (on_a, on_b) = (pull(a), pull(b));
+        put3(&mut self.pull[0], lane, on_b.linear - on_a.linear);
+        put3(&mut self.pull[1], lane, on_a.angular);
+        put3(&mut self.pull[2], lane, on_b.angular);
     }
 }

@@ -13,5 +13,6 @@ pub(crate) mod prepare;
 pub(crate) mod readout;
 pub(crate) mod row;
 pub(crate) mod rows;
+pub(crate) mod soft;
 pub(crate) mod softness;
 pub(crate) mod step_lengths;

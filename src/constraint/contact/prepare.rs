@@ -1,9 +1,10 @@
 //! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
 use super::batch::{Batch, unlocked};
-use super::columns::{Columns, sym3, vec3};
+use super::columns::{Columns, SpringColumns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow};
 use super::rows::{Beside, Rows, Surface, Views, with_batch};
+use super::soft::{SoftRow, bodies::mark, fill_soft};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
@@ -13,6 +14,7 @@ use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
+use crate::joint::Joints;
 use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
 use crate::narrow_phase::{Contacts, Scale};
@@ -57,6 +59,13 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) surfaces: bool,
     /// Whether any shape resists rolling or spinning.
     pub(crate) rolling: bool,
+    /// Whether any shape is soft.
+    pub(crate) soft: bool,
+    pub(crate) joints: &'a Joints,
+    /// Acceleration of each body that can move; may be empty.
+    pub(crate) acceleration: &'a [Record],
+    /// Marks of what holds dynamic bodies, for soft contacts; empty before they are made.
+    pub(crate) marks: &'a [u8],
     /// What few shapes have of a material, as far as the column goes.
     pub(crate) rare: &'a [RareMaterial],
     /// Weights of contacts, in case memory does not suffice for all.
@@ -103,10 +112,29 @@ pub(crate) fn prepare(
     if input.rolling && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all {
         rolling.resize(all, RollingRow::default());
     }
-    let mut surfaces = std::mem::take(surfaces);
-    fill_all(workers, input, &rows.views(), &mut surfaces, scratch);
-    rows.surfaces = surfaces;
+    prepare_soft(input, rows, allowances);
+    let (mut surfaces, marks) = (std::mem::take(&mut rows.surfaces), std::mem::take(&mut rows.soft.marks));
+    let marked = PrepareInput { marks: &marks, ..*input };
+    fill_all(workers, &marked, &rows.views(), &mut surfaces, scratch);
+    (rows.surfaces, rows.soft.marks) = (surfaces, marks);
     prepared
+}
+
+/// Makes room for soft lanes, and marks what holds the bodies. Without memory for them, contacts are rigid.
+fn prepare_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) {
+    let all = rows.schedule.len();
+    rows.soft.rows.clear();
+    rows.soft.marks.clear();
+    if !input.soft {
+        return;
+    }
+    allowances.within(Category::Rows, |allowance| {
+        let (bodies, found) = ((input.bodies, input.colliders), (input.pairs, input.contacts));
+        mark(&mut rows.soft.marks, bodies, found, input.joints, allowance);
+        if allowance.fit(&mut rows.soft.rows, all) == all {
+            rows.soft.rows.resize(all, SoftRow::default());
+        }
+    });
 }
 
 /// [`Beside`] of the batch at a place of the schedule.
@@ -114,6 +142,7 @@ struct BesideBatch<'a> {
     place: u32,
     surface: Option<&'a mut Surface>,
     rolling: Option<&'a mut RollingRow>,
+    soft: Option<&'a mut SoftRow>,
 }
 
 /// Fills the batches of the schedule.
@@ -140,7 +169,9 @@ fn fill_all(
             let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
             let (surface, rolling) = unsafe { (surfaces.find(place), views.rolling.find(place)) };
-            let beside = BesideBatch { place: place as u32, surface, rolling };
+            // SAFETY: as below.
+            let soft = unsafe { views.soft.find(place) };
+            let beside = BesideBatch { place: place as u32, surface, rolling, soft };
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
@@ -195,10 +226,11 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     beside: BesideBatch<'_>,
     input: &PrepareInput<'_>,
 ) {
-    let columns =
-        Columns::<P>::gather(parts, matches!(friction, FrictionToFill::Touching(_)), tree_slots, input);
+    let touching = matches!(friction, FrictionToFill::Touching(_));
+    let mut springs = input.soft.then(SpringColumns::default);
+    let columns = Columns::<P>::gather(parts, touching, tree_slots, springs.as_mut(), input);
     (batch.a, batch.contact) = (columns.a, columns.contact);
-    (batch.surface, batch.rolling) = (u32::MAX, u32::MAX);
+    (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
     let [x, y, z, w] = &columns.rotation;
@@ -228,6 +260,11 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         inverse_inertia: [ia, ib],
     };
     let points = fill_points(batch, &geometry);
+    if let (Some(soft), Some(springs)) = (beside.soft, springs.filter(|springs| springs.softens)) {
+        let along = geometry.linear(n, n, ma + mb);
+        fill_soft(soft, batch, &springs, along, input.lengths.now());
+        batch.soft = beside.place;
+    }
     let count = match friction {
         FrictionToFill::None => return,
         _ => points.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),

@@ -6,6 +6,7 @@ use super::friction::{FrictionRow, RollingRow};
 use super::friction_rows::{follow_load, solve_friction};
 use super::impact_friction::potential_load;
 use super::rows::Surface;
+use super::soft::{SoftRow, solve_soft};
 use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3};
 use crate::threads::Shared;
@@ -33,6 +34,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) surfaces: &'a [Surface],
     /// See [`Rows::rolling`](crate::constraint::Rows::rolling).
     pub(crate) rolling: &'a Shared<'a, RollingRow>,
+    /// See [`Rows::soft`](crate::constraint::Rows::soft).
+    pub(crate) soft: &'a Shared<'a, SoftRow>,
 }
 
 /// Applies the impulses of the last step.
@@ -201,6 +204,11 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     }
     // SAFETY: by the contract: each batch has a row of its own.
     let rolling = if FRICTION { unsafe { pass.rolling.find(batch.rolling as usize) } } else { None };
+    // SAFETY: as above.
+    if let Some(soft) = unsafe { pass.soft.find(batch.soft as usize) } {
+        // SAFETY: by the contract.
+        return unsafe { solve_soft::<L, P, B, FRICTION>(batch, (friction, rolling), soft, motion, pass) };
+    }
     if !sweep::<L, P, B, FRICTION, _>(batch, friction, rolling, &mut v, pass, &mut Free) {
         return false;
     }
@@ -272,28 +280,28 @@ pub(crate) fn sweep<
 
 /// By how much a pass changed the impulses along the normal: all of them [N s], and their moments about each
 /// body's centre of mass.
-struct ImpulseChange<L> {
-    sum: L,
-    moment_a: Vec3<L>,
-    moment_b: Vec3<L>,
+pub(super) struct ImpulseChange<L> {
+    pub(super) sum: L,
+    pub(super) moment_a: Vec3<L>,
+    pub(super) moment_b: Vec3<L>,
 }
 
 /// The normal rows of a batch while they are solved.
-struct NormalRows<L, const P: usize> {
+pub(super) struct NormalRows<L, const P: usize> {
     /// Normal velocities [m/s], and the bias added to them.
-    u: [L; P],
+    pub(super) u: [L; P],
     bias: [L; P],
     /// Effective masses [kg]; zero for rows that wait.
     mass: [L; P],
     /// Share of an impulse that its spring gives up.
     yielding: [L; P],
-    impulse: [L; P],
+    pub(super) impulse: [L; P],
 }
 
 impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
-    fn new<const B: usize, R: Response<L, P, B>>(
+    pub(super) fn new<const B: usize, R: Response<L, P, B>>(
         batch: &Batch<L, P, B>,
         v: &BodyPair<L>,
         pass: &Pass<'_>,
@@ -356,21 +364,38 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             for i in 0..P {
                 let change = push * on[i];
                 self.impulse[i] += change;
-                for k in 0..P {
-                    self.u[k] += response.stiffness(batch, i, k) * change;
-                }
+                self.accelerate(batch, response, i, change);
             }
         }
         for i in 0..P {
-            let mut new = self.impulse[i] - self.mass[i] * (self.u[i] + self.bias[i]);
-            new -= (self.impulse[i] - batch.points[i].lasting) * self.yielding[i];
-            // An inert lane has an infinite separation; the maximum of NaN (0 * inf) and zero is zero.
-            let new = new.max(L::zero());
+            let new = self.solved(batch, i);
             let change = new - self.impulse[i];
             self.impulse[i] = new;
-            for k in 0..P {
-                self.u[k] += response.stiffness(batch, i, k) * change;
-            }
+            self.accelerate(batch, response, i, change);
+        }
+    }
+
+    /// The impulse with which a row leaves no velocity error, but for what yields.
+    #[inline(always)]
+    pub(super) fn solved<const B: usize>(&self, batch: &Batch<L, P, B>, i: usize) -> L {
+        let mut new = self.impulse[i] - self.mass[i] * (self.u[i] + self.bias[i]);
+        new -= (self.impulse[i] - batch.points[i].lasting) * self.yielding[i];
+        // An inert lane has an infinite separation; the maximum of NaN (0 * inf) and zero is zero.
+        new.max(L::zero())
+    }
+
+    /// Updates the normal velocities after a change of the impulse at point `i`.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
+    pub(super) fn accelerate<const B: usize, R: Response<L, P, B>>(
+        &mut self,
+        batch: &Batch<L, P, B>,
+        response: &R,
+        i: usize,
+        change: L,
+    ) {
+        for k in 0..P {
+            self.u[k] += response.stiffness(batch, i, k) * change;
         }
     }
 
@@ -378,7 +403,10 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     /// both bodies.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
-    fn store<const B: usize, const FRICTION: bool>(&self, batch: &mut Batch<L, P, B>) -> ImpulseChange<L> {
+    pub(super) fn store<const B: usize, const FRICTION: bool>(
+        &self,
+        batch: &mut Batch<L, P, B>,
+    ) -> ImpulseChange<L> {
         let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
         for i in 0..P {
             let change = self.impulse[i] - batch.points[i].impulse;
@@ -402,7 +430,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     /// the others would turn it back, but never quite: a tower that stands straight would start to lean.
     /// After this step a body that lies flat and evenly loaded leaves nothing for the sweep.
     #[inline(always)]
-    fn level<const B: usize, R: Response<L, P, B>>(
+    pub(super) fn level<const B: usize, R: Response<L, P, B>>(
         &self,
         batch: &Batch<L, P, B>,
         response: &R,

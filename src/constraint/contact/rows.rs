@@ -2,10 +2,11 @@
 
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView, ImpactRow, RollingRow};
+use super::soft::SoftRow;
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
-use crate::memory::{Allowance, Buffer, Cut, Slab, bytes_of, sum_bytes};
+use crate::memory::{Allowance, Buffer, Cut, Slab, buffers, bytes_of, sum_bytes};
 use crate::threads::Shared;
 
 /// Counts for batches whose bodies `b` may move, and for those where all are static: batches of one to four
@@ -46,6 +47,7 @@ pub(crate) struct Rows {
     pub(crate) surfaces: Vec<Surface>,
     /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
     pub(crate) rolling: Vec<RollingRow>,
+    pub(crate) soft: SoftRows,
 }
 
 /// What each batch of the schedule has besides its rows and friction.
@@ -64,6 +66,17 @@ impl Beside {
         of(self.surfaces, size_of::<Surface>()) + of(self.rolling, size_of::<RollingRow>())
     }
 }
+
+/// What soft contacts need; empty unless some shape is soft.
+#[derive(Debug, Default)]
+pub(crate) struct SoftRows {
+    /// One for each batch of the schedule.
+    pub(crate) rows: Vec<SoftRow>,
+    /// What holds each dynamic body: see [`mark`](super::soft::bodies::mark).
+    pub(crate) marks: Vec<u8>,
+}
+
+buffers! { SoftRows { bytes { rows, marks } } }
 
 /// Velocity of the surfaces of each lane past each other, along the two tangents of friction [m/s].
 pub(crate) type Surface = [[f32; 8]; 2];
@@ -162,6 +175,8 @@ impl Rows {
             tree_contacts: &self.tree_contacts,
             surfaces: &self.surfaces,
             rolling: Shared::new(&mut self.rolling),
+            soft: Shared::new(&mut self.soft.rows),
+            marks: &self.soft.marks,
         }
     }
 
@@ -193,6 +208,8 @@ impl Rows {
         self.tree_contacts.clear();
         self.surfaces.clear();
         self.rolling.clear();
+        self.soft.rows.clear();
+        self.soft.marks.clear();
     }
 
     /// Takes the memory of batches, which are dropped.
@@ -236,6 +253,7 @@ impl Rows {
             bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
             bytes_of(&self.rolling),
+            self.soft.bytes(),
         ])
     }
 }
@@ -250,6 +268,9 @@ pub(crate) struct Views<'a> {
     pub(crate) tree_contacts: &'a [TreeContacts],
     pub(crate) surfaces: &'a [Surface],
     pub(crate) rolling: Shared<'a, RollingRow>,
+    pub(crate) soft: Shared<'a, SoftRow>,
+    /// See [`SoftRows`].
+    pub(crate) marks: &'a [u8],
 }
 
 impl Views<'_> {

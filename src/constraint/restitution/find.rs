@@ -155,6 +155,11 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
         let contact = input.contacts.at(slot);
+        // The spring of a soft contact throws back what it stops.
+        if x.is_soft(0) || y.is_soft(contact.material) {
+            slot = contact.next;
+            continue;
+        }
         let tweak = tweak_of(input.tweaks, slot as usize);
         let (restitution, friction) = if contact.material == 0 { own } else { law(contact.material) };
         let (restitution, friction) = (tweak.restitution_or(restitution), tweak.friction_or(friction).1);

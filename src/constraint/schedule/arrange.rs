@@ -14,7 +14,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Point, Weight};
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -288,7 +288,8 @@ fn sort(
         let body = |c: u32| input.summaries[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
-        if contact.points().iter().any(|p| p.separation < -CROWD_OVERLAP * input.slop) {
+        let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
+        if contact.points().iter().any(deep) && !is_soft(input, contact) {
             crowd.overlap((a, b), dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
@@ -320,7 +321,10 @@ fn sort(
                 return;
             }
             let colour = colouring[group as usize].assign(a, b);
-            let in_tree = group.is_static() && colour != OVERFLOW && input.tree_slots.of(a.min(b)).is_some();
+            let in_tree = group.is_static()
+                && colour != OVERFLOW
+                && input.tree_slots.of(a.min(b)).is_some()
+                && !is_soft(input, contact);
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
             allowance.push(entries, (part, key));
         };
@@ -339,6 +343,12 @@ fn sort(
     scratch.line_up(input, &mut allowance);
     scratch.note_ahead(input, &ahead);
     (prepared, fits)
+}
+
+/// Whether springs act between the two shapes.
+fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
+    let soft = |c: u32, part: u8| input.colliders[c as usize].is_soft(part);
+    input.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
 }
 
 /// Bytes of batches of potential contacts, with their friction: for bodies that may move and for static ones,

@@ -6,7 +6,7 @@ use crate::error::{Error, within};
 use crate::handle::ShapeHandle;
 use crate::limits;
 use crate::math::Quat;
-use crate::shape::{BELT, Collider, Geometry, Kind, MassProperties, ROLLS, unit_quat};
+use crate::shape::{Collider, Geometry, Kind, MassProperties, RARE, unit_quat};
 use crate::world::{Change, World};
 use glam::Vec3;
 
@@ -47,7 +47,7 @@ impl World {
         let own = self.colliders.rare(collider).flags();
         self.reshape(collider, mass, |collider, _| {
             collider.kind = Kind::of(&geometry);
-            collider.flags = collider.flags & !(ROLLS | BELT) | own | geometry.rare_flags();
+            collider.flags = collider.flags & !RARE | own | geometry.rare_flags();
             collider.size = geometry.size();
             (collider.radius, collider.inner_radius) = (geometry.radius(), geometry.inner_radius());
             collider.geometry = geometry;

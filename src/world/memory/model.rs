@@ -20,6 +20,8 @@ pub enum Feature {
     SurfaceVelocities,
     /// Rows against rolling, and spinning friction.
     RollingFriction,
+    /// Springs of soft contacts.
+    SoftContacts,
     /// Velocities and displacements of the previous step, and sweeps over impacts.
     Restitution,
     /// Swept paths, casts, potential contacts, and the guard.
@@ -74,10 +76,11 @@ pub enum Feature {
 
 impl Feature {
     /// Every feature, in the order of reports.
-    pub const ALL: [Feature; 28] = [
+    pub const ALL: [Feature; 29] = [
         Feature::Friction,
         Feature::SurfaceVelocities,
         Feature::RollingFriction,
+        Feature::SoftContacts,
         Feature::Restitution,
         Feature::ContinuousCollision,
         Feature::Acceleration,
@@ -130,6 +133,7 @@ impl Feature {
             Feature::RollingFriction => {
                 ("rolling_friction", "shapes that resist rolling or spinning", "solve")
             }
+            Feature::SoftContacts => ("soft_contacts", "shapes whose contacts are soft", "solve"),
             Feature::Restitution => ("restitution", "shapes with restitution or contact hooks", "prepare"),
             Feature::ContinuousCollision => {
                 ("continuous_collision", "bodies that are not discrete", "narrow")
@@ -283,6 +287,7 @@ impl World {
                 let rows = bytes_of(&buffers.rows.rolling).1;
                 (needs.rolling, rows + self.contacts.rolling_bytes().1, None)
             }
+            Feature::SoftContacts => (needs.soft, buffers.rows.soft.bytes().1, None),
             Feature::Restitution => {
                 (needs.restitution, buffers.restitution.bytes().1, Some(spent.restitution))
             }

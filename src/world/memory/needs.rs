@@ -2,7 +2,7 @@
 //! removed, never searched for.
 
 use crate::config::Continuous;
-use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, Material, ROLLS, SENSOR, STATICS};
+use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, Material, RARE, ROLLS, SENSOR, SOFT, STATICS};
 use crate::world::World;
 use glam::Vec3;
 
@@ -14,6 +14,8 @@ pub(crate) struct Needs {
     /// Shapes that resist rolling or spinning, and those whose surface moves.
     pub(crate) rolling: u32,
     pub(crate) belts: u32,
+    /// Shapes whose contacts are soft.
+    pub(crate) soft: u32,
     /// Shapes, sensors included, with a material of which a part is in the column of rare ones.
     pub(crate) rare_materials: u32,
     /// Shapes with restitution, or with hooks, which may add it.
@@ -50,7 +52,9 @@ impl Needs {
         add(&mut self.friction, solid && (has_friction || has(HOOKS)));
         add(&mut self.rolling, solid && has(ROLLS));
         add(&mut self.belts, solid && has(BELT));
-        add(&mut self.rare_materials, has(ROLLS | BELT));
+        let yields = has(SOFT) || parts.iter().any(Material::is_soft);
+        add(&mut self.soft, solid && yields);
+        add(&mut self.rare_materials, has(RARE));
         let bounces = material.restitution > 0.0 || parts.iter().any(|part| part.restitution > 0.0);
         add(&mut self.restitution, solid && (bounces || has(HOOKS)));
         add(&mut self.events, has(EVENTS));
@@ -78,6 +82,7 @@ impl Demand {
     const ACCELERATION: u16 = 128;
     const ROLLING: u16 = 256;
     const RARE_MATERIALS: u16 = 512;
+    const SOFT: u16 = 1024;
 }
 
 impl World {
@@ -107,6 +112,7 @@ impl World {
             (self.is_accelerated(), Demand::ACCELERATION),
             (self.needs.rolling > 0, Demand::ROLLING),
             (self.needs.rare_materials > 0, Demand::RARE_MATERIALS),
+            (self.needs.soft > 0, Demand::SOFT),
         ];
         Demand(needed.iter().fold(0, |all, (is, part)| all | (u16::from(*is) * part)))
     }
@@ -159,6 +165,9 @@ impl World {
         if gone & Demand::ROLLING != 0 {
             buffers.rows.rolling = Vec::new();
             self.contacts.forget_rolling();
+        }
+        if gone & Demand::SOFT != 0 {
+            buffers.rows.soft = Default::default();
         }
         if gone & Demand::RARE_MATERIALS != 0 {
             (self.colliders.rare, buffers.rows.surfaces) = Default::default();

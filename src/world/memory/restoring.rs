@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
 use crate::narrow_phase::ContactCount;
-use crate::shape::{BELT, Geometry, Kind, ROLLS};
+use crate::shape::{Geometry, Kind, RARE};
 use crate::world::{Assets, World};
 
 /// The bodies and joints that replace those of a world.
@@ -68,7 +68,7 @@ impl<'a> Replacement<'a> {
         let (mut own, slots) = (0, counts.colliders.slots);
         for (shape, flags) in shapes {
             own += 1;
-            counts.rare_materials |= flags & (ROLLS | BELT) != 0;
+            counts.rare_materials |= flags & RARE != 0;
             if !traits.disabled {
                 counts.add_collider(kind, shape);
             }

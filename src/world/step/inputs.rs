@@ -219,6 +219,10 @@ impl World {
             surfaces: self.needs.belts > 0
                 || self.events.tweaks.iter().any(|tweak| tweak.surface != Vec3::ZERO),
             rolling: self.needs.rolling > 0,
+            soft: self.needs.soft > 0,
+            joints: &self.joints,
+            acceleration: &forces.acceleration,
+            marks: &[],
             rare: &self.colliders.rare,
             scale: scale(&self.colliders, &self.bodies, forces, &self.settings, dt),
         }

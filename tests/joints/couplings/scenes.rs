@@ -72,7 +72,11 @@ fn machine() -> Scene {
     let belt = Material::default().with_surface_velocity(Vec3::new(0.5, 0.0, -0.25));
     let floor = ShapeDesc::new(Geometry::cuboid(50.0, 0.5, 50.0)).with_material(belt);
     scene.add("belt", BodyDesc::fixed().at(DVec3::Y * -0.5).with_shape(floor));
-    let rough = Material::default().with_rolling_friction(0.01).with_spinning_friction(0.003);
+    let rough = Material::default()
+        .with_rolling_friction(0.01)
+        .with_spinning_friction(0.003)
+        .with_contact_hertz(25.0)
+        .with_contact_damping(0.5);
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_material(rough);
     let spun = BodyDesc::dynamic().at(DVec3::new(0.0, 0.5, 5.0)).with_shape(ball.clone());
     scene.add("ball", spun.moving(Vec3::X * 3.0, Vec3::Y * 5.0));

@@ -10,3 +10,4 @@ mod overlap;
 mod restitution;
 mod rolling;
 mod sliding;
+mod soft;

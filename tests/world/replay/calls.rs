@@ -64,6 +64,8 @@ impl Churn {
         (shape.events, shape.hooks, shape.user_data) = (r.below(3) == 0, r.below(3) == 0, r.bits());
         shape.material.rolling_friction = if shape.user_data & 3 == 0 { 0.02 } else { 0.0 };
         shape.material.surface_velocity = if shape.user_data & 28 == 0 { Vec3::X } else { Vec3::ZERO };
+        shape.material.contact_hertz = if shape.user_data & 96 == 0 { 8.0 } else { 0.0 };
+        shape.material.contact_damping = if shape.user_data & 32 == 0 { 0.5 } else { 1.0 };
         shape
     }
 

@@ -62,6 +62,7 @@ fn world(which: usize, shared: &Shared) -> World {
             let mut shape = ShapeDesc::new(geometry).with_events();
             shape.material.restitution = if which == 1 { 0.5 } else { 0.0 };
             shape.material.rolling_friction = if which == 1 { 0.02 } else { 0.0 };
+            shape.material.contact_hertz = if which == 1 && i % 3 == 0 { 10.0 } else { 0.0 };
             let at = DVec3::new(f64::from(i % 4) - 2.0, 0.4 + f64::from(i / 4) * 0.7, f64::from(i % 3));
             world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
         })

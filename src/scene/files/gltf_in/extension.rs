@@ -137,12 +137,26 @@ pub(super) struct Material {
     pub(super) extras: MaterialExtras,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase", deny_unknown_fields)]
 pub(super) struct MaterialExtras {
     pub(super) rolling_friction: f32,
     pub(super) spinning_friction: f32,
     pub(super) surface_velocity: [f32; 3],
+    pub(super) contact_hertz: f32,
+    pub(super) contact_damping: f32,
+}
+
+impl Default for MaterialExtras {
+    fn default() -> Self {
+        MaterialExtras {
+            rolling_friction: 0.0,
+            spinning_friction: 0.0,
+            surface_velocity: [0.0; 3],
+            contact_hertz: 0.0,
+            contact_damping: 1.0,
+        }
+    }
 }
 
 impl Default for Material {

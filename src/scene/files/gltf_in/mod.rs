@@ -405,6 +405,8 @@ fn material(m: &extension::Material, notes: &mut Vec<String>) -> Material {
         rolling_friction: m.extras.rolling_friction,
         spinning_friction: m.extras.spinning_friction,
         surface_velocity: m.extras.surface_velocity.into(),
+        contact_hertz: m.extras.contact_hertz,
+        contact_damping: m.extras.contact_damping,
         friction_combine: combine(m.friction_combine),
         restitution_combine: combine(m.restitution_combine),
     }

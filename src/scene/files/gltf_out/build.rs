@@ -305,9 +305,15 @@ fn material(m: &Material) -> Value {
         "restitutionCombine": combine(m.restitution_combine),
     });
     let mut extras = json!({});
-    for (name, arm) in [("rollingFriction", m.rolling_friction), ("spinningFriction", m.spinning_friction)] {
-        if arm != 0.0 {
-            extras[name] = json!(arm);
+    let numbers = [
+        ("rollingFriction", m.rolling_friction, 0.0),
+        ("spinningFriction", m.spinning_friction, 0.0),
+        ("contactHertz", m.contact_hertz, 0.0),
+        ("contactDamping", m.contact_damping, 1.0),
+    ];
+    for (name, value, default) in numbers {
+        if value != default {
+            extras[name] = json!(value);
         }
     }
     if m.surface_velocity != Vec3::ZERO {

@@ -1,0 +1,82 @@
+//! Bodies that only soft contacts hold.
+//!
+//! Rows stop a body by its velocity at the end of a substep, and move it by that. A spring gives back what it
+//! took only if the body moves by the mean of its velocities at both ends; but to a rigid row this mean is
+//! half of what it stopped. So bodies move by the mean where every contact that they have is soft, and no
+//! joint holds them. At rest both are the same.
+
+use crate::body::Bodies;
+use crate::broad_phase::Pair;
+use crate::joint::Joints;
+use crate::lanes::Record;
+use crate::memory::Allowance;
+use crate::narrow_phase::{Contacts, NO_CONTACT};
+use crate::shape::Collider;
+
+/// Bits of a body's mark: it has a soft contact; something else holds it.
+const YIELDS: u8 = 1;
+const HELD: u8 = 2;
+
+/// Marks the dynamic bodies by what holds them in this step. Without memory for that, none is marked.
+pub(crate) fn mark(
+    marks: &mut Vec<u8>,
+    (bodies, colliders): (&Bodies, &[Collider]),
+    (pairs, contacts): (&[Pair], &Contacts),
+    joints: &Joints,
+    allowance: &mut Allowance,
+) {
+    marks.clear();
+    let dynamic = bodies.dynamic();
+    if allowance.fit(marks, dynamic) < dynamic {
+        return;
+    }
+    marks.resize(dynamic, 0);
+    for pair in pairs.iter().filter(|pair| pair.contact != NO_CONTACT) {
+        let mut slot = pair.contact;
+        while slot != NO_CONTACT {
+            let contact = contacts.at(slot);
+            let [a, b] = [contact.a, contact.b].map(|c| &colliders[c as usize]);
+            let is_soft = a.is_soft(0) || b.is_soft(contact.material);
+            let mark = if is_soft { YIELDS } else { HELD };
+            for body in [a.body, b.body].into_iter().filter(|_| contact.count > 0) {
+                if let Some(own) = marks.get_mut(body as usize) {
+                    *own |= mark;
+                }
+            }
+            slot = contact.next;
+        }
+    }
+    if joints.count > 0 {
+        for (i, mark) in marks.iter_mut().enumerate().filter(|(_, mark)| **mark != 0) {
+            if joints.has_any(bodies.slot[i]) {
+                *mark |= HELD;
+            }
+        }
+    }
+}
+
+/// Whether a body moves by the mean of its velocities at both ends of a substep, or does not move by rows.
+pub(crate) fn moves_by_mean(marks: &[u8], body: u32, dynamic: usize) -> bool {
+    body as usize >= dynamic || marks.get(body as usize) == Some(&YIELDS)
+}
+
+/// Corrects the displacements of a substep of `h` seconds for the bodies that move by the mean of their
+/// velocities at both ends of it. `base`: velocities before any row acted, with what `acceleration` added. A
+/// part of a velocity that no row changed is not corrected: its displacement takes acceleration into account.
+pub(crate) fn move_by_mean(
+    marks: &[u8],
+    (velocity, base, delta): (&[Record], &[Record], &mut [Record]),
+    acceleration: &[Record],
+    h: f32,
+) {
+    for (i, _) in marks.iter().enumerate().filter(|(_, mark)| **mark == YIELDS) {
+        let (now, before) = (velocity[i], base[i]);
+        let pull = acceleration.get(i).copied().unwrap_or_default();
+        if now.linear != before.linear {
+            delta[i].linear += (before.linear - pull.linear * h - now.linear) * (0.5 * h);
+        }
+        if now.angular != before.angular {
+            delta[i].angular += (before.angular - pull.angular * h - now.angular) * (0.5 * h);
+        }
+    }
+}
