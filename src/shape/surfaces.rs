@@ -118,8 +118,8 @@ impl Geometry {
         }
     }
 
-    /// Whether any of them rolls with losses or moves; see [`RareMaterial::flags`](super::RareMaterial::flags).
-    /// Softness is asked of the part itself.
+    /// Whether any of them resists rolling or moves; see [`RareMaterial::flags`](super::RareMaterial::flags).
+    /// A part is asked itself whether it is soft.
     pub(crate) fn rare_flags(&self) -> u8 {
         self.materials().iter().fold(0, |flags, part| flags | part.rare().flags()) & (ROLLS | BELT)
     }

@@ -265,11 +265,10 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         fill_soft(soft, batch, &springs, along, input.lengths.now());
         batch.soft = beside.place;
     }
-    let count = match friction {
+    let share = match friction {
         FrictionToFill::None => return,
-        _ => points.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
+        _ => L::one() / points.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
     };
-    let share = L::one() / count;
     let mean = |of: &[Vec3<L>; P]| {
         of.iter().zip(&points.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
     };
