@@ -5,7 +5,7 @@ use backstop::Escaped;
 use backstop::scene::{Scene, refuse_input};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 /// Prints a scene's notes, escaped because they quote its file.
@@ -53,7 +53,7 @@ pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
 }
 
 /// A line of a summary: a file that was written.
-pub(crate) fn written<L: From<&'static str>>(path: &PathBuf) -> (L, String) {
+pub(crate) fn written<L: From<&'static str>>(path: &Path) -> (L, String) {
     ("written".into(), path.display().to_string())
 }
 

@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 pub(crate) fn text(document: &Document, trace: &Trace, written: &[PathBuf]) -> String {
-    list(rows(document, trace).into_iter().chain(written.iter().map(output::written)))
+    list(rows(document, trace).into_iter().chain(written.iter().map(|path| output::written(path))))
 }
 
 /// The rows of the summary, for page and terminal.

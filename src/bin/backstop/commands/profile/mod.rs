@@ -42,7 +42,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     if options.common.json {
         output::print_json(&ledger)?;
     } else if !options.common.quiet {
-        let files = written.iter().chain(&options.csv).map(output::written);
+        let files = written.iter().chain(&options.csv).map(|path| output::written(path));
         let mut text = list(page::rows(&ledger).into_iter().chain(files));
         if let Some(comparison) = &ledger.comparison {
             text += &format!("\n{}", compare::text(comparison));

@@ -1,7 +1,7 @@
 //! What an edit of a height field of 513 x 513 samples costs under 1000 boxes: a patch by
 //! `World::set_heights`, cells by `World::set_holes`, and the whole field by `World::set_geometry`.
 //!
-//!     cargo run --release --example dig
+//!     cargo bench --bench edits
 
 use backstop::glam::{Vec2, Vec3};
 use backstop::{BodyDesc, Error, Geometry, HeightField, Settings, ShapeDesc, ShapeHandle, World};
