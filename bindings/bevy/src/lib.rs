@@ -34,7 +34,9 @@ pub use messages::{
     JointBroke, JointStrained, PhysicsError, Problem, SensorEntered, SensorLeft,
 };
 pub use plugin::{BackstopPlugin, PhysicsSystems};
-pub use shape::{ContactHooked, ContactMessages, Density, Sensor, Shape, ShapeFilter, ShapeMaterial};
+pub use shape::{
+    ContactHooked, ContactMessages, Density, SensesStatic, Sensor, Shape, ShapeFilter, ShapeMaterial,
+};
 pub use world::{PhysicsHooks, PhysicsWorld};
 
 /// All that a game needs of the plugin; what the engine's own calls take is in [`backstop`].

@@ -1,5 +1,6 @@
 //! Components of shapes.
 
+use crate::ToEngine;
 use crate::world::PhysicsWorld;
 use backstop::{ConvexHull, Filter, Geometry, HeightField, Material, ShapeDesc, TriangleMesh};
 use bevy_ecs::lifecycle::HookContext;
@@ -17,8 +18,8 @@ use std::sync::Arc;
 /// A shape of the nearest [`RigidBody`](crate::RigidBody) on its entity or above it. Below the body it is
 /// where its `Transform` puts it, in the body's frame; several shapes make a compound.
 ///
-/// A scale, its own or from above, scales balls, capsules and cylinders by one factor, boxes and hulls by
-/// three. Other scales, and those of meshes and height fields, are refused.
+/// A scale, its own or from above, scales balls, capsules and cylinders by one factor, all others by three. A
+/// scaled hull, mesh or field is built anew whenever the scale changes. Other scales are refused.
 #[derive(Component, Clone, Debug)]
 #[cfg_attr(
     feature = "reflect",
@@ -110,6 +111,13 @@ pub struct Density(pub f32);
 #[component(on_remove = trait_removed)]
 pub struct Sensor;
 
+/// A [`Sensor`] that also notices static bodies, and the surfaces of meshes and height fields.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+#[require(Sensor)]
+#[component(on_remove = trait_removed)]
+pub struct SensesStatic;
+
 /// A shape whose contacts are reported: [`ContactBegan`](crate::ContactBegan),
 /// [`ContactEnded`](crate::ContactEnded), [`ContactHit`](crate::ContactHit).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -142,6 +150,7 @@ pub(crate) struct ShapeParts {
     filter: Option<&'static ShapeFilter>,
     density: Option<&'static Density>,
     sensor: Has<Sensor>,
+    senses_static: Has<SensesStatic>,
     messages: Has<ContactMessages>,
     hooked: Has<ContactHooked>,
 }
@@ -153,6 +162,7 @@ pub(crate) type ShapeChanged = Or<(
     Changed<ShapeFilter>,
     Changed<Density>,
     Changed<Sensor>,
+    Changed<SensesStatic>,
     Changed<ContactMessages>,
     Changed<ContactHooked>,
 )>;
@@ -164,7 +174,8 @@ impl ShapePartsItem<'_, '_> {
         desc.material = self.material.map_or(desc.material, |material| material.0);
         desc.filter = self.filter.map_or(desc.filter, |filter| filter.0);
         desc.density = self.density.map_or(desc.density, |density| density.0);
-        (desc.sensor, desc.events, desc.hooks) = (self.sensor, self.messages, self.hooked);
+        (desc.sensor, desc.senses_static) = (self.sensor, self.senses_static);
+        (desc.events, desc.hooks) = (self.messages, self.hooked);
         Some(desc)
     }
 }
@@ -190,11 +201,9 @@ fn scaled(geometry: &Geometry, scale: Vec3) -> Option<Geometry> {
         Geometry::Box { half_extents: half } => {
             Geometry::cuboid(scale.x * half.x, scale.y * half.y, scale.z * half.z)
         }
-        Geometry::Hull(ref hull) => {
-            let points: Vec<_> =
-                hull.vertices().iter().map(|&p| p * crate::ToEngine::to_engine(scale)).collect();
-            Geometry::hull(ConvexHull::new(&points).ok()?)
-        }
+        Geometry::Hull(ref hull) => Geometry::hull(hull.scaled(scale.to_engine()).ok()?),
+        Geometry::Mesh(ref mesh) => Geometry::mesh(mesh.scaled(scale.to_engine()).ok()?),
+        Geometry::HeightField(ref field) => Geometry::height_field(field.scaled(scale.to_engine()).ok()?),
         Geometry::Plane => Geometry::Plane,
         _ => return None,
     })

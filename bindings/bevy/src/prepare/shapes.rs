@@ -100,6 +100,9 @@ fn update_shape(
     if world.is_sensor(shape)? != desc.sensor {
         world.set_sensor(shape, desc.sensor)?;
     }
+    if world.senses_static(shape)? != desc.senses_static {
+        world.set_senses_static(shape, desc.senses_static)?;
+    }
     if (world.listens_to_events(shape)?, world.listens_to_hooks(shape)?) != (desc.events, desc.hooks) {
         world.set_listening(shape, desc.events, desc.hooks)?;
     }

@@ -2,7 +2,8 @@
 
 use crate::common::*;
 use backstop_bevy::backstop::{
-    self, Axis, BodyKind, Continuous, Drive, Error, Filter, Limit, MassProperties, Motion, glam,
+    self, Axis, BodyKind, Continuous, Drive, Error, Filter, Geometry, Limit, MassProperties, Motion,
+    TriangleMesh, glam,
 };
 use backstop_bevy::prelude::*;
 use bevy_ecs::prelude::*;
@@ -210,6 +211,22 @@ fn shapes_move_from_body_to_body() {
     app.world_mut().entity_mut(a).insert(Shape::cuboid(0.5, 0.5, 0.5));
     app.update();
     assert!((mass(&app) - 1000.0).abs() < 0.1);
+}
+
+/// A mesh with its surface at 1 m, twice as high and wide by its scale. Expected: a ball beyond its own edge
+/// rests on it at 2 m.
+#[test]
+fn meshes_have_scales() {
+    let mut app = app();
+    let corners = [[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]];
+    let vertices = corners.map(backstop::glam::Vec3::from_array).to_vec();
+    let mesh = TriangleMesh::new(vertices, vec![[0, 2, 1], [0, 3, 2]]).unwrap();
+    let at = Transform::from_scale(Vec3::new(3.0, 2.0, 3.0));
+    app.world_mut().spawn((RigidBody::Static, Shape(Geometry::mesh(mesh)), at));
+    let at = Transform::from_xyz(2.0, 2.6, 2.0);
+    let ball = app.world_mut().spawn((RigidBody::Dynamic, Shape::sphere(0.5), at)).id();
+    run(&mut app, 120);
+    assert!((get::<PhysicsPose>(&app, ball).position.y - 2.5).abs() < 1e-3);
 }
 
 fn ball_at(app: &mut bevy_app::App, x: f32) -> Entity {

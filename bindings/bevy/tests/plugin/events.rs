@@ -60,6 +60,29 @@ fn sensors_name_entities() {
     assert!(get::<PhysicsPose>(&app, body).position.x > 60.0, "nothing stopped it");
 }
 
+/// A gate that hangs in the air, and one with its lower half in static ground. Expected: only a gate that
+/// also senses what is static enters it, once, and leaves when it is asked no more.
+#[test]
+fn sensors_of_what_is_static_are_asked_for() {
+    let mut app = app();
+    log::<SensorEntered>(&mut app);
+    log::<SensorLeft>(&mut app);
+    let slab = (RigidBody::Static, Shape::cuboid(5.0, 0.5, 5.0));
+    let ground = app.world_mut().spawn((slab, Transform::from_xyz(0.0, -0.5, 0.0))).id();
+    let gate = (RigidBody::Static, Shape::cuboid(0.5, 0.5, 0.5), Sensor);
+    app.world_mut().spawn(gate.clone());
+    let asked = app.world_mut().spawn((gate.clone(), SensesStatic)).id();
+    app.world_mut().spawn((gate, SensesStatic, Transform::from_xyz(0.0, 5.0, 0.0)));
+    run(&mut app, 5);
+    let entered = logged::<SensorEntered>(&app);
+    assert_eq!(entered.len(), 1);
+    assert_eq!((entered[0].0.sensor, entered[0].0.visitor), (asked, ground));
+    assert!(logged::<SensorLeft>(&app).is_empty());
+    app.world_mut().entity_mut(asked).remove::<SensesStatic>();
+    run(&mut app, 2);
+    assert_eq!(logged::<SensorLeft>(&app).len(), 1);
+}
+
 /// A platform that goes 2 m/s along x by its transform, and a box on it with friction 1. Expected: after the
 /// start the box goes as fast and stays where it is on the platform; and the platform is where its transform
 /// was set, to the bit, and stops when nobody moves it.

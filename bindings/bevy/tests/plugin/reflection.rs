@@ -28,7 +28,7 @@ fn spawn(app: &mut App) -> Vec<Entity> {
     app.world_mut().entity_mut(joint).insert(Coupling::screw(joint, 0.1).with_strength([1e6; 2]));
     let lift = (RigidBody::Kinematic, Shape::cuboid(1.0, 0.1, 1.0), Velocity::linear(Vec3::Y));
     let lift = app.world_mut().spawn((lift, Transform::from_xyz(6.0, 0.1, 0.0))).id();
-    let gate = (RigidBody::Static, BodyDisabled, Shape::cuboid(1.0, 1.0, 1.0), Sensor);
+    let gate = (RigidBody::Static, BodyDisabled, Shape::cuboid(1.0, 1.0, 1.0), SensesStatic);
     let gate = app.world_mut().spawn((gate, Transform::from_xyz(-6.0, 1.0, 0.0))).id();
     let long = Character::default().with_shape(Shape::cuboid(0.3, 0.9, 0.3)).with_air_acceleration(5.0);
     let walks = CharacterInput { velocity: Vec3::new(1.0, 0.0, 0.0), jump: 2.0 };
@@ -90,7 +90,7 @@ fn a_scene_goes_through_the_type_registry() {
         assert_eq!(saved(&other, same), parts);
     }
     let count = components(&one.world().resource::<AppTypeRegistry>().read()).len();
-    assert_eq!((met.len(), count), (27, 27), "{met:?}");
+    assert_eq!((met.len(), count), (28, 28), "{met:?}");
     log::<PhysicsError>(&mut other);
     for step in 0..180 {
         one.update();
