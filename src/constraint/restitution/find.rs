@@ -44,8 +44,11 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, allowance: 
             true
         });
     }
-    // Reserved even if nothing closes: so a scene past its densest moment does not grow any more.
     let dynamic = input.bodies.dynamic();
+    if count == 0 {
+        return 0;
+    }
+    // Reserved even if nothing closes: so a scene past its densest moment does not grow any more.
     allowance.fit(&mut impacts.spots, count);
     allowance.fit(&mut impacts.sites, count);
     allowance.fit(&mut impacts.queue, count);
