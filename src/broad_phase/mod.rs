@@ -265,6 +265,8 @@ impl BroadPhase {
     /// Puts a pair back that was taken out.
     pub(crate) fn put_back(&mut self, pair: Pair) {
         self.away -= 1;
+        // Trees that lack a static don't lead to this pair.
+        self.refreshed |= !self.new_statics.is_empty();
         self.table.push(&mut self.pairs, pair);
     }
 
