@@ -155,8 +155,8 @@ fn soft_triangles_give_the_same_bits_everywhere() {
     }
 }
 
-/// Grounds that are exchanged, heights and holes that are written. Expected: bodies come up to a rigid
-/// ground and sink again; the model counts a soft shape only while there is one, and its bytes are given back.
+/// Grounds that are exchanged, and heights that are written. Expected: bodies come up to a rigid ground and
+/// sink again; the model counts a soft shape only while there is one, and its bytes are given back.
 #[test]
 fn soft_triangles_come_and_go() {
     let plain = grounds(|_, _| 0, &[]);
