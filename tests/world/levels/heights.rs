@@ -115,8 +115,8 @@ fn digging_along_a_trench_plays_again() {
 }
 
 /// Two boxes that sleep, and an edit far from them that lowers or raises the field's bounds: it wakes them,
-/// and their contacts with the field are in the list before the tree of statics has the field again. Expected:
-/// each box is asked for its contact and has it, and once one is removed only the other's is left.
+/// and their contacts with the field are in the list before the tree of statics has the field again.
+/// Expected: each box is asked for its contact and has it; once one is removed only the other's is left.
 #[test]
 fn contacts_are_found_right_after_an_edit_that_changes_the_bounds() {
     for height in [-0.4, 0.4] {
