@@ -257,7 +257,7 @@ mod tests {
         broad.update(&Workers::alone(), &[mover(0.0)], 0.1, &|_, _| true, &order, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (2, 0));
         broad.refresh(&[mover(5000.0)], 0.1);
-        broad.remove(0, false, &mut removed);
+        broad.remove(0, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (1, 1));
         broad.update(&Workers::alone(), &[mover(5000.0)], 0.1, &|_, _| true, &order, &mut removed);
         assert_eq!((broad.pairs.len(), removed.len()), (1, 1));

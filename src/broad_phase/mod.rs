@@ -208,14 +208,14 @@ impl BroadPhase {
     }
 
     /// Takes a collider out. Its pairs go to `removed`: the owner frees their contacts.
-    /// `still`: two that don't move may be a pair.
-    pub(crate) fn remove(&mut self, collider: u32, still: bool, removed: &mut Vec<Pair>) {
+    pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
         let c = collider as usize;
         let Some(&role) = self.roles.get(c) else { return };
         let mut block = std::mem::take(&mut self.block);
         if role >= Role::Static && !self.refreshed {
-            // All partners' boxes touch its box, so the trees lead to its pairs.
-            self.partners(collider, None, still, &mut block);
+            // All partners' boxes touch its box, so the trees lead to its pairs: also of two that don't move,
+            // which may have been a pair up to now, and of one that doesn't with an endless one that does.
+            self.partners(collider, None, true, &mut block);
         } else {
             let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
             block.partners.clear();
@@ -265,6 +265,8 @@ impl BroadPhase {
     /// Puts a pair back that was taken out.
     pub(crate) fn put_back(&mut self, pair: Pair) {
         self.away -= 1;
+        // Trees that lack a static don't lead to this pair.
+        self.refreshed |= !self.new_statics.is_empty();
         self.table.push(&mut self.pairs, pair);
     }
 

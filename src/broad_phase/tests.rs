@@ -103,7 +103,7 @@ impl Scene {
             };
             match what {
                 0 => {
-                    self.broad.remove(c, false, &mut self.removed);
+                    self.broad.remove(c, &mut self.removed);
                     self.bodies.remove(&c);
                     assert!(self.broad.pairs.iter().all(|p| p.a != c && p.b != c));
                 }

@@ -4,6 +4,8 @@ mod store;
 
 use super::desc::{Axes, Axis, Motion};
 use super::store::NONE;
+#[cfg(feature = "serde")]
+use crate::config::unbounded;
 use crate::error::Error;
 use crate::handle::JointHandle;
 use std::f64::consts::TAU;
@@ -16,10 +18,16 @@ const MAX_FACTOR: f64 = 1e9;
 /// Largest finite end of a coupling's range.
 const MAX_SUM: f64 = 1e18;
 
+/// The default of strengths that serde finds left out.
+#[cfg(feature = "serde")]
+fn unbreakable() -> [f32; 2] {
+    [f32::INFINITY; 2]
+}
+
 /// A motion of a joint that is coupled to another one: the same displacement that a limit of the joint would
 /// restrict, times a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct CoupledMotion {
     /// The joint. It need not restrict this motion.
@@ -58,8 +66,11 @@ impl CoupledMotion {
 /// What a motion gets from the coupling acts on the second body of its joint, and the opposite on the first:
 /// a gearbox bears the reaction of its shafts, whether it is fixed or moves. Momentum and angular momentum
 /// are conserved.
+///
+/// With the feature `serde` all but the motions may be left out where it is the default. Where numbers are
+/// text an infinite one is `"infinity"` or `"-infinity"`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct CouplingDesc {
     /// The two motions: of two joints, or two different ones of the same joint.
@@ -67,11 +78,14 @@ pub struct CouplingDesc {
     /// Least and greatest value of the sum, infinite for none. `None`, the default, keeps the sum at what it
     /// is when the coupling is added. In a range that is given, angles count from -pi..=pi when the coupling
     /// is added.
+    #[cfg_attr(feature = "serde", serde(with = "unbounded::range", default))]
     pub range: Option<[f64; 2]>,
     /// The coupling breaks if it exerts more than this on the first or the second motion [N] or [N m].
     /// Default infinity.
+    #[cfg_attr(feature = "serde", serde(with = "unbounded::pair", default = "unbreakable"))]
     pub strength: [f32; 2],
     /// The caller's own.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub user_data: u64,
 }
 

@@ -127,7 +127,7 @@ impl World {
     pub(in crate::world) fn leave_broad(&mut self, collider: u32) {
         self.note_change(collider);
         self.removed.clear();
-        self.broad.remove(collider, self.needs.senses_static > 0, &mut self.removed);
+        self.broad.remove(collider, &mut self.removed);
         if !self.removed.is_empty() {
             self.refresh_event_allowance();
         }

@@ -4,6 +4,7 @@
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::*;
 use serde::{Serialize, de::DeserializeOwned};
+use serde_json::Value;
 use std::fmt::Debug;
 
 /// The same from JSON and from postcard. Debug shows every field, and a number by digits that tell it from
@@ -95,12 +96,27 @@ fn joint() -> JointDesc {
         .with_user_data(9)
 }
 
+/// Open and closed ranges and none, strengths finite and not.
+fn couplings() -> [CouplingDesc; 5] {
+    let joints = [JointHandle::from_bits(0x1_0000_0002), JointHandle::from_bits(0x5_0000_0000)];
+    [
+        CouplingDesc::gear(joints, [20.0, -31.0]),
+        CouplingDesc::pulley(joints, 2.1, 4.1).with_strength([0.1, f32::INFINITY]),
+        CouplingDesc::screw(joints[1], 1e-4).with_range(Some([-0.1, f64::INFINITY])),
+        CouplingDesc::rack(joints[0], joints[1], 0.3).with_range(Some([f64::NEG_INFINITY, f64::INFINITY])),
+        CouplingDesc::gear(joints, [1.0, 0.1]).with_strength([7.0, 0.3]).with_user_data(u64::MAX),
+    ]
+}
+
 #[test]
 fn every_description_comes_back_from_text_and_from_bytes() {
     there_and_back(&body());
     there_and_back(&BodyDesc::default());
     there_and_back(&joint());
     there_and_back(&JointDesc::hinge(bodies(), [Frame::default(); 2]));
+    for coupling in couplings() {
+        assert_eq!(there_and_back(&coupling), coupling);
+    }
     there_and_back(&Skeleton::humanoid());
     there_and_back(&CharacterSettings::default());
     there_and_back(&Settings::default());
@@ -122,6 +138,9 @@ fn what_is_the_default_may_be_left_out() {
     let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
     let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, spring);
     assert_eq!(joint, JointDesc::new(bodies(), [Frame::default(); 2]).with_drive(drive));
+    let Value::Object(mut text) = serde_json::to_value(couplings()[0]).unwrap() else { panic!() };
+    text.retain(|name, _| name == "motions");
+    assert_eq!(serde_json::from_value::<CouplingDesc>(text.into()).unwrap(), couplings()[0]);
     // The heights of a field are enough; the rest is found.
     let field: HeightField =
         serde_json::from_str(r#"{"columns": 2, "rows": 2, "cell": [1, 1], "heights": [0, 1, 0, 0]}"#)
@@ -138,6 +157,8 @@ fn unknown_fields_and_values_that_cant_be_are_refused() {
     refused::<ShapeDesc>(r#"{"density": 3}"#, "missing field `geometry`");
     refused::<ShapeDesc>(r#"{"geometry": {"sphere": {"radius": 1, "height": 2}}}"#, "unknown field `height`");
     refused::<ShapeDesc>(r#"{"geometry": "plane", "material": {"friction": 1}}"#, "unknown field `friction`");
+    refused::<CouplingDesc>(r#"{"strength": [1, "strong"]}"#, "infinity");
+    refused::<CouplingDesc>(r#"{"strengths": [1, 2]}"#, "unknown field `strengths`");
     refused::<Limit>(r#"{"motion": "linear", "axes": "all", "min": "low", "max": 1}"#, "infinity");
     let field = r#"{"columns": 2, "rows": 2, "cell": [1, 1], "heights": [0, 1, 0]}"#;
     refused::<HeightField>(field, "columns times rows");

@@ -113,3 +113,25 @@ fn digging_along_a_trench_plays_again() {
     assert_eq!(replay.run().unwrap().divergence, None);
     assert_eq!(replay.world().hash(), world.hash());
 }
+
+/// Two boxes that sleep, and an edit far from them that lowers or raises the field's bounds: it wakes them,
+/// and their contacts with the field are in the list before the tree of statics has the field again.
+/// Expected: each box is asked for its contact and has it; once one is removed only the other's is left.
+#[test]
+fn contacts_are_found_right_after_an_edit_that_changes_the_bounds() {
+    for height in [-0.4, 0.4] {
+        let (mut world, shape) = world_of(1, &flat());
+        let cube = Geometry::cuboid(0.3, 0.3, 0.3);
+        let cube = |x: f32| common::dynamic(cube.clone(), Material::default(), Vec3::new(x, 0.3, 5.0));
+        let pair = [3.0, 6.0].map(|x| world.add_body(&cube(x)).unwrap());
+        common::steps(&mut world, 120, 1.0 / 60.0);
+        assert!(pair.iter().all(|&body| world.is_asleep(body).unwrap()));
+        world.set_heights(shape, [35, 35], [3, 3], &[height; 9]).unwrap();
+        let counts = pair.map(|body| world.contacts_of(body).unwrap().count());
+        assert_eq!((counts, world.contacts().count()), ([1, 1], 2));
+        world.remove_body(pair[0]).unwrap();
+        assert_eq!(world.contacts().count(), 1);
+        common::steps(&mut world, 120, 1.0 / 60.0);
+        assert!((world.position(pair[1]).unwrap().y - 0.3).abs() < 1e-3 && world.contacts().count() == 1);
+    }
+}

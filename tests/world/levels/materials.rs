@@ -22,7 +22,7 @@ fn rubber() -> Material {
 }
 
 /// Flat, from -10 m to 10 m along x and z; `of` gives the number of a cell's material by its middle.
-fn grounds(of: impl Fn(f32, f32) -> u8, table: &[Material]) -> [(Geometry, DVec3); 2] {
+pub(super) fn grounds(of: impl Fn(f32, f32) -> u8, table: &[Material]) -> [(Geometry, DVec3); 2] {
     let middle = |i: usize| 0.5 * i as f32 - 9.75;
     let cells = (0..SIDE * SIDE).map(|i| of(middle(i % SIDE), middle(i / SIDE)));
     let cells: Vec<u8> = cells.collect();
@@ -43,7 +43,7 @@ fn grounds(of: impl Fn(f32, f32) -> u8, table: &[Material]) -> [(Geometry, DVec3
 }
 
 /// A world with a ground whose own material is smooth.
-fn world_of((ground, at): &(Geometry, DVec3), settings: Settings) -> (World, ShapeHandle) {
+pub(super) fn world_of((ground, at): &(Geometry, DVec3), settings: Settings) -> (World, ShapeHandle) {
     let mut world = World::new(settings).unwrap();
     let ground = ShapeDesc::new(ground.clone()).with_material(smooth());
     let ground = world.add_body(&BodyDesc::fixed().at(*at).with_shape(ground)).unwrap();

@@ -8,4 +8,5 @@ mod heights;
 mod holes;
 mod materials;
 mod scaled;
+mod soft;
 mod triggers;

@@ -233,6 +233,31 @@ fn a_sensor_keeps_the_ground_while_it_sleeps() {
     }
 }
 
+/// A static sensor in a kinematic half-space and a static door, also if it no longer asks for what is static
+/// when it is removed. Expected: whichever goes first, each begin has one end, with the same handles.
+#[test]
+fn what_a_removed_sensor_saw_ends_with_it() {
+    for (asks, sensor_first) in [(true, true), (true, false), (false, true), (false, false)] {
+        let mut world = world_of(1);
+        let (own, sensor) = add(&mut world, BodyDesc::fixed(), DVec3::ZERO, trigger(1.0));
+        let plane = ShapeDesc::new(Geometry::plane());
+        let (plane, below) = add(&mut world, BodyDesc::kinematic(), DVec3::ZERO, plane);
+        let (_, beside) = add(&mut world, BodyDesc::fixed(), DVec3::X, door());
+        assert_eq!(heard(&mut world), (2, 0));
+        world.set_senses_static(sensor, asks).unwrap();
+        let (mut ends, mut begins) = (Vec::new(), vec![(sensor, below), (sensor, beside)]);
+        for body in if sensor_first { [own, plane] } else { [plane, own] } {
+            world.remove_body(body).unwrap();
+            world.step(DT).unwrap();
+            begins.extend(world.sensor_begins().iter().map(|event| (event.sensor, event.visitor)));
+            ends.extend(world.sensor_ends().iter().map(|event| (event.sensor, event.visitor)));
+        }
+        begins.sort_unstable();
+        ends.sort_unstable();
+        assert_eq!(ends, begins, "{asks} {sensor_first}");
+    }
+}
+
 /// Ground that is dug away under a sensor at rest, and filled again. Expected: an end, then a begin.
 #[test]
 fn a_sensor_notices_that_the_ground_changes() {
