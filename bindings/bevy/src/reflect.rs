@@ -14,7 +14,8 @@ pub(crate) fn register(app: &mut App) {
     register!(app: BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass);
     register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping);
     register!(app: SolvedAfter, Velocity);
-    register!(app: ContactHooked, ContactMessages, Density, SensesStatic, Sensor, Shape, ShapeFilter, ShapeMaterial, Joint);
+    register!(app: ContactHooked, ContactMessages, Density, Joint, SensesStatic, Sensor, Shape);
+    register!(app: ShapeFilter, ShapeMaterial);
     register!(app: Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch);
     register!(app: BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing);
     register!(app: Coupling, CouplingBroke, JointBroke, JointStrained, SensorEntered, SensorLeft);
