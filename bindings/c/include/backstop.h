@@ -83,6 +83,42 @@ typedef struct BsVec3 {
     float z;
 } BsVec3;
 
+// How two coefficients become one, one of `BS_COMBINE_...`; of two shapes the later in this list decides.
+typedef uint32_t BsCombine;
+
+// Friction and restitution.
+typedef struct BsMaterial {
+    // Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
+    float static_friction;
+    // Coulomb coefficient while they slide, at least zero. Default 0.6.
+    float dynamic_friction;
+    // Share of the approach speed that comes back, 0..=1. Default 0.
+    float restitution;
+    // Default average.
+    BsCombine friction_combine;
+    // Default average.
+    BsCombine restitution_combine;
+    // Zero.
+    uint32_t reserved;
+} BsMaterial;
+
+// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is none of
+// them.
+typedef struct BsSurface {
+    // Lever arm of the load against rolling, at least zero [m].
+    float rolling_friction;
+    // Lever arm of the load against spinning, at least zero [m].
+    float spinning_friction;
+    // Velocity of the surface on the body, in the frame of the shape [m/s].
+    struct BsVec3 surface_velocity;
+    // Frequency of the spring with which the surface yields, 0..=1e6 [Hz]; zero for a rigid one.
+    float contact_hertz;
+    // Damping ratio of that spring, 0..=100. Without a spring zero stands for the engine's default, 1.
+    float contact_damping;
+    // Zero.
+    uint32_t reserved;
+} BsSurface;
+
 // Yes or no: zero is no, all else is yes. No C `bool`, whose other bytes would be undefined behaviour.
 typedef uint8_t BsBool;
 
@@ -137,25 +173,6 @@ typedef struct BsGeometry {
     const struct BsHeightField *height_field;
 } BsGeometry;
 
-// How two coefficients become one, one of `BS_COMBINE_...`; of two shapes the later in this list decides.
-typedef uint32_t BsCombine;
-
-// Friction and restitution.
-typedef struct BsMaterial {
-    // Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
-    float static_friction;
-    // Coulomb coefficient while they slide, at least zero. Default 0.6.
-    float dynamic_friction;
-    // Share of the approach speed that comes back, 0..=1. Default 0.
-    float restitution;
-    // Default average.
-    BsCombine friction_combine;
-    // Default average.
-    BsCombine restitution_combine;
-    // Zero.
-    uint32_t reserved;
-} BsMaterial;
-
 // Which shapes collide. Two of the same group that is not zero do if it is positive, and don't if it is
 // negative; all others if each has a category that the other's mask has.
 typedef struct BsFilter {
@@ -169,18 +186,6 @@ typedef struct BsFilter {
     uint32_t reserved;
 } BsFilter;
 
-// What few materials have: friction against rolling and spinning, and a belt. All zeros is none of them.
-typedef struct BsSurface {
-    // Lever arm of the load against rolling, at least zero [m].
-    float rolling_friction;
-    // Lever arm of the load against spinning, at least zero [m].
-    float spinning_friction;
-    // Velocity of the surface on the body, in the frame of the shape [m/s].
-    struct BsVec3 surface_velocity;
-    // Zero.
-    uint32_t reserved[3];
-} BsSurface;
-
 // A shape to be put on a body.
 typedef struct BsShapeDesc {
     // Size of this struct; `bs_shape_desc_default` fills it in.
@@ -189,8 +194,10 @@ typedef struct BsShapeDesc {
     BsBool sensor;
     // Its contacts are reported as events. Default no.
     BsBool events;
+    // As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
+    BsBool senses_static;
     // Zero.
-    uint8_t reserved[2];
+    uint8_t reserved;
     // Its form. Default a ball without radius, which is refused.
     struct BsGeometry geometry;
     // Where its frame is in the body's [m].
@@ -205,7 +212,7 @@ typedef struct BsShapeDesc {
     struct BsFilter filter;
     // Free for the caller.
     uint64_t user_data;
-    // Friction against rolling and spinning, and a belt. Default none.
+    // Friction against rolling and spinning, a belt, a spring. Default none.
     struct BsSurface surface;
 } BsShapeDesc;
 
@@ -1663,6 +1670,39 @@ BsStatus bs_height_field_corners(const struct BsHeightField *field,
                                  uint32_t triangle,
                                  struct BsVec3 *corners);
 
+// A mesh as by `bs_mesh_create`, with materials of its own: for each triangle zero for the material of the
+// shape, or `i` for the table's entry `i - 1`, of at most 255. `surfaces` is what few materials have, or null.
+BS_API
+BsStatus bs_mesh_create_with_materials(const struct BsVec3 *vertices,
+                                       size_t vertex_count,
+                                       const uint32_t *indices,
+                                       const uint8_t *numbers,
+                                       size_t triangle_count,
+                                       const struct BsMaterial *materials,
+                                       const struct BsSurface *surfaces,
+                                       size_t material_count,
+                                       const struct BsMesh **mesh);
+
+// A height field with materials of its cells, row by row, numbered as those of a mesh. The caller has a
+// reference to the result.
+BS_API
+BsStatus bs_height_field_with_materials(const struct BsHeightField *field,
+                                        const uint8_t *numbers,
+                                        size_t cell_count,
+                                        const struct BsMaterial *materials,
+                                        const struct BsSurface *surfaces,
+                                        size_t material_count,
+                                        const struct BsHeightField **changed);
+
+// The number of the material of a triangle, by the index that queries report; zero for that of the shape.
+BS_API BsStatus bs_mesh_material_of(const struct BsMesh *mesh, uint32_t triangle, uint8_t *number);
+
+// The number of the material of a triangle, by the index that queries report; zero for that of the shape.
+BS_API
+BsStatus bs_height_field_material_of(const struct BsHeightField *field,
+                                     uint32_t triangle,
+                                     uint8_t *number);
+
 // A hull in another size, by a factor along each axis. The caller has a reference to it.
 BS_API BsStatus bs_hull_scaled(const struct BsHull *hull, struct BsVec3 scale, const struct BsHull **scaled);
 
@@ -2902,16 +2942,26 @@ BS_API BsStatus bs_shape_has_events(const struct BsWorld *world, struct BsShape 
 // Whether a shape is a sensor.
 BS_API BsStatus bs_shape_is_sensor(const struct BsWorld *world, struct BsShape shape, BsBool *sensor);
 
+// Whether a shape as a sensor also notices what is static.
+BS_API
+BsStatus bs_shape_senses_static(const struct BsWorld *world,
+                                struct BsShape shape,
+                                BsBool *senses_static);
+
+// Whether a shape as a sensor also notices static shapes, and surfaces of meshes and height fields.
+BS_API BsStatus bs_shape_set_senses_static(struct BsWorld *world, struct BsShape shape, BsBool senses_static);
+
 // Sets the caller's number of a shape.
 BS_API BsStatus bs_shape_set_user_data(struct BsWorld *world, struct BsShape shape, uint64_t user_data);
 
-// Friction of a shape against rolling and spinning, and its belt.
+// Friction of a shape against rolling and spinning, its belt and its spring.
 BS_API
 BsStatus bs_shape_surface(const struct BsWorld *world,
                           struct BsShape shape,
                           struct BsSurface *surface);
 
-// Replaces friction of a shape against rolling and spinning, and its belt; the rest of its material stays.
+// Replaces friction of a shape against rolling and spinning, its belt and its spring; the rest of its
+// material stays.
 BS_API BsStatus bs_shape_set_surface(struct BsWorld *world, struct BsShape shape, struct BsSurface surface);
 
 // Replaces the form of a shape. Mass follows if it is that of the shapes.
@@ -2957,6 +3007,18 @@ BsStatus bs_shape_set_heights(struct BsWorld *world,
                               size_t columns,
                               size_t rows,
                               const float *heights);
+
+// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column` and
+// row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is filled,
+// and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
+BS_API
+BsStatus bs_shape_set_holes(struct BsWorld *world,
+                            struct BsShape shape,
+                            size_t first_column,
+                            size_t first_row,
+                            size_t columns,
+                            size_t rows,
+                            const BsBool *holes);
 
 // An empty snapshot, to be filled by `bs_world_snapshot`, again and again without new memory.
 BS_API BsStatus bs_snapshot_create(struct BsSnapshot **snapshot);

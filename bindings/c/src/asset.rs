@@ -1,7 +1,9 @@
 //! Hulls, meshes and height fields: built once, shared by any number of shapes, counted.
 
+mod materials;
 mod more;
 
+pub use materials::*;
 pub use more::*;
 
 use crate::abi::guard::{call, value_or};

@@ -228,7 +228,8 @@ impl BsMaterial {
     }
 }
 
-/// What few materials have: friction against rolling and spinning, and a belt. All zeros is none of them.
+/// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is none of
+/// them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BsSurface {
@@ -238,8 +239,12 @@ pub struct BsSurface {
     pub spinning_friction: f32,
     /// Velocity of the surface on the body, in the frame of the shape [m/s].
     pub surface_velocity: BsVec3,
+    /// Frequency of the spring with which the surface yields, 0..=1e6 [Hz]; zero for a rigid one.
+    pub contact_hertz: f32,
+    /// Damping ratio of that spring, 0..=100. Without a spring zero stands for the engine's default, 1.
+    pub contact_damping: f32,
     /// Zero.
-    pub reserved: [u32; 3],
+    pub reserved: u32,
 }
 
 impl BsSurface {
@@ -247,23 +252,31 @@ impl BsSurface {
         rolling_friction: 0.0,
         spinning_friction: 0.0,
         surface_velocity: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
-        reserved: [0; 3],
+        contact_hertz: 0.0,
+        contact_damping: 0.0,
+        reserved: 0,
     };
 
     /// The material with this surface.
     pub(crate) fn on(self, material: Material) -> Material {
+        let rigid = self.contact_hertz == 0.0 && self.contact_damping == 0.0;
         material
+            .with_contact_hertz(self.contact_hertz)
+            .with_contact_damping(if rigid { 1.0 } else { self.contact_damping })
             .with_rolling_friction(self.rolling_friction)
             .with_spinning_friction(self.spinning_friction)
             .with_surface_velocity(backstop::glam::Vec3::from(self.surface_velocity))
     }
 
     fn of_engine(material: Material) -> BsSurface {
+        let rigid = material.contact_hertz == 0.0 && material.contact_damping == 1.0;
         BsSurface {
+            contact_hertz: material.contact_hertz,
+            contact_damping: if rigid { 0.0 } else { material.contact_damping },
             rolling_friction: material.rolling_friction,
             spinning_friction: material.spinning_friction,
             surface_velocity: material.surface_velocity.into(),
-            reserved: [0; 3],
+            reserved: 0,
         }
     }
 }
@@ -316,8 +329,10 @@ pub struct BsShapeDesc {
     pub sensor: BsBool,
     /// Its contacts are reported as events. Default no.
     pub events: BsBool,
+    /// As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
+    pub senses_static: BsBool,
     /// Zero.
-    pub reserved: [u8; 2],
+    pub reserved: u8,
     /// Its form. Default a ball without radius, which is refused.
     pub geometry: BsGeometry,
     /// Where its frame is in the body's [m].
@@ -332,12 +347,12 @@ pub struct BsShapeDesc {
     pub filter: BsFilter,
     /// Free for the caller.
     pub user_data: u64,
-    /// Friction against rolling and spinning, and a belt. Default none.
+    /// Friction against rolling and spinning, a belt, a spring. Default none.
     pub surface: BsSurface,
 }
 
 described! { BsShapeDesc, bs_shape_desc_default(bs_sphere(0.0)), [
-    size, sensor, events, reserved, geometry, position, rotation, density, material, filter, user_data,
+    size, sensor, events, senses_static, reserved, geometry, position, rotation, density, material, filter, user_data,
     surface,
 ] }
 
@@ -348,7 +363,8 @@ pub extern "C" fn bs_shape_desc_default(geometry: BsGeometry) -> BsShapeDesc {
         size: size_of::<BsShapeDesc>() as u32,
         sensor: 0,
         events: 0,
-        reserved: [0; 2],
+        senses_static: 0,
+        reserved: 0,
         geometry,
         position: BsVec3::default(),
         rotation: BsQuat::IDENTITY,
@@ -373,6 +389,7 @@ impl BsShapeDesc {
         desc.filter = self.filter.to_engine();
         desc.sensor = self.sensor != 0;
         desc.events = self.events != 0;
+        desc.senses_static = self.senses_static != 0;
         desc.user_data = self.user_data;
         Ok(desc)
     }

@@ -30,11 +30,66 @@ fn bodies_and_shapes_are_read_as_they_were_set() {
         ok(bs_body_kind(world.0, body, &mut kind));
         assert_eq!(kind, BS_BODY_KINEMATIC);
         let belt = BsSurface { rolling_friction: 0.01, surface_velocity: vec3(1.0, 0.0, 0.0), ..surface };
+        let belt = BsSurface { contact_hertz: 10.0, contact_damping: 0.5, ..belt };
         ok(bs_shape_set_surface(world.0, shapes[0], belt));
         // The other part of the material leaves it.
         ok(bs_shape_set_material(world.0, shapes[0], bs_material_default()));
         ok(bs_shape_surface(world.0, shapes[0], &mut surface));
         assert_eq!(surface, belt);
+        ok(bs_shape_set_surface(world.0, shapes[0], BsSurface::default()));
+        ok(bs_shape_surface(world.0, shapes[0], &mut surface));
+        assert_eq!(surface, BsSurface::default());
+        let mut asked = 0;
+        ok(bs_shape_set_senses_static(world.0, shapes[0], 1));
+        ok(bs_shape_senses_static(world.0, shapes[0], &mut asked));
+        assert_eq!(asked, 1);
+    }
+}
+
+/// A soft triangle beside a rigid one, and a field with a cell that is soft and becomes a hole. Expected: the
+/// balls on them sink by g / (2 pi f)² = 2.485 mm of 10 Hz, and one falls through the hole.
+#[test]
+fn triangles_and_cells_have_materials_and_holes() {
+    let world = world();
+    let corners = [vec3(-4.0, 0.0, -4.0), vec3(4.0, 0.0, -4.0), vec3(4.0, 0.0, 4.0), vec3(-4.0, 0.0, 4.0)];
+    let (indices, numbers) = ([0, 2, 1, 0, 3, 2], [0, 1]);
+    let spring = BsSurface { contact_hertz: 10.0, contact_damping: 1.0, ..BsSurface::default() };
+    let (material, one) = (bs_material_default(), spring);
+    let (mut mesh, mut field, mut soft) = (null(), null(), null());
+    let (mut number, heights) = (0, [0.0; 9]);
+    // SAFETY: all are alive, and of the lengths that are told.
+    unsafe {
+        let from = (corners.as_ptr(), indices.as_ptr());
+        let make = |numbers: &[u8; 2], mesh| {
+            bs_mesh_create_with_materials(from.0, 4, from.1, numbers.as_ptr(), 2, &material, &one, 1, mesh)
+        };
+        assert_eq!(make(&[0, 2], &mut mesh), BS_ERROR_OUT_OF_RANGE);
+        assert!(mesh.is_null());
+        ok(make(&numbers, &mut mesh));
+        ok(bs_height_field_create(3, 3, 4.0, 4.0, heights.as_ptr(), &mut field));
+        let cells = [1, 1, 1, 1];
+        ok(bs_height_field_with_materials(field, cells.as_ptr(), 4, &material, &one, 1, &mut soft));
+        ok(bs_height_field_material_of(soft, 3, &mut number));
+        assert_eq!(number, 1);
+        add(&world, BS_BODY_STATIC, bs_mesh(mesh), dvec3(0.0, 0.0, 0.0));
+        let ground = add(&world, BS_BODY_STATIC, bs_height_field(soft), dvec3(20.0, 0.0, 0.0));
+        let at = [dvec3(2.0, 0.5, -2.0), dvec3(-2.0, 0.5, 2.0), dvec3(22.0, 0.5, 2.0)];
+        let balls = at.map(|at| add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), at));
+        steps(&world, 300);
+        let depths = balls.map(|ball| 0.5 - pose(&world, ball).position.y);
+        let sag = 9.81 / (std::f64::consts::TAU * 10.0).powi(2);
+        for (depth, expected) in depths.into_iter().zip([0.0, sag, sag]) {
+            assert!((depth - expected).abs() < 0.01 * sag, "{depths:?}");
+        }
+        let (mut shape, mut count) = ([BsShape { slot: 0, generation: 0 }], 0);
+        ok(bs_body_shapes(world.0, ground, shape.as_mut_ptr(), 1, &mut count));
+        assert_eq!(bs_shape_set_holes(world.0, shape[0], 2, 0, 1, 1, [1].as_ptr()), BS_ERROR_OUT_OF_RANGE);
+        ok(bs_shape_set_holes(world.0, shape[0], 0, 0, 1, 1, [1].as_ptr()));
+        steps(&world, 60);
+        assert!(pose(&world, balls[2]).position.y < -3.0);
+        bs_mesh_release(mesh);
+        bs_height_field_release(field);
+        bs_height_field_release(soft);
     }
 }
 

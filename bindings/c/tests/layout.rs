@@ -37,7 +37,7 @@ fn values_and_shapes_are_where_they_were() {
         category 0, mask 8, group 16, reserved 20,
     ]);
     pinned!(BsShapeDesc, 184, 8, [
-        size 0, sensor 4, events 5, reserved 6, geometry 8, position 64, rotation 76, density 92,
+        size 0, sensor 4, events 5, senses_static 6, reserved 7, geometry 8, position 64, rotation 76, density 92,
         material 96, filter 120, user_data 144,
         surface 152,
     ]);
@@ -197,7 +197,8 @@ fn contacts_and_surfaces_are_where_they_were() {
         min 0, max 24,
     ]);
     pinned!(BsSurface, 32, 4, [
-        rolling_friction 0, spinning_friction 4, surface_velocity 8, reserved 20,
+        rolling_friction 0, spinning_friction 4, surface_velocity 8, contact_hertz 20, contact_damping 24,
+        reserved 28,
     ]);
     pinned!(BsContactPoint, 32, 8, [
         position 0, separation 24, impulse 28,

@@ -51,6 +51,30 @@ pub unsafe extern "C" fn bs_shape_is_sensor(
     unsafe { get(world, "the place for the answer", sensor, |w| Ok(w.is_sensor(shape.into())?.into())) }
 }
 
+/// Whether a shape as a sensor also notices what is static.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_senses_static(
+    world: *const BsWorld,
+    shape: BsShape,
+    senses_static: *mut BsBool,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe {
+        get(world, "the place for the answer", senses_static, |w| Ok(w.senses_static(shape.into())?.into()))
+    }
+}
+
+/// Whether a shape as a sensor also notices static shapes, and surfaces of meshes and height fields.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_senses_static(
+    world: *mut BsWorld,
+    shape: BsShape,
+    senses_static: BsBool,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    unsafe { change(world, |w| w.set_senses_static(shape.into(), senses_static != 0)) }
+}
+
 /// Sets the caller's number of a shape.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_shape_set_user_data(
@@ -62,7 +86,7 @@ pub unsafe extern "C" fn bs_shape_set_user_data(
     unsafe { change(world, |w| w.set_shape_user_data(shape.into(), user_data)) }
 }
 
-/// Friction of a shape against rolling and spinning, and its belt.
+/// Friction of a shape against rolling and spinning, its belt and its spring.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_shape_surface(
     world: *const BsWorld,
@@ -77,7 +101,8 @@ pub unsafe extern "C" fn bs_shape_surface(
     }
 }
 
-/// Replaces friction of a shape against rolling and spinning, and its belt; the rest of its material stays.
+/// Replaces friction of a shape against rolling and spinning, its belt and its spring; the rest of its
+/// material stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_shape_set_surface(
     world: *mut BsWorld,
@@ -186,5 +211,27 @@ pub unsafe extern "C" fn bs_shape_set_heights(
         // SAFETY: the caller keeps to the header.
         let (mut content, heights) = unsafe { (changing(world)?, slice("the heights", heights, count)?) };
         Ok(content.set_heights(shape.into(), [first_column, first_row], [columns, rows], heights)?)
+    })
+}
+
+/// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column` and
+/// row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is filled,
+/// and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_shape_set_holes(
+    world: *mut BsWorld,
+    shape: BsShape,
+    first_column: usize,
+    first_row: usize,
+    columns: usize,
+    rows: usize,
+    holes: *const BsBool,
+) -> BsStatus {
+    call(|| {
+        let count = columns.saturating_mul(rows);
+        // SAFETY: the caller keeps to the header.
+        let (mut content, holes) = unsafe { (changing(world)?, slice("the holes", holes, count)?) };
+        let holes: Vec<bool> = holes.iter().map(|&hole| hole != 0).collect();
+        Ok(content.set_holes(shape.into(), [first_column, first_row], [columns, rows], &holes)?)
     })
 }
