@@ -1671,7 +1671,8 @@ BsStatus bs_height_field_corners(const struct BsHeightField *field,
                                  struct BsVec3 *corners);
 
 // A mesh as by `bs_mesh_create`, with materials of its own: for each triangle zero for the material of the
-// shape, or `i` for the table's entry `i - 1`, of at most 255. `surfaces` is what few materials have, or null.
+// shape, or `i` for the table's entry `i - 1`, of at most 255. `surfaces` is what few materials have, or
+// null.
 BS_API
 BsStatus bs_mesh_create_with_materials(const struct BsVec3 *vertices,
                                        size_t vertex_count,
@@ -3008,9 +3009,9 @@ BsStatus bs_shape_set_heights(struct BsWorld *world,
                               size_t rows,
                               const float *heights);
 
-// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column` and
-// row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is filled,
-// and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
+// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column`
+// and row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is
+// filled, and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
 BS_API
 BsStatus bs_shape_set_holes(struct BsWorld *world,
                             struct BsShape shape,

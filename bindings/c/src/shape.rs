@@ -352,8 +352,8 @@ pub struct BsShapeDesc {
 }
 
 described! { BsShapeDesc, bs_shape_desc_default(bs_sphere(0.0)), [
-    size, sensor, events, senses_static, reserved, geometry, position, rotation, density, material, filter, user_data,
-    surface,
+    size, sensor, events, senses_static, reserved, geometry, position, rotation, density, material, filter,
+    user_data, surface,
 ] }
 
 /// A shape at the body's origin with default material, filter and density.

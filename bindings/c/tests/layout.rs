@@ -37,7 +37,8 @@ fn values_and_shapes_are_where_they_were() {
         category 0, mask 8, group 16, reserved 20,
     ]);
     pinned!(BsShapeDesc, 184, 8, [
-        size 0, sensor 4, events 5, senses_static 6, reserved 7, geometry 8, position 64, rotation 76, density 92,
+        size 0, sensor 4, events 5, senses_static 6, reserved 7, geometry 8, position 64, rotation 76,
+        density 92,
         material 96, filter 120, user_data 144,
         surface 152,
     ]);

@@ -27,7 +27,8 @@ unsafe fn table(
 }
 
 /// A mesh as by `bs_mesh_create`, with materials of its own: for each triangle zero for the material of the
-/// shape, or `i` for the table's entry `i - 1`, of at most 255. `surfaces` is what few materials have, or null.
+/// shape, or `i` for the table's entry `i - 1`, of at most 255. `surfaces` is what few materials have, or
+/// null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_mesh_create_with_materials(
     vertices: *const BsVec3,

@@ -214,9 +214,9 @@ pub unsafe extern "C" fn bs_shape_set_heights(
     })
 }
 
-/// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column` and
-/// row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is filled,
-/// and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
+/// Cuts cells out of a height field, or fills them: `columns` times `rows` cells from column `first_column`
+/// and row `first_row` on, row by row, each a hole or not. What is near wakes; what is in a cell that is
+/// filled, and has its centre above the surface, is lifted. Other shapes that share the field keep theirs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_shape_set_holes(
     world: *mut BsWorld,
