@@ -75,7 +75,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let h = 1.0 / 240.0;
     let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
-        let rolling = Shared::new(&mut []);
+        let (rolling, soft) = (Shared::new(&mut []), Shared::new(&mut []));
         let pass = Pass {
             inverse_h: 1.0 / h,
             softness: Softness::new(60.0, 10.0, h),
@@ -86,6 +86,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
             relax,
             surfaces: &[],
             rolling: &rolling,
+            soft: &soft,
         };
         let base = Shared::new(&mut base);
         // As at the start of a substep; otherwise all would come to rest, and the benchmark would time zeros.
