@@ -1160,7 +1160,8 @@ typedef struct BsMemoryReport {
 
 // An optional part of the engine, and its cost in a world.
 typedef struct BsModelPart {
-    // Which: its place in the list; `bs_feature_name` has its name.
+    // Which: its place in the list, which a later version may add to at its end; `bs_feature_name` has its
+    // name.
     uint32_t feature;
     // Number of objects that need it; zero if nothing does.
     uint32_t count;
@@ -1703,6 +1704,38 @@ BS_API
 BsStatus bs_height_field_material_of(const struct BsHeightField *field,
                                      uint32_t triangle,
                                      uint8_t *number);
+
+// How many materials the table of a mesh has.
+BS_API BsStatus bs_mesh_material_count(const struct BsMesh *mesh, size_t *count);
+
+// A material of the table of a mesh by its number, from one on; each pointer may be null.
+BS_API
+BsStatus bs_mesh_material(const struct BsMesh *mesh,
+                          uint8_t number,
+                          struct BsMaterial *material,
+                          struct BsSurface *surface);
+
+// How many materials the table of a height field has.
+BS_API BsStatus bs_height_field_material_count(const struct BsHeightField *field, size_t *count);
+
+// A material of the table of a height field by its number, from one on; each pointer may be null.
+BS_API
+BsStatus bs_height_field_material(const struct BsHeightField *field,
+                                  uint8_t number,
+                                  struct BsMaterial *material,
+                                  struct BsSurface *surface);
+
+// A height field with other holes: `columns` times `rows` cells from column `first_column` and row
+// `first_row` on, row by row, each a hole or not. The caller has a reference to the result;
+// `bs_shape_set_holes` changes the field of a shape in place.
+BS_API
+BsStatus bs_height_field_with_hole_map(const struct BsHeightField *field,
+                                       size_t first_column,
+                                       size_t first_row,
+                                       size_t columns,
+                                       size_t rows,
+                                       const BsBool *holes,
+                                       const struct BsHeightField **changed);
 
 // A hull in another size, by a factor along each axis. The caller has a reference to it.
 BS_API BsStatus bs_hull_scaled(const struct BsHull *hull, struct BsVec3 scale, const struct BsHull **scaled);
@@ -3158,7 +3191,7 @@ BS_API BsStatus bs_world_report(const struct BsWorld *world, struct BsStepReport
 // Bytes that the world holds, by category. `report->size` says how much of it is wanted.
 BS_API BsStatus bs_world_memory(const struct BsWorld *world, struct BsMemoryReport *report);
 
-// The optional parts of the engine that the world's content needs, and their cost, in the order of features.
+// The optional parts of the engine that the world's content needs, and their cost, by their numbers.
 // `count` becomes the number of parts.
 BS_API
 BsStatus bs_world_model(const struct BsWorld *world,

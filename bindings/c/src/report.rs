@@ -192,11 +192,21 @@ impl BsMemoryReport {
     }
 }
 
+/// Features that 0.1.0 did not have, in the order in which they came: numbers of features stay as they were.
+const LATER: [Feature; 2] = [Feature::Couplings, Feature::SoftContacts];
+
+/// All features by their numbers.
+pub(crate) fn features() -> Vec<Feature> {
+    let first = Feature::ALL.into_iter().filter(|feature| !LATER.contains(feature));
+    first.chain(LATER).collect()
+}
+
 /// An optional part of the engine, and its cost in a world.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BsModelPart {
-    /// Which: its place in the list; `bs_feature_name` has its name.
+    /// Which: its place in the list, which a later version may add to at its end; `bs_feature_name` has its
+    /// name.
     pub feature: u32,
     /// Number of objects that need it; zero if nothing does.
     pub count: u32,
@@ -211,10 +221,9 @@ pub struct BsModelPart {
 }
 
 impl BsModelPart {
-    pub(crate) fn of_engine(part: &ModelPart) -> BsModelPart {
-        let place = Feature::ALL.iter().position(|&feature| feature == part.feature);
+    pub(crate) fn of_engine(number: usize, part: &ModelPart) -> BsModelPart {
         BsModelPart {
-            feature: place.map_or(u32::MAX, |place| place as u32),
+            feature: number as u32,
             count: part.count,
             bytes: part.bytes as u64,
             time_us: part.time_us.unwrap_or(0.0),
@@ -250,7 +259,7 @@ pub extern "C" fn bs_feature_name(feature: u32) -> *const c_char {
     crate::abi::guard::value_or(c"".as_ptr(), || {
         let names = NAMES.get_or_init(|| {
             let name = |feature: Feature| std::ffi::CString::new(feature.name()).unwrap_or_default();
-            Feature::ALL.map(name).into()
+            features().into_iter().map(name).collect()
         });
         names.get(feature as usize).map_or(c"".as_ptr(), |name| name.as_ptr())
     })
@@ -268,11 +277,49 @@ mod tests {
             let name = unsafe { CStr::from_ptr(bs_category_name(place as u32)) };
             assert_eq!(name.to_str(), Ok(category.name()));
         }
-        for (place, feature) in Feature::ALL.into_iter().enumerate() {
-            // SAFETY: names are valid for ever.
-            let name = unsafe { CStr::from_ptr(bs_feature_name(place as u32)) };
-            assert_eq!(name.to_str(), Ok(feature.name()));
-        }
         assert!(Category::ALL.len() <= BS_CATEGORIES);
+        assert_eq!(features().len(), Feature::ALL.len());
+    }
+
+    /// Expected: the numbers of 0.1.0, and those that came later after them.
+    #[test]
+    fn numbers_of_features_stay() {
+        let names = [
+            "friction",
+            "surface_velocities",
+            "rolling_friction",
+            "restitution",
+            "continuous_collision",
+            "acceleration",
+            "forces",
+            "locked_axes",
+            "gyroscopic_turning",
+            "kinematic_bodies",
+            "compounds",
+            "convex_hulls",
+            "meshes",
+            "height_fields",
+            "joints",
+            "joint_trees",
+            "joint_locks",
+            "joint_limits",
+            "joint_drives",
+            "joint_springs",
+            "breakable_joints",
+            "sleeping",
+            "contact_events",
+            "sensors",
+            "contact_hooks",
+            "queries",
+            "solved_after",
+            "couplings",
+            "soft_contacts",
+        ];
+        assert_eq!(features().len(), names.len());
+        for (number, expected) in names.into_iter().enumerate() {
+            // SAFETY: names are valid for ever.
+            let name = unsafe { CStr::from_ptr(bs_feature_name(number as u32)) };
+            assert_eq!(name.to_str(), Ok(expected), "{number}");
+        }
     }
 }

@@ -268,7 +268,7 @@ impl BsSurface {
             .with_surface_velocity(backstop::glam::Vec3::from(self.surface_velocity))
     }
 
-    fn of_engine(material: Material) -> BsSurface {
+    pub(crate) fn of_engine(material: Material) -> BsSurface {
         let rigid = material.contact_hertz == 0.0 && material.contact_damping == 1.0;
         BsSurface {
             contact_hertz: material.contact_hertz,

@@ -6,10 +6,10 @@ use crate::abi::sized::{read_or_default, write};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
 use crate::abi::values::{BsBody, BsDVec3};
 use crate::events::Events;
-use crate::report::{BsMemoryReport, BsModelPart, BsStepReport};
+use crate::report::{BsMemoryReport, BsModelPart, BsStepReport, features};
 use crate::settings::BsSettings;
 use backstop::replay::RecordingBuffer;
-use backstop::{Error, Feature, World};
+use backstop::{Error, World};
 use std::ops::{Deref, DerefMut};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
@@ -277,7 +277,7 @@ pub unsafe extern "C" fn bs_world_memory(world: *const BsWorld, report: *mut BsM
     call(|| unsafe { write(report, BsMemoryReport::of_engine(&reading(world)?.memory())) })
 }
 
-/// The optional parts of the engine that the world's content needs, and their cost, in the order of features.
+/// The optional parts of the engine that the world's content needs, and their cost, by their numbers.
 /// `count` becomes the number of parts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_model(
@@ -290,7 +290,8 @@ pub unsafe extern "C" fn bs_world_model(
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Buffer::new("parts", parts, capacity, count)?) };
         let model = content.model();
-        out.fill(Feature::ALL.into_iter().map(|feature| BsModelPart::of_engine(&model.part(feature))))
+        let parts = features().into_iter().enumerate();
+        out.fill(parts.map(|(number, feature)| BsModelPart::of_engine(number, &model.part(feature))))
     })
 }
 
