@@ -77,7 +77,7 @@ pub struct Material {
     /// spring of its own. Of two surfaces the softer one decides. The surface gives way by at most half the
     /// inner radius of the thinner shape (half a ball's radius, or a quarter of a plate's thickness), and is
     /// rigid there. The spring alone throws back what falls on it: a soft contact has no restitution. Springs
-    /// above 0.15 of the rate of substeps act as one of about that frequency
+    /// above 0.16 of the rate of substeps act as one of that frequency
     /// (docs/decisions/soft-contacts.md).
     pub contact_hertz: f32,
     /// Damping ratio of that spring, 0..=100: with 0 a ball comes back with nearly its energy, with 1 it does

@@ -197,7 +197,7 @@ typedef struct BsShapeDesc {
     // As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
     BsBool senses_static;
     // Zero.
-    uint8_t reserved;
+    uint8_t reserved[1];
     // Its form. Default a ball without radius, which is refused.
     struct BsGeometry geometry;
     // Where its frame is in the body's [m].

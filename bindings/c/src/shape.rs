@@ -332,7 +332,7 @@ pub struct BsShapeDesc {
     /// As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
     pub senses_static: BsBool,
     /// Zero.
-    pub reserved: u8,
+    pub reserved: [u8; 1],
     /// Its form. Default a ball without radius, which is refused.
     pub geometry: BsGeometry,
     /// Where its frame is in the body's [m].
@@ -364,7 +364,7 @@ pub extern "C" fn bs_shape_desc_default(geometry: BsGeometry) -> BsShapeDesc {
         sensor: 0,
         events: 0,
         senses_static: 0,
-        reserved: 0,
+        reserved: [0; 1],
         geometry,
         position: BsVec3::default(),
         rotation: BsQuat::IDENTITY,

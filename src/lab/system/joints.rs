@@ -24,7 +24,7 @@ pub(in crate::lab) struct JointRow {
     pub(super) source: Source,
     /// Force on the second body and torque.
     pub(super) direction: [DVec3; 2],
-    /// Of a coupling: each of its joints, with force and torque on the second body.
+    /// Each joint of a coupling, with force and torque on the second body.
     pub(super) coupled: [Option<(u32, [DVec3; 2])>; 2],
     pub(in crate::lab) row: SystemRow,
     pub(super) law: Law,

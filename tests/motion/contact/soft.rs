@@ -25,7 +25,7 @@ fn height(world: &World, body: BodyHandle) -> f64 {
     world.position(body).unwrap().y
 }
 
-/// Of a body that does not rotate [J/kg].
+/// Energy of a body that does not rotate [J/kg].
 fn energy(world: &World, body: BodyHandle) -> f64 {
     let v = f64::from(world.linear_velocity(body).unwrap().length());
     0.5 * v * v + G * height(world, body)
