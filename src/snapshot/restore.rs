@@ -233,6 +233,8 @@ fn apply(world: &mut World, view: &View<'_>) {
     world.origin = view.origin.into();
     (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
+    // The rows of a step that never was, for those who draw them.
+    buffers.rows.stages.clear();
     // Events belong to a step that was undone.
     events.forget();
 
