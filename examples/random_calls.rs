@@ -35,7 +35,7 @@ fn main() {
     // Panics are findings: they are told once, with their calls.
     let usual = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
-        if std::env::var_os("RUST_BACKTRACE").is_some() {
+        if std::env::var_os("TELL_PANICS").is_some() {
             usual(info);
         }
         let place = info.location().map(|at| format!("at {}:{}", at.file(), at.line()));

@@ -263,7 +263,13 @@ fn shorten(text: &str) -> String {
         "break_force: inf, break_torque: inf, ".into(),
         "force_threshold: inf, torque_threshold: inf, ".into(),
         format!("bodies: {:?}, ", [backstop::BodyHandle::from_bits(0); 2]),
-        format!("frames: {:?}, ", [Frame::default(); 2]),
+        format!("frames: {:?}, ", [Frame::default(); 2]).replace(&format!("rotation: {:?}, ", Quat::IDENTITY), ""),
+        "frames: [Frame { rotation: Quat(0.0, 0.0, 0.0, 1.0) }, Frame { rotation: Quat(0.0, 0.0, 0.0, 1.0) }], ".into(),
+        ", collide: false, force_threshold: inf, torque_threshold: inf".into(),
+        ", rolling_friction: 0.0, spinning_friction: 0.0".into(),
+        ", surface_velocity: Vec3(0.0, 0.0, 0.0)".into(),
+        ", contact_hertz: 0.0, contact_damping: 1.0".into(),
+        ", friction_combine: Average, restitution_combine: Average".into(),
         format!("joint: {:?}, ", backstop::JointHandle::from_bits(0)),
     ];
     usual.iter().for_each(|part| short = short.replace(part, ""));

@@ -12,7 +12,7 @@ use backstop::{BodyDesc, BodyKind, Budget, Geometry, ShapeDesc, Skeleton};
 /// Calls, bodies and steps that a sequence has at most: it is to be quick.
 const MOST_CALLS: usize = 70;
 const MOST_BODIES: usize = 20;
-const MOST_STEPS: usize = 60;
+const MOST_STEPS: usize = 45;
 /// Steps that follow after the last call, so that what differs shows.
 const LAST_STEPS: u8 = 20;
 /// Bodies of the few worlds that are large enough for a step to be shared by threads.

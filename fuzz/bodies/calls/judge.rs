@@ -7,7 +7,7 @@
 //! - With a budget no more bytes are held than it allows.
 //! - Drawing and queries work at any moment.
 
-use super::call::{Call, Query, Sequence, Ways};
+use super::call::{Call, OfBody, OfCharacter, Query, Sequence, Ways};
 use super::play::{Handles, step};
 use super::told::{OfStep, Told, difference, different_state, not_finite};
 use backstop::debug::{DebugDraw, DrawOptions, Ink};
@@ -41,6 +41,7 @@ struct Mark {
     /// What a new world has to have for a snapshot from bytes.
     assets: Vec<Geometry>,
     budget: Budget,
+    additions: u32,
 }
 
 /// A world with the calls that it is made.
@@ -49,8 +50,10 @@ struct Player {
     handles: Handles,
     /// Whether the budget left anything out or refused anything: what is restored may then fare otherwise.
     tight: bool,
-    /// Whether the budget was lowered to less than what was held.
-    over: bool,
+    /// Whether a new budget may be less than what bodies can't do without.
+    lowered: bool,
+    /// Calls after which the world may hold more.
+    additions: u32,
     strict: bool,
 }
 
@@ -227,7 +230,7 @@ impl Compared {
 
 impl Player {
     fn new(world: World, strict: bool) -> Player {
-        Player { world, handles: Handles::default(), tight: false, over: false, strict }
+        Player { world, handles: Handles::default(), tight: false, lowered: false, additions: 0, strict }
     }
 
     /// Makes calls, the first of which is call number `first`; `hear` is told what the world tells after each
@@ -270,7 +273,7 @@ impl Player {
             Call::Twice(steps) => self.twice(*steps, hear)?,
             Call::GoBack(count) => {
                 if let Some(mark) = marks.back(*count) {
-                    self.restore(&mark.snapshot, mark.budget)?;
+                    self.restore(&mark.snapshot, mark.budget, mark.additions)?;
                     self.handles = mark.handles.clone();
                 }
             }
@@ -294,9 +297,8 @@ impl Player {
                     let kind = format!("what was refused changed the world: {}", name(call));
                     return Err(finding(kind, error.to_string()));
                 }
-                if let (Ok(()), Call::Settings(_)) = (&result, call) {
-                    self.over = over(&self.world).is_some();
-                }
+                self.lowered |= result.is_ok() && matches!(call, Call::Settings(_));
+                self.additions += u32::from(result.is_ok() && adds(call));
                 self.check(&name(call))?;
                 hear(Told {
                     result: result.map_err(|e| e.to_string()),
@@ -327,7 +329,7 @@ impl Player {
         for _ in 0..steps {
             first.push(self.step(1.0 / 60.0, None)?);
         }
-        self.restore(&snapshot, self.world.settings().budget)?;
+        self.restore(&snapshot, self.world.settings().budget, self.additions)?;
         self.handles = handles;
         draw(&self.world);
         let mut compared = Compared::new("restored (twice)");
@@ -342,10 +344,19 @@ impl Player {
     }
 
     /// Back to a snapshot, which nothing but the budget may refuse, and that only where something was added.
-    fn restore(&mut self, snapshot: &Snapshot, budget: Budget) -> Result<(), Finding> {
+    fn restore(&mut self, snapshot: &Snapshot, budget: Budget, additions: u32) -> Result<(), Finding> {
         match self.world.restore(snapshot) {
-            Err(Error::Budget { .. }) if self.world.settings().budget != budget => self.tight = true,
-            Err(error) => return Err(finding(format!("own snapshot refused (same): {error}"), "")),
+            Err(Error::Budget { .. })
+                if self.world.settings().budget != budget || self.additions != additions =>
+            {
+                self.tight = true;
+            }
+            Err(error) => {
+                return Err(finding(
+                    format!("own snapshot refused (same): {}", plain(&error)),
+                    error.to_string(),
+                ));
+            }
             Ok(()) => {}
         }
         self.check("restore")
@@ -359,7 +370,8 @@ impl Player {
                 self.world.snapshot(&mut snapshot);
                 let (handles, budget) = (self.handles.clone(), self.world.settings().budget);
                 let assets = assets(&self.world);
-                marks.push(Mark { snapshot, handles, next, told, ways, assets, budget });
+                let additions = self.additions;
+                marks.push(Mark { snapshot, handles, next, told, ways, assets, budget, additions });
             }
         }
     }
@@ -373,12 +385,41 @@ impl Player {
             return Err(finding(format!("no number after {after}"), what));
         }
         match over(&self.world) {
-            None => self.over = false,
-            Some(what) if !self.over => return Err(finding(format!("over budget after {after}"), what)),
-            Some(_) => {}
+            None if after == "a step" => self.lowered = false,
+            Some(what) if !self.lowered => return Err(finding(format!("over budget after {after}"), what)),
+            _ => {}
         }
         Ok(())
     }
+}
+
+/// Whether the world may hold more after a call. Forces are kept for the bodies that ever had one.
+fn adds(call: &Call) -> bool {
+    let moves = |what: &OfBody| {
+        matches!(
+            what,
+            OfBody::Pose(..)
+                | OfBody::SamePose
+                | OfBody::Velocity(..)
+                | OfBody::LinearVelocity(_)
+                | OfBody::AngularVelocity(_)
+                | OfBody::Impulse(..)
+                | OfBody::AngularImpulse(_)
+                | OfBody::UserData(_)
+                | OfBody::Wake
+                | OfBody::SendToSleep
+        )
+    };
+    match call {
+        Call::Body(_, what) => !moves(what),
+        Call::Character(_, OfCharacter::Walk { .. }) | Call::Origin(_) => false,
+        _ => true,
+    }
+}
+
+/// An error without its numbers.
+fn plain(error: &Error) -> String {
+    error.to_string().replace(|c: char| c.is_ascii_digit(), "").replace("  ", " ")
 }
 
 /// What a call is, without its numbers.

@@ -5,6 +5,7 @@ use backstop::{
     Axes, Axis, BodyContact, BodyHandle, ContactEnd, ContactEvent, CouplingHandle, JointEvent, JointHandle,
     Motion, SensorEvent, ShapeHandle, Snapshot, StageTimes, StepReport, World,
 };
+use std::fmt::Debug;
 
 /// All that a world tells after a call.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,29 +105,41 @@ pub fn different_state(one: &Told, two: &Told) -> Option<String> {
     (one != two).then(|| format!("{} and {} words; {}", one.len(), two.len(), some.join(", ")))
 }
 
+fn differ<T: PartialEq + Debug>(name: &str, one: &T, two: &T) -> Option<String> {
+    (one != two).then(|| format!("{name} differ: {one:?} and {two:?}"))
+}
+
+/// The first of two lists that differs.
+fn lists<T: PartialEq + Debug>(name: &str, one: &[T], two: &[T]) -> Option<String> {
+    let place = (0..one.len().max(two.len())).find(|&i| one.get(i) != two.get(i))?;
+    let (first, second) = (one.get(place), two.get(place));
+    Some(format!(
+        "{name} differ: {} and {}, of which {place}: {first:?} and {second:?}",
+        one.len(),
+        two.len()
+    ))
+}
+
 /// The first thing that two of them tell differently.
 pub fn difference(one: &Told, two: &Told) -> Option<String> {
-    fn differ<T: PartialEq + std::fmt::Debug>(name: &str, one: &T, two: &T) -> Option<String> {
-        (one != two).then(|| format!("{name} differ: {one:?} and {two:?}"))
-    }
     let of_step = || {
         let (one, two) = (one.step.as_ref()?, two.step.as_ref()?);
-        differ("broken joints", &one.broken, &two.broken)
-            .or_else(|| differ("broken couplings", &one.uncoupled, &two.uncoupled))
-            .or_else(|| differ("strained joints", &one.strained, &two.strained))
-            .or_else(|| differ("contact begins", &one.begins, &two.begins))
-            .or_else(|| differ("contact ends", &one.ends, &two.ends))
-            .or_else(|| differ("contact hits", &one.hits, &two.hits))
-            .or_else(|| differ("sensor begins", &one.entered, &two.entered))
-            .or_else(|| differ("sensor ends", &one.left, &two.left))
-            .or_else(|| differ("stopped bodies", &one.stopped, &two.stopped))
+        lists("broken joints", &one.broken, &two.broken)
+            .or_else(|| lists("broken couplings", &one.uncoupled, &two.uncoupled))
+            .or_else(|| lists("strained joints", &one.strained, &two.strained))
+            .or_else(|| lists("contact begins", &one.begins, &two.begins))
+            .or_else(|| lists("contact ends", &one.ends, &two.ends))
+            .or_else(|| lists("contact hits", &one.hits, &two.hits))
+            .or_else(|| lists("sensor begins", &one.entered, &two.entered))
+            .or_else(|| lists("sensor ends", &one.left, &two.left))
+            .or_else(|| lists("stopped bodies", &one.stopped, &two.stopped))
             .or_else(|| differ("reports", &one.report, &two.report))
-            .or_else(|| differ("awake bodies", &one.awake, &two.awake))
-            .or_else(|| differ("moved bodies", &one.moved, &two.moved))
-            .or_else(|| differ("joint forces", &one.joints, &two.joints))
-            .or_else(|| differ("coupling forces", &one.couplings, &two.couplings))
-            .or_else(|| differ("visitors", &one.visitors, &two.visitors))
-            .or_else(|| differ("contacts", &one.contacts, &two.contacts))
+            .or_else(|| lists("awake bodies", &one.awake, &two.awake))
+            .or_else(|| lists("moved bodies", &one.moved, &two.moved))
+            .or_else(|| lists("joint forces", &one.joints, &two.joints))
+            .or_else(|| lists("coupling forces", &one.couplings, &two.couplings))
+            .or_else(|| lists("visitors", &one.visitors, &two.visitors))
+            .or_else(|| lists("contacts", &one.contacts, &two.contacts))
     };
     differ("results", &one.result, &two.result)
         .or_else(|| differ("hashes", &one.hash, &two.hash))
