@@ -169,10 +169,12 @@ fn follow(
         _ => mark.snapshot.clone(),
     };
     match player.world.restore(&kept) {
-        Err(Error::Budget { .. }) if player.world.settings().budget != mark.budget || tight => {
+        Err(Error::Budget { .. })
+            if player.world.settings().budget != mark.budget || player.additions != mark.additions =>
+        {
             return Ok(player);
         }
-        Err(error) => return Err(finding(format!("own snapshot refused ({way}): {error}"), "")),
+        Err(error) => return Err(refused(way, &error)),
         Ok(()) => player.handles = mark.handles.clone(),
     }
     draw(&player.world);
@@ -351,12 +353,7 @@ impl Player {
             {
                 self.tight = true;
             }
-            Err(error) => {
-                return Err(finding(
-                    format!("own snapshot refused (same): {}", plain(&error)),
-                    error.to_string(),
-                ));
-            }
+            Err(error) => return Err(refused("same", &error)),
             Ok(()) => {}
         }
         self.check("restore")
@@ -417,9 +414,10 @@ fn adds(call: &Call) -> bool {
     }
 }
 
-/// An error without its numbers.
-fn plain(error: &Error) -> String {
-    error.to_string().replace(|c: char| c.is_ascii_digit(), "").replace("  ", " ")
+/// The world's own snapshot was; the kind has no numbers.
+fn refused(way: &str, error: &Error) -> Finding {
+    let plain = error.to_string().replace(|c: char| c.is_ascii_digit(), "");
+    finding(format!("own snapshot refused ({way}): {plain}"), error.to_string())
 }
 
 /// What a call is, without its numbers.
