@@ -22,11 +22,13 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
 }
 
 fn draw_part(world: &World, part: Part, ink: Ink, options: &DrawOptions, out: &mut dyn DebugDraw) {
-    // A contact that was removed with a body since the step has no points.
-    let Some(contact) = world.contacts.get(part.slot()).filter(|contact| contact.count > 0) else {
+    let Some(contact) = world.contacts.get(part.slot()) else { return };
+    // A contact that was removed with a body since the step has no points, and one that a call found anew may
+    // have fewer.
+    let points: Vec<_> = ones(part.points(contact)).filter_map(|i| contact.points().get(i)).collect();
+    if points.is_empty() {
         return;
-    };
-    let points: Vec<_> = ones(part.points(contact)).map(|i| &contact.points()[i]).collect();
+    }
     let a = world.collider_pose(contact.a);
     let middle = points.iter().map(|p| p.position).sum::<glam::Vec3>() / points.len() as f32;
     let at: DVec3 = a.position + (a.rotation * middle).as_dvec3();

@@ -235,6 +235,8 @@ fn apply(world: &mut World, view: &View<'_>) {
     world.origin = view.origin.into();
     (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
+    // The rows of a step that never was, for those who draw them.
+    buffers.rows.stages.clear();
 
     bodies.line_up(view.slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
     bodies.set_parts(counts.parts);
