@@ -95,7 +95,7 @@ pub(crate) fn predict(
     let Forces { acceleration, inverse_inertia, start, motion } = forces;
     start.clear();
     start.extend_from_slice(&bodies.velocity[..movers]);
-    let pulled = gravity != Vec3::ZERO || !bodies.force.is_empty();
+    let pulled = gravity != Vec3::ZERO || bodies.is_pushed();
     acceleration.resize(if pulled { movers } else { 0 }, Record::default());
     motion.resize(movers, Record::default());
     inverse_inertia.resize(dynamic, Sym3::default());

@@ -491,6 +491,12 @@ impl Bodies {
         }
     }
 
+    /// Whether a force was applied since the last step. That the column exists says nothing: it outlasts its
+    /// forces for a while, and longer in a world with a budget.
+    pub(crate) fn is_pushed(&self) -> bool {
+        !self.force.is_empty() && self.unpushed == 0
+    }
+
     /// A force is about to be applied; the column is there.
     pub(crate) fn note_push(&mut self) {
         self.pushes = self.pushes.saturating_add(1);

@@ -6,10 +6,12 @@
 
 mod approach;
 mod contacts;
+mod save;
 mod sensors;
 
 pub(crate) use approach::{Approach, StartOfStep};
 pub(crate) use contacts::Touching;
+pub(crate) use save::{EventLists, SavedEvents};
 pub(crate) use sensors::Sensing;
 
 use crate::body::Colliders;
@@ -63,7 +65,7 @@ pub(crate) struct Events {
     pub(crate) entered: Vec<SensorEvent>,
     pub(crate) left: Vec<SensorEvent>,
     /// Pairs that ended while they touched, since the last step.
-    gone: Vec<(ShapeHandle, ShapeHandle, bool)>,
+    gone: Vec<Gone>,
     /// Normal impulse of each contact over the step; empty if no shape asks for events [N s].
     pub(crate) impulses: Vec<f32>,
     /// Changes of each contact by hooks; empty if there are none.
@@ -78,6 +80,13 @@ pub(crate) struct Events {
     pub(crate) allowance: Allowance,
 }
 
+/// A pair that ended while it touched. Of one with a sensor, the sensor comes first.
+#[derive(Clone, Copy, Debug)]
+struct Gone {
+    shapes: [ShapeHandle; 2],
+    sensor: bool,
+}
+
 buffers! { Events { bytes { begins, ends, hits, entered, left, gone, impulses, tweaks, vetoed } } }
 
 impl Events {
@@ -89,13 +98,6 @@ impl Events {
         self.entered.clear();
         self.left.clear();
         self.lost = 0;
-    }
-
-    /// Forgets all events, and the pairs that ended since the last step.
-    pub(crate) fn forget(&mut self) {
-        self.start();
-        self.gone.clear();
-        self.missed = 0;
     }
 
     /// Whether there are any of the last step, or pairs that ended since.
@@ -139,7 +141,8 @@ impl Events {
         if pair.touching {
             let [a, b] = [pair.a, pair.b].map(|c| colliders.handle(c));
             let sensor = |c: u32| colliders.summaries[c as usize].is_sensor();
-            let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
+            let shapes = if sensor(pair.b) { [b, a] } else { [a, b] };
+            let gone = Gone { shapes, sensor: sensor(pair.a) || sensor(pair.b) };
             self.missed += u32::from(!self.allowance.push(&mut self.gone, gone));
         }
     }
@@ -148,7 +151,7 @@ impl Events {
     pub(crate) fn finish(&mut self, most: usize) {
         let Events { gone, ends, left, lost, missed, allowance, .. } = self;
         *lost += std::mem::take(missed);
-        for (a, b, sensor) in gone.drain(..) {
+        for Gone { shapes: [a, b], sensor } in gone.drain(..) {
             if sensor {
                 push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, allowance, lost);
             } else {

@@ -12,7 +12,7 @@ mod save;
 mod store;
 
 pub use coupling::{CoupledMotion, CouplingDesc};
-pub(crate) use coupling::{Coupling, Term, check_factor, check_range};
+pub(crate) use coupling::{Coupling, MAX_DISPLACEMENT, Term, check_factor, check_range};
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub(crate) use desc::{Coefficients, STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};

@@ -2,7 +2,7 @@
 //! can begin with.
 
 use super::part::{BodyRecord, Records, read_pose};
-use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
+use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::limits;
@@ -94,6 +94,7 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     if records.joints.coupled_bodies().any(torn_apart) {
         return Err(broken("an island"));
     }
+    view.events.check()?;
     view.joints.check(&records.joints)
 }
 
@@ -124,7 +125,7 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
         colliders.extend(body.colliders.iter().map(|c| c.index));
     }
     let sleeps = view.settings.sleeping && counts.has(REST) && counts.has(RESTS);
-    if (sleepers > 0 && !sleeps) || (counts.forces > 0 && !counts.has(FORCE)) {
+    if (sleepers > 0 && !sleeps) || (counts.forces > 0 && !counts.has(PUSHED)) || (counts.has(PUSHED) && !counts.has(FORCE)) {
         return Err(broken("a column is missing"));
     }
     for body in view.bodies.as_chunks::<BODY>().0 {

@@ -6,7 +6,7 @@ use super::characters::{check_characters, found_forms, restore_characters};
 use super::check::check;
 use super::geometry::Known;
 use super::part::{BodyRecord, Part, Records};
-use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, TARGET, View};
+use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
 use crate::body::{Pose, Target};
 use crate::error::Error;
 use crate::finish::Clear;
@@ -61,6 +61,8 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     }
     apply(world, &view);
     restore_characters(world, view.characters, forms);
+    world.refresh_event_allowance();
+    world.events.restore(&view.events);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
@@ -228,15 +230,13 @@ fn install(world: &mut World, records: Records) {
 /// Applies the state; the shared parts are installed.
 fn apply(world: &mut World, view: &View<'_>) {
     let counts = &view.counts;
-    let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
+    let World { bodies, colliders, broad, joints, sleep, buffers, .. } = world;
     world.settings = view.settings.clone();
     world.origin = view.origin.into();
     (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
     // The rows of a step that never was, for those who draw them.
     buffers.rows.stages.clear();
-    // Events belong to a step that was undone.
-    events.forget();
 
     bodies.line_up(view.slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
     bodies.set_parts(counts.parts);
@@ -257,7 +257,7 @@ fn apply(world: &mut World, view: &View<'_>) {
         view.rest.iter().map(|&w| f32::from_bits(w)),
     );
     fill(&mut bodies.force, if counts.has(FORCE) { len } else { 0 }, Record::default(), std::iter::empty());
-    (bodies.pushes, bodies.unpushed) = (u32::from(counts.has(FORCE)), 0);
+    (bodies.pushes, bodies.unpushed) = (u32::from(counts.has(FORCE)), u32::from(!counts.has(PUSHED)));
     for force in view.forces.as_chunks::<PUSH>().0 {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
         bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };

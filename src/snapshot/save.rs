@@ -4,7 +4,7 @@ use super::characters::save_characters;
 use super::contacts::{save_contacts, save_pairs};
 use super::geometry::Known;
 use super::settings;
-use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
+use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PUSHED, REST, RESTS, VERSION};
 use crate::body::{Pose, Target};
 use crate::finish::Clear;
 use crate::lanes::Record;
@@ -46,6 +46,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         counts.columns |= REST;
         out.extend(bodies.rest[..movers].iter().map(|rest| rest.to_bits()));
     }
+    counts.columns |= if bodies.is_pushed() { PUSHED } else { 0 };
     if !bodies.force.is_empty() {
         counts.columns |= FORCE;
         for (i, force) in bodies.force.iter().enumerate() {
@@ -86,6 +87,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     counts.sleep = sleep.save(out);
     counts.joints = joints.save(out);
     counts.characters = save_characters(&world.characters, forms, out);
+    counts.events = world.events.save(out);
 
     let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
     out[..HEAD].copy_from_slice(&words::<HEAD>(head));

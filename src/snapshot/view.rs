@@ -6,6 +6,7 @@ use super::settings;
 use crate::broad_phase::{Lists, SavedBroad};
 use crate::config::Settings;
 use crate::error::Error;
+use crate::events::{EventLists, SavedEvents};
 use crate::joint::{JointLists, SavedJoints};
 use crate::limits;
 use crate::sleep::{SavedSleep, SleepLists};
@@ -61,13 +62,15 @@ pub(super) struct Counts {
     pub(super) joints: JointLists,
     /// Slots of characters.
     pub(super) characters: u32,
+    pub(super) events: EventLists,
 }
 
 /// Bits of [`Counts::columns`].
 pub(super) const FORCE: u32 = 1;
 pub(super) const REST: u32 = 2;
-/// Not a column: whether bodies may sleep.
+/// Not columns: whether bodies may sleep, and whether a force was applied since the last step.
 pub(super) const RESTS: u32 = 4;
+pub(super) const PUSHED: u32 = 8;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
@@ -107,6 +110,7 @@ pub(super) struct View<'a> {
     pub(super) joints: SavedJoints<'a>,
     /// See [`characters`](super::characters).
     pub(super) characters: &'a [u32],
+    pub(super) events: SavedEvents<'a>,
 }
 
 impl Counts {
@@ -169,6 +173,7 @@ impl<'a> View<'a> {
             sleep: SavedSleep::read(&mut from, counts.sleep)?,
             joints: SavedJoints::read(&mut from, counts.joints)?,
             characters: from.table(counts.characters, CHARACTER)?,
+            events: SavedEvents::read(&mut from, counts.events)?,
             counts,
         };
         if from.0.is_empty() { Ok(view) } else { Err(broken("there is more than its counts say")) }

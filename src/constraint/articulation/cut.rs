@@ -310,6 +310,16 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 impl<L: Lanes> Extra<L> {
+    /// Keeps its motors and its memory, and nothing else.
+    pub(super) fn forget(&mut self) {
+        let Extra { mut motors, mut directions, mut answers, mut alone, .. } = std::mem::take(self);
+        motors.iter_mut().for_each(|motor| *motor = Motor { owner: motor.owner, ..Motor::new(motor.node) });
+        directions.clear();
+        answers.clear();
+        alone.clear();
+        *self = Extra { motors, directions, answers, alone, ..Extra::default() };
+    }
+
     /// The impulses that cancel `rest`. Rows from `cut` on are bounded: those that would exceed their bounds
     /// are fixed there, and the others solved again.
     #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]

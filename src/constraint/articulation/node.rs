@@ -168,6 +168,12 @@ impl<L: Lanes> Default for Node<L> {
 }
 
 impl<L: Lanes> Node<L> {
+    /// Keeps its place in the tree and nothing else.
+    pub(super) fn forget(&mut self) {
+        let Node { owner, turn_owner, turns, side, parent, own, jointed, .. } = *self;
+        *self = Node { owner, turn_owner, turns, side, parent, own, jointed, ..Node::default() };
+    }
+
     /// Impulse at the joint per velocity that the joint forbids, for a mobility there.
     #[inline(always)]
     pub(super) fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {

@@ -83,6 +83,14 @@ impl<L> TreeBatch<L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
+    /// Forgets the last step: what outlives it is in the joints, and a restored world has nothing else.
+    pub(crate) fn forget(&mut self) {
+        let TreeBatch { mut nodes, mut extra, real, loops, place, .. } = std::mem::take(self);
+        nodes.iter_mut().for_each(Node::forget);
+        extra.forget();
+        *self = TreeBatch { nodes, extra, real, loops, place, ..TreeBatch::default() };
+    }
+
     /// A node and its parent, which precedes it.
     #[inline(always)]
     pub(crate) fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {

@@ -299,6 +299,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
     inverse_inertia: &[Sym3<f32>],
     touching: &[bool],
 ) {
+    batch.forget();
     let mut share = [TREE_RECOVERY; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());

@@ -9,7 +9,7 @@ use crate::config::unbounded;
 use crate::error::Error;
 use crate::handle::JointHandle;
 use std::f64::consts::TAU;
-pub(crate) use store::{CouplingRecords, Couplings, SavedCouplings};
+pub(crate) use store::{CouplingRecords, Couplings, MAX_DISPLACEMENT, SavedCouplings};
 
 // Guard: limits of what a caller may say.
 /// Largest factor of a coupled motion, and one over the smallest.

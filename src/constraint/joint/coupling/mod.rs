@@ -20,7 +20,9 @@ pub(super) mod plan;
 use super::ends::{Ends, JointPass, Lever, Recovery, turned};
 use super::measure::{Distance, Measure, Slide, Twist};
 use crate::constraint::contact::row::{BodyPair, Motion};
+use crate::joint::MAX_DISPLACEMENT;
 use crate::lanes::{Record, Vec3};
+use crate::limits::MAX_LEFT_SPEED;
 use std::f32::consts::TAU;
 
 /// What is measured of a joint.
@@ -80,8 +82,10 @@ impl Coupled {
         let (lever, start) = (&mut self.lever, self.start);
         let mut now = gauge!(&mut self.gauge, gauge => gauge.follow(d, lever, start));
         if self.is_angle() {
-            // Displacements of bodies in trees may lack whole turns.
-            let off = (self.now + self.speed * h - now) / TAU;
+            // Displacements of bodies in trees may lack whole turns. A row that diverges has a speed that no
+            // body may keep, and its turns would stay.
+            let speed = self.speed.clamp(-MAX_LEFT_SPEED, MAX_LEFT_SPEED);
+            let off = (self.now + speed * h - now) / TAU;
             now += TAU * if off.is_finite() { off.round() } else { 0.0 };
         }
         self.now = now;
@@ -307,7 +311,8 @@ impl CouplingRow {
         let mut displacements = self.displacements;
         for (displacement, one) in displacements.iter_mut().zip(self.motions()) {
             let change = one.now - one.start;
-            *displacement += f64::from(if change.is_finite() { change } else { 0.0 });
+            let now = *displacement + f64::from(if change.is_finite() { change } else { 0.0 });
+            *displacement = now.clamp(-MAX_DISPLACEMENT, MAX_DISPLACEMENT);
         }
         displacements
     }
