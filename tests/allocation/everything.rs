@@ -5,8 +5,8 @@ use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Axis, BodyDesc, BodyHandle, Character, CharacterHandle, CharacterSettings, ContactHook, ContactHooks,
     Continuous, ConvexHull, CouplingDesc, Drive, Geometry, HeightField, JointDesc, JointHandle, Material,
-    Motion, QueryFilter, Ragdoll, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, Snapshot, Spring, TriangleMesh,
-    World,
+    Motion, QueryFilter, Ragdoll, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, Snapshot, Spring,
+    TriangleMesh, World,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -153,7 +153,19 @@ impl Everything {
         let walker = Character::new(CharacterSettings::default(), DVec3::new(3.0, 1.5, 3.0)).unwrap();
         let walker = world.add_character(&walker).unwrap();
         let (visitors, heard) = (Vec::with_capacity(200), [0; 5]);
-        Everything { world, figure, walker, table, balls, door, zone, visitors, heard, slept: 0, allocations: 0 }
+        Everything {
+            world,
+            figure,
+            walker,
+            table,
+            balls,
+            door,
+            zone,
+            visitors,
+            heard,
+            slept: 0,
+            allocations: 0,
+        }
     }
 
     /// A frame of the game: everything is driven, then stepped, then listened to.
