@@ -207,6 +207,11 @@ impl BroadPhase {
         self.grow(collider, Role::New, Aabb::EMPTY);
     }
 
+    /// Releases the lists of look-ups between steps.
+    pub(crate) fn release_look_ups(&mut self) {
+        self.block = Block::default();
+    }
+
     /// Takes a collider out. Its pairs go to `removed`: the owner frees their contacts.
     pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
         let c = collider as usize;

@@ -78,7 +78,9 @@ impl Joints {
 
     /// Writes what joints there are.
     pub(crate) fn save_all(&self, out: &mut Vec<u32>) {
-        let counts = [self.all.len(), self.locks.len(), self.rows.len(), self.first.len()];
+        // The list is as long as it ever had to be: its end is not state.
+        let first = self.first.iter().rposition(|&joint| joint != NONE).map_or(0, |last| last + 1);
+        let counts = [self.all.len(), self.locks.len(), self.rows.len(), first];
         out.extend(counts.map(|n| n as u32));
         out.push(u32::from(self.stale));
         for (slot, joint) in self.all.iter().enumerate() {
@@ -101,7 +103,7 @@ impl Joints {
             out.extend([lock.joint, lock_code(Some(lock.kind)) | u32::from(lock.merged) << 8]);
         }
         self.rows.iter().for_each(|row| save_row(row, out));
-        out.extend(&self.first);
+        out.extend(&self.first[..first]);
         let free = self.slots.free();
         out.push(free.len() as u32);
         free.for_each(|(slot, generation)| out.extend([slot, generation]));
@@ -110,13 +112,12 @@ impl Joints {
 
     /// How many locks, rows and couplings a snapshot has beyond those that batches were arranged for.
     pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
-        let now = self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.all.len();
-        let new = records.locks.len() + records.rows.len() + COUPLING_ROWS * records.couplings.len();
-        new.saturating_sub(now.saturating_sub(self.fresh))
+        records.row_count().saturating_sub(self.row_count().saturating_sub(self.fresh))
     }
 
     /// Replaces all joints.
     pub(crate) fn restore_all(&mut self, records: &JointRecords) {
+        self.fresh = self.rows_missing_for(records);
         let JointRecords { all, generations, locks, rows, first, stale, free, couplings } = records;
         self.all.clone_from(all);
         self.locks.clone_from(locks);
@@ -131,7 +132,7 @@ impl Joints {
         self.reporting = bound(&|joint| joint.threshold);
         self.find_starts();
         self.couplings.restore_all(couplings);
-        (self.stale, self.fresh) = (*stale, locks.len() + rows.len() + COUPLING_ROWS * couplings.len());
+        self.stale = *stale;
         let taken = (0u32..).zip(all).filter(|(_, joint)| joint.is_there());
         let taken = taken.map(|(slot, _)| (slot, generations[slot as usize], slot));
         self.slots.rebuild(all.len(), taken, free);
@@ -212,6 +213,10 @@ impl JointRecords {
     /// Whether there is any.
     pub(crate) fn any(&self) -> bool {
         self.all.iter().any(Joint::is_there)
+    }
+
+    fn row_count(&self) -> usize {
+        self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.len()
     }
 
     /// What it takes to hold all of them.

@@ -384,11 +384,26 @@ impl Joints {
         self.find_starts();
     }
 
-    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
-    /// arranged for may have one for itself, of so many bytes.
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row may have one for
+    /// itself, of so many bytes.
     pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
-        let batches = (self.fresh + more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch;
-        batches + self.missing_columns(more)
+        (more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch + self.missing_columns(more)
+    }
+
+    /// The most bytes that the rows take for which no batches were arranged yet: they are promised to the next
+    /// step, and nothing else may have them.
+    pub(crate) fn promised(&self, batch: usize) -> usize {
+        self.fresh * batch
+    }
+
+    /// All rows are about to be arranged in another way.
+    pub(crate) fn arrange_anew(&mut self) {
+        (self.changed, self.fresh) = (true, self.row_count());
+    }
+
+    /// The most rows that batches are arranged for.
+    pub(crate) fn row_count(&self) -> usize {
+        self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.all.len()
     }
 
     /// The same in the columns alone.

@@ -1,7 +1,7 @@
 //! Bytes that a step may still reserve in each category: the lesser of what its own limit and that of the
 //! whole leave.
 
-use super::{Allowance, Amounts, Budget, Category, MemoryReport};
+use super::{Allowance, Amounts, Budget, Category};
 
 /// Bytes that buffers may still grow by, in all and of each category.
 #[derive(Clone, Copy, Debug)]
@@ -15,16 +15,18 @@ impl Allowances {
     pub(crate) const ENDLESS: Allowances =
         Allowances { whole: Allowance::ENDLESS, of: [Allowance::ENDLESS; Category::ALL.len()] };
 
-    /// The part of a budget that is left beside the bytes held, by category and in all.
-    pub(crate) fn new(budget: &Budget, held: &MemoryReport, whole: usize) -> Allowances {
+    /// The part of a budget that is left once some of the bytes held are gone, by category and in all. Where
+    /// more is held than the budget allows, what goes may come back.
+    pub(crate) fn new(budget: &Budget, held: &Amounts, whole: usize, gone: &Amounts) -> Allowances {
         if budget.is_none() {
             return Allowances::ENDLESS;
         }
-        let left = |limit: Option<usize>, held: usize| {
-            Allowance::new(limit.map_or(usize::MAX, |limit| limit.saturating_sub(held)))
+        let left = |limit: Option<usize>, held: usize, gone: usize| {
+            let rest = held.saturating_sub(gone);
+            Allowance::new(limit.map_or(usize::MAX, |limit| limit.max(held) - rest))
         };
-        let of = Category::ALL.map(|c| left(budget.limit_of(c), held.category(c).reserved));
-        Allowances { whole: left(budget.limit(), whole), of }
+        let of = Category::ALL.map(|c| left(budget.limit_of(c), held.of(c), gone.of(c)));
+        Allowances { whole: left(budget.limit(), whole, gone.total()), of }
     }
 
     #[inline]
@@ -88,7 +90,7 @@ mod tests {
     #[test]
     fn a_category_has_the_less_of_its_own_and_the_whole() {
         let budget = Budget::total(1000).with(Category::Rows, 300);
-        let mut allowances = Allowances::new(&budget, &MemoryReport::default(), 0);
+        let mut allowances = Allowances::new(&budget, &Amounts::default(), 0, &Amounts::default());
         assert_eq!((allowances.left(Category::Rows), allowances.left(Category::Joints)), (300, 1000));
         allowances.within(Category::Joints, |allowance| allowance.take(800));
         assert_eq!((allowances.left(Category::Rows), allowances.left(Category::Joints)), (200, 200));
@@ -109,9 +111,9 @@ mod tests {
     #[test]
     fn a_limit_of_one_category_leaves_the_others_alone() {
         let budget = Budget::NONE.with(Category::Rows, 10);
-        let allowances = Allowances::new(&budget, &MemoryReport::default(), 0);
+        let allowances = Allowances::new(&budget, &Amounts::default(), 0, &Amounts::default());
         assert!(!allowances.is_endless());
         assert!(allowances.left(Category::Scratch) > usize::MAX / 2);
-        assert!(Allowances::new(&Budget::NONE, &MemoryReport::default(), 0).is_endless());
+        assert!(Allowances::new(&Budget::NONE, &Amounts::default(), 0, &Amounts::default()).is_endless());
     }
 }

@@ -139,12 +139,11 @@ impl MemoryReport {
         self.add(to, (live, reserved));
     }
 
-    /// Takes bytes off that will be gone.
-    pub(crate) fn drop(&mut self, gone: &Amounts) {
-        for category in Category::ALL {
-            let held = &mut self.bytes[category as usize].reserved;
-            *held = held.saturating_sub(gone.of(category));
-        }
+    /// Reserved bytes of each category.
+    pub(crate) fn reserved(&self) -> Amounts {
+        let mut all = Amounts::default();
+        self.iter().for_each(|(category, bytes)| all.add(category, bytes.reserved));
+        all
     }
 
     /// Takes over some categories of another report.

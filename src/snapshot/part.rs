@@ -67,16 +67,19 @@ impl Part {
         let (mut out, mut table) = (vec![0, 0], Table::default());
         let bodies = &world.bodies;
         let first_static = bodies.asleep().end;
+        // In the order of slots, which nothing changes.
         if which == Which::Fixed {
-            for i in first_static..bodies.len() {
-                save_body(world, i, &mut table, &mut out);
+            for slot in 0..bodies.slots.count() as u32 {
+                let index = bodies.slots.dense(slot) as usize;
+                if (first_static..bodies.len()).contains(&index) {
+                    save_body(world, index, &mut table, &mut out);
+                    out[1] += 1;
+                }
             }
-            out[1] = (bodies.len() - first_static) as u32;
             out[0] = out.len() as u32;
             world.broad.save_statics(&mut out);
             return Part::new(out, table.known);
         }
-        // In the order of slots, which sleep does not change.
         for slot in 0..bodies.slots.count() as u32 {
             let index = bodies.slots.dense(slot) as usize;
             if index < first_static {
@@ -237,7 +240,7 @@ pub(super) struct FreeSlots {
 /// All of both parts.
 #[derive(Debug)]
 pub(super) struct Records {
-    /// Movable bodies in the order of their slots, and static ones in the order of their columns.
+    /// Movable and static bodies, each in the order of their slots.
     pub(super) moving: Vec<BodyRecord>,
     pub(super) fixed: Vec<BodyRecord>,
     pub(super) bodies: FreeSlots,

@@ -76,8 +76,8 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     }
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
-    let kept = sleep.saved_pairs();
-    let pairs = broad.pairs.iter().chain(kept);
+    let of_islands = sleep.saved_pairs().map(|pair| (pair, true));
+    let pairs = broad.pairs.iter().map(|pair| (pair, false)).chain(of_islands);
     (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
     let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
     debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);

@@ -34,8 +34,9 @@ impl World {
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
         }
-        self.joints.changed |=
-            settings.order != self.settings.order || settings.joint_trees != self.settings.joint_trees;
+        if self.rearranges(&settings) {
+            self.joints.arrange_anew();
+        }
         self.settings = settings;
         Ok(())
     }

@@ -136,6 +136,11 @@ impl World {
             self.part_pair(&pair);
             self.contacts.remove_chain(pair.contact);
         }
+        if !self.settings.budget.is_none() {
+            // Lists as long as those of any body would be held for all time.
+            self.removed = Vec::new();
+            self.broad.release_look_ups();
+        }
     }
 
     /// Tells the query index that a collider changed.

@@ -95,8 +95,9 @@ impl World {
         let mut held = self.memory();
         // The share of continuous collision in their buffers may be theirs in the next step.
         held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
-        held.drop(gone);
-        Allowances::new(budget, &held, whole.total() - gone.total())
+        let promised = self.joints.promised(WIDEST_JOINT_BATCH);
+        held.add(Category::Joints, (0, promised));
+        Allowances::new(budget, &held.reserved(), whole.total() + promised, gone)
     }
 
     /// Whether so many bytes may be reserved.
@@ -271,6 +272,11 @@ impl World {
         Ok(())
     }
 
+    /// Whether other settings arrange joints in another way.
+    pub(in crate::world) fn rearranges(&self, settings: &Settings) -> bool {
+        settings.order != self.settings.order || settings.joint_trees != self.settings.joint_trees
+    }
+
     /// Reserves the buffers that other settings switch on.
     ///
     /// # Errors
@@ -282,10 +288,14 @@ impl World {
             meets: settings.method.meets_impacts() && !now.meets,
             ..now
         };
-        if settings.budget.is_none() || !(counts.rests || counts.meets) {
+        let anew = self.rearranges(settings) && self.joints.count > 0;
+        if settings.budget.is_none() || !(counts.rests || counts.meets || anew) {
             return Ok(());
         }
         let mut asked = Amounts::default();
+        if anew {
+            asked.add(Category::Joints, self.joints.row_count() * WIDEST_JOINT_BATCH);
+        }
         self.each_of_switched(counts, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         check(&asked, &self.rooms_of(&settings.budget))?;
         self.each_of_switched(counts, &mut |_, buffer, len| buffer.reserve_total(len));

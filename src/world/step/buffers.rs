@@ -30,6 +30,11 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
+    /// Releases the rows of the last step.
+    pub(crate) fn release_rows(&mut self) {
+        (self.rows, self.restitution) = (Rows::default(), Restitution::default());
+    }
+
     /// `continuous`: whether any body is. Discrete collision detection uses the predicted motion too, but no
     /// further than a margin.
     pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {
