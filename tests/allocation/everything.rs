@@ -112,6 +112,8 @@ fn machines(world: &mut World) -> JointHandle {
     let mut hang = |x: f32, make: &dyn Fn([BodyHandle; 2], [backstop::Frame; 2]) -> JointDesc| {
         let at = Vec3::new(x, 4.0, 7.0);
         let wheel = common::dynamic(Geometry::cuboid(0.1, 0.3, 0.1), Material::default(), at);
+        // What is joined is arranged anew when it falls asleep or wakes, and that does allocate.
+        let wheel = wheel.with_can_sleep(false);
         let pair = [frame, world.add_body(&wheel).unwrap()];
         let frames = world.frames_at(pair, at.as_dvec3() + DVec3::Y * 0.3, Quat::IDENTITY).unwrap();
         world.add_joint(&make(pair, frames)).unwrap()
@@ -150,6 +152,7 @@ impl Everything {
         let (at, still) = (DVec3::new(0.0, 1.5, -4.0), Vec3::ZERO);
         let figure = Skeleton::humanoid().with_friction(2.0);
         let figure = figure.add_to(&mut world, at, Quat::IDENTITY, still).unwrap();
+        figure.bodies.iter().for_each(|&bone| world.set_can_sleep(bone, false).unwrap());
         let walker = Character::new(CharacterSettings::default(), DVec3::new(3.0, 1.5, 3.0)).unwrap();
         let walker = world.add_character(&walker).unwrap();
         let (visitors, heard) = (Vec::with_capacity(200), [0; 5]);
