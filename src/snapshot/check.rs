@@ -125,7 +125,10 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
         colliders.extend(body.colliders.iter().map(|c| c.index));
     }
     let sleeps = view.settings.sleeping && counts.has(REST) && counts.has(RESTS);
-    if (sleepers > 0 && !sleeps) || (counts.forces > 0 && !counts.has(PUSHED)) || (counts.has(PUSHED) && !counts.has(FORCE)) {
+    if (sleepers > 0 && !sleeps)
+        || (counts.forces > 0 && !counts.has(PUSHED))
+        || (counts.has(PUSHED) && !counts.has(FORCE))
+    {
         return Err(broken("a column is missing"));
     }
     for body in view.bodies.as_chunks::<BODY>().0 {
