@@ -30,6 +30,16 @@ buffers! {
     }
 }
 
+impl Forces {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Forces { acceleration, inverse_inertia, start, motion } = self;
+        [acceleration, start, motion].into_iter().for_each(spoil);
+        spoil(inverse_inertia);
+    }
+}
+
 /// Bodies in a block of work.
 const BLOCK: usize = per_block(256, 1);
 

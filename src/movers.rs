@@ -24,6 +24,15 @@ pub(crate) struct Buffers {
     pub(crate) removed: Vec<Pair>,
 }
 
+impl Buffers {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        spoil(&mut self.movers);
+        spoil(&mut self.starts);
+    }
+}
+
 buffers! {
     Buffers {
         /// For so many bodies that can move, and their colliders; without the list of pairs.

@@ -147,6 +147,11 @@ impl JointAdditions {
         JointAdditions { joints: 1, bodies, ..rows.and(events) }
     }
 
+    /// The same between bodies that are yet to come: their slots are below `slots`.
+    pub(crate) fn between(self, slots: usize) -> JointAdditions {
+        JointAdditions { bodies: slots, ..self }
+    }
+
     /// For the lists of joints that break and of those that are reported.
     pub(crate) fn of_events(strength: [f32; 2], threshold: [f32; 2]) -> JointAdditions {
         let [breakable, reporting] = [strength, threshold].map(|bounds| usize::from(is_bound(bounds)));

@@ -71,6 +71,13 @@ macro_rules! buffers {
 }
 pub(crate) use buffers;
 
+/// Leaves wrong values in a list of a step that is over. In builds with assertions each step begins with such
+/// lists: if it read one before it is written, its bits would not be those of a build without.
+#[cfg(debug_assertions)]
+pub(crate) fn spoil<T>(list: &mut Vec<T>) {
+    if list.len() < 2 { list.clear() } else { list.reverse() }
+}
+
 /// A vector as a store of one buffer, so that lists have both in the same way.
 pub(crate) trait List {
     fn bytes(&self) -> (usize, usize);

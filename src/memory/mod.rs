@@ -12,6 +12,8 @@ pub(crate) use allowance::{Allowance, Buffer, Buffers, Made, Marks, even_out};
 pub(crate) use allowances::Allowances;
 pub(crate) use amounts::Amounts;
 pub use budget::Budget;
+#[cfg(debug_assertions)]
+pub(crate) use buffers::spoil;
 pub(crate) use buffers::{List, buffers};
 pub(crate) use column::{add_bytes, bytes_of, in_arc, sum_bytes};
 pub(crate) use slab::{Cut, Slab};

@@ -152,6 +152,15 @@ buffers! {
 }
 
 impl Scratch {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Scratch { bin_of, bins: Bins { order, blocks }, found: _ } = self;
+        spoil(bin_of);
+        spoil(order);
+        spoil(blocks);
+    }
+
     /// Bytes missing to work on so many pairs of meshes in one step.
     pub(crate) fn missing_to_find(&self, of_meshes: usize) -> usize {
         self.found.missing(of_meshes)

@@ -35,7 +35,7 @@ pub use files::{
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
 use crate::handle::{BodyHandle, CouplingHandle, JointHandle};
-use crate::joint::{Drive, Frame, JointDesc, Limit};
+use crate::joint::{Drive, Frame, JointAdditions, JointDesc, Limit};
 use crate::world::World;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -155,7 +155,14 @@ impl Scene {
     /// If the world refuses one, an index of a joint is beyond the bodies, or one of a coupling beyond the
     /// joints.
     pub fn add_to(&self, world: &mut World) -> Result<Added, Error> {
-        let bodies = world.add_bodies(&self.descs())?;
+        let descs = self.descs();
+        // How many rows a joint has does not depend on its bodies.
+        let nobody = vec![BodyHandle::from_bits(0); descs.len()];
+        let joints = self.joints.iter().filter_map(|joint| joint.desc(&nobody));
+        let joints = joints.map(|joint| JointAdditions::of_joint(&joint));
+        let more = joints.chain(self.couplings.iter().map(|_| JointAdditions::of_coupling()));
+        world.allow_joined(&descs, more.fold(JointAdditions::default(), JointAdditions::and))?;
+        let bodies = world.add_bodies(&descs)?;
         match self.add_joints(world, &bodies) {
             Ok((joints, couplings)) => Ok(Added { bodies, joints, couplings }),
             Err(error) => {

@@ -48,6 +48,13 @@ pub(crate) struct State {
 buffers! { State { each(movers: usize) { delta(movers + 1), base(movers + 1) } } }
 
 impl State {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let State { delta, base, usual_h: _ } = self;
+        [delta, base].into_iter().for_each(spoil);
+    }
+
     /// Clears both buffers for a step with so many movable bodies.
     fn reset(&mut self, movers: usize) {
         self.delta.clear();

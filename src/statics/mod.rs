@@ -96,6 +96,16 @@ buffers! {
 }
 
 impl Statics {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Statics { wait: _, pending: _, places, burdens, by_height, supports, points } = self;
+        [places, by_height].into_iter().for_each(spoil);
+        spoil(burdens);
+        spoil(supports);
+        spoil(points);
+    }
+
     /// Bytes that a contact takes, and what is reserved for contacts.
     pub(crate) fn lists(&self) -> (usize, usize) {
         (size_of::<Support>(), bytes_of(&self.supports).1)

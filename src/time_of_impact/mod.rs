@@ -95,6 +95,18 @@ buffers! {
     }
 }
 
+impl Buffers {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Buffers { track_of, tracks, queue: _, times, stack, near, manifolds, mesh: _ } = self;
+        [track_of, stack, near].into_iter().for_each(spoil);
+        spoil(tracks);
+        spoil(times);
+        spoil(manifolds);
+    }
+}
+
 const NONE: u32 = u32::MAX;
 /// Pairs in a block of work.
 const BLOCK: usize = per_block(32, 1);

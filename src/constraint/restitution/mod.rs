@@ -114,6 +114,16 @@ pub(crate) struct Restitution {
 buffers! { Restitution { bytes { spots, sites, struck, queue, wakeful, moved, standing } } }
 
 impl Restitution {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Restitution { spots, sites, struck, queue, wakeful, moved, standing, count: _ } = self;
+        spoil(spots);
+        spoil(sites);
+        spoil(struck);
+        [queue, wakeful, moved, standing].into_iter().for_each(spoil);
+    }
+
     /// Orientation of a body at its last impact in the step, and the time of that [s], if its principal
     /// moments differ.
     pub(crate) fn turned(&self, body: usize) -> Option<(Quat, f32)> {

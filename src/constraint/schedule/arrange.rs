@@ -61,6 +61,14 @@ impl PrepareScratch {
         self.crowd.each(dynamic, f);
     }
 
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        spoil(&mut self.entries);
+        spoil(&mut self.sorted);
+        spoil(&mut self.ranges);
+    }
+
     /// There is no continuous collision any more.
     pub(crate) fn forget_ahead(&mut self) {
         (self.ahead, self.most_ahead) = ((0, 0), (0, 0));

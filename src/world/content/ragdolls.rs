@@ -2,8 +2,9 @@
 
 use crate::body::BodyDesc;
 use crate::error::Error;
+use crate::handle::BodyHandle;
 use crate::joint::{
-    Axis, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
+    Axis, Bone, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
 };
 use crate::math::Quat;
 use crate::shape::unit_quat;
@@ -26,29 +27,32 @@ impl Skeleton {
         let rotation = Quat::from(rotation);
         let descs: Vec<BodyDesc> =
             self.bones.iter().map(|bone| self.body(bone, (position, rotation), velocity)).collect();
+        let jointed = || self.bones.iter().enumerate().filter_map(|(i, bone)| Some((i, bone, bone.parent?)));
+        // How many rows a joint has does not depend on where it is.
+        let somewhere = |bone| {
+            let nobody = BodyHandle::from_bits(0);
+            JointAdditions::of_joint(&self.joint(bone, JointDesc::ball([nobody; 2], Default::default())))
+        };
+        let more = jointed().map(|(_, bone, _)| somewhere(bone));
+        world.allow_joined(&descs, more.fold(JointAdditions::default(), JointAdditions::and))?;
         let bodies = world.add_bodies(&descs)?;
-        let (mut joints, mut links) = (Vec::new(), Vec::new());
-        for (i, (bone, &body)) in self.bones.iter().zip(&bodies).enumerate() {
-            let Some(parent) = bone.parent else { continue };
-            links.push(Link::new(bone, i, parent));
-            let point = position + (rotation * bone.joint_at).as_dvec3();
-            let added = world
-                .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize().into())
-                .and_then(|frames| {
-                    world.add_joint(&self.joint(bone, JointDesc::ball([bodies[parent], body], frames)))
-                });
-            match added {
-                Ok(joint) => joints.push(joint),
-                Err(error) => {
-                    // Removing a body removes its joints.
-                    for body in bodies {
-                        world.remove_body(body)?;
-                    }
-                    return Err(error);
-                }
+        let joint = |(i, bone, parent): (usize, &Bone, usize)| {
+            let (own, point) =
+                ([bodies[parent], bodies[i]], position + (rotation * bone.joint_at).as_dvec3());
+            let frames = world.frames_at(own, point, (rotation * bone.axes()).normalize().into())?;
+            Ok(self.joint(bone, JointDesc::ball(own, frames)))
+        };
+        let joints = jointed().map(joint).collect::<Result<Vec<JointDesc>, Error>>();
+        match joints.and_then(|joints| world.add_joints(&joints)) {
+            Ok(joints) => {
+                let links = jointed().map(|(i, bone, parent)| Link::new(bone, i, parent)).collect();
+                Ok(Ragdoll { bodies, joints, links, friction: self.friction })
+            }
+            Err(error) => {
+                world.remove_bodies(&bodies)?;
+                Err(error)
             }
         }
-        Ok(Ragdoll { bodies, joints, links, friction: self.friction })
     }
 }
 

@@ -353,6 +353,20 @@ impl World {
         self.lacking(counts)
     }
 
+    /// Whether the budget has room for bodies and for joints between them, before any are added.
+    ///
+    /// # Errors
+    /// If it has not.
+    pub(crate) fn allow_joined(&mut self, bodies: &[BodyDesc], joints: JointAdditions) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let joints = joints.between(self.bodies.slots.count() + bodies.len());
+        let mut asked = self.lacking_for(bodies, true);
+        asked.add(Category::Joints, self.joints.missing(joints, WIDEST_JOINT_BATCH));
+        check(&asked, &self.allowances())
+    }
+
     /// Bytes that are missing for so many entries.
     pub(in crate::world) fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;

@@ -30,6 +30,23 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
+    /// Leaves wrong values in all that a step makes anew; see [`spoil`](crate::memory::spoil).
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        // Rows are made from nothing, trees of joints forget, and `finish` has state in what it keeps.
+        let Buffers {
+            forces, broad, narrow, restitution, prepare, rows: _, joints: _, statics, solver, ..
+        } = self;
+        forces.spoil();
+        broad.spoil();
+        narrow.spoil();
+        restitution.spoil();
+        prepare.spoil();
+        statics.spoil();
+        solver.spoil();
+        self.impacts.spoil();
+    }
+
     /// Releases the rows of the last step.
     pub(crate) fn release_rows(&mut self) {
         (self.rows, self.restitution) = (Rows::default(), Restitution::default());

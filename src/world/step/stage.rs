@@ -93,6 +93,8 @@ impl World {
         let start = Instant::now();
         let clock = Clock { start, last: start, times: StageTimes::default(), demand: self.demand() };
         self.spent = PartTimes::default();
+        #[cfg(debug_assertions)]
+        self.buffers.spoil();
         self.reserve_for_step();
         self.keep_rest();
         self.events.start();
