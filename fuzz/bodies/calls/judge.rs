@@ -177,6 +177,12 @@ fn follow(
         Err(error) => return Err(refused(way, &error)),
         Ok(()) => player.handles = mark.handles.clone(),
     }
+    if way != "same" {
+        // Its own was endless, so that it had room for what is restored.
+        let settings = player.world.settings().clone().with_budget(mark.budget);
+        player.world.set_settings(settings).map_err(|error| finding("settings refused", error.to_string()))?;
+        player.lowered = true;
+    }
     draw(&player.world);
     player.tight |= tight;
     let unlimited = player.world.settings().budget == mark.budget || !player.tight;

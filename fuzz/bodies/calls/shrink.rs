@@ -2,8 +2,31 @@
 
 use super::call::{Call, Sequence, Ways};
 use super::judge::{Finding, judge};
-use backstop::Settings;
+use backstop::{Budget, Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Each sets a part of the settings to what is usual.
+const USUAL: [fn(&mut Settings); 14] = [
+    |s| (s.substeps, s.iterations) = (4, 1),
+    |s| s.iterations = 1,
+    |s| s.budget = Budget::NONE,
+    |s| s.sleeping = false,
+    |s| s.sleep_time = 0.5,
+    |s| s.joint_trees = true,
+    |s| (s.warm_starting, s.recycling, s.guard) = (true, true, true),
+    |s| s.continuous = Continuous::Segment,
+    |s| s.method = ContinuousMethod::OnePass,
+    |s| (s.friction_cone, s.friction_model) = (FrictionCone::Cone, FrictionModel::Patch),
+    |s| s.gravity = Settings::default().gravity,
+    |s| s.order = Settings::default().order,
+    |s| (s.length_unit, s.hit_speed, s.event_capacity) = (1.0, 1.0, 4096),
+    |s| {
+        let usual = Settings::default();
+        (s.restitution_threshold, s.slop, s.push_speed) =
+            (usual.restitution_threshold, usual.slop, usual.push_speed);
+        (s.contact_hertz, s.contact_damping) = (usual.contact_hertz, usual.contact_damping);
+    },
+];
 
 /// Judges a sequence; a panic is a finding too, of the kind that `last_panic` says.
 pub fn outcome(sequence: &Sequence, last_panic: &dyn Fn() -> String) -> Option<Finding> {
@@ -55,9 +78,7 @@ fn simplify(least: &mut Sequence, fails: &dyn Fn(&Sequence) -> bool) {
         least.clone()
     };
     attempt(&|s| s.settings = Settings::default());
-    attempt(&|s| s.settings = Settings::default().with_sleeping(true).with_sleep_time(s.settings.sleep_time));
-    attempt(&|s| s.settings = Settings::default().with_budget(s.settings.budget));
-    attempt(&|s| s.settings = Settings::default().with_substeps(s.settings.substeps));
+    USUAL.iter().for_each(|usual| drop(attempt(&|s| usual(&mut s.settings))));
     let now = attempt(&|s| s.strict = false);
     for i in 0..now.calls.len() {
         match now.calls[i].1.clone() {

@@ -53,7 +53,7 @@ impl OfStep {
             Some((body, world.position(body).ok()?, world.rotation(body).ok()?, linear, angular))
         };
         OfStep {
-            bodies: world.bodies().filter_map(motion).collect(),
+            bodies: bodies(world).into_iter().filter_map(motion).collect(),
             begins: world.contact_begins().into(),
             ends: world.contact_ends().into(),
             hits: world.contact_hits().into(),
@@ -80,9 +80,16 @@ impl OfStep {
     }
 }
 
+/// By their handles: static ones may come in another order.
+fn bodies(world: &World) -> Vec<BodyHandle> {
+    let mut all: Vec<_> = world.bodies().collect();
+    all.sort_unstable();
+    all
+}
+
 /// Who is in each sensor, one after the other.
 fn visitors(world: &World) -> Vec<ShapeHandle> {
-    let shapes = world.bodies().filter_map(|body| world.shapes(body).ok()).flatten();
+    let shapes = bodies(world).into_iter().filter_map(|body| world.shapes(body).ok()).flatten();
     let (mut all, mut inside) = (Vec::new(), Vec::new());
     for sensor in shapes.filter(|&shape| world.is_sensor(shape).unwrap_or_default()) {
         if world.visitors(sensor, &mut inside).is_ok() {
