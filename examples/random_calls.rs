@@ -65,6 +65,9 @@ fn many(count: u64, first: u64) {
                     }
                     if let Some(finding) = outcome(&sequence(&bytes_of(seed)), &last_panic) {
                         let mut found = found.lock().expect("no panic meanwhile");
+                        if !found.contains_key(&finding.kind) {
+                            println!("{:.0?}, seed {seed}: {}", start.elapsed(), finding.kind);
+                        }
                         let entry = found.entry(finding.kind.clone()).or_insert((0, seed, finding));
                         entry.0 += 1;
                         entry.1 = entry.1.min(seed);

@@ -2,6 +2,8 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
+#[path = "allocation/everything.rs"]
+mod everything;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};

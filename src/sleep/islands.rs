@@ -295,7 +295,9 @@ impl Islands<'_> {
             if island == NOWHERE {
                 continue;
             }
-            sleep.add_body(island, bodies.slot[i as usize]);
+            let slot = bodies.slot[i as usize];
+            sleep.add_body(island, slot);
+            joints.changed |= joints.has_any(slot);
             sleep.slept += 1;
             sleep.fell_asleep.push(bodies.handle(i as usize));
             let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
@@ -305,7 +307,6 @@ impl Islands<'_> {
             (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
             bodies.rest[index] = 0.0;
         }
-        joints.changed |= joints.count > 0;
     }
 }
 

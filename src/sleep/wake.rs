@@ -164,12 +164,12 @@ impl Islands<'_> {
             let index = bodies.wake(bodies.slots.dense(slot), |own, index| colliders.follow_all(own, index));
             bodies.rest[index as usize] = 0.0;
             woke += 1;
+            joints.changed |= joints.has_any(slot);
             // Pairs with other sleeping bodies were not kept.
             bodies.colliders[index as usize].as_slice().iter().for_each(|&c| broad.look_again(c));
         };
         sleep.take_bodies(island, body);
         sleep.close(island, |pair| broad.put_back(pair));
         sleep.woke += woke;
-        joints.changed |= joints.count > 0;
     }
 }

@@ -214,13 +214,15 @@ impl Compared {
             return Ok(());
         }
         if let Some(text) = difference(known, new) {
-            let kind = text.split(" differ").next().unwrap_or_default();
-            return Err(finding(format!("{}: {kind} differ", self.way), text));
+            let kind = format!("{}: {} differ", self.way, text.split(" differ").next().unwrap_or_default());
+            let before = self.state.take().map(|state| format!("; before that, {}", state.text));
+            return Err(finding(kind, text + &before.unwrap_or_default()));
         }
         if self.state.is_none()
-            && let Some(text) = different_state(known, new)
+            && let Some((part, text)) = different_state(known, new)
         {
-            self.state = Some(finding(format!("{}: only a later snapshot differs", self.way), text));
+            self.state =
+                Some(finding(format!("{}: only the {part} of a later snapshot differ", self.way), text));
         }
         Ok(())
     }
@@ -267,9 +269,9 @@ impl Player {
     fn make(&mut self, call: &Call, marks: &Marks<'_>, hear: &mut Hear<'_>) -> Result<(), Finding> {
         match call {
             Call::Step { dt, times, hooks } => {
-                for _ in 0..*times {
+                for i in 0..*times {
                     let told = self.step(*dt, *hooks)?;
-                    hear(told)?;
+                    hear(told).map_err(|f| Finding { text: format!("step {i}: {}", f.text), ..f })?;
                 }
             }
             Call::Twice(steps) => self.twice(*steps, hear)?,

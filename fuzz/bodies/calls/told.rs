@@ -1,6 +1,7 @@
 //! What a world tells, to be compared with what another tells at the same moment.
 
 use super::play::Handles;
+use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyContact, BodyHandle, ContactEnd, ContactEvent, CouplingHandle, JointEvent, JointHandle,
     Motion, SensorEvent, ShapeHandle, Snapshot, StageTimes, StepReport, World,
@@ -20,6 +21,7 @@ pub struct Told {
 /// What the last step tells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OfStep {
+    bodies: Vec<(BodyHandle, DVec3, Quat, Vec3, Vec3)>,
     begins: Vec<ContactEvent>,
     ends: Vec<ContactEnd>,
     hits: Vec<ContactEvent>,
@@ -46,7 +48,12 @@ impl OfStep {
         report.times = StageTimes::default();
         let forces = handles.joints.values().filter_map(|&joint| world.joint_force(joint).ok());
         let couplings = handles.couplings.values().filter_map(|&c| world.coupling_force(c).ok());
+        let motion = |body: BodyHandle| {
+            let (linear, angular) = (world.linear_velocity(body).ok()?, world.angular_velocity(body).ok()?);
+            Some((body, world.position(body).ok()?, world.rotation(body).ok()?, linear, angular))
+        };
         OfStep {
+            bodies: world.bodies().filter_map(motion).collect(),
             begins: world.contact_begins().into(),
             ends: world.contact_ends().into(),
             hits: world.contact_hits().into(),
@@ -88,6 +95,8 @@ fn visitors(world: &World) -> Vec<ShapeHandle> {
 
 /// Words of a snapshot's head that follow from all others.
 const SUMS: std::ops::Range<usize> = 4..14;
+/// The word with the number of words before those lists.
+const LENGTH: usize = 2;
 
 fn state(world: &World) -> Vec<u32> {
     let mut snapshot = Snapshot::new();
@@ -97,12 +106,14 @@ fn state(world: &World) -> Vec<u32> {
     words.enumerate().map(|(i, word)| if SUMS.contains(&i) { 0 } else { word }).collect()
 }
 
-/// Where the states after a step differ.
-pub fn different_state(one: &Told, two: &Told) -> Option<String> {
+/// Where the states after a step differ; or the lists of bodies, shapes and joints, which follow them.
+pub fn different_state(one: &Told, two: &Told) -> Option<(&'static str, String)> {
     let (one, two) = (&one.step.as_ref()?.state, &two.step.as_ref()?.state);
+    let length = one[LENGTH] as usize;
+    let part = if one.get(..length) == two.get(..length) { "lists" } else { "state" };
     let differ = one.iter().zip(two).enumerate().filter(|(_, (one, two))| one != two);
     let some: Vec<_> = differ.take(8).map(|(i, (one, two))| format!("{i}: {one:#x} {two:#x}")).collect();
-    (one != two).then(|| format!("{} and {} words; {}", one.len(), two.len(), some.join(", ")))
+    (one != two).then(|| (part, format!("{} and {} words; {}", one.len(), two.len(), some.join(", "))))
 }
 
 fn differ<T: PartialEq + Debug>(name: &str, one: &T, two: &T) -> Option<String> {
@@ -124,7 +135,8 @@ fn lists<T: PartialEq + Debug>(name: &str, one: &[T], two: &[T]) -> Option<Strin
 pub fn difference(one: &Told, two: &Told) -> Option<String> {
     let of_step = || {
         let (one, two) = (one.step.as_ref()?, two.step.as_ref()?);
-        lists("broken joints", &one.broken, &two.broken)
+        lists("bodies", &one.bodies, &two.bodies)
+            .or_else(|| lists("broken joints", &one.broken, &two.broken))
             .or_else(|| lists("broken couplings", &one.uncoupled, &two.uncoupled))
             .or_else(|| lists("strained joints", &one.strained, &two.strained))
             .or_else(|| lists("contact begins", &one.begins, &two.begins))
@@ -142,8 +154,8 @@ pub fn difference(one: &Told, two: &Told) -> Option<String> {
             .or_else(|| lists("contacts", &one.contacts, &two.contacts))
     };
     differ("results", &one.result, &two.result)
-        .or_else(|| differ("hashes", &one.hash, &two.hash))
         .or_else(of_step)
+        .or_else(|| differ("hashes", &one.hash, &two.hash))
 }
 
 /// What is no number in what is told of bodies, joints, couplings, contacts and events.
