@@ -1,10 +1,19 @@
 //! Files with a line of JSON for each result, to which a run appends: the last line may be incomplete.
 
-use anyhow::Context;
+use crate::files;
+use anyhow::{Context, bail};
 use serde::Serialize;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
+
+/// Bytes of the largest file that is read.
+const LARGEST: u64 = 1 << 28;
+
+/// The bytes of a file of results.
+pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
+    files::read(path, LARGEST)
+}
 
 /// The complete lines.
 pub(crate) fn whole(bytes: &[u8]) -> &[u8] {
@@ -12,18 +21,47 @@ pub(crate) fn whole(bytes: &[u8]) -> &[u8] {
     &bytes[..end]
 }
 
+/// Refuses what [`open`] refuses; makes no file.
+pub(crate) fn expect(path: &Path, starts: &[&str]) -> anyhow::Result<()> {
+    if path.exists() { open(path, starts).map(drop) } else { Ok(()) }
+}
+
 /// Opens a file to add to, or makes one. An incomplete last line is removed, or the next line would be
-/// appended to it.
-pub(crate) fn open(path: &Path) -> anyhow::Result<File> {
+/// appended to it. `starts`: how lines of results begin. A file in which the first or the last line begins in
+/// another way is something else, and refused as it is.
+pub(crate) fn open(path: &Path, starts: &[&str]) -> anyhow::Result<File> {
     let about = || format!("can't write results to {}", path.display());
-    let mut options = OpenOptions::new();
-    let mut file =
-        options.create(true).truncate(false).read(true).write(true).open(path).with_context(about)?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).with_context(about)?;
-    file.set_len(whole(&bytes).len() as u64).with_context(about)?;
+    // A pipe would keep this waiting, and a device can't be added to.
+    if path.metadata().is_ok_and(|there| !there.is_file()) {
+        return Err(anyhow::anyhow!("it is not a regular file")).with_context(about);
+    }
+    let mut file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .read(true)
+        .write(true)
+        .open(path)
+        .with_context(about)?;
+    let bytes = read(path).with_context(about)?;
+    let kept = whole(&bytes);
+    expect_results(&bytes, kept.len(), starts).with_context(about)?;
+    file.set_len(kept.len() as u64).with_context(about)?;
     file.seek(SeekFrom::End(0)).with_context(about)?;
     Ok(file)
+}
+
+/// Refuses bytes whose first line, or whose incomplete last line after so many bytes, can't be one of
+/// results.
+fn expect_results(bytes: &[u8], whole: usize, starts: &[&str]) -> anyhow::Result<()> {
+    // A line may end within what it begins with.
+    let is_own = |line: &[u8]| {
+        let begins = |start: &&str| line.iter().zip(start.as_bytes()).all(|(a, b)| a == b);
+        starts.iter().any(begins)
+    };
+    if !is_own(bytes) || !is_own(&bytes[whole..]) {
+        bail!("it holds something else, which would be lost: remove it, or choose another name");
+    }
+    Ok(())
 }
 
 /// Adds a line in one write, so that it is written whole or not at all.
@@ -37,15 +75,41 @@ pub(crate) fn put(out: &mut impl Write, result: &impl Serialize) -> anyhow::Resu
 mod tests {
     use super::*;
 
+    const STARTS: [&str; 2] = ["{\"a\":", "{\"b\":"];
+
+    #[derive(Serialize)]
+    struct One {
+        b: u32,
+    }
+
     #[test]
     fn a_half_line_is_cut_before_more_is_added() {
         let path = std::env::temp_dir().join(format!("backstop-lines-{}.jsonl", std::process::id()));
-        std::fs::write(&path, "1\n2\n3 and a ha").unwrap();
-        put(&mut open(&path).unwrap(), &4).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "1\n2\n4\n");
+        let added = |there: &str| {
+            std::fs::write(&path, there).unwrap();
+            put(&mut open(&path, &STARTS).unwrap(), &One { b: 4 }).unwrap();
+            std::fs::read_to_string(&path).unwrap()
+        };
+        assert_eq!(added("{\"a\":1}\n{\"b\":2}\n{\"b\":3"), "{\"a\":1}\n{\"b\":2}\n{\"b\":4}\n");
+        for nothing in ["", "{", "{\"a\"", "{\"a\":1"] {
+            assert_eq!(added(nothing), "{\"b\":4}\n");
+        }
         std::fs::remove_file(&path).unwrap();
-        put(&mut open(&path).unwrap(), &5).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "5\n");
+        put(&mut open(&path, &STARTS).unwrap(), &One { b: 5 }).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "{\"b\":5}\n");
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    /// A file without a line break was emptied. Expected: what is not of results stays as it is.
+    #[test]
+    fn what_is_not_of_results_is_refused_untouched() {
+        let path = std::env::temp_dir().join(format!("backstop-foreign-{}.txt", std::process::id()));
+        for precious in ["precious", "{\"c\": 1}", "precious\n", "{\"a\":1}\nprecious", "\n", "{ \"a\":1}\n"]
+        {
+            std::fs::write(&path, precious).unwrap();
+            assert!(open(&path, &STARTS).is_err(), "{precious:?}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), precious);
+        }
         std::fs::remove_file(&path).unwrap();
     }
 }
