@@ -180,7 +180,8 @@ fn meshes_of_many_scales_are_counted_before_one_is_made() {
         // The default, by a file of less than 300 KB.
         let (error, length, most) = refused("scales.gltf", &file(2000, nodes(5001)), &LoadLimits::default());
         assert_eq!(error.limit, "vertices");
-        assert!(length < 1_000_000 && most < 20 * length, "{most} of {length}");
+        // Text, the trees that it is parsed into, and the extension of each of 5,001 nodes.
+        assert!(length < 1_000_000 && most < 64 << 20, "{most} of {length}");
     }
 }
 

@@ -43,8 +43,8 @@ fn results_are_added_to_no_file_of_something_else() {
         let file = scratch(&format!("precious-{i}"));
         std::fs::write(&file, text).expect("a file");
         let path = file.to_str().expect("a path");
-        refused(&["extremes", "--only", "ball/gravity", "--results", path], "it holds something else");
-        refused(&["trade", "tower_2", "--quick", "--quiet", "--results", path], "it holds something else");
+        refused(&["extremes", "--only", "ball/gravity", "--results", path], path);
+        refused(&["trade", "tower_2", "--quick", "--quiet", "--results", path], path);
         assert_eq!(std::fs::read(&file).expect("a file"), text);
     }
     // Those of one command are not the other's.

@@ -72,7 +72,7 @@ impl Kind {
             Kind::Replay => head.starts_with(REPLAY),
             Kind::Page => has(MARK.trim_end()),
             Kind::Png => head.starts_with(b"\x89PNG") && has(&format!("{}\0{}", PNG_MARK.0, PNG_MARK.1)),
-            Kind::Csv => head.starts_with(b"step,"),
+            Kind::Csv => head.starts_with(b"threads,step,"),
             Kind::Problem => head.iter().all(|b| b.is_ascii_digit() || b" \n+-.eE".contains(b)),
             Kind::Settings => head.starts_with(b"{") && has("\"about\":"),
         }
@@ -132,7 +132,7 @@ mod tests {
             ("a", REPLAY, Kind::Replay),
             ("a.html", b"<!doctype html>\n<!-- by backstop -->\n<html", Kind::Page),
             ("a.png", b"\x89PNG\r\n\x1a\n....tEXtSoftware\0backstop", Kind::Png),
-            ("a.csv", b"step,discrete_us", Kind::Csv),
+            ("a.csv", b"threads,step,discrete_us", Kind::Csv),
             ("a.dat", b"3\n20\n1.5e-3 -2\n", Kind::Problem),
             ("a.json", b"{\n  \"about\": \"talk\"", Kind::Settings),
         ] {

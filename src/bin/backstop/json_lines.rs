@@ -1,10 +1,11 @@
 //! Files with a line of JSON for each result, to which a run appends: the last line may be incomplete.
 
 use crate::files;
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use serde::Serialize;
+use serde::de::IgnoredAny;
 use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Bytes of the largest file that is read.
@@ -15,39 +16,47 @@ pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     files::read(path, LARGEST)
 }
 
-/// The complete lines.
+/// The complete lines, with or without the last line's end.
 pub(crate) fn whole(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-    &bytes[..end]
+    let is_whole = serde_json::from_slice::<IgnoredAny>(&bytes[end..]).is_ok();
+    if is_whole { bytes } else { &bytes[..end] }
 }
 
-/// Refuses what [`open`] refuses; makes no file.
-pub(crate) fn expect(path: &Path, starts: &[&str]) -> anyhow::Result<()> {
-    if path.exists() { open(path, starts).map(drop) } else { Ok(()) }
+/// Refuses what is not of results, as it is: a file in which the first or the last line begins in another way
+/// than
+/// `starts`. Returns how many bytes are complete lines, of a file that is there.
+pub(crate) fn expect(path: &Path, starts: &[&str]) -> anyhow::Result<usize> {
+    let about = || format!("can't write results to {}", path.display());
+    let Ok(there) = path.metadata() else { return Ok(0) };
+    // A pipe would keep this waiting, and a device can't be added to.
+    if !there.is_file() {
+        return Err(anyhow!("it is not a regular file")).with_context(about);
+    }
+    let bytes = read(path).with_context(about)?;
+    let kept = whole(&bytes).len();
+    expect_results(&bytes, kept, starts).with_context(about)?;
+    Ok(kept)
 }
 
 /// Opens a file to add to, or makes one. An incomplete last line is removed, or the next line would be
-/// appended to it. `starts`: how lines of results begin. A file in which the first or the last line begins in
-/// another way is something else, and refused as it is.
+/// appended to it. `starts`: how lines of results begin; what is not of results is refused by [`expect`].
 pub(crate) fn open(path: &Path, starts: &[&str]) -> anyhow::Result<File> {
-    let about = || format!("can't write results to {}", path.display());
-    // A pipe would keep this waiting, and a device can't be added to.
-    if path.metadata().is_ok_and(|there| !there.is_file()) {
-        return Err(anyhow::anyhow!("it is not a regular file")).with_context(about);
-    }
-    let mut file = OpenOptions::new()
-        .create(true)
-        .truncate(false)
-        .read(true)
-        .write(true)
-        .open(path)
-        .with_context(about)?;
-    let bytes = read(path).with_context(about)?;
-    let kept = whole(&bytes);
-    expect_results(&bytes, kept.len(), starts).with_context(about)?;
-    file.set_len(kept.len() as u64).with_context(about)?;
-    file.seek(SeekFrom::End(0)).with_context(about)?;
-    Ok(file)
+    let kept = expect(path, starts)?;
+    let begin = || {
+        let mut file = OpenOptions::new().create(true).truncate(false).read(true).write(true).open(path)?;
+        file.set_len(kept as u64)?;
+        if kept > 0 {
+            let mut last = [0];
+            file.seek(SeekFrom::End(-1))?;
+            file.read_exact(&mut last)?;
+            if last != *b"\n" {
+                file.write_all(b"\n")?;
+            }
+        }
+        Ok::<_, std::io::Error>(file)
+    };
+    begin().with_context(|| format!("can't write results to {}", path.display()))
 }
 
 /// Refuses bytes whose first line, or whose incomplete last line after so many bytes, can't be one of
@@ -91,6 +100,7 @@ mod tests {
             std::fs::read_to_string(&path).unwrap()
         };
         assert_eq!(added("{\"a\":1}\n{\"b\":2}\n{\"b\":3"), "{\"a\":1}\n{\"b\":2}\n{\"b\":4}\n");
+        assert_eq!(added("{\"a\":1}"), "{\"a\":1}\n{\"b\":4}\n");
         for nothing in ["", "{", "{\"a\"", "{\"a\":1"] {
             assert_eq!(added(nothing), "{\"b\":4}\n");
         }

@@ -151,7 +151,7 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
         ("run.replay", b"backstop replay\nold"),
         ("page/index.html", b"<!-- by backstop -->"),
         ("pictures/frame-00000.png", b"\x89PNG Software\0backstop"),
-        ("table.csv", b"step,old"),
+        ("table.csv", b"threads,step,old"),
     ];
     for (name, content) in old {
         std::fs::create_dir_all(folder.join(name).parent().expect("a folder")).expect("a folder");

@@ -137,13 +137,7 @@ fn simulate(
     let dt = chosen.dt;
     let _watch = interrupt::watch()?;
     let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
-    let mut recording = None;
-    if let Some(path) = &options.record {
-        let about = || format!("can't record into {}", path.display());
-        let file = AtomicFile::create(path).with_context(about)?;
-        world.start_recording(file.writer().with_context(about)?).with_context(about)?;
-        recording = Some(file);
-    }
+    let recording = options.record.as_deref().map(|path| record(path, &mut world)).transpose()?;
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
     let handles = added.bodies;
     for (body, handle) in scene.bodies.iter().zip(&handles) {
@@ -210,6 +204,14 @@ fn simulate(
         file.commit().with_context(about)?;
     }
     Ok(Ran { world, handles, trace, films, frames, exported })
+}
+
+/// Begins to record into a file, which is there once it is committed.
+fn record(path: &Path, world: &mut World) -> anyhow::Result<AtomicFile> {
+    let about = || format!("can't record into {}", path.display());
+    let file = AtomicFile::create(path).with_context(about)?;
+    world.start_recording(file.writer().with_context(about)?).with_context(about)?;
+    Ok(file)
 }
 
 /// Writes the contact problem of the last step; returns the file and a description.

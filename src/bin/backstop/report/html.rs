@@ -100,9 +100,10 @@ impl Page {
     }
 }
 
-/// Writes a file of a page.
+/// Writes a file of a page, a chart with the mark that the page has from its template.
 pub(crate) fn put(path: &Path, text: &str) -> anyhow::Result<()> {
-    scene::write_file(path, |file| file.write_all(text.as_bytes()))
+    let mark = if text.starts_with("<svg") { files::MARK } else { "" };
+    scene::write_file(path, |file| write!(file, "{mark}{text}"))
         .with_context(|| format!("can't write {}", path.display()))
 }
 

@@ -46,8 +46,8 @@ const SWITCHES: [(&str, &str); 14] = [
 ];
 
 /// Said where no window can be opened.
-const NO_DISPLAY: &str = "there is no display for the window of --view: --frames DIR writes pictures, and --report DIR a \
-                          page that shows the scene in a browser";
+const NO_DISPLAY: &str = "there is no display for the window of --view: --frames DIR writes pictures, and \
+                          --report DIR a page that shows the scene in a browser";
 /// Steps of a page.
 const PAGE: i64 = 60;
 /// Time between pictures.

@@ -51,11 +51,12 @@ pub(crate) fn extremes(options: &ExtremesOptions) -> anyhow::Result<()> {
 /// ends.
 fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>> {
     let build = results::build_number()?;
-    let out = options.results.as_deref().map(|file| json_lines::open(file, &results::STARTS)).transpose()?;
+    options.results.as_deref().map(|file| json_lines::expect(file, &results::STARTS)).transpose()?;
     let kept = match &options.results {
-        Some(file) => Results::read(file)?.of_build(build, options.seconds),
-        None => Vec::new(),
+        Some(file) if file.exists() => Results::read(file)?.of_build(build, options.seconds),
+        _ => Vec::new(),
     };
+    let out = options.results.as_deref().map(|file| json_lines::open(file, &results::STARTS)).transpose()?;
     let missing: Vec<_> =
         cells.iter().filter(|cell| kept.iter().all(|run| run.cell != cell.name())).collect();
     let settings = Settings::default();

@@ -32,7 +32,7 @@ pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
         inputs.chain(options.settings.as_deref()).chain(options.merge.iter().map(PathBuf::as_path)),
     )?;
     options.out.as_deref().map_or(Ok(()), |file| files::expect_place(file, Kind::Settings))?;
-    options.results.as_deref().map_or(Ok(()), |file| json_lines::expect(file, &STARTS))?;
+    options.results.as_deref().map(|file| json_lines::expect(file, &STARTS)).transpose()?;
     options.report.as_deref().map_or(Ok(()), |folder| output::make_report(folder, &page::charts()))?;
     for file in [&options.out, &options.results].into_iter().flatten() {
         output::make_folder_of(file)?;

@@ -356,7 +356,7 @@ pub(crate) fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Box<d
         draw(&area)?;
         area.present()?;
     }
-    Ok(format!("{}{text}", crate::files::MARK))
+    Ok(text)
 }
 
 /// A number on an axis that spans `range`, with as many digits as tell its labels apart.
