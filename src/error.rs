@@ -62,7 +62,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A number is NaN or infinite.
-    #[error("{what} must be finite, but is {value}")]
+    #[error("{what} must be finite, but is {}", Shown(*value))]
     NotFinite {
         /// Which number.
         what: &'static str,
@@ -70,7 +70,7 @@ pub enum Error {
         value: f64,
     },
     /// A number is outside its range.
-    #[error("{what} must be {expected}, but is {value}")]
+    #[error("{what} must be {expected}, but is {}", Shown(*value))]
     OutOfRange {
         /// Which number.
         what: &'static str,
@@ -78,6 +78,38 @@ pub enum Error {
         expected: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A list has another length than what it is for.
+    #[error("there must be {expected} {what}, {each}, but there are {found}")]
+    Count {
+        /// What the list has.
+        what: &'static str,
+        /// The rule in words.
+        each: &'static str,
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// An index beyond the last of something.
+    #[error("{what} must be below {count}, but is {index}")]
+    Index {
+        /// Which index.
+        what: &'static str,
+        /// It.
+        index: usize,
+        /// How many there are of what it is one of.
+        count: usize,
+    },
+    /// One of several is refused.
+    #[error("{what} {index}: {source}")]
+    One {
+        /// What there are several of.
+        what: &'static str,
+        /// Its place among them, from 0.
+        index: usize,
+        /// Why.
+        source: Box<Error>,
     },
     /// Points that span no volume, an empty mesh and the like.
     #[error("the shape is degenerate: {0}")]
@@ -152,6 +184,57 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// What is wrong, without where: the innermost error of those that [`Error::One`] has within each other.
+    pub fn innermost(&self) -> &Error {
+        match self {
+            Error::One { source, .. } => source.innermost(),
+            error => error,
+        }
+    }
+}
+
+/// A number with as many digits as tell it from its neighbours, in `f32` if it came from there.
+struct Shown(f64);
+
+impl Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let narrow = self.0 as f32;
+        let text = if f64::from(narrow) == self.0 { format!("{narrow:?}") } else { format!("{:?}", self.0) };
+        f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+    }
+}
+
+/// Checks each of several; an error says which it is about.
+pub(crate) fn each<T>(
+    what: &'static str,
+    list: &[T],
+    mut check: impl FnMut(&T) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let several = list.len() > 1;
+    list.iter().enumerate().try_for_each(|(index, one)| {
+        check(one).map_err(|error| match several {
+            true => Error::One { what, index, source: Box::new(error) },
+            false => error,
+        })
+    })
+}
+
+/// Refuses a list that has not as many as it must.
+pub(crate) fn count(
+    what: &'static str,
+    each: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), Error> {
+    if found == expected { Ok(()) } else { Err(Error::Count { what, each, expected, found }) }
+}
+
+/// An index of one of so many, or an error that names it.
+pub(crate) fn index(what: &'static str, index: usize, count: usize) -> Result<usize, Error> {
+    if index < count { Ok(index) } else { Err(Error::Index { what, index, count }) }
+}
+
 /// Text from a file as a message shows it: control characters, line breaks among them, and those that turn
 /// the direction of writing appear as `\u{..}`, so that no name can draw on a terminal or forge a line of a
 /// log. Escaped text stays as it is when it is escaped again.
@@ -221,6 +304,26 @@ pub(crate) fn finite3(what: &'static str, v: glam::Vec3) -> Result<glam::Vec3, E
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Expected: as a person writes them, and no digits that come from a conversion.
+    #[test]
+    fn numbers_are_as_short_as_tell_them_apart() {
+        let shown = [0.1f32.into(), 0.1, 8.0, -2.5, 3.4e38f32.into(), f64::NAN, f64::INFINITY, 1e-20];
+        let expected = ["0.1", "0.1", "8", "-2.5", "3.4e38", "NaN", "inf", "1e-20"];
+        assert_eq!(shown.map(|value| Shown(value).to_string()), expected);
+    }
+
+    #[test]
+    fn an_error_about_one_of_several_says_which() {
+        let check = |list: &[f32]| each("bone", list, |&radius| positive("radius", radius).map(drop));
+        let error = check(&[1.0, 2.0, 0.0]).unwrap_err();
+        assert_eq!(error.to_string(), "bone 2: radius must be above zero, but is 0");
+        assert_eq!(Some(error.innermost()), check(&[0.0]).as_ref().err());
+        let error = count("heights", "columns times rows", 108, 8).unwrap_err();
+        assert_eq!(error.to_string(), "there must be 108 heights, columns times rows, but there are 8");
+        let error = index("index of a vertex", 9, 9).unwrap_err();
+        assert_eq!(error.to_string(), "index of a vertex must be below 9, but is 9");
+    }
 
     /// Expected: by Unicode, U+001B, U+000A, U+0085 and U+202E; all else is as it was, and no digit is added.
     #[test]

@@ -1,7 +1,8 @@
 //! Guides: the pages of `docs/` for those who use the engine. They are part of its documentation only.
 //!
 //! On their own the pages refer to each other by file name. Here the same references are defined as links to
-//! modules and to sources; the first definition of a reference is the one that counts.
+//! modules and to sources, and those to pictures as the pictures themselves, which rustdoc copies nowhere;
+//! the first definition of a reference is the one that counts.
 
 macro_rules! links {
     () => {
@@ -16,6 +17,10 @@ macro_rules! links {
             "[queries.md]: self::queries\n",
             "[replay.md]: self::replay\n",
             "[snapshots.md]: self::snapshots\n",
+            "[images/debug-drawing.png]: ",
+            include_str!("../docs/images/debug-drawing.png.uri"),
+            "[images/orders.svg]: ",
+            include_str!("../docs/images/orders.svg.uri"),
         )
     };
 }
@@ -34,6 +39,11 @@ macro_rules! pages {
         )*
     };
 }
+
+/// What else has code: compiled, but no part of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 pages! {
     characters "characters.md" [],

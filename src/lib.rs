@@ -111,7 +111,7 @@ mod events;
 mod faults;
 mod finish;
 mod forces;
-#[cfg(doc)]
+#[cfg(any(doc, all(doctest, feature = "cli")))]
 pub mod guide;
 mod handle;
 mod joint;

@@ -163,6 +163,54 @@ fn instances_are_counted_before_they_are_made() {
     assert!(most < 20 * length, "{most} of {length}");
 }
 
+/// Each scale makes a mesh or hull of its own, and the limit was met after a gigabyte of them, by a file of
+/// 322 KB. Expected: refused before the first is made; one less is fine.
+#[test]
+fn meshes_of_many_scales_are_counted_before_one_is_made() {
+    for geometry in [json!({ "node": 0 }), json!({ "node": 0, "convexHull": true })] {
+        let collider = physics(json!({ "collider": { "geometry": geometry } }));
+        let instance = |i: usize| json!({ "scale": [i + 1, 1, 1], "extensions": collider });
+        let nodes = |count| std::iter::once(json!({ "mesh": 0 })).chain((0..count).map(instance)).collect();
+        let mut limits = LoadLimits::default();
+        limits.triangles = 50_000;
+        let (error, length, most) = refused("scales.gltf", &file(1000, nodes(51)), &limits);
+        assert_eq!(error.limit, "triangles");
+        assert!(most < 20 * length, "{most} of {length}");
+        assert_eq!(geometries(&try_load("scales.gltf", &file(1000, nodes(50)), &limits).0.unwrap()), 50);
+        // The default, by a file of less than 300 KB.
+        let (error, length, most) = refused("scales.gltf", &file(2000, nodes(5001)), &LoadLimits::default());
+        assert_eq!(error.limit, "vertices");
+        // Text, the trees that it is parsed into, and the extension of each of 5,001 nodes.
+        assert!(length < 1_000_000 && most < 64 << 20, "{most} of {length}");
+    }
+}
+
+/// Faces and nodes take many times their bytes of a file. Expected: those beyond the limit are not even
+/// parsed.
+#[test]
+fn faces_and_nodes_are_counted_before_they_are_parsed() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &"f 1 2 3 2 3 1\n".repeat(20_000);
+    let path = scratch("faces.obj");
+    std::fs::write(&path, &text).unwrap();
+    let none: &Resolver<'_> = &|_, _| Err("no files".into());
+    let mut limits = LoadLimits::default();
+    limits.triangles = 79_999;
+    let (found, most) = most_bytes(|| load_with(&path, none, &limits));
+    assert!(matches!(found, Err(SceneError::Limit { source, .. }) if source.limit == "triangles"));
+    assert!(most < 3 * text.len(), "{most} of {}", text.len());
+    limits.triangles = 80_000;
+    assert!(load_with(&path, none, &limits).is_ok());
+
+    let nodes: Vec<Value> = (0..100_000).map(|_| json!({})).collect();
+    let json = json!({ "asset": { "version": "2.0" }, "nodes": nodes });
+    let mut limits = LoadLimits::default();
+    limits.nodes = 99_999;
+    let (error, length, most) = refused("nodes.gltf", &json, &limits);
+    assert_eq!(error.limit, "nodes");
+    println!("{most} of {length}");
+    assert!(most < 40 * length, "{most} of {length}");
+}
+
 /// Zeros that are not in the file took 545 MB for 597 bytes. Expected: what is not there takes no memory, and
 /// more than the limit is refused.
 #[test]

@@ -1,7 +1,7 @@
 //! The description of a body that a caller adds.
 
 use crate::config::{Continuous, RowGroup, with_fields};
-use crate::error::Error;
+use crate::error::{Error, each};
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
 use glam::{DVec3, Vec3};
@@ -185,12 +185,10 @@ impl BodyDesc {
         limits::damping("angular damping", self.angular_damping)?;
         limits::speed_cap("maximum linear speed", self.max_linear_speed)?;
         limits::speed_cap("maximum angular speed", self.max_angular_speed)?;
-        for shape in &self.shapes {
+        each("shape", &self.shapes, |shape| {
             shape.validate()?;
-            if self.kind == BodyKind::Dynamic {
-                shape.geometry.require_convex()?;
-            }
-        }
+            if self.kind == BodyKind::Dynamic { shape.geometry.require_convex() } else { Ok(()) }
+        })?;
         if let Some(mass) = &self.mass {
             mass.validate()?;
         }

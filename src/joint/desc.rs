@@ -1,7 +1,7 @@
 //! What a joint is made of: limits and drives between two frames.
 
 use crate::config::RowGroup;
-use crate::error::{Error, within};
+use crate::error::{Error, each, within};
 use crate::handle::BodyHandle;
 use crate::limits;
 use crate::shape::unit_quat;
@@ -471,9 +471,9 @@ impl JointDesc {
         if self.bodies[0] == self.bodies[1] {
             return Err(Error::JointToItself);
         }
-        self.frames.iter().try_for_each(Frame::validate)?;
-        self.limits.iter().try_for_each(Limit::validate)?;
-        self.drives.iter().try_for_each(Drive::validate)?;
+        each("frame", &self.frames, Frame::validate)?;
+        each("limit", &self.limits, Limit::validate)?;
+        each("drive", &self.drives, Drive::validate)?;
         check_loads(STRENGTH, [self.break_force, self.break_torque])?;
         check_loads(THRESHOLD, [self.force_threshold, self.torque_threshold])
     }

@@ -2,7 +2,7 @@
 
 use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion};
 use crate::body::BodyDesc;
-use crate::error::{Error, finite3, positive, within};
+use crate::error::{Error, each, finite3, positive, within};
 use crate::handle::{BodyHandle, JointHandle};
 use crate::math::Quat;
 use crate::shape::{Filter, Geometry, Material, ShapeDesc};
@@ -185,7 +185,9 @@ impl Skeleton {
     pub fn validate(&self) -> Result<(), Error> {
         positive("skeleton density", self.density)?;
         within("joint friction", self.friction, 0.0, f32::MAX, "at least zero")?;
-        for (i, bone) in self.bones.iter().enumerate() {
+        let mut before = 0..;
+        each("bone", &self.bones, |bone| {
+            let i = before.next().unwrap_or_default();
             finite3("bone joint", bone.joint_at)?;
             finite3("bone end", bone.from)?;
             finite3("bone end", bone.to)?;
@@ -208,8 +210,8 @@ impl Skeleton {
                 }
                 BoneJoint::Fixed => {}
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// A bone of a skeleton that stands somewhere, turned.

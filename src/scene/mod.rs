@@ -179,18 +179,18 @@ impl Scene {
         world: &mut World,
         bodies: &[BodyHandle],
     ) -> Result<(Vec<JointHandle>, Vec<CouplingHandle>), Error> {
-        let beyond = |what, expected, indices: [usize; 2]| Error::OutOfRange {
+        let beyond = |what, count, indices: [usize; 2]| Error::Index {
             what,
-            expected,
-            value: indices[0].max(indices[1]) as f64,
+            index: indices[0].max(indices[1]),
+            count,
         };
         let joints = self.joints.iter().map(|joint| {
-            let beyond = || beyond("joint body", "an index of the scene's bodies", joint.bodies);
+            let beyond = || beyond("index of a joint's body", bodies.len(), joint.bodies);
             joint.desc(bodies).ok_or_else(beyond)
         });
         let joints = world.add_joints(&joints.collect::<Result<Vec<_>, _>>()?)?;
         let couplings = self.couplings.iter().map(|coupling| {
-            let beyond = || beyond("coupled joint", "an index of the scene's joints", coupling.joints);
+            let beyond = || beyond("index of a coupled joint", joints.len(), coupling.joints);
             world.add_coupling(&coupling.desc(&joints).ok_or_else(beyond)?)
         });
         let couplings = couplings.collect::<Result<_, _>>()?;

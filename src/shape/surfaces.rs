@@ -2,7 +2,7 @@
 
 use super::collider::{BELT, ROLLS};
 use super::{Geometry, HeightField, Material, TriangleMesh};
-use crate::error::{Error, within};
+use crate::error::{self, Error, each, within};
 use crate::memory::{bytes_of, sum_bytes};
 
 /// Most materials of a table: a byte counts them, and zero is the shape's own.
@@ -19,14 +19,11 @@ pub(crate) struct Surfaces {
 impl Surfaces {
     /// For so many triangles or cells.
     pub(super) fn new(count: usize, parts: Vec<u8>, table: Vec<Material>) -> Result<Box<Surfaces>, Error> {
-        if parts.len() != count {
-            let (what, value) = ("materials of a mesh or a height field", parts.len() as f64);
-            return Err(Error::OutOfRange { what, expected: "one for each triangle or cell", value });
-        }
+        error::count("numbers of materials", "one for each triangle or cell", count, parts.len())?;
         if table.len() > MAX_MATERIALS {
             return Err(Error::TooMany { what: "materials of a shape", most: MAX_MATERIALS as u64 });
         }
-        table.iter().try_for_each(Material::validate)?;
+        each("material", &table, Material::validate)?;
         let most = parts.iter().copied().max().unwrap_or(0);
         within(
             "number of a material",

@@ -2,5 +2,7 @@
 #![cfg(feature = "cli")]
 
 mod form;
+mod spared;
+mod stopped;
 mod trade;
 mod view;

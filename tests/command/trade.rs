@@ -149,6 +149,8 @@ fn a_sweep_that_was_stopped_goes_on() {
     refused(&format!("{arguments} --seconds 0.3"), "cannot be used multiple times");
     refused(&format!("trade tower_2 --quick --seconds 0.3 --results {results}"), "it is of another sweep");
     std::fs::write(&results, "nonsense\n").expect("results");
+    refused(&arguments, "it holds something else");
+    std::fs::write(&results, "{\"trade\": nonsense}\n").expect("results");
     refused(&arguments, "line 1 is no result of a trade");
 }
 

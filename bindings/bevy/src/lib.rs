@@ -39,7 +39,9 @@ pub use shape::{
 };
 pub use world::{PhysicsHooks, PhysicsWorld};
 
-/// All that a game needs of the plugin; what the engine's own calls take is in [`backstop`].
+/// All that a game needs of the plugin, with what the engine calls the parts of a [`Joint`]; what its other
+/// calls take is in [`backstop`]. Bevy's prelude has an `Axis` too, of gamepads: name the one that you mean.
 pub mod prelude {
     pub use crate::*;
+    pub use backstop::{Axes, Axis, Drive, Limit, Motion, Spring};
 }

@@ -5,20 +5,20 @@ mod resident;
 pub use resident::*;
 
 use crate::abi::guard::{call, value_or};
+use crate::abi::lock::{Changing, Reading, Shared};
 use crate::abi::pointers::{Buffer, Out, borrow};
 use crate::abi::sized::{described, place, read, write};
-use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::status::{BsStatus, Outcome};
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
 use crate::query::{BsQueryFilter, with_filter};
 use crate::shape::BsGeometry;
 use crate::world::{BsWorld, changing, reading};
 use backstop::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground, QueryFilter};
-use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// A capsule, or another convex shape, that walks, climbs steps, slides along walls and is carried by what it
 /// stands on. Calls that take it as `const` may come from any number of threads at once.
 pub struct BsCharacter {
-    walker: RwLock<Walker>,
+    walker: Shared<Walker>,
 }
 
 struct Walker {
@@ -235,24 +235,16 @@ impl BsCharacterReport {
 
 /// # Safety
 /// The pointer is null or that of a character that nobody destroys meanwhile.
-unsafe fn looking<'a>(character: *const BsCharacter) -> Outcome<RwLockReadGuard<'a, Walker>> {
+unsafe fn looking<'a>(character: *const BsCharacter) -> Outcome<Reading<'a, Walker>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the character", character) }?.walker.try_read() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the character", character) }?.walker.read()
 }
 
 /// # Safety
 /// As `looking`.
-unsafe fn moving<'a>(character: *const BsCharacter) -> Outcome<RwLockWriteGuard<'a, Walker>> {
+unsafe fn moving<'a>(character: *const BsCharacter) -> Outcome<Changing<'a, Walker>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the character", character) }?.walker.try_write() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the character", character) }?.walker.change()
 }
 
 /// A character whose capsule has its middle at a point [m]. `settings` may be null: the defaults. It belongs
@@ -270,7 +262,7 @@ pub unsafe extern "C" fn bs_character_create(
             (out, crate::abi::sized::read_or_default(settings)?)
         };
         let character = Character::new(settings.to_engine(), position.into())?;
-        let walker = RwLock::new(Walker { character, report: CharacterReport::default() });
+        let walker = Shared::new(Walker { character, report: CharacterReport::default() });
         out.set(Box::into_raw(Box::new(BsCharacter { walker })));
         Ok(())
     })

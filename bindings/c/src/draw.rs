@@ -42,7 +42,7 @@ pub const BS_ELEMENT_JOINT_LIMIT: BsElement = 11;
 /// From one frame of a joint to the other.
 pub const BS_ELEMENT_JOINT_GAP: BsElement = 12;
 /// A body's centre of mass.
-pub const BS_ELEMENT_CENTER_OF_MASS: BsElement = 13;
+pub const BS_ELEMENT_CENTRE_OF_MASS: BsElement = 13;
 /// One of its principal axes of inertia.
 pub const BS_ELEMENT_PRINCIPAL_AXIS: BsElement = 14;
 /// A contact, in the solver's colour.
@@ -65,7 +65,7 @@ fn of_element(element: Element) -> BsElement {
         Element::JointFrame => BS_ELEMENT_JOINT_FRAME,
         Element::JointLimit => BS_ELEMENT_JOINT_LIMIT,
         Element::JointGap => BS_ELEMENT_JOINT_GAP,
-        Element::CentreOfMass => BS_ELEMENT_CENTER_OF_MASS,
+        Element::CentreOfMass => BS_ELEMENT_CENTRE_OF_MASS,
         Element::PrincipalAxis => BS_ELEMENT_PRINCIPAL_AXIS,
         Element::SolverColour => BS_ELEMENT_SOLVER_COLOUR,
         // Elements that the engine adds get numbers above.
@@ -98,7 +98,7 @@ pub struct BsDrawOptions {
     /// Dynamic bodies in the colour of their island. Default no.
     pub islands: BsBool,
     /// Centres of mass and principal axes. Default no.
-    pub centers: BsBool,
+    pub centres: BsBool,
     /// Contacts in the colour that the solver gave them. Default no.
     pub solver_colours: BsBool,
     /// Whether only what is in the box from `region_min` to `region_max` is drawn. Default no.
@@ -114,7 +114,7 @@ pub struct BsDrawOptions {
 }
 
 described! { BsDrawOptions, bs_draw_options_default(), [
-    size, shapes, aabbs, fat_aabbs, motion, contacts, normals, impulses, joints, islands, centers,
+    size, shapes, aabbs, fat_aabbs, motion, contacts, normals, impulses, joints, islands, centres,
     solver_colours, has_region, region_min, region_max, length, impulse_scale,
 ] }
 
@@ -133,7 +133,7 @@ pub extern "C" fn bs_draw_options_default() -> BsDrawOptions {
         impulses: options.impulses.into(),
         joints: options.joints.into(),
         islands: options.islands.into(),
-        centers: options.centres.into(),
+        centres: options.centres.into(),
         solver_colours: options.solver_colours.into(),
         has_region: 0,
         region_min: BsDVec3::default(),
@@ -156,7 +156,7 @@ impl BsDrawOptions {
         options.impulses = self.impulses != 0;
         options.joints = self.joints != 0;
         options.islands = self.islands != 0;
-        options.centres = self.centers != 0;
+        options.centres = self.centres != 0;
         options.solver_colours = self.solver_colours != 0;
         options.region = (self.has_region != 0).then_some(region);
         options.length = self.length;

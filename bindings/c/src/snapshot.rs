@@ -5,41 +5,33 @@ mod recording;
 pub use recording::*;
 
 use crate::abi::guard::{call, value_or};
+use crate::abi::lock::{Changing, Reading, Shared};
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
-use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::status::{BsStatus, Outcome};
 use crate::world::{BsWorld, mending, reading};
 use backstop::{Snapshot, World};
-use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// The state of a world. It may be used by several threads as long as none of them writes it.
 pub struct BsSnapshot {
-    snapshot: RwLock<Snapshot>,
+    snapshot: Shared<Snapshot>,
 }
 
 fn give(out: Out<*mut BsSnapshot>, snapshot: Snapshot) {
-    out.set(Box::into_raw(Box::new(BsSnapshot { snapshot: RwLock::new(snapshot) })));
+    out.set(Box::into_raw(Box::new(BsSnapshot { snapshot: Shared::new(snapshot) })));
 }
 
 /// # Safety
 /// The pointer is null or that of a snapshot that nobody destroys meanwhile.
-unsafe fn read<'a>(snapshot: *const BsSnapshot) -> Outcome<RwLockReadGuard<'a, Snapshot>> {
+unsafe fn read<'a>(snapshot: *const BsSnapshot) -> Outcome<Reading<'a, Snapshot>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the snapshot", snapshot) }?.snapshot.try_read() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the snapshot", snapshot) }?.snapshot.read()
 }
 
 /// # Safety
 /// As `read`.
-unsafe fn writing<'a>(snapshot: *const BsSnapshot) -> Outcome<RwLockWriteGuard<'a, Snapshot>> {
+unsafe fn writing<'a>(snapshot: *const BsSnapshot) -> Outcome<Changing<'a, Snapshot>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the snapshot", snapshot) }?.snapshot.try_write() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the snapshot", snapshot) }?.snapshot.change()
 }
 
 /// An empty snapshot, to be filled by `bs_world_snapshot`, again and again without new memory.

@@ -181,7 +181,7 @@ FIELD(BsDrawOptions, normals, 9);
 FIELD(BsDrawOptions, impulses, 10);
 FIELD(BsDrawOptions, joints, 11);
 FIELD(BsDrawOptions, islands, 12);
-FIELD(BsDrawOptions, centers, 13);
+FIELD(BsDrawOptions, centres, 13);
 FIELD(BsDrawOptions, solver_colours, 14);
 FIELD(BsDrawOptions, has_region, 15);
 FIELD(BsDrawOptions, region_min, 16);

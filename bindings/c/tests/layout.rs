@@ -158,7 +158,7 @@ fn queries_and_drawing_are_where_they_were() {
     ]);
     pinned!(BsDrawOptions, 72, 8, [
         size 0, shapes 4, aabbs 5, fat_aabbs 6, motion 7, contacts 8, normals 9, impulses 10, joints 11,
-        islands 12, centers 13, solver_colours 14, has_region 15, region_min 16, region_max 40,
+        islands 12, centres 13, solver_colours 14, has_region 15, region_min 16, region_max 40,
         length 64, impulse_scale 68,
     ]);
     pinned!(BsInk, 8, 4, [

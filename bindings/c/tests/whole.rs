@@ -26,7 +26,7 @@ const TWINS: [(&str, &str); 29] = [
     ("joints_of", "bs_body_joints"),
     ("position", "bs_body_pose"),
     ("rotation", "bs_body_pose"),
-    ("centre_of_mass", "bs_body_center_of_mass"),
+    ("centre_of_mass", "bs_body_centre_of_mass"),
     ("linear_velocity", "bs_body_velocity"),
     ("angular_velocity", "bs_body_velocity"),
     ("body_of", "bs_shape_body"),

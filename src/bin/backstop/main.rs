@@ -4,6 +4,8 @@
 
 mod args;
 mod commands;
+mod files;
+mod interrupt;
 mod json_lines;
 mod report;
 mod settings_file;
@@ -11,11 +13,10 @@ mod threads;
 mod view;
 
 use backstop::Escaped;
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match commands::execute(args::Options::parse().command) {
+    match commands::execute(args::Options::of_process().command) {
         Ok(code) => code,
         Err(error) => {
             // On one line.

@@ -1,6 +1,7 @@
 //! Files of settings: `trade --out` writes them, `run --settings` takes them.
 
 use crate::args;
+use crate::files;
 use crate::report::output::exact;
 use anyhow::{Context, bail};
 use backstop::Settings;
@@ -41,11 +42,7 @@ pub(crate) struct SettingsFile {
 impl SettingsFile {
     pub(crate) fn read(path: &Path) -> anyhow::Result<SettingsFile> {
         let about = || format!("can't read settings from {}", path.display());
-        let length = std::fs::metadata(path).with_context(about)?.len();
-        if length > LARGEST {
-            return Err(anyhow::anyhow!("it has more than {LARGEST} bytes")).with_context(about);
-        }
-        let text = std::fs::read_to_string(path).with_context(about)?;
+        let text = files::read_text(path, LARGEST).with_context(about)?;
         SettingsFile::parse(&text).with_context(about)
     }
 

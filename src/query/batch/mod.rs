@@ -16,7 +16,7 @@ mod tests;
 use super::filter::QueryFilter;
 use super::ray::{Ray, RayHit};
 use crate::config::tuning::STREAM_SPREAD;
-use crate::error::Error;
+use crate::error::{Error, count, each};
 use crate::shape::RAYS;
 use crate::world::World;
 use stream::RayStream;
@@ -41,11 +41,8 @@ impl World {
         filter: &QueryFilter<'_>,
         hits: &mut [Option<RayHit>],
     ) -> Result<(), Error> {
-        if rays.len() != hits.len() {
-            let expected = "one for each ray";
-            return Err(Error::OutOfRange { what: "places for hits", expected, value: hits.len() as f64 });
-        }
-        rays.iter().try_for_each(Ray::validate)?;
+        count("places for hits", "one for each ray", rays.len(), hits.len())?;
+        each("ray", rays, Ray::validate)?;
         self.ready(filter)?;
         // The streams are large, so they are set up once, in place, and only if they are needed.
         let alike = |rays: &[Ray]| filter.only.is_none() && rays.len() >= FEWEST && are_alike(rays);

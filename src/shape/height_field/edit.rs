@@ -1,8 +1,7 @@
 //! Heights and holes that change.
 
-use super::{HeightField, SIDE, holes::HOLE};
-use crate::error::{Error, finite, within};
-use crate::limits::MAX_COORDINATE;
+use super::{HeightField, SIDE, check_heights, holes::HOLE};
+use crate::error::{Error, count, index};
 use crate::shape::mesh::edges::Fold;
 
 /// New heights of a rectangle of samples, row by row.
@@ -65,14 +64,9 @@ impl HeightField {
 
     pub(crate) fn check(&self, patch: &Patch<'_>) -> Result<(), Error> {
         check_region(patch.first, patch.size, [self.columns, self.rows])?;
-        if patch.heights.len() != patch.size[0] * patch.size[1] {
-            let expected = "columns times rows of the region";
-            return Err(Error::OutOfRange { what: "heights", expected, value: patch.heights.len() as f64 });
-        }
-        for &height in patch.heights {
-            within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
-        }
-        Ok(())
+        let rule = "columns times rows of the region";
+        count("heights", rule, patch.size[0] * patch.size[1], patch.heights.len())?;
+        check_heights(patch.heights)
     }
 
     /// Changes heights that were checked, with the folds and the boxes that depend on them.
@@ -128,11 +122,8 @@ impl HeightField {
 
     pub(crate) fn check_holes(&self, patch: &HolePatch<'_>) -> Result<(), Error> {
         check_region(patch.first, patch.size, [self.columns - 1, self.rows - 1])?;
-        if patch.holes.len() != patch.size[0] * patch.size[1] {
-            let expected = "columns times rows of the region";
-            return Err(Error::OutOfRange { what: "holes", expected, value: patch.holes.len() as f64 });
-        }
-        Ok(())
+        let rule = "columns times rows of the region";
+        count("holes", rule, patch.size[0] * patch.size[1], patch.holes.len())
     }
 
     /// Cuts and fills holes that were checked, with the folds around them.
@@ -223,12 +214,14 @@ fn on(([column, row], [u, v]): Place, height: &dyn Fn(usize, usize) -> f32) -> f
 
 /// Whether a region is not empty, and within so many columns and rows.
 fn check_region(first: [usize; 2], size: [usize; 2], all: [usize; 2]) -> Result<(), Error> {
-    for (k, what) in ["columns of the region", "rows of the region"].into_iter().enumerate() {
-        let fits = first[k].checked_add(size[k]).is_some_and(|end| end <= all[k]);
-        if size[k] == 0 || !fits {
-            let expected = "at least one, within the field";
-            return Err(Error::OutOfRange { what, expected, value: size[k] as f64 });
+    let columns = ("columns of the region", "the region's last column");
+    let rows = ("rows of the region", "the region's last row");
+    for (k, what) in [columns, rows].into_iter().enumerate() {
+        let (what, last) = what;
+        if size[k] == 0 {
+            return Err(Error::OutOfRange { what, expected: "at least one", value: 0.0 });
         }
+        index(last, first[k].saturating_add(size[k] - 1), all[k])?;
     }
     Ok(())
 }

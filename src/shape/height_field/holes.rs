@@ -1,7 +1,7 @@
 //! Cells of a height field that are not there.
 
 use super::HeightField;
-use crate::error::Error;
+use crate::error::{Error, index};
 use crate::shape::mesh::edges::Fold;
 
 /// Set beside the folds of a cell that is a hole.
@@ -15,11 +15,10 @@ impl HeightField {
     /// A cell is beyond the last, which has a column and a row less than the samples have.
     pub fn with_holes(mut self, cells: impl IntoIterator<Item = [usize; 2]>) -> Result<HeightField, Error> {
         for [column, row] in cells {
-            for (what, place, cells) in [("column", column, self.columns - 1), ("row", row, self.rows - 1)] {
-                if place >= cells {
-                    let expected = "that of a cell";
-                    return Err(Error::OutOfRange { what, expected, value: place as f64 });
-                }
+            for (what, place, cells) in
+                [("column of a cell", column, self.columns - 1), ("row of a cell", row, self.rows - 1)]
+            {
+                index(what, place, cells)?;
             }
             self.cut(column, row);
         }

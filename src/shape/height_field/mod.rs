@@ -6,7 +6,7 @@ pub(crate) mod rays;
 
 use super::corners::beyond;
 use super::slabs::Near;
-use crate::error::{Error, finite, positive, within};
+use crate::error::{self, Error, each, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::limits::MAX_COORDINATE;
 use crate::memory::{bytes_of, sum_bytes};
@@ -70,6 +70,12 @@ impl Square {
     }
 }
 
+fn check_heights(heights: &[f32]) -> Result<(), Error> {
+    each("sample", heights, |&height| {
+        within("height", height, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7").map(drop)
+    })
+}
+
 impl HeightField {
     /// A field of `columns` times `rows` heights [m], row by row, with cells of `cell` along x and z [m].
     ///
@@ -98,16 +104,10 @@ impl HeightField {
         positive("height field cell", cell.y)?;
         within("height field width", cell.x * (columns - 1) as f32, 0.0, MAX_COORDINATE, "at most 1e7")?;
         within("height field depth", cell.y * (rows - 1) as f32, 0.0, MAX_COORDINATE, "at most 1e7")?;
-        if heights.len() != count {
-            let expected = "columns times rows";
-            return Err(Error::OutOfRange { what: "heights", expected, value: heights.len() as f64 });
-        }
-        for &height in &heights {
-            within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
-        }
-        if !folds.is_empty() && folds.len() != (columns - 1) * (rows - 1) {
-            let expected = "one for each cell";
-            return Err(Error::OutOfRange { what: "folds", expected, value: folds.len() as f64 });
+        error::count("heights", "columns times rows", count, heights.len())?;
+        check_heights(&heights)?;
+        if !folds.is_empty() {
+            error::count("folds", "one for each cell", (columns - 1) * (rows - 1), folds.len())?;
         }
         let has_holes = folds.iter().any(|&bits| bits & holes::HOLE != 0);
         let (levels, surfaces) = (Vec::new(), None);

@@ -421,7 +421,8 @@ pub(crate) fn first_tetrahedron(
     };
     let degenerate = |what: &str, size: f64| {
         let count = subset.len();
-        Err(Error::Degenerate(format!("the {count} points of a hull are {what} (within {size:e} m)")))
+        let within = if size > 0.0 { format!(" within {size:.1e} m") } else { String::new() };
+        Err(Error::Degenerate(format!("the {count} points of a hull are {what}{within}")))
     };
 
     let mut longest = (0.0, DVec3::X);

@@ -4,7 +4,7 @@ pub(crate) mod build;
 pub(crate) mod merge;
 
 use super::mass::Moments;
-use crate::error::Error;
+use crate::error::{Error, each};
 use crate::limits;
 use crate::memory::{bytes_of, sum_bytes};
 use build::Polyhedron;
@@ -75,9 +75,7 @@ impl ConvexHull {
     /// If a coordinate is not finite or beyond 1e6, if no side of the points' box is 1e-6 long, or if all
     /// points are equal, on a line or in a plane.
     pub fn new(points: &[Vec3]) -> Result<ConvexHull, Error> {
-        for point in points {
-            limits::offset("hull point", *point)?;
-        }
+        each("point", points, |&point| limits::offset("hull point", point))?;
         let low = points.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
         let high = points.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
         let size = (high - low).max_element();

@@ -9,7 +9,7 @@ use super::corners::Corners;
 use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
 use super::{Material, Surfaces};
-use crate::error::{Error, finite3};
+use crate::error::{Error, each, finite3, index, within};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
 use crate::memory::{bytes_of, sum_bytes};
 use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
@@ -90,20 +90,15 @@ impl TriangleMesh {
         find_edges: impl Fn(&[Vec3], &[[u32; 3]]) -> Vec<Edges>,
         mut surfaces: Option<Box<Surfaces>>,
     ) -> Result<TriangleMesh, Error> {
-        for v in &vertices {
-            finite3("mesh vertex", *v)?;
-            crate::error::within("mesh vertex", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7")?;
-        }
+        each("vertex", &vertices, |&v| {
+            finite3("mesh vertex", v)?;
+            within("mesh vertex", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7").map(drop)
+        })?;
         if triangles.len() > MAX_TRIANGLES {
             return Err(Error::TooMany { what: "triangles of a mesh", most: MAX_TRIANGLES as u64 });
         }
-        if let Some(&index) = triangles.iter().flatten().find(|&&i| i as usize >= vertices.len()) {
-            return Err(Error::OutOfRange {
-                what: "mesh index",
-                expected: "an index of a vertex",
-                value: index.into(),
-            });
-        }
+        let of_vertex = |&i: &u32| index("mesh index", i as usize, vertices.len()).map(drop);
+        each("triangle", &triangles, |corners| corners.iter().try_for_each(of_vertex))?;
         let (triangles, given) = weld(&mut vertices, &triangles);
         if triangles.is_empty() {
             return Err(Error::Degenerate("no triangle of the mesh has an area".into()));

@@ -2,7 +2,7 @@
 
 use super::mass::{MassColumns, columns_of, mass_of, movable};
 use crate::body::{BodyDesc, BodyKind, Damping, NewBody, SpeedCap, Traits};
-use crate::error::Error;
+use crate::error::{Error, each};
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::math::Quat;
@@ -25,9 +25,10 @@ impl World {
     /// Adds many bodies: all of them, or none.
     ///
     /// # Errors
-    /// As for [`World::add_body`].
+    /// As for [`World::add_body`], and which of several it is ([`Error::One`]).
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
-        let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
+        let mut masses = Vec::with_capacity(descs.len());
+        each("body", descs, |desc| self.check(desc).map(|mass| masses.push(mass)))?;
         self.reserve(descs)?;
         self.note(Change::AddBodies(descs));
         self.bodies.reserve(descs.len());
@@ -63,7 +64,7 @@ impl World {
     /// # Errors
     /// If a handle is stale.
     pub fn remove_bodies(&mut self, bodies: &[BodyHandle]) -> Result<(), Error> {
-        bodies.iter().try_for_each(|&body| self.index(body).map(drop))?;
+        each("body", bodies, |&body| self.index(body).map(drop))?;
         // A body that is listed twice is already removed the second time.
         for &body in bodies {
             if self.contains(body) {

@@ -145,10 +145,17 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
             format!("trap '' XFSZ; ulimit -f 8; exec {} {arguments}", env!("CARGO_BIN_EXE_backstop"));
         Command::new("sh").args(["-c", &command]).output().expect("a shell")
     };
-    let names = ["film.glb", "run.replay", "page/index.html", "pictures/frame-00000.png", "table.csv"];
-    for name in names {
+    // As the command tells its own by their beginnings.
+    let old: [(&str, &[u8]); 5] = [
+        ("film.glb", b"glTF old"),
+        ("run.replay", b"backstop replay\nold"),
+        ("page/index.html", b"<!-- by backstop -->"),
+        ("pictures/frame-00000.png", b"\x89PNG Software\0backstop"),
+        ("table.csv", b"threads,step,old"),
+    ];
+    for (name, content) in old {
         std::fs::create_dir_all(folder.join(name).parent().expect("a folder")).expect("a folder");
-        std::fs::write(folder.join(name), "old").expect("a file");
+        std::fs::write(folder.join(name), content).expect("a file");
     }
     let [film, replay, page, pictures, table] =
         ["film.glb", "run.replay", "page", "pictures", "table.csv"].map(path);
@@ -160,12 +167,12 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
         run(&format!("--frames {pictures}")),
         format!("profile tall_stack --steps 200 --repeats 1 --threads 1 --no-compare --quiet --csv {table}"),
     ];
-    for (name, command) in names.iter().zip(&commands) {
+    for ((name, content), command) in old.iter().zip(&commands) {
         let output = limited(command);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{command}: {errors}");
         assert!(errors.contains("too large"), "{errors}");
-        assert_eq!(std::fs::read(folder.join(name)).expect("a file"), b"old", "{command}");
+        assert_eq!(std::fs::read(folder.join(name)).expect("a file"), *content, "{command}");
         let beside = std::fs::read_dir(folder.join(name).parent().expect("a folder")).expect("a folder");
         let left =
             beside.filter_map(|f| f.ok()?.file_name().into_string().ok()).find(|f| f.ends_with(".tmp"));

@@ -2,6 +2,7 @@
 //! may grow, and plain values.
 
 pub(crate) mod guard;
+pub(crate) mod lock;
 pub(crate) mod pointers;
 pub(crate) mod sized;
 pub(crate) mod status;

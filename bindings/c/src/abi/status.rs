@@ -127,7 +127,7 @@ impl Refusal {
 }
 
 fn of_engine(error: &Error) -> BsStatus {
-    match error {
+    match error.innermost() {
         Error::StaleBody => BS_ERROR_STALE_BODY,
         Error::StaleShape => BS_ERROR_STALE_SHAPE,
         Error::StaleJoint => BS_ERROR_STALE_JOINT,
@@ -139,7 +139,7 @@ fn of_engine(error: &Error) -> BsStatus {
         Error::BrokenShape { .. } => BS_ERROR_BROKEN_SHAPE,
         Error::ShapeVersion { .. } => BS_ERROR_SHAPE_VERSION,
         Error::NotFinite { .. } => BS_ERROR_NOT_FINITE,
-        Error::OutOfRange { .. } => BS_ERROR_OUT_OF_RANGE,
+        Error::OutOfRange { .. } | Error::Count { .. } | Error::Index { .. } => BS_ERROR_OUT_OF_RANGE,
         Error::Incomplete { .. } => BS_ERROR_INCOMPLETE,
         Error::Degenerate(_) => BS_ERROR_DEGENERATE,
         Error::StaticOnly { .. } => BS_ERROR_STATIC_ONLY,

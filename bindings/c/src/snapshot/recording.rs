@@ -2,6 +2,7 @@
 
 use super::{BsSnapshot, writing};
 use crate::abi::guard::{call, value_or};
+use crate::abi::lock::{Changing, Reading, Shared};
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
 use crate::abi::sized::{described, read_or_default, write};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
@@ -11,7 +12,6 @@ use backstop::LoadLimits;
 use backstop::replay::{Divergence, Progress, RecordingBuffer, Replay, Stage};
 use std::ffi::{CStr, CString, c_char};
 use std::io::Cursor;
-use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// Records every call that changes a world from here on, until `bs_world_stop_recording`. The world must be
 /// new: it never had a body or stepped. Queries change nothing and are not recorded.
@@ -256,7 +256,7 @@ impl BsDivergence {
 
 /// A recording that is played again, step after step, in a world of its own.
 pub struct BsReplay {
-    player: RwLock<Player>,
+    player: Shared<Player>,
 }
 
 struct Player {
@@ -290,24 +290,16 @@ fn words(text: &str) -> CString {
 
 /// # Safety
 /// The pointer is null or that of a replay that nobody destroys meanwhile.
-unsafe fn looking<'a>(replay: *const BsReplay) -> Outcome<RwLockReadGuard<'a, Player>> {
+unsafe fn looking<'a>(replay: *const BsReplay) -> Outcome<Reading<'a, Player>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the replay", replay) }?.player.try_read() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the replay", replay) }?.player.read()
 }
 
 /// # Safety
 /// As `looking`.
-unsafe fn playing<'a>(replay: *mut BsReplay) -> Outcome<RwLockWriteGuard<'a, Player>> {
+unsafe fn playing<'a>(replay: *mut BsReplay) -> Outcome<Changing<'a, Player>> {
     // SAFETY: as this function.
-    match unsafe { borrow("the replay", replay) }?.player.try_write() {
-        Ok(guard) => Ok(guard),
-        Err(TryLockError::WouldBlock) => Err(Refusal::Busy),
-        Err(TryLockError::Poisoned(_)) => Err(Refusal::Panicked),
-    }
+    unsafe { borrow("the replay", replay) }?.player.change()
 }
 
 /// A replay of `count` bytes of a recording, which are copied, before its first step. `options` may be null:
@@ -339,7 +331,7 @@ pub unsafe extern "C" fn bs_replay_create(
         let replay = Replay::open_limited(Cursor::new(bytes.to_vec()), &options.limits(), change)?;
         let engine = words(replay.engine());
         let player = Player { replay, diverged: None, words: CString::default(), engine };
-        out.set(Box::into_raw(Box::new(BsReplay { player: RwLock::new(player) })));
+        out.set(Box::into_raw(Box::new(BsReplay { player: Shared::new(player) })));
         Ok(())
     })
 }

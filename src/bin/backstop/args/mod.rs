@@ -1,5 +1,7 @@
 //! The command line.
 
+#[cfg(test)]
+mod documented;
 mod lab;
 #[cfg(test)]
 mod tests;
@@ -13,15 +15,27 @@ use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
 use backstop::{Continuous, ContinuousMethod, LoadLimits};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Rigid-body physics with continuous collision in one pass.
 #[derive(Debug, Parser)]
-#[command(name = "cargo backstop", bin_name = "cargo backstop", version, about)]
+#[command(name = "backstop", version, about)]
 pub(crate) struct Options {
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Options {
+    /// Those of this process; ends it where they are wrong, with the usage under the name by which it was
+    /// called.
+    pub(crate) fn of_process() -> Options {
+        // Cargo says who it is to what it runs, be it by the alias `cargo backstop`.
+        let by_cargo = std::env::var_os("CARGO").is_some();
+        let command = Options::command().bin_name(if by_cargo { "cargo backstop" } else { "backstop" });
+        let matches = command.get_matches();
+        Options::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -102,7 +116,7 @@ impl CommonOptions {
 #[derive(Args, Debug)]
 pub(crate) struct RunOptions {
     /// A .gltf or .glb file, with physics or as static ground; an .obj file as static ground; or the name of
-    /// a builtin scene (`cargo backstop scenes list`).
+    /// a builtin scene (`scenes list` names them).
     #[arg(value_name = "FILE")]
     pub(crate) scene: String,
     /// Steps to run [default: as many as make 10 s, or what the builtin scene asks for].
@@ -154,8 +168,7 @@ pub(crate) struct RunOptions {
     /// Write a page with the scene in motion and charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Show the scene in a window until it is closed, with a way back to any step; without a display, write
-    /// pictures to SCENE-frames/ instead.
+    /// Show the scene in a window until it is closed, with a way back to any step.
     #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
     pub(crate) view: bool,
     /// Write pictures of the scene as PNG files.
@@ -163,7 +176,7 @@ pub(crate) struct RunOptions {
     pub(crate) frames: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) pictures: PictureOptions,
-    /// Write a recording of the run: for `cargo backstop replay`.
+    /// Write a recording of the run: for `replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Solve islands by a method of the lab instead of the engine's own (docs/methods.md).
@@ -231,8 +244,8 @@ pub(crate) struct PictureOptions {
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
     pub(crate) size: (usize, usize),
     /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion,
-    /// centres, colours, islands, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where
-    /// there is no ground].
+    /// centres, colours, islands, wireframe, grid, walls [default: shapes, and the grid where there is no
+    /// ground].
     #[arg(long, value_name = "LIST", value_parser = Look::parse)]
     pub(crate) show: Option<Look>,
     /// Where the eye is [default: where it sees what moves, and the ground below it].

@@ -4,7 +4,6 @@ use super::*;
 
 #[test]
 fn the_command_line_is_consistent() {
-    use clap::CommandFactory;
     Options::command().debug_assert();
 }
 

@@ -17,9 +17,11 @@ mod tosses;
 pub(crate) mod trade;
 
 use crate::args::{Command, ScenesCommand};
+use crate::interrupt;
 use std::process::ExitCode;
 
-/// Executes a command. Only the exit code of `solve` says more than whether it ran.
+/// Executes a command. The exit code of `solve` says more than whether it ran, that of others whether they
+/// were stopped.
 pub(crate) fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(options) => run::run(&options),
@@ -39,5 +41,5 @@ pub(crate) fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Scenes { command: ScenesCommand::List } => scenes::list(),
         Command::Scenes { command: ScenesCommand::Write { folder } } => scenes::write(&folder),
     }?;
-    Ok(ExitCode::SUCCESS)
+    Ok(interrupt::code())
 }

@@ -5,7 +5,7 @@ use crate::commands::run;
 use crate::report::output;
 use crate::report::table::table;
 use anyhow::Context;
-use backstop::scene::{self, Plan, Scene};
+use backstop::scene::{Plan, Scene};
 use backstop::{Budget, Category, Error, MemoryReport, Settings, World};
 use serde::Serialize;
 use std::fmt::Write;
@@ -45,7 +45,7 @@ struct Trial {
 }
 
 pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
-    let mut scene = scene::open_limited(&options.scene, &options.common.limits())?;
+    let mut scene = output::open(&options.scene, &options.common.limits())?;
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }

@@ -1,6 +1,8 @@
 //! `run`: runs a scene from a file and writes its results.
 
 use crate::args::{PictureOptions, RunOptions};
+use crate::files::{Kind, expect_place};
+use crate::interrupt;
 use crate::report::accuracy::{self, Course};
 use crate::report::document::Document;
 use crate::report::trace::{SolverSum, Trace};
@@ -27,17 +29,16 @@ const FRAME_RATE: f32 = 60.0;
 pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     // Checked first, so that it fails before the work is done.
     let export_to = options.export()?.map(|(_, path)| path);
-    for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
-        output::make_folder_of(file)?;
-    }
-    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
     let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
     let inputs = std::iter::once(Path::new(&options.scene)).chain(options.settings.as_deref());
     output::refuse_inputs(&outputs, inputs)?;
     let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
-    let mut scene = scene::open_limited(&options.scene, &options.common.limits())?;
+    let mut scene = output::open(&options.scene, &options.common.limits())?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
+    for (file, kind) in outputs.iter().zip([Kind::Gltf, Kind::Replay, Kind::Page, Kind::Problem]) {
+        file.map_or(Ok(()), |file| expect_place(file, kind))?;
+    }
     // Rain comes from above, that is, against gravity.
     let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
     scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
@@ -48,26 +49,21 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
+    let window = options.view.then(Opened::new).transpose()?;
+    for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
+        output::make_folder_of(file)?;
+    }
+    options.report.as_deref().map_or(Ok(()), |folder| output::make_report(folder, &page::CHARTS))?;
     if !options.common.quiet {
         output::notes(&scene);
         if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
         }
     }
-    let mut folder = options.frames.clone();
-    if options.view {
-        match Opened::new() {
-            Ok(window) => return watch(window, options, &chosen, &scene),
-            Err(reason) => {
-                let instead = PathBuf::from(format!("{}-frames", scene.name));
-                if !options.common.quiet {
-                    eprintln!("note: no window ({reason}); pictures go to {}/", instead.display());
-                }
-                folder = Some(instead);
-            }
-        }
+    if let Some(window) = window {
+        return watch(window, options, &chosen, &scene);
     }
-    let frames = match folder {
+    let frames = match options.frames.clone() {
         Some(folder) => {
             Some(Frames::new(folder, options.pictures.every, viewer(options, &scene, view::SCALE)?)?)
         }
@@ -139,14 +135,9 @@ fn simulate(
     mut frames: Option<Frames>,
 ) -> anyhow::Result<Ran> {
     let dt = chosen.dt;
+    let _watch = interrupt::watch()?;
     let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
-    let mut recording = None;
-    if let Some(path) = &options.record {
-        let about = || format!("can't record into {}", path.display());
-        let file = AtomicFile::create(path).with_context(about)?;
-        world.start_recording(file.writer().with_context(about)?).with_context(about)?;
-        recording = Some(file);
-    }
+    let recording = options.record.as_deref().map(|path| record(path, &mut world)).transpose()?;
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
     let handles = added.bodies;
     for (body, handle) in scene.bodies.iter().zip(&handles) {
@@ -196,11 +187,15 @@ fn simulate(
         if options.report.is_some() {
             trace.energy.push(world.energy());
         }
-        if step % every == 0 || step == steps {
+        let is_last = step == steps || interrupt::asked();
+        if step % every == 0 || is_last {
             films.record(&world, &handles, step as f32 * dt);
         }
         frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
         bar.inc(1);
+        if is_last {
+            break;
+        }
     }
     bar.finish_and_clear();
     if let (Some(path), Some(file)) = (&options.record, recording) {
@@ -209,6 +204,14 @@ fn simulate(
         file.commit().with_context(about)?;
     }
     Ok(Ran { world, handles, trace, films, frames, exported })
+}
+
+/// Begins to record into a file, which is there once it is committed.
+fn record(path: &Path, world: &mut World) -> anyhow::Result<AtomicFile> {
+    let about = || format!("can't record into {}", path.display());
+    let file = AtomicFile::create(path).with_context(about)?;
+    world.start_recording(file.writer().with_context(about)?).with_context(about)?;
+    Ok(file)
 }
 
 /// Writes the contact problem of the last step; returns the file and a description.

@@ -173,7 +173,7 @@ fn table(options: &ShotOptions, result: &Result) -> String {
     for (number, outcomes) in result.through.iter().take(NAMED) {
         let _ = writeln!(
             text,
-            "shot {number}: {outcomes:?}; again with: cargo backstop shots --seed {} --only {number}",
+            "shot {number}: {outcomes:?}; again with: shots --seed {} --only {number}",
             options.seed
         );
     }

@@ -1,13 +1,13 @@
 //! `solve`: a problem of contact resolution out of a file, by one of the lab's methods.
 
 use crate::args::SolveOptions;
+use crate::files;
 use crate::report::{output, table};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use backstop::lab::methods::{Effort, Method, Solution, Status};
 use backstop::lab::problem::{File, Form, read_problem};
 use serde::Serialize;
 use std::fmt::Write;
-use std::io::Read;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -86,11 +86,7 @@ fn timed(run: impl Fn() -> Solution) -> (Solution, Vec<f64>) {
 }
 
 fn read(path: &Path) -> anyhow::Result<File> {
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)?.take(LARGEST + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST {
-        bail!("it has more than {LARGEST} bytes");
-    }
+    let bytes = files::read(path, LARGEST)?;
     if bytes.starts_with(HDF5) {
         return read_hdf5(bytes);
     }
@@ -105,7 +101,9 @@ fn read_hdf5(bytes: Vec<u8>) -> anyhow::Result<File> {
 
 #[cfg(not(feature = "hdf5"))]
 fn read_hdf5(_: Vec<u8>) -> anyhow::Result<File> {
-    bail!("it is HDF5, for which backstop has to be built with the feature `hdf5` (--features cli,hdf5)")
+    anyhow::bail!(
+        "it is HDF5, for which backstop has to be built with the feature `hdf5` (--features cli,hdf5)"
+    )
 }
 
 fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {

@@ -1,6 +1,7 @@
 //! `tosses`: measured tosses of a cube beside the same tosses simulated.
 
 use crate::args::TossOptions;
+use crate::files;
 use crate::report::output;
 use anyhow::{Context, ensure};
 use backstop::Settings;
@@ -11,6 +12,8 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+/// Bytes of the largest file that is read.
+const LARGEST: u64 = 1 << 26;
 /// Number of columns of a sample.
 const COLUMNS: usize = 14;
 
@@ -91,7 +94,8 @@ fn files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 
 fn read(file: &Path) -> anyhow::Result<Vec<Sample>> {
     let mut samples = Vec::new();
-    for (line, row) in csv::Reader::from_path(file)?.records().enumerate() {
+    let bytes = files::read(file, LARGEST)?;
+    for (line, row) in csv::Reader::from_reader(&bytes[..]).records().enumerate() {
         let row = row?;
         let numbers: Vec<f64> = row
             .iter()

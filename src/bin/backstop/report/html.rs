@@ -1,5 +1,6 @@
 //! Pages, as parts that a template puts together: it escapes all text.
 
+use crate::files;
 use anyhow::Context;
 use askama::Template;
 use backstop::scene;
@@ -10,6 +11,7 @@ use std::path::Path;
 #[template(path = "page.html")]
 pub(crate) struct Page {
     title: String,
+    mark: &'static str,
     parts: Vec<Part>,
 }
 
@@ -59,7 +61,7 @@ impl From<String> for Cell {
 
 impl Page {
     pub(crate) fn new(title: impl Into<String>) -> Page {
-        Page { title: title.into(), parts: Vec::new() }
+        Page { title: title.into(), mark: files::MARK, parts: Vec::new() }
     }
 
     pub(crate) fn add(&mut self, part: Part) {
@@ -98,9 +100,10 @@ impl Page {
     }
 }
 
-/// Writes a file of a page.
+/// Writes a file of a page, a chart with the mark that the page has from its template.
 pub(crate) fn put(path: &Path, text: &str) -> anyhow::Result<()> {
-    scene::write_file(path, |file| file.write_all(text.as_bytes()))
+    let mark = if text.starts_with("<svg") { files::MARK } else { "" };
+    scene::write_file(path, |file| write!(file, "{mark}{text}"))
         .with_context(|| format!("can't write {}", path.display()))
 }
 

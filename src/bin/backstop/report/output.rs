@@ -1,8 +1,11 @@
 //! Output to the terminal, and checks of output files.
 
+use crate::files::{self, Kind};
+use crate::interrupt;
 use anyhow::{Context, anyhow};
 use backstop::Escaped;
-use backstop::scene::{Scene, refuse_input};
+use backstop::LoadLimits;
+use backstop::scene::{self, Scene, SceneError, refuse_input};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
@@ -44,7 +47,36 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 
 /// Makes a folder if it is not there.
 pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))
+    let about = || format!("can't make the folder {}", folder.display());
+    if folder.exists() && !folder.is_dir() {
+        return Err(anyhow!("there is a file of this name")).with_context(about);
+    }
+    std::fs::create_dir_all(folder).with_context(about)
+}
+
+/// Makes the folder of a report, unless it has a page or charts that are not of a report.
+pub(crate) fn make_report(folder: &Path, charts: &[impl AsRef<str>]) -> anyhow::Result<()> {
+    let charts = charts.iter().map(AsRef::as_ref);
+    files::expect_places(folder, std::iter::once("index.html").chain(charts), Kind::Page)?;
+    make_folder(folder)
+}
+
+/// The scene of this name. A name that is neither a file nor a builtin scene gets those that are like it.
+pub(crate) fn open(name: &str, limits: &LoadLimits) -> anyhow::Result<Scene> {
+    let like = |known: &&&str| strsim::jaro_winkler(name, known) > 0.8;
+    scene::open_limited(name, limits).map_err(|error| {
+        let mut known: Vec<&&str> = scene::builtin::NAMES.iter().filter(like).collect();
+        known.sort_by(|a, b| strsim::jaro_winkler(name, b).total_cmp(&strsim::jaro_winkler(name, a)));
+        match (error, known.first()) {
+            (SceneError::UnknownFormat { .. }, Some(known)) => {
+                anyhow!("there is no scene {name}; is it {known}?")
+            }
+            (SceneError::UnknownFormat { .. }, None) => anyhow!(
+                "{name} is neither a .gltf, .glb or .obj file nor a builtin scene, which `scenes list` names"
+            ),
+            (error, _) => error.into(),
+        }
+    })
 }
 
 /// Makes the folder that a file will be in.
@@ -85,6 +117,7 @@ pub(crate) fn progress(wanted: bool, count: u64, what: &'static str) -> Progress
     let bar = ProgressBar::new(count).with_style(style).with_message(what);
     // Keeps moving while a single step takes long.
     bar.enable_steady_tick(Duration::from_millis(200));
+    interrupt::shows(&bar);
     bar
 }
 

@@ -13,6 +13,10 @@ use anyhow::anyhow;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
+/// The charts beside a page.
+pub(crate) const CHARTS: [&str; 5] =
+    ["times.svg", "contacts.svg", "energy.svg", "accuracy.svg", "memory.svg"];
+
 /// Writes the page and its pictures into a folder; returns the page's path. `viewer`: shows the scene.
 pub(crate) fn write(
     folder: &Path,

@@ -130,7 +130,7 @@ impl Camera {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     eye: DVec3,
-    /// World axes to right, up and ahead.
+    /// World axes to right, up and ahead: left-handed, so it turns cross products round.
     back: Mat3,
     focal: f32,
     middle: (f32, f32),
@@ -147,11 +147,6 @@ impl View {
     /// A direction of the world in the eye's frame.
     pub(crate) fn direction(&self, v: Vec3) -> Vec3 {
         self.back * v
-    }
-
-    /// Back to a direction of the world.
-    pub(crate) fn world_direction(&self, v: Vec3) -> Vec3 {
-        self.back.transpose() * v
     }
 
     /// Where a point in front of the eye is on the picture.

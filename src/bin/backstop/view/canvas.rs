@@ -52,6 +52,13 @@ impl Canvas {
         (self.width * self.scale, self.height * self.scale, self.scale as f32)
     }
 
+    /// One over the depth of the solid that is seen at a pixel, of a picture without a scale; zero for the
+    /// sky.
+    #[cfg(test)]
+    pub(crate) fn nearness_at(&self, column: usize, row: usize) -> f32 {
+        self.nearness[row * self.width + column]
+    }
+
     /// A sky from one colour at the top to another at the bottom.
     pub(crate) fn clear(&mut self, top: Rgb, bottom: Rgb) {
         self.nearness.fill(0.0);

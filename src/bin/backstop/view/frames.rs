@@ -1,6 +1,7 @@
 //! Pictures as files.
 
 use super::Viewer;
+use crate::files::{self, Kind};
 use anyhow::Context;
 use backstop::World;
 use backstop::scene::{self, AtomicFile};
@@ -18,9 +19,13 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// Makes the folder if it is not there.
+    /// Makes the folder if it is not there. Refuses one with pictures of these names from elsewhere.
     pub(crate) fn new(folder: PathBuf, every: u32, viewer: Viewer) -> anyhow::Result<Frames> {
         crate::report::output::make_folder(&folder)?;
+        let entries = folder.read_dir().with_context(|| format!("can't read {}", folder.display()))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let frames: Vec<String> = names.filter(|n| n.starts_with("frame-") && n.ends_with(".png")).collect();
+        files::expect_places(&folder, frames.iter().map(String::as_str), Kind::Png)?;
         Ok(Frames { folder, every: every.max(1), count: 0, viewer })
     }
 
@@ -54,6 +59,8 @@ fn write_png(
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
+    let (keyword, text) = files::PNG_MARK;
+    encoder.add_text_chunk(keyword.into(), text.into())?;
     let bytes: Vec<u8> = picture.iter().flat_map(|p| [p >> 16, p >> 8, *p].map(|c| c as u8)).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&bytes)?;

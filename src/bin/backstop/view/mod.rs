@@ -71,7 +71,9 @@ impl Look {
         let mut shapes = scene.bodies.iter().flat_map(|body| &body.desc.shapes);
         // A grid in the air, or through hills, is no ground.
         let grid = !shapes.any(|shape| ground(&shape.geometry));
-        Look { draw: DrawOptions::default(), grid, wireframe: false, walls: false }
+        // Contacts and joints of a crowd would bury it: they are a key or a name in `--show` away.
+        let draw = DrawOptions { shapes: true, ..DrawOptions::nothing() };
+        Look { draw, grid, wireframe: false, walls: false }
     }
 
     /// The switch of a name.

@@ -121,14 +121,14 @@ impl DebugDraw for Painter<'_> {
         if !self.wireframe {
             for corners in &model.triangles {
                 let seen = corners.map(|p| place(&self.view, p));
-                let normal = (seen[1] - seen[0]).cross(seen[2] - seen[0]);
-                // Its front, from whichever side it is seen.
-                let facing = normal.dot(seen[0]);
-                if facing > 0.0 && is_closed(shape.geometry) {
+                // In the world's axes: those of the view are left-handed, which would turn the product round.
+                let normal = turn * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let is_back = self.view.direction(normal).dot(seen[0]) > 0.0;
+                if is_back && is_closed(shape.geometry) {
                     continue;
                 }
-                let normal = if facing > 0.0 { -normal } else { normal };
-                let normal = self.view.world_direction(normal.normalize_or_zero());
+                // The side that is seen of a surface that has two.
+                let normal = if is_back { -normal } else { normal }.normalize_or_zero();
                 if hides && normal.y < 0.1 {
                     continue;
                 }

@@ -1,8 +1,9 @@
 //! The player without its window: what it shows, and where it goes.
 
 use super::*;
-use backstop::glam::Vec3;
-use backstop::{BodyDesc, Settings, ShapeDesc};
+use backstop::glam::{Vec2, Vec3};
+use backstop::{BodyDesc, ConvexHull, HeightField, Settings, ShapeDesc, TriangleMesh};
+use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;
 const SIZE: (usize, usize) = (320, 240);
@@ -103,4 +104,75 @@ fn the_camera_follows_what_moves() {
     assert!((column - 160.0).abs() < 3.0 && (row - 120.0).abs() < 3.0, "{column} {row}");
     let radius = 0.8 * 120.0 * 0.5 / 0.87;
     assert!((count / (std::f64::consts::PI * radius * radius) - 1.0).abs() < 0.15, "{count}");
+}
+
+/// At the middle of every fourth pixel both ways: the depth [m] at which something is drawn, and those at
+/// which a ray through that pixel enters and leaves the world; nothing for the sky.
+fn depths(geometry: &Geometry, eye: DVec3) -> Vec<[Option<f64>; 3]> {
+    let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
+    let body = BodyDesc::kinematic().with_shape(ShapeDesc::new(geometry.clone()));
+    world.add_body(&body).unwrap();
+    let wanted = Wanted { eye: Some(eye), target: Some(DVec3::ZERO) };
+    let mut viewer = Viewer::new(wanted, Look::parse("shapes").unwrap(), SIZE, 1);
+    viewer.frame(&world);
+    viewer.picture(&world);
+    let ahead = -eye.normalize();
+    let right = ahead.cross(DVec3::Y).normalize();
+    let up = right.cross(ahead);
+    let scale = f64::from(libm::tanf(0.38)) / 120.0;
+    let pixel = |(column, row): (usize, usize)| {
+        let (x, y) = (column as f64 + 0.5 - 160.0, 120.0 - (row as f64 + 0.5));
+        let to = (ahead + right * (x * scale) + up * (y * scale)) * 20.0;
+        let met = |from: DVec3, way: DVec3| {
+            let hit = world.cast_ray(&Ray::new(from, way.as_vec3()), &QueryFilter::default()).unwrap();
+            hit.map(|hit| (hit.point - eye).dot(ahead))
+        };
+        let drawn = Some(f64::from(viewer.canvas.nearness_at(column, row))).filter(|n| *n > 0.0);
+        [drawn.map(|nearness| 1.0 / nearness), met(eye, to), met(eye + to, -to)]
+    };
+    let rows = (0..SIZE.1).step_by(4);
+    rows.flat_map(|row| (0..SIZE.0).step_by(4).map(move |column| (column, row))).map(pixel).collect()
+}
+
+/// Every solid was drawn inside out: its far faces, through the near ones. Expected: at each pixel the
+/// surface that a ray from the eye meets first; on the axis of a box of 2 m from 5 m, 4 m away and not 6 m.
+/// The facets of a round shape of 1 m lie up to 1 - cos(pi / 16) within it, several times as far along a ray
+/// that grazes it: where it is less than 1 m thick, somewhere between where the ray enters and leaves it.
+#[test]
+fn the_face_of_a_solid_that_is_nearest_is_seen() {
+    let corners = [[1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0], [1.0, 1.0, 1.0]].map(Vec3::from);
+    let hull = Arc::new(ConvexHull::new(&corners).unwrap());
+    let mesh = TriangleMesh::new(corners.to_vec(), vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).unwrap();
+    let heights = [0.0, 0.4, 0.0, 0.3, 0.0, -0.4, 0.2, 0.5, 0.1];
+    let field = HeightField::new(3, 3, Vec2::ONE, heights.to_vec()).unwrap();
+    let flat = [
+        Geometry::cuboid(1.0, 1.0, 1.0),
+        Geometry::cuboid(1.5, 0.2, 0.7),
+        Geometry::Hull(hull),
+        Geometry::Mesh(Arc::new(mesh)),
+        Geometry::HeightField(Arc::new(field)),
+    ];
+    let round = [
+        Geometry::Sphere { radius: 1.0 },
+        Geometry::Capsule { half_height: 0.5, radius_bottom: 0.6, radius_top: 0.6 },
+        Geometry::Capsule { half_height: 0.5, radius_bottom: 0.8, radius_top: 0.4 },
+        Geometry::Cylinder { half_height: 0.5, radius_bottom: 0.9, radius_top: 0.9 },
+        Geometry::Cylinder { half_height: 0.5, radius_bottom: 0.9, radius_top: 0.0 },
+    ];
+    let eyes = [DVec3::Z * 5.0, DVec3::X * -5.0, DVec3::new(2.0, 4.0, -3.0), DVec3::new(-3.0, -3.0, 3.0)];
+    let cases = flat.iter().map(|g| (g, 1e-3)).chain(round.iter().map(|g| (g, 0.12)));
+    for ((geometry, off), eye) in cases.flat_map(|case| eyes.map(|eye| (case, eye))) {
+        let depths = depths(geometry, eye);
+        let all: Vec<_> = depths.iter().filter_map(|&[a, b, c]| Some([a?, b?, c?])).collect();
+        let one = depths.iter().filter(|[a, b, _]| a.is_some() != b.is_some()).count();
+        assert!(all.len() > 60 && one < all.len() / 8, "{geometry:?} from {eye}: {} {one}", all.len());
+        for [drawn, enters, leaves] in all {
+            let thick = leaves - enters;
+            let off = if off > 0.1 && thick < 1.0 { thick + 0.02 } else { off };
+            assert!((drawn - enters).abs() < off, "{geometry:?} from {eye}: {drawn} {enters} {leaves}");
+        }
+    }
+    let middle = SIZE.0 / 4 * (SIZE.1 / 8) + SIZE.0 / 8;
+    let [drawn, enters, _] = depths(&flat[0], DVec3::Z * 5.0)[middle].map(Option::unwrap);
+    assert!((drawn - 4.0).abs() < 1e-4 && (enters - 4.0).abs() < 1e-4, "{drawn} {enters}");
 }

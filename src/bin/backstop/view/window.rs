@@ -1,6 +1,7 @@
 //! A window: the scene in motion, turned with the mouse, stopped, stepped and wound back with keys.
 
 use super::Player;
+use anyhow::{anyhow, bail};
 use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -44,6 +45,9 @@ const SWITCHES: [(&str, &str); 14] = [
     ("t", "walls"),
 ];
 
+/// Said where no window can be opened.
+const NO_DISPLAY: &str = "there is no display for the window of --view: --frames DIR writes pictures, and \
+                          --report DIR a page that shows the scene in a browser";
 /// Steps of a page.
 const PAGE: i64 = 60;
 /// Time between pictures.
@@ -53,9 +57,10 @@ const FRAME: Duration = Duration::from_micros(16_667);
 pub(crate) struct Opened(EventLoop<()>);
 
 impl Opened {
-    /// An error where there is no display, with the reason.
-    pub(crate) fn new() -> Result<Opened, String> {
-        EventLoop::new().map(Opened).map_err(|e| e.to_string())
+    /// An error where there is no display. The window library's own would name a line of its source.
+    pub(crate) fn new() -> anyhow::Result<Opened> {
+        let Ok(events) = EventLoop::new() else { bail!(NO_DISPLAY) };
+        Ok(Opened(events))
     }
 }
 
@@ -64,7 +69,7 @@ pub(crate) fn show(Opened(events): Opened, player: Player, title: &str) -> anyho
     eprint!("{HELP}");
     let mut app =
         App { player, title, shown: None, mouse: (0.0, 0.0), drag: None, last: Instant::now(), end: Ok(()) };
-    events.run_app(&mut app)?;
+    events.run_app(&mut app).map_err(|_| anyhow!("the display has gone"))?;
     app.end
 }
 
@@ -123,11 +128,10 @@ impl App<'_> {
         let size = LogicalSize::new(width as f64, height as f64);
         let title = format!("backstop: {}", self.title);
         let attributes = Window::default_attributes().with_title(title).with_inner_size(size);
-        let window = Rc::new(events.create_window(attributes)?);
+        let window = Rc::new(events.create_window(attributes).map_err(|_| anyhow!(NO_DISPLAY))?);
         // Its errors are not for other threads, as anyhow wants them.
-        let context = softbuffer::Context::new(window.clone()).map_err(|e| anyhow::anyhow!("{e}"))?;
-        let surface =
-            softbuffer::Surface::new(&context, window.clone()).map_err(|e| anyhow::anyhow!("{e}"))?;
+        let context = softbuffer::Context::new(window.clone()).map_err(|e| anyhow!("{e}"))?;
+        let surface = softbuffer::Surface::new(&context, window.clone()).map_err(|e| anyhow!("{e}"))?;
         self.last = Instant::now();
         window.request_redraw();
         self.shown = Some(Shown { window, surface });
@@ -190,7 +194,7 @@ impl App<'_> {
             buffer.copy_from_slice(&picture);
             buffer.present()
         };
-        put().map_err(|e| anyhow::anyhow!("can't draw in the window: {e}"))
+        put().map_err(|e| anyhow!("can't draw in the window: {e}"))
     }
 
     fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) -> anyhow::Result<()> {

@@ -46,6 +46,9 @@ impl Parts {
         };
         let json: Value =
             serde_json::from_slice(text).map_err(|e| malformed(format!("not a glTF file: {e}")))?;
+        // A node takes three bytes of a file, and a hundred times as many in the crate's tree.
+        let nodes = json["nodes"].as_array().map_or(0, Vec::len);
+        tally.nodes.allow(nodes).map_err(|source| SceneError::Limit { file: path.into(), source })?;
         let mut root: gltf::json::Root =
             gltf::json::deserialize::from_slice(text).map_err(|e| malformed(format!("not glTF 2.0: {e}")))?;
         if !root.asset.version.starts_with("2.") {

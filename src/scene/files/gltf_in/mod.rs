@@ -38,7 +38,7 @@ use file::Parts;
 use glam::{DMat3, DQuat, DVec3};
 use serde::de::DeserializeOwned;
 use shapes::{Placed, Problem};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use tree::Tree;
 
@@ -66,6 +66,7 @@ pub(super) fn read(
         return Ok(scene);
     }
     let mut loader = Loader::new(&parts, &tree, physics, scene, tally)?;
+    loader.charge()?;
     for &node in &tree.order {
         loader.visit(node)?;
     }
@@ -79,7 +80,8 @@ fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene, tally: &mut Tally)
     // All of them are one mesh: before the first is made it is known how large that is.
     for &node in &tree.order {
         for primitive in nodes[node].mesh().iter().flat_map(|m| m.primitives()) {
-            shapes::charge(&primitive, tally).map_err(|p| problem(parts, node, p))?;
+            shapes::charge(&primitive, &mut tally.vertices, &mut tally.triangles)
+                .map_err(|p| problem(parts, node, p))?;
         }
     }
     for &node in &tree.order {
@@ -181,6 +183,39 @@ impl<'a> Loader<'a> {
         })
     }
 
+    /// Counts all meshes that will be built, each once, before the first is.
+    fn charge(&mut self) -> Result<(), SceneError> {
+        let mut home = vec![None; self.tree.parent.len()];
+        let mut seen = BTreeSet::new();
+        for &node in &self.tree.order {
+            home[node] = self.tree.parent[node].and_then(|parent| home[parent]);
+            let Some(physics) = &self.physics[node] else { continue };
+            let mut dynamic = false;
+            if physics.motion.is_some() {
+                home[node] = Some(node);
+            }
+            if let Some(motion) = home[node].and_then(|home| self.physics[home].as_ref()?.motion.as_ref()) {
+                dynamic = !motion.is_kinematic;
+            }
+            let of_trigger = physics.trigger.as_ref().and_then(|trigger| trigger.geometry.as_ref());
+            let of_collider = physics.collider.as_ref().map(|collider| &collider.geometry);
+            for geometry in of_trigger.into_iter().chain(of_collider) {
+                let scale = self.scale(node);
+                // What is wrong with it is said when it is built.
+                let Ok(build) = self.build_of(node, geometry, scale, (home[node], dynamic)) else { continue };
+                if let Source::Mesh(mesh, own) = build.of
+                    && scale != DMat3::ZERO
+                    && seen.insert(build)
+                {
+                    let moves = |n: usize| Some(n) != own && moves(&self.physics, n);
+                    shapes::charge_mesh(self.parts, mesh, &moves, &mut self.tally)
+                        .map_err(|p| problem(self.parts, node, p))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Bodies first: parents come before children, so a collider's body is there when it is reached.
     fn visit(&mut self, node: usize) -> Result<(), SceneError> {
         if let Some(parent) = self.tree.parent[node] {
@@ -277,26 +312,13 @@ impl<'a> Loader<'a> {
         kind: BodyKind,
     ) -> Result<Placed, Problem> {
         let dynamic = kind == BodyKind::Dynamic;
-        let hull = geometry.node.is_some() && (geometry.convex_hull || dynamic);
-        let of = match (geometry.shape, geometry.node) {
-            (Some(shape), None) => Source::Shape(shape),
-            (None, Some(mesh)) => {
-                // Geometry stops at other nodes with motion, but not at the collider's own node.
-                let within =
-                    self.tree.is_below(node, mesh) || !self.tree.in_scene.get(mesh).is_some_and(|&i| i);
-                let moves = self.body[node].is_some_and(|body| self.scene.bodies[body].node == Some(node));
-                let own = (node != mesh && within && moves).then_some(node);
-                Source::Mesh(mesh, own)
-            }
-            _ => return Err(Problem::Text("its geometry must have either a shape or a node".into())),
-        };
-        // As f32, as files have it: under a rotation it has the noise of f64, zeros of both signs among it.
-        let rounded = scale.to_cols_array().map(|x| (x as f32 + 0.0).to_bits());
-        let key = Build { of, scale: rounded, hull };
+        let home = self.body[node].and_then(|body| self.scene.bodies[body].node);
+        let key = self.build_of(node, geometry, scale, (home, dynamic))?;
+        let hull = key.hull;
         let mut placed = match self.built.get(&key) {
             Some(placed) => placed.clone(),
             None => {
-                let placed = self.build(of, scale, hull)?;
+                let placed = self.build(key.of, scale, hull)?;
                 self.built.insert(key, placed.clone());
                 placed
             }
@@ -310,6 +332,31 @@ impl<'a> Loader<'a> {
         Ok(placed)
     }
 
+    /// What is built for a collider. `home`: the node of its body, and whether that is dynamic.
+    fn build_of(
+        &self,
+        node: usize,
+        geometry: &extension::Geometry,
+        scale: DMat3,
+        (home, dynamic): (Option<usize>, bool),
+    ) -> Result<Build, Problem> {
+        let hull = geometry.node.is_some() && (geometry.convex_hull || dynamic);
+        let of = match (geometry.shape, geometry.node) {
+            (Some(shape), None) => Source::Shape(shape),
+            (None, Some(mesh)) => {
+                // Geometry stops at other nodes with motion, but not at the collider's own node.
+                let within =
+                    self.tree.is_below(node, mesh) || !self.tree.in_scene.get(mesh).is_some_and(|&i| i);
+                let own = (node != mesh && within && home == Some(node)).then_some(node);
+                Source::Mesh(mesh, own)
+            }
+            _ => return Err(Problem::Text("its geometry must have either a shape or a node".into())),
+        };
+        // As f32, as files have it: under a rotation it has the noise of f64, zeros of both signs among it.
+        let scale = scale.to_cols_array().map(|x| (x as f32 + 0.0).to_bits());
+        Ok(Build { of, scale, hull })
+    }
+
     fn build(&mut self, of: Source, scale: DMat3, hull: bool) -> Result<Placed, Problem> {
         match of {
             Source::Shape(shape) => match self.shapes.get(shape) {
@@ -318,7 +365,7 @@ impl<'a> Loader<'a> {
             },
             Source::Mesh(mesh, own) => {
                 let moves = |n: usize| Some(n) != own && moves(&self.physics, n);
-                shapes::of_mesh(self.parts, mesh, &moves, hull, scale, &mut self.tally)
+                shapes::of_mesh(self.parts, mesh, &moves, hull, scale)
             }
         }
     }

@@ -10,7 +10,7 @@ use super::accessor::{self, Positions};
 use super::extension;
 use super::file::Parts;
 use crate::error::Error;
-use crate::load_limits::{LimitExceeded, Tally};
+use crate::load_limits::{Count, LimitExceeded, Tally};
 use crate::scene::weld::Welded;
 use crate::shape::Geometry;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -150,10 +150,15 @@ pub(super) fn of_mesh(
     stop_at: &dyn Fn(usize) -> bool,
     hull: bool,
     scale: DMat3,
-    tally: &mut Tally,
 ) -> Result<Placed, Problem> {
-    let mut welded = Welded::default();
-    let note = collect(parts, node, stop_at, scale, &mut welded, tally)?;
+    let (mut welded, mut note) = (Welded::default(), None);
+    walk(parts, node, (stop_at, &mut |_| Ok(())), DAffine3::from_mat3(scale), &mut |node, to_root| {
+        if node.skin().is_some() || node.weights().is_some() {
+            note = Some("skins and morph targets of collision meshes are ignored");
+        }
+        let mut primitives = node.mesh().into_iter().flat_map(|m| m.primitives());
+        primitives.try_for_each(|primitive| add_primitive(parts, &primitive, to_root, &mut welded))
+    })?;
     if welded.vertices.is_empty() {
         return text(format!("its geometry, node {node}, has no triangles"));
     }
@@ -164,21 +169,39 @@ pub(super) fn of_mesh(
     Ok(Placed { geometry, offset: Vec3::ZERO, note })
 }
 
-/// The triangles of a node and its descendants, in the frame of the node and then through `scale`. The node's
-/// own transform and descendants with motion are ignored.
-fn collect(
+/// Counts what [`of_mesh`] takes, before it takes it.
+pub(super) fn charge_mesh(
     parts: &Parts,
     node: usize,
     stop_at: &dyn Fn(usize) -> bool,
-    scale: DMat3,
-    welded: &mut Welded,
     tally: &mut Tally,
-) -> Result<Option<&'static str>, Problem> {
+) -> Result<(), Problem> {
+    let Tally { nodes, depth: deepest, vertices, triangles, .. } = tally;
+    let mut count = |depth| {
+        nodes.take(1)?;
+        Ok(deepest.allow(depth)?)
+    };
+    walk(parts, node, (stop_at, &mut count), DAffine3::IDENTITY, &mut |node, _| {
+        let mut primitives = node.mesh().into_iter().flat_map(|m| m.primitives());
+        primitives.try_for_each(|primitive| charge(&primitive, vertices, triangles))
+    })
+}
+
+/// Calls `f` for a node and its descendants, with the transform from there to the frame of the node and then
+/// through
+/// `start`. The node's own transform and descendants with motion are ignored. `count` is called before, with
+/// the depth, for those with motion too.
+fn walk<'a>(
+    parts: &'a Parts,
+    node: usize,
+    (stop_at, count): (&dyn Fn(usize) -> bool, &mut dyn FnMut(usize) -> Result<(), Problem>),
+    start: DAffine3,
+    f: &mut dyn FnMut(&gltf::Node<'a>, &DAffine3) -> Result<(), Problem>,
+) -> Result<(), Problem> {
     let Some(root) = parts.document.nodes().nth(node) else {
         return text(format!("its geometry, node {node}, does not exist"));
     };
-    let mut note = None;
-    let mut stack = vec![(root, DAffine3::from_mat3(scale), 0)];
+    let mut stack = vec![(root, start, 0)];
     // Nodes outside the scene were not checked for cycles.
     let mut visited = 0;
     while let Some((node, to_root, depth)) = stack.pop() {
@@ -186,18 +209,11 @@ fn collect(
         if visited > parts.document.nodes().len() {
             return text("the nodes of its geometry form a cycle");
         }
-        tally.nodes.take(1)?;
-        tally.depth.allow(depth)?;
+        count(depth)?;
         if depth > 0 && stop_at(node.index()) {
             continue;
         }
-        if node.skin().is_some() || node.weights().is_some() {
-            note = Some("skins and morph targets of collision meshes are ignored");
-        }
-        for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
-            charge(&primitive, tally)?;
-            add_primitive(parts, &primitive, &to_root, welded)?;
-        }
+        f(&node, &to_root)?;
         for child in node.children() {
             let m = child.transform().matrix().map(|c| c.map(f64::from));
             let [x, y, z, t] = m.map(|c| DVec3::new(c[0], c[1], c[2]));
@@ -205,7 +221,7 @@ fn collect(
             stack.push((child, to_root * local, depth + 1));
         }
     }
-    Ok(note)
+    Ok(())
 }
 
 /// The triangles of a primitive; points and lines have none.
@@ -251,10 +267,14 @@ pub(super) fn add_primitive(
 }
 
 /// Counts what a primitive takes, before it takes it.
-pub(super) fn charge(primitive: &gltf::Primitive, tally: &mut Tally) -> Result<(), Problem> {
+pub(super) fn charge(
+    primitive: &gltf::Primitive,
+    vertices: &mut Count,
+    triangles: &mut Count,
+) -> Result<(), Problem> {
     let Some((accessor, corners)) = corners_of(primitive) else { return Ok(()) };
-    tally.vertices.take(accessor.count())?;
-    Ok(tally.triangles.take(triangle_count(primitive.mode(), corners))?)
+    vertices.take(accessor.count())?;
+    Ok(triangles.take(triangle_count(primitive.mode(), corners))?)
 }
 
 /// The positions of a primitive of triangles, and how many of its corners are a triangle's; points and lines

@@ -5,7 +5,7 @@ mod couplings;
 mod readings;
 
 use crate::body::{BodyDetails, BodyKind};
-use crate::error::Error;
+use crate::error::{Error, each};
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Frame, JointAdditions, JointDesc, JointEvent, JointFrame};
 use crate::math::Quat;
@@ -28,12 +28,12 @@ impl World {
     /// Adds many joints: all of them, or none.
     ///
     /// # Errors
-    /// As for [`World::add_joint`].
+    /// As for [`World::add_joint`], and which of several it is ([`Error::One`]).
     pub fn add_joints(&mut self, descs: &[JointDesc]) -> Result<Vec<JointHandle>, Error> {
         if descs.is_empty() {
             return Ok(Vec::new());
         }
-        descs.iter().try_for_each(|desc| self.check_joint(desc))?;
+        each("joint", descs, |desc| self.check_joint(desc))?;
         let more =
             descs.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
         self.reserve_for_joints(more, false)?;

@@ -5,6 +5,8 @@ mod page;
 mod results;
 
 use crate::args::ExtremesOptions;
+use crate::files::{self, Kind};
+use crate::interrupt;
 use crate::json_lines;
 use crate::report::output;
 use anyhow::{Context, bail};
@@ -25,7 +27,10 @@ pub(crate) fn extremes(options: &ExtremesOptions) -> anyhow::Result<()> {
     if options.list {
         return output::print(&cells.iter().map(|cell| cell.name() + "\n").collect::<String>());
     }
-    // Files are read first, so that errors come before an hour of work.
+    // Files are read and checked first, so that errors come before an hour of work.
+    if let Some(file) = &options.page {
+        files::expect_place(file, Kind::Page)?;
+    }
     let guard = options.guard.as_deref().map(Results::read).transpose()?;
     let beside = options.beside.iter().map(|file| Results::read(file)).collect::<anyhow::Result<Vec<_>>>()?;
     let runs = run_all(&cells, options)?;
@@ -46,18 +51,22 @@ pub(crate) fn extremes(options: &ExtremesOptions) -> anyhow::Result<()> {
 /// ends.
 fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>> {
     let build = results::build_number()?;
+    options.results.as_deref().map(|file| json_lines::expect(file, &results::STARTS)).transpose()?;
     let kept = match &options.results {
         Some(file) if file.exists() => Results::read(file)?.of_build(build, options.seconds),
         _ => Vec::new(),
     };
+    let out = options.results.as_deref().map(|file| json_lines::open(file, &results::STARTS)).transpose()?;
     let missing: Vec<_> =
         cells.iter().filter(|cell| kept.iter().all(|run| run.cell != cell.name())).collect();
     let settings = Settings::default();
+    let _watch = interrupt::watch()?;
     let bar = output::progress(true, missing.len() as u64, "cells");
-    let out = options.results.as_deref().map(json_lines::open).transpose()?;
     let (next, done) = (AtomicUsize::new(0), Mutex::new((kept, out)));
     let work = || -> anyhow::Result<()> {
-        while let Some(cell) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+        while !interrupt::asked()
+            && let Some(cell) = missing.get(next.fetch_add(1, Ordering::Relaxed))
+        {
             let figures = cell
                 .run(&settings, f64::from(options.seconds))
                 .with_context(|| format!("can't run {}", cell.name()))?;

@@ -6,6 +6,8 @@ use backstop::lab::envelope::{Figure, Verdict};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+/// How lines of results begin.
+pub(crate) const STARTS: [&str; 1] = ["{\"engine\":"];
 /// The name of this engine.
 pub(crate) const OURS: &str = "backstop";
 
@@ -63,7 +65,7 @@ impl Results {
     /// Reads a file. An incomplete last line is left out.
     pub(crate) fn read(file: &Path) -> anyhow::Result<Results> {
         let about = || format!("can't read {}", file.display());
-        let text = std::fs::read(file).with_context(about)?;
+        let text = json_lines::read(file).with_context(about)?;
         let mut results = Results::default();
         for (number, line) in json_lines::whole(&text).split_inclusive(|&byte| byte == b'\n').enumerate() {
             let run: Run = serde_json::from_slice(line)

@@ -9,6 +9,7 @@ mod page;
 
 use crate::args::{CompareOptions, ProfileOptions};
 use crate::commands::{compare, run};
+use crate::files::{self, Kind};
 use crate::report::output;
 use crate::report::table::list;
 use crate::threads::with_threads;
@@ -23,14 +24,16 @@ use std::path::{Path, PathBuf};
 const TALK: &str = "scenes/talk.glb";
 
 pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
-    // Made first, so that it fails before the work is done.
-    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
-    options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
+    // Checked first, so that it fails before the work is done.
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
     let outputs = [options.csv.as_deref(), page.as_deref()];
     output::refuse_inputs(&outputs, options.scene.iter().map(Path::new))?;
     let scene = open(options)?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
+    options.csv.as_deref().map_or(Ok(()), |file| files::expect_place(file, Kind::Csv))?;
+    let charts = page::charts(&options.threads);
+    options.report.as_deref().map_or(Ok(()), |folder| output::make_report(folder, &charts))?;
+    options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
     if !options.common.quiet {
         output::notes(&scene);
     }
@@ -54,7 +57,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
 
 fn open(options: &ProfileOptions) -> anyhow::Result<Scene> {
     match &options.scene {
-        Some(name) => Ok(scene::open_limited(name, &options.common.limits())?),
+        Some(name) => output::open(name, &options.common.limits()),
         None if Path::new(TALK).exists() => Ok(scene::open(TALK)?),
         None => scene::shipped("talk.glb").context("there is no talk.glb"),
     }

@@ -11,6 +11,13 @@ use crate::report::page::{memory_table, settings_table};
 use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 
+/// The charts beside a page of runs with so many threads.
+pub(crate) fn charts(threads: &[usize]) -> Vec<String> {
+    let of_run = |n: &usize| [format!("cost-{n}.svg"), format!("additional-{n}.svg")];
+    let of_all = ["potential.svg", "memory.svg"].map(str::to_owned);
+    threads.iter().flat_map(of_run).chain(of_all).collect()
+}
+
 /// Writes the page and its pictures into a folder; returns the page's path.
 pub(crate) fn write(folder: &Path, ledger: &Ledger) -> anyhow::Result<PathBuf> {
     let save = |name: &str, draw: &dyn Fn(&crate::report::charts::Area<'_>) -> Drawn| {

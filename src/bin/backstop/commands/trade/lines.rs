@@ -8,6 +8,8 @@ use serde_json::{Map, Value};
 use std::fs::File;
 use std::path::Path;
 
+/// How lines of results begin.
+pub(super) const STARTS: [&str; 2] = ["{\"trade\":", "{\"cell\":"];
 /// Version of the format.
 pub(super) const FORMAT: u32 = 1;
 
@@ -166,7 +168,7 @@ pub(super) struct Read {
 /// Reads a file. An incomplete last line is left out.
 pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
     let about = || format!("can't read {}", file.display());
-    let text = std::fs::read(file).with_context(about)?;
+    let text = json_lines::read(file).with_context(about)?;
     let (mut header, mut lines) = (None, Vec::new());
     for (number, line) in json_lines::whole(&text).split_inclusive(|&byte| byte == b'\n').enumerate() {
         let line: Line = serde_json::from_slice(line)

@@ -10,21 +10,20 @@ mod text;
 
 pub(crate) use options::TradeOptions;
 
+use crate::files::{self, Kind};
+use crate::interrupt;
+use crate::json_lines;
 use crate::report::output;
 use crate::settings_file;
 use anyhow::{Context, bail};
-use backstop::scene::{self, Scene};
-use lines::{Header, Results};
+use backstop::scene::Scene;
+use lines::{Header, Results, STARTS};
 use outcome::Outcome;
 use std::path::{Path, PathBuf};
 use sweep::{Candidate, Sweep};
 
 pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
     // Checked first, so that it fails before the work is done.
-    for file in [&options.out, &options.results].into_iter().flatten() {
-        output::make_folder_of(file)?;
-    }
-    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
     let outputs = [options.out.as_deref(), options.results.as_deref(), page.as_deref()];
     let inputs = options.scene.as_ref().map(Path::new).into_iter();
@@ -32,12 +31,18 @@ pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
         &outputs,
         inputs.chain(options.settings.as_deref()).chain(options.merge.iter().map(PathBuf::as_path)),
     )?;
+    options.out.as_deref().map_or(Ok(()), |file| files::expect_place(file, Kind::Settings))?;
+    options.results.as_deref().map(|file| json_lines::expect(file, &STARTS)).transpose()?;
+    options.report.as_deref().map_or(Ok(()), |folder| output::make_report(folder, &page::charts()))?;
+    for file in [&options.out, &options.results].into_iter().flatten() {
+        output::make_folder_of(file)?;
+    }
     if !options.merge.is_empty() {
         let (header, candidates, results) = merged(&options.merge)?;
         return finish(options, &Outcome::new(options, header, &candidates, &results)?);
     }
     let name = options.scene.as_deref().context("a scene is needed")?;
-    let scene = scene::open_limited(name, &options.common.limits())?;
+    let scene = output::open(name, &options.common.limits())?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     if !options.common.quiet {
         output::notes(&scene);
@@ -47,7 +52,7 @@ pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
     }
     let sweep = Sweep::new(options, &scene)?;
     let results = sweep.run(options)?;
-    if options.cell.is_some() {
+    if options.cell.is_some() || interrupt::asked() {
         return Ok(());
     }
     finish(options, &Outcome::new(options, sweep.header, &sweep.candidates, &results)?)

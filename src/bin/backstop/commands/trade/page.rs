@@ -8,6 +8,15 @@ use anyhow::anyhow;
 use backstop::lab::trade::{Axis, Measure};
 use std::path::Path;
 
+/// The charts beside a page.
+pub(super) fn charts() -> Vec<String> {
+    std::iter::once("front.svg".to_owned()).chain(Axis::ALL.into_iter().map(chart_of)).collect()
+}
+
+fn chart_of(axis: Axis) -> String {
+    format!("{}.svg", axis.name().replace(' ', "-"))
+}
+
 /// Writes the page and its pictures into a folder.
 pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
     let save = |name: &str, svg: Result<String, Box<dyn std::error::Error>>| {
@@ -34,7 +43,7 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
         if values.is_empty() {
             continue;
         }
-        let name = format!("{}.svg", axis.name().replace(' ', "-"));
+        let name = chart_of(axis);
         let names: Vec<&str> = values.iter().map(|value| value.value.as_str()).collect();
         save(&name, crate::report::charts::svg(|area| charts::axis(area, outcome, at, axis, &names)))?;
         page.heading(axis.name());

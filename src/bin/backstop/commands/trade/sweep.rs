@@ -1,7 +1,8 @@
 //! Runs the cells of a grid: errors on all threads, then times one after another.
 
-use super::lines::{FORMAT, Figures, Header, Line, Measured, Results, Sink, Timed, read};
+use super::lines::{FORMAT, Figures, Header, Line, Measured, Results, STARTS, Sink, Timed, read};
 use super::options::TradeOptions;
+use crate::interrupt;
 use crate::json_lines;
 use crate::report::output;
 use crate::settings_file::{self, SettingsFile};
@@ -122,13 +123,16 @@ impl<'a> Sweep<'a> {
     /// Runs the missing cells among the requested ones, and returns all results.
     pub(super) fn run(&self, options: &TradeOptions) -> anyhow::Result<Results> {
         let mut results = Results::none(self.candidates.len());
+        let _watch = interrupt::watch()?;
         let (mut sink, temporary) = self.open(options, &mut results)?;
         let mine: Vec<usize> = (0..self.candidates.len())
             .filter(|i| options.cell.is_none_or(|share| i % share.of == share.first))
             .collect();
         self.measure(options, &mine, &mut results, &mut sink)?;
         self.time(options, &mine, &mut results, &mut sink)?;
-        if let Some(path) = temporary {
+        if let Some(path) = temporary.as_ref().filter(|_| interrupt::asked()) {
+            eprintln!("note: the same command goes on with what is in {}", path.display());
+        } else if let Some(path) = temporary {
             drop(sink);
             std::fs::remove_file(&path).with_context(|| format!("can't remove {}", path.display()))?;
         }
@@ -164,7 +168,7 @@ impl<'a> Sweep<'a> {
                 results.take(line).with_context(about)?;
             }
         }
-        let mut sink = Sink::File(json_lines::open(&path).context("--results names another file")?);
+        let mut sink = Sink::File(json_lines::open(&path, &STARTS).context("--results names another file")?);
         if !has_header {
             sink.put(&Line::Header(Box::new(self.header.clone())))?;
         } else if !options.common.quiet {
@@ -186,7 +190,9 @@ impl<'a> Sweep<'a> {
         let bar = output::progress(!options.common.quiet, missing.len() as u64, "cells measured");
         let (next, shared) = (AtomicUsize::new(0), Mutex::new((results, sink)));
         let work = || -> anyhow::Result<()> {
-            while let Some(&cell) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while !interrupt::asked()
+                && let Some(&cell) = missing.get(next.fetch_add(1, Ordering::Relaxed))
+            {
                 let candidate = &self.candidates[cell];
                 let errors = self
                     .reference
@@ -238,9 +244,12 @@ impl<'a> Sweep<'a> {
         let missing: Vec<(usize, u32)> =
             rounds.filter(|&(cell, round)| lacks(results, cell, round)).collect();
         let bar = output::progress(!options.common.quiet, missing.len() as u64, "times taken");
-        for some in missing.chunks(BETWEEN) {
+        for some in missing.chunks(BETWEEN).take_while(|_| !interrupt::asked()) {
             let default_us = self.cost(0)?;
             for &(cell, round) in some {
+                if interrupt::asked() {
+                    break;
+                }
                 let us = if cell == 0 { default_us } else { self.cost(cell)? };
                 let line = Line::Timed(Timed { cell, round, us, default_us });
                 sink.put(&line)?;
