@@ -111,19 +111,42 @@ pub fn judge(sequence: &Sequence) -> Result<(), Finding> {
             original.tight = tight;
         }
     }
-    twin(sequence, &told, original.tight)
+    if original.tight {
+        return Ok(());
+    }
+    let large = sequence.calls.iter().any(|(_, call)| matches!(call, Call::AddBodies(_, b) if b.len() > 100));
+    if large {
+        twin("two threads", sequence, &told, &|settings| settings.threads = 2)?;
+    }
+    let limits = |call: &Call| matches!(call, Call::Settings(settings) if !settings.budget.is_none());
+    if !sequence.settings.budget.is_none() || sequence.calls.iter().any(|(_, call)| limits(call)) {
+        twin("without a budget", sequence, &told, &|settings| settings.budget = Budget::NONE)?;
+    }
+    Ok(())
 }
 
-/// A large world is stepped by two threads too.
-fn twin(sequence: &Sequence, told: &[Told], tight: bool) -> Result<(), Finding> {
-    let large = sequence.calls.iter().any(|(_, call)| matches!(call, Call::AddBodies(_, b) if b.len() > 100));
-    let threaded = sequence.settings.clone().with_threads(2);
-    let (true, false, Ok(world)) = (large, tight, World::new(threaded)) else { return Ok(()) };
+/// The same with other settings on which nothing depends.
+fn twin(
+    name: &str,
+    sequence: &Sequence,
+    told: &[Told],
+    change: &dyn Fn(&mut Settings),
+) -> Result<(), Finding> {
+    let mut settings = sequence.settings.clone();
+    change(&mut settings);
+    let Ok(world) = World::new(settings) else { return Ok(()) };
+    let calls = sequence.calls.iter().cloned().map(|(place, mut call)| {
+        if let Call::Settings(settings) = &mut call {
+            change(settings);
+        }
+        (place, call)
+    });
+    let calls: Vec<_> = calls.collect();
     let mut place = 0;
     let mut marks = Vec::new();
     let mut two = Player::new(world, false);
-    let mut compared = Compared::new("two threads");
-    two.play(&sequence.calls, &mut Marks::Own(&mut marks), 0, &mut |new| {
+    let mut compared = Compared::new(name);
+    two.play(&calls, &mut Marks::Own(&mut marks), 0, &mut |new| {
         place += 1;
         compared.compare(&told[place - 1], &new)
     })?;
@@ -180,7 +203,10 @@ fn follow(
     if way != "same" {
         // Its own was endless, so that it had room for what is restored.
         let settings = player.world.settings().clone().with_budget(mark.budget);
-        player.world.set_settings(settings).map_err(|error| finding("settings refused", error.to_string()))?;
+        player
+            .world
+            .set_settings(settings)
+            .map_err(|error| finding("settings refused", error.to_string()))?;
         player.lowered = true;
     }
     draw(&player.world);
@@ -214,8 +240,7 @@ impl Compared {
     }
 
     fn compare(&mut self, known: &Told, new: &Told) -> Result<(), Finding> {
-        let refused = |told: &Told| told.result.as_ref().is_err_and(|error| error.starts_with("the budget"));
-        self.tight |= refused(known) || refused(new);
+        self.tight |= [known, new].iter().any(|told| told.is_tight());
         if self.tight {
             return Ok(());
         }
@@ -325,7 +350,7 @@ impl Player {
         self.note(&result);
         let report = self.world.report();
         self.tight |= report.shed > 0 || (report.events_lost > 0 && !self.world.settings().budget.is_none());
-        self.check("a step")?;
+        self.check(if result.is_ok() { "a step" } else { "a refused step" })?;
         let step = result.is_ok().then(|| OfStep::of(&self.world, &self.handles));
         Ok(Told { result: result.map_err(|e| e.to_string()), hash: self.world.hash(), step })
     }

@@ -18,6 +18,14 @@ pub struct Told {
     pub step: Option<OfStep>,
 }
 
+impl Told {
+    /// Whether the budget refused something or left something out.
+    pub fn is_tight(&self) -> bool {
+        let refused = self.result.as_ref().is_err_and(|error| error.starts_with("the budget"));
+        refused || self.step.as_ref().is_some_and(|step| step.report.shed > 0)
+    }
+}
+
 /// What the last step tells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OfStep {
