@@ -213,13 +213,15 @@ fn save_contact(contact: ContactRef<'_>, rolling: Vec3, kept: bool, out: &mut Ve
     if !is_zero(rolling) {
         line.put(rolling);
     }
-    let lasts = contact.lasting_force != 0.0 || contact.static_load != UNKNOWN_LOAD;
+    // By bits, here and below: a zero may have a sign.
+    let lasts = !is_zero([contact.lasting_force, contact.rest].map(f32::to_bits))
+        || contact.static_load != UNKNOWN_LOAD;
     line.flag(LASTS, lasts);
     if lasts {
         line.put([contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits));
     }
     let even = contact.even_share();
-    let shares = lasts && points.iter().any(|p| p.share != even);
+    let shares = points.iter().any(|p| p.share != even);
     line.flag(SHARES, shares);
     if shares {
         points.iter().for_each(|p| line.put([p.share.to_bits()]));

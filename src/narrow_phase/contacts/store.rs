@@ -307,7 +307,8 @@ impl Contacts {
 
     /// Sets that of a contact; `allowance`: for the column.
     pub(crate) fn set_rolling(&mut self, slot: u32, rolling: Vec3, allowance: &mut Allowance) {
-        if rolling != Vec3::ZERO {
+        // By bits: a zero may have a sign.
+        if rolling.to_array().map(f32::to_bits) != [0; 3] {
             self.fit_rolling(allowance);
         }
         if let Some(own) = self.rolling.get_mut(slot as usize) {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+mod between_steps;
 mod bytes;
 mod calls;
 mod changed_bytes;
