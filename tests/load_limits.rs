@@ -342,7 +342,7 @@ fn files_beside_a_scene_count_as_often_as_they_are_named() {
     }
     limits.bytes += 1;
     // Then it is only empty.
-    assert!(matches!(load_with(&path, give, &limits), Err(SceneError::Body { .. })));
+    assert!(matches!(load_with(&path, give, &limits), Err(SceneError::Malformed { .. })));
 }
 
 /// A mesh of an extent of 1e-45 m kept `run` and `plan` busy for ever, through a file of 1.6 KB. Expected: an

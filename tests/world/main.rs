@@ -26,3 +26,4 @@ mod reading;
 mod replay;
 mod sleep;
 mod snapshot;
+mod told;

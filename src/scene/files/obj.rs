@@ -46,6 +46,9 @@ pub(super) fn read(path: &Path, mut bytes: &[u8], mut tally: Tally) -> Result<Sc
             welded.triangle([a, b, c]);
         }
     }
+    if welded.triangles.is_empty() {
+        return Err(malformed("it has no triangle with an area".into()));
+    }
     let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("mesh");
     let mesh = assets::mesh(&welded.vertices, &welded.triangles).map_err(|source| SceneError::Body {
         file: path.into(),

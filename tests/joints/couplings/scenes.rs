@@ -131,8 +131,7 @@ fn couplings_of_joints_that_are_not_there_are_refused() {
     let mut scene = machine();
     scene.couplings[3].joints[1] = 99;
     let mut world = World::new(Settings::default()).unwrap();
-    let refused =
-        Error::OutOfRange { what: "coupled joint", expected: "an index of the scene's joints", value: 99.0 };
+    let refused = Error::Index { what: "index of a coupled joint", index: 99, count: scene.joints.len() };
     assert_eq!(scene.add_to(&mut world).unwrap_err(), refused);
     assert_eq!((world.bodies().count(), world.joint_count(), world.coupling_count()), (0, 0, 0));
     // A file has no place for it.

@@ -3,6 +3,7 @@
 
 use super::{BsCharacter, BsCharacterReport, Walker, looking, moving};
 use crate::abi::guard::call;
+use crate::abi::lock::Changing;
 use crate::abi::pointers::Out;
 use crate::abi::sized::{place, write};
 use crate::abi::status::{BsStatus, Outcome};
@@ -10,7 +11,6 @@ use crate::abi::values::{BsVec3, BsWorldCharacter};
 use crate::query::{BsQueryFilter, with_filter};
 use crate::world::{BsWorld, change, changing, get_all, reading};
 use backstop::{CharacterReport, QueryFilter};
-use std::sync::RwLockWriteGuard;
 
 /// Puts a copy of a character into a world, where `bs_world_walk_character` moves it. Bodies don't notice it.
 /// `added` may be null.
@@ -91,8 +91,7 @@ pub unsafe extern "C" fn bs_world_walk_character(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (mut content, copy) = unsafe {
-            let copy: Option<RwLockWriteGuard<'_, Walker>> =
-                if copy.is_null() { None } else { Some(moving(copy)?) };
+            let copy: Option<Changing<'_, Walker>> = if copy.is_null() { None } else { Some(moving(copy)?) };
             (changing(world)?, copy)
         };
         if !report.is_null() {

@@ -18,7 +18,7 @@ pub(crate) struct StabilityOptions {
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
     /// Boxes, rows or levels; for `light` how many times lighter the lower box is.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = crowd)]
     pub(crate) size: Option<usize>,
     /// Only structures of the set whose names begin like this.
     #[arg(long, value_name = "NAME", conflicts_with = "scene")]

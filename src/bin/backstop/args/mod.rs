@@ -153,7 +153,7 @@ pub(crate) struct RunOptions {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = gravity)]
     pub(crate) gravity: Option<Vec3>,
     /// Rain this many bodies of mixed shapes onto the scene from above.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crowd)]
     pub(crate) drop: usize,
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -221,7 +221,7 @@ pub(crate) struct PlanOptions {
     #[arg(long)]
     pub(crate) sleep: bool,
     /// Rain this many bodies of mixed shapes onto the scene from above.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crowd)]
     pub(crate) drop: usize,
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -319,11 +319,11 @@ pub(crate) struct ReplayOptions {
 #[derive(Args, Debug)]
 pub(crate) struct ShotOptions {
     /// How many; each is run under all three modes.
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = shots)]
     pub(crate) count: u64,
     /// How many more are shot at bodies that can move: plates, doors, stacks and crowds [default: a tenth of
     /// `--count`].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = shots)]
     pub(crate) moving: Option<u64>,
     /// Which: the same seed gives the same shots.
     #[arg(long, value_name = "S", default_value_t = 1)]

@@ -26,5 +26,8 @@ fn numbers_are_read_as_people_write_them() {
     assert!(look.draw.shapes && look.draw.motion && !look.draw.contacts && !look.grid);
     assert!(Look::parse("shape").is_err());
     assert!(Look::NAMES.iter().all(|name| Look::nothing().switch(name).is_some()));
+    // Beyond, memory ran out before the first step.
+    assert!(crowd("1000000").is_ok() && crowd("99999999999").is_err() && crowd("-1").is_err());
+    assert!(shots("1000000000").is_ok() && shots("18446744073709551615").is_err());
     assert!(gravity("1,2").is_err() && gravity("inf").is_err());
 }

@@ -116,6 +116,22 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A number of bodies: as many as a file may have (`LoadLimits`).
+pub(crate) fn crowd(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 0..=1_000_000) => Ok(n),
+        _ => Err("must be a whole number in 0..=1000000".into()),
+    }
+}
+
+/// So many that a million a second take a quarter of an hour.
+pub(crate) fn shots(text: &str) -> Result<u64, String> {
+    match text.parse() {
+        Ok(n @ 0..=1_000_000_000) => Ok(n),
+        _ => Err("must be a whole number in 0..=1000000000".into()),
+    }
+}
+
 pub(crate) fn gravity(text: &str) -> Result<Vec3, String> {
     let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
     match parts[..] {

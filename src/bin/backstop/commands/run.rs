@@ -69,6 +69,8 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         }
         None => None,
     };
+    // Until all is written.
+    let _watch = interrupt::watch()?;
     let ran = with_threads(chosen.settings.threads, || simulate(options, &chosen, &scene, frames))?;
     write(options, chosen.dt, &scene, &ran)
 }
@@ -135,7 +137,6 @@ fn simulate(
     mut frames: Option<Frames>,
 ) -> anyhow::Result<Ran> {
     let dt = chosen.dt;
-    let _watch = interrupt::watch()?;
     let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
     let recording = options.record.as_deref().map(|path| record(path, &mut world)).transpose()?;
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
@@ -153,8 +154,7 @@ fn simulate(
     let accuracy = options.accuracy.then(Course::default);
     let sum = |solver: &WorldSolver| SolverSum { method: solver.method.name(), ..SolverSum::default() };
     let solver = chosen.solver.as_ref().map(sum);
-    let mut trace =
-        Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy, solver };
+    let mut trace = Trace { reports: Vec::new(), energy: Vec::new(), accuracy, solver };
     world.solve_with(chosen.solver.clone());
     world.measure_accuracy(options.accuracy);
     let export_to = options.export()?;

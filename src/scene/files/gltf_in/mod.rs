@@ -90,6 +90,10 @@ fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene, tally: &mut Tally)
                 .map_err(|p| problem(parts, node, p))?;
         }
     }
+    if welded.triangles.is_empty() {
+        let what = "it has neither physics (KHR_physics_rigid_bodies) nor a triangle with an area".into();
+        return Err(SceneError::Malformed { file: parts.path.clone(), what });
+    }
     let name = scene.name.clone();
     let mesh = assets::mesh(&welded.vertices, &welded.triangles).map_err(|source| SceneError::Body {
         file: parts.path.clone(),

@@ -99,7 +99,7 @@ pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyho
     let modes = [discrete, way.settings.clone()];
     let mut before = Snapshot::new();
     let mut times: [Times; 2] = Default::default();
-    let mut frames: Vec<Frame> = Vec::with_capacity(way.steps as usize);
+    let mut frames: Vec<Frame> = Vec::new();
     let mut stages = [[0.0; STAGES.len()]; 2];
     let mut memory = MemoryReport::default();
     for step in 1..=way.steps {
