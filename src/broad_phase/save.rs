@@ -61,29 +61,56 @@ fn role_of(byte: u8) -> Option<Role> {
 impl BroadPhase {
     /// Writes the state of these colliders, those of all that moves or sleeps.
     pub(crate) fn save(&self, colliders: impl Iterator<Item = u32> + Clone, out: &mut Vec<u32>) -> Lists {
-        let mut lists = Lists { refreshed: u32::from(self.refreshed), ..Lists::default() };
+        let BroadPhase {
+            roles: all_roles,
+            proxies,
+            marks,
+            changed,
+            movers,
+            unbounded,
+            paths,
+            refreshed,
+            // Written with their contacts.
+            pairs: _,
+            // Written with what is static: see `save_statics`.
+            statics: _,
+            new_statics: _,
+            // These follow from the others.
+            table: _,
+            away: _,
+            counts: _,
+            statics_changes: _,
+            // A role says who is new; scratch of a search.
+            new_movers: _,
+            changes: _,
+            blocks: _,
+            block: _,
+            #[cfg(test)]
+                shuffle: _,
+        } = self;
+        let mut lists = Lists { refreshed: u32::from(*refreshed), ..Lists::default() };
         let mut roles = Packer::default();
         for c in colliders.clone() {
             lists.colliders += 1;
-            roles.push(out, self.roles[c as usize] as u8);
+            roles.push(out, all_roles[c as usize] as u8);
         }
         roles.end(out);
-        for c in colliders.filter(|&c| has_box(self.roles[c as usize])) {
-            let Aabb { min, max } = self.proxies[c as usize].bounds;
+        for c in colliders.filter(|&c| has_box(all_roles[c as usize])) {
+            let Aabb { min, max } = proxies[c as usize].bounds;
             out.extend_from_slice(&words::<6>([min, max]));
             lists.boxes += 1;
         }
         // What was removed since has none any more.
-        for path in self.paths.iter().filter(|path| self.roles[path.collider as usize] >= Role::Fast) {
+        for path in paths.iter().filter(|path| all_roles[path.collider as usize] >= Role::Fast) {
             out.push(path.collider);
             lists.paths += 1;
         }
-        out.extend(&self.unbounded);
-        out.extend(self.changed.iter().map(|&c| c | u32::from(self.marks[c as usize]) << MARKS));
-        self.movers.save(out);
-        lists.unbounded = self.unbounded.len() as u32;
-        lists.changed = self.changed.len() as u32;
-        lists.nodes = self.movers.node_count() as u32;
+        out.extend(unbounded);
+        out.extend(changed.iter().map(|&c| c | u32::from(marks[c as usize]) << MARKS));
+        movers.save(out);
+        lists.unbounded = unbounded.len() as u32;
+        lists.changed = changed.len() as u32;
+        lists.nodes = movers.node_count() as u32;
         lists
     }
 

@@ -26,10 +26,25 @@ pub(crate) struct SavedEvents<'a> {
 impl Events {
     /// Writes the pairs that ended since the last step.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> EventLists {
-        for Gone { shapes: [a, b], sensor } in &self.gone {
+        let Events {
+            gone,
+            missed,
+            // Of the last step.
+            begins: _,
+            ends: _,
+            hits: _,
+            entered: _,
+            left: _,
+            impulses: _,
+            tweaks: _,
+            vetoed: _,
+            lost: _,
+            allowance: _,
+        } = self;
+        for Gone { shapes: [a, b], sensor } in gone {
             out.extend([a.slot, a.generation, b.slot, b.generation, u32::from(*sensor)]);
         }
-        EventLists { gone: self.gone.len() as u32, missed: self.missed }
+        EventLists { gone: gone.len() as u32, missed: *missed }
     }
 
     /// Takes the pairs that ended before the snapshot, and forgets the events of a step that was undone.

@@ -37,21 +37,40 @@ pub(crate) struct SavedJoints<'a> {
 impl Joints {
     /// Writes what joints bear.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> JointLists {
-        self.all.iter().for_each(|joint| out.extend_from_slice(&words::<6>([joint.force, joint.torque])));
-        for lock in &self.locks {
+        let Joints {
+            all,
+            locks,
+            rows,
+            couplings,
+            changed,
+            // Definitions: see `save_all`.
+            slots: _,
+            first: _,
+            stale: _,
+            // These follow from the others; `fresh` is memory that is promised.
+            count: _,
+            fresh: _,
+            breakable: _,
+            reporting: _,
+            // Of the last step.
+            broken: _,
+            strained: _,
+        } = self;
+        all.iter().for_each(|joint| out.extend_from_slice(&words::<6>([joint.force, joint.torque])));
+        for lock in locks {
             let [x, y, z] = lock.impulse.to_array();
             out.extend_from_slice(&words::<6>([x, y, z, lock.lasting_impulse, lock.steady, lock.lag]));
         }
-        for row in &self.rows {
+        for row in rows {
             let ([low, high], [a, b]) = (row.impulse, row.kind.ends());
             out.extend_from_slice(&words::<5>([low, high, row.lasting_impulse, a, b]));
         }
         JointLists {
-            joints: self.all.len() as u32,
-            locks: self.locks.len() as u32,
-            rows: self.rows.len() as u32,
-            couplings: self.couplings.save(out),
-            changed: u32::from(self.changed),
+            joints: all.len() as u32,
+            locks: locks.len() as u32,
+            rows: rows.len() as u32,
+            couplings: couplings.save(out),
+            changed: u32::from(*changed),
         }
     }
 

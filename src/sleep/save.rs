@@ -51,19 +51,35 @@ impl Sleep {
 
     /// Writes everything but the pairs.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> SleepLists {
-        out.extend(&self.free_islands);
-        for island in &self.islands {
+        let Sleep {
+            islands,
+            free_islands,
+            waited,
+            woke,
+            slept,
+            // Lists within the islands; places that nothing depends on.
+            bodies: _,
+            pairs: _,
+            free_pair: _,
+            pair_count: _,
+            // Of one search, and of the last step.
+            groups: _,
+            waking: _,
+            fell_asleep: _,
+        } = self;
+        out.extend(free_islands);
+        for island in islands {
             out.extend([self.slots(island).count() as u32, self.pairs_of(island) as u32]);
         }
         let before = out.len();
-        self.islands.iter().for_each(|island| out.extend(self.slots(island)));
+        islands.iter().for_each(|island| out.extend(self.slots(island)));
         SleepLists {
-            islands: self.islands.len() as u32,
-            free: self.free_islands.len() as u32,
+            islands: islands.len() as u32,
+            free: free_islands.len() as u32,
             bodies: (out.len() - before) as u32,
-            waited: self.waited,
-            woke: self.woke,
-            slept: self.slept,
+            waited: *waited,
+            woke: *woke,
+            slept: *slept,
         }
     }
 

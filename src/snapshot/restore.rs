@@ -147,6 +147,7 @@ fn brought<'a>(
         contacts,
         forced: counts.has(FORCE),
         targets: counts.targets as usize,
+        guarded: counts.guarded as usize,
         characters: counts.characters as usize,
         forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
         rests: counts.has(RESTS) || counts.parts[2] > 0,

@@ -9,7 +9,7 @@ use crate::body::{Pose, Target};
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::words::words;
-use crate::world::World;
+use crate::world::{State, World};
 
 fn pose_words(pose: &Pose) -> [u32; 10] {
     let [a, b, c, d, e, f] = words::<6>(pose.position.to_array());
@@ -23,15 +23,17 @@ fn motion_words(v: &Record) -> [u32; 6] {
 
 /// Writes all that changes from step to step.
 pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
-    let World { bodies, colliders, broad, contacts, joints, sleep, buffers, .. } = world;
+    let state = world.state();
+    let State { bodies, colliders, broad, contacts, joints, sleep, .. } = state;
     let (movers, all) = (bodies.movers(), bodies.asleep().end);
     let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
     out.clear();
     out.resize(HEAD + COUNTS, 0);
-    settings::save(&world.settings, out);
-    out.extend_from_slice(&words::<6>(world.origin.to_array()));
-    out.extend([buffers.last_h, buffers.solver.usual_h, buffers.evenness].map(f32::to_bits));
-    out.push(buffers.statics.wait << 1 | u32::from(buffers.statics.pending));
+    settings::save(state.settings, out);
+    out.extend_from_slice(&words::<6>(state.origin.to_array()));
+    out.extend([state.last_h, state.usual_h, state.evenness].map(f32::to_bits));
+    let (wait, pending) = state.statics;
+    out.push(wait << 1 | u32::from(pending));
 
     out.extend(&bodies.slot[..all]);
     let start = out.len();
@@ -64,7 +66,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         out.push(dt.to_bits());
         counts.targets += 1;
     }
-    let clear = &buffers.finish.clear;
+    let clear = state.clear;
     counts.guarded = clear.len() as u32;
     for some in clear.chunks(32) {
         out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
@@ -76,8 +78,8 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     }
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
-    let of_islands = sleep.saved_pairs().map(|pair| (pair, true));
-    let pairs = broad.pairs.iter().map(|pair| (pair, false)).chain(of_islands);
+    let pairs = broad.pairs.iter().chain(sleep.saved_pairs());
+    let pairs = pairs.map(|pair| (pair, pair.is_idle(&colliders.summaries, bodies.dynamic())));
     (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
     let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
     debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
@@ -86,8 +88,8 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     counts.contact_words = (out.len() - start) as u32;
     counts.sleep = sleep.save(out);
     counts.joints = joints.save(out);
-    counts.characters = save_characters(&world.characters, forms, out);
-    counts.events = world.events.save(out);
+    counts.characters = save_characters(state.characters, forms, out);
+    counts.events = state.events.save(out);
 
     let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
     out[..HEAD].copy_from_slice(&words::<HEAD>(head));

@@ -4,6 +4,7 @@
 //! - `step/`: the inputs of each stage, and everything around the stages.
 //! - `characters.rs`: characters that live in the world.
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
+//! - `state.rs`: the list of what outlives a step.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
 // The documentation of `World` lists its methods in this order.
@@ -29,6 +30,8 @@ mod memory;
 
 mod revisions;
 
+mod state;
+
 pub(crate) use characters::{CHARACTER_WORDS, Characters, Resident};
 pub use contacts::{BodyContact, ContactPoint};
 pub(crate) use contacts::{Place, place_of, relative_now};
@@ -40,6 +43,7 @@ pub use memory::{Feature, Model, ModelPart};
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use revisions::{Revisions, SharedPart};
+pub(crate) use state::State;
 #[cfg(feature = "replay")]
 pub(crate) use step::Recorder;
 #[cfg(feature = "lab")]

@@ -29,6 +29,8 @@ pub(crate) struct Brings<'a> {
     pub(crate) forced: bool,
     /// Number of kinematic bodies that are to be somewhere after the next step.
     pub(crate) targets: usize,
+    /// Bodies that the guard checked; some may have been disabled since.
+    pub(crate) guarded: usize,
     /// Slots of characters.
     pub(crate) characters: usize,
     /// Bytes of their hulls, as far as neither the world nor `new` has them.
@@ -149,6 +151,7 @@ impl World {
         if brings.rolling {
             f(Category::Manifolds, self.contacts.rolling_buffer(), brings.contacts.contacts);
         }
+        f(Category::Scratch, &mut self.buffers.finish.clear, brings.guarded);
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
         f(Category::Bodies, self.character_buffer(), brings.characters);
         self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));

@@ -30,7 +30,9 @@ fn pair_on_a_joint(seed: u64) -> World {
     }
     let (own, point) = ([bodies[0], bodies[1]], (places[0] + places[1]) * 0.5);
     let frames = world.frames_at(own, point.as_dvec3(), Quat::IDENTITY).unwrap();
-    world.add_joint(&JointDesc { collide: true, ..JointDesc::ball(own, frames) }).unwrap();
+    let mut joint = JointDesc::ball(own, frames);
+    joint.collide = true;
+    world.add_joint(&joint).unwrap();
     world
 }
 
@@ -59,8 +61,8 @@ fn bodies_on_a_joint_go_on_from_any_step_in_any_world() {
 /// A ball that lies on a box, both within a sensor, and all of them ask for events.
 fn in_a_sensor() -> (World, [BodyHandle; 3], [ShapeHandle; 3]) {
     let mut world = World::new(Settings::default()).unwrap();
-    let with_events = |geometry| ShapeDesc { events: true, ..ShapeDesc::new(geometry) };
-    let room = ShapeDesc::new(Geometry::cuboid(3.0, 3.0, 3.0)).as_sensor();
+    let with_events = |geometry| ShapeDesc::new(geometry).with_events();
+    let room = ShapeDesc::new(Geometry::cuboid(3.0, 3.0, 3.0)).with_sensor(true);
     let floor = with_events(Geometry::cuboid(2.0, 0.5, 2.0));
     let ball = with_events(Geometry::Sphere { radius: 0.5 });
     let bodies = [
