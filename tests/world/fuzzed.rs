@@ -26,8 +26,8 @@ fn seeded(seed: u8, cases: u32, length: usize, run: fn(&[u8])) {
     }
 }
 
-/// Worlds of everything: what must hold is in `fuzz/bodies/calls/judge.rs`. `scripts/reliability calls` goes on
-/// from here.
+/// Worlds of everything: what must hold is in `fuzz/bodies/calls/judge.rs`. `scripts/reliability calls` runs
+/// more of them.
 #[test]
 fn calls_in_any_order_leave_a_world_that_restores_to_itself() {
     for seed in 0..CALL_SEEDS {

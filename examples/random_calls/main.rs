@@ -8,10 +8,10 @@
 //!
 //! Without arguments 200 sequences. The development profile has assertions on, and is optimised.
 
-#[path = "../fuzz/bodies/calls/mod.rs"]
+#[path = "../../fuzz/bodies/calls/mod.rs"]
 #[allow(dead_code, unreachable_pub, reason = "of the package of fuzz targets")]
 mod calls;
-#[path = "../fuzz/bodies/input.rs"]
+#[path = "../../fuzz/bodies/input.rs"]
 #[allow(dead_code, unreachable_pub, reason = "of the package of fuzz targets")]
 mod input;
 
