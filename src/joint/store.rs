@@ -389,14 +389,14 @@ impl Joints {
         self.find_starts();
     }
 
-    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row may have one for
-    /// itself, of so many bytes.
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row may have one
+    /// for itself, of so many bytes.
     pub(crate) fn missing(&mut self, more: JointAdditions, batch: usize) -> usize {
         (more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch + self.missing_columns(more)
     }
 
-    /// The most bytes that the rows take for which no batches were arranged yet: they are promised to the next
-    /// step, and nothing else may have them.
+    /// The most bytes that the rows take for which no batches were arranged yet: they are promised to the
+    /// next step, and nothing else may have them.
     pub(crate) fn promised(&self, batch: usize) -> usize {
         self.fresh * batch
     }

@@ -93,8 +93,8 @@ fn may_be_kept(first: ContactRef<'_>, summaries: &[ColliderSummary]) -> bool {
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
 }
 
-/// Writes the contacts of pairs, each with whether it is idle: the contact of a body that sleeps is kept as it
-/// is, and is told of by where it was found.
+/// Writes the contacts of pairs, each with whether it is idle: the contact of a body that sleeps is kept as
+/// it is, and is told of by where it was found.
 pub(super) fn save_contacts<'a>(
     pairs: impl Iterator<Item = (&'a Pair, bool)>,
     contacts: &Contacts,

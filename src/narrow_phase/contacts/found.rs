@@ -408,7 +408,7 @@ fn renew_grown(
         let grown = found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
         let points = grown.map(|found| {
             let pair = &pairs[found.pair as usize];
-            input.room(pair, bounded).max(found.raw.count as usize) - contacts.room(pair.contact)
+            input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
         });
         ContactCount { contacts: 0, points: points.sum() }
     };

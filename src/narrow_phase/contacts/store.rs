@@ -241,6 +241,12 @@ impl Contacts {
         self.slots[slot as usize].place.room()
     }
 
+    /// The same once places were moved together, which gives up what they have beyond the points in them.
+    pub(crate) fn least_room(&self, slot: u32) -> usize {
+        let Slot { header, place } = &self.slots[slot as usize];
+        if self.keeps_rooms { place.room() } else { usize::from(header.count).clamp(1, place.room()) }
+    }
+
     /// Calls `f` with each contact of these pairs, in their order.
     pub(crate) fn for_each_of<'p>(
         &mut self,

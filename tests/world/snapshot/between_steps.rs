@@ -87,7 +87,7 @@ type Change = fn(&mut World, &[BodyHandle; 3], &[ShapeHandle; 3]);
 /// contact with the box, and the visits of either.
 const CHANGES: [(&str, Change, [usize; 2]); 8] = [
     ("the ball is removed", |w, b, _| w.remove_body(b[2]).unwrap(), [1, 1]),
-    ("its shape is removed", |w, _, s| w.remove_shape(s[2]).unwrap(), [1, 1]),
+    ("the box loses its shape", |w, _, s| w.remove_shape(s[1]).unwrap(), [1, 1]),
     ("it is disabled", |w, b, _| w.set_enabled(b[2], false).unwrap(), [1, 1]),
     ("it becomes static", |w, b, _| w.set_kind(b[2], BodyKind::Static).unwrap(), [1, 1]),
     ("the sensor is removed", |w, b, _| w.remove_body(b[0]).unwrap(), [0, 2]),
