@@ -47,9 +47,10 @@ impl Joints {
             slots: _,
             first: _,
             stale: _,
-            // These follow from the others; `fresh` is memory that is promised.
+            // These follow from the others; two are memory that is promised.
             count: _,
             fresh: _,
+            resting: _,
             breakable: _,
             reporting: _,
             // Of the last step.

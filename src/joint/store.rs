@@ -3,6 +3,7 @@
 use super::coupling::{Coupling, Couplings};
 use super::desc::{Axes, Drive, JointDesc, Limit, Motion, Spring};
 use super::frames::JointFrame;
+use crate::body::Bodies;
 use crate::config::RowGroup;
 use crate::handle::{CouplingHandle, JointHandle, Slots};
 use crate::limits::MAX_LOAD;
@@ -201,6 +202,8 @@ pub(crate) struct Joints {
     pub(super) stale: bool,
     /// Locks, rows and couplings that came since batches were last arranged.
     pub(super) fresh: usize,
+    /// Bytes of batches that joints of bodies at rest gave back, and need again once these wake.
+    pub(super) resting: usize,
     /// How many can break.
     pub(super) breakable: u32,
     /// How many ask to be reported.
@@ -395,10 +398,21 @@ impl Joints {
         (more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch + self.missing_columns(more)
     }
 
-    /// The most bytes that the rows take for which no batches were arranged yet: they are promised to the
-    /// next step, and nothing else may have them.
+    /// The most bytes that the rows take for which no batches are arranged: they are promised to the step that
+    /// will do so, and nothing else may have them.
     pub(crate) fn promised(&self, batch: usize) -> usize {
-        self.fresh * batch
+        self.fresh * batch + self.resting
+    }
+
+    /// Batches were arranged for all joints but those of bodies that are asleep or disabled: of what all of
+    /// them held or were promised, so many bytes are left.
+    pub(crate) fn note_resting(&mut self, left: usize, batch: usize, bodies: &Bodies) {
+        let awake = |slot: u32| (bodies.slots.dense(slot) as usize) < bodies.dynamic();
+        let rests = |joint: u32| !self.all[joint as usize].bodies.into_iter().any(awake);
+        let rows = self.locks.iter().map(|lock| lock.joint).chain(self.rows.iter().map(|row| row.joint));
+        let coupled = self.couplings.live().filter(|(_, one)| one.joints().into_iter().any(rests));
+        let rows = rows.filter(|&joint| rests(joint)).count() + COUPLING_ROWS * coupled.count();
+        self.resting = left.min(rows * batch);
     }
 
     /// All rows are about to be arranged in another way.

@@ -8,7 +8,8 @@ use crate::config::tuning::{
 };
 use crate::config::{FrictionModel, Settings};
 use crate::constraint::{
-    Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, find, lend, prepare,
+    Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend,
+    prepare,
 };
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
@@ -158,10 +159,14 @@ impl World {
         let lengths = self.lengths(dt);
         let Buffers { joints: rows, forces, .. } = &mut self.buffers;
         if self.joints.changed {
-            self.revisions.moving += u64::from(self.joints.is_stale());
-            self.joints.compact();
+            let (joints, bodies) = (&mut self.joints, &self.bodies);
+            let held = rows.bytes().1 + joints.promised(WIDEST_JOINT_BATCH);
+            self.revisions.moving += u64::from(joints.is_stale());
+            joints.compact();
             let (order, in_trees) = (self.settings.order, self.settings.joint_trees);
-            rows.arrange(&self.joints, &self.bodies, order, in_trees);
+            rows.arrange(joints, bodies, order, in_trees);
+            let left = held.saturating_sub(rows.bytes().1);
+            joints.note_resting(left, WIDEST_JOINT_BATCH, bodies);
         }
         if self.joints.count > 0 || !rows.tree_slots.is_empty() {
             let input = JointInput {
