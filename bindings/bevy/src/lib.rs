@@ -43,5 +43,5 @@ pub use world::{PhysicsHooks, PhysicsWorld};
 /// calls take is in [`backstop`]. Bevy's prelude has an `Axis` too, of gamepads: name the one that you mean.
 pub mod prelude {
     pub use crate::*;
-    pub use backstop::{Axes, Axis, Drive, Limit, Motion, Spring};
+    pub use ::backstop::{Axes, Axis, Drive, Limit, Motion, Spring};
 }

@@ -65,8 +65,9 @@ typedef struct BsReplay BsReplay;
 typedef struct BsSnapshot BsSnapshot;
 
 // Bodies that move, collide and come to rest. Calls that take it as `const` may come from any number of
-// threads at once; one that changes it may not come beside any other, and is refused with `BS_ERROR_BUSY`
-// if it does.
+// threads at once. One that changes it waits up to a second for those under way, and is refused with
+// `BS_ERROR_BUSY` beside another that changes it, and within a callback. Calls that begin beside a change,
+// or while one waits, are refused with `BS_ERROR_BUSY`: try again.
 typedef struct BsWorld BsWorld;
 
 // Result of a call: `BS_OK`, or why it was refused. A refused call has changed nothing, unless it says so.
@@ -529,7 +530,7 @@ typedef struct BsDrawOptions {
     // Dynamic bodies in the colour of their island. Default no.
     BsBool islands;
     // Centres of mass and principal axes. Default no.
-    BsBool centers;
+    BsBool centres;
     // Contacts in the colour that the solver gave them. Default no.
     BsBool solver_colours;
     // Whether only what is in the box from `region_min` to `region_max` is drawn. Default no.
@@ -1348,7 +1349,7 @@ typedef struct BsModelPart {
 #define BS_ELEMENT_JOINT_GAP 12
 
 // A body's centre of mass.
-#define BS_ELEMENT_CENTER_OF_MASS 13
+#define BS_ELEMENT_CENTRE_OF_MASS 13
 
 // One of its principal axes of inertia.
 #define BS_ELEMENT_PRINCIPAL_AXIS 14
@@ -2630,9 +2631,9 @@ BS_API BsStatus bs_body_set_mass(struct BsWorld *world, struct BsBody body, stru
 
 // Position of a body's centre of mass in the world [m].
 BS_API
-BsStatus bs_body_center_of_mass(const struct BsWorld *world,
+BsStatus bs_body_centre_of_mass(const struct BsWorld *world,
                                 struct BsBody body,
-                                struct BsDVec3 *center);
+                                struct BsDVec3 *centre);
 
 // All shapes but sensors.
 BS_API struct BsQueryFilter bs_query_filter_default(void);
@@ -3219,3 +3220,7 @@ BsStatus bs_world_counts(const struct BsWorld *world,
 #endif  // __cplusplus
 
 #endif  /* BACKSTOP_H */
+
+// Names of version 1: all of them say centre.
+#define bs_body_center_of_mass bs_body_centre_of_mass
+#define BS_ELEMENT_CENTER_OF_MASS BS_ELEMENT_CENTRE_OF_MASS

@@ -89,7 +89,9 @@ pub unsafe extern "C" fn bs_body_set_mass(
 }
 
 /// The name that `bs_body_centre_of_mass` had in version 1 of the interface, for programs that were linked
-/// then. cbindgen:ignore
+/// then.
+///
+/// cbindgen:ignore
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_body_center_of_mass(
     world: *const BsWorld,

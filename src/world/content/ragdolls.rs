@@ -1,7 +1,7 @@
 //! Ragdolls of the world: added, and driven to poses.
 
 use crate::body::BodyDesc;
-use crate::error::{Error, count};
+use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::joint::{
     Axis, Bone, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
@@ -77,7 +77,9 @@ impl Ragdoll {
         spring: Spring,
         max_torque: f32,
     ) -> Result<(), Error> {
-        count("rotations of a pose", "one for each bone", self.bodies.len(), pose.len())?;
+        if pose.len() != self.bodies.len() {
+            return Err(Error::Incomplete { what: "a pose", expected: "a rotation for each bone" });
+        }
         let pose = pose.iter().map(|&turn| unit_quat("rotation of a bone", turn));
         let pose = pose.collect::<Result<Vec<Quat>, Error>>()?;
         self.set_drives(world, |link, axis| {
