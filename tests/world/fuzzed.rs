@@ -31,12 +31,8 @@ fn seeded(seed: u8, cases: u32, length: usize, run: fn(&[u8])) {
 #[test]
 fn calls_in_any_order_leave_a_world_that_restores_to_itself() {
     for seed in 0..CALL_SEEDS {
-        let sequence = bodies::calls::sequence(&bodies::calls::bytes_of(seed));
-        let nowhere = String::new;
-        if let Some(finding) = bodies::calls::outcome(&sequence, &nowhere) {
-            let least = bodies::calls::shrink(&sequence, &finding.kind, &nowhere);
-            panic!("seed {seed}: {}: {}\n{least}", finding.kind, finding.text);
-        }
+        println!("seed {seed}");
+        bodies::calls::run(&bodies::calls::bytes_of(seed));
     }
 }
 

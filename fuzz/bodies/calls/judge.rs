@@ -13,8 +13,8 @@ use super::told::{OfStep, Told, difference, different_state, not_finite};
 use backstop::debug::{DebugDraw, DrawOptions, Ink};
 use backstop::glam::DVec3;
 use backstop::{
-    Aabb, BodyDesc, Budget, Category, Error, Geometry, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc,
-    Snapshot, World,
+    Aabb, BodyDesc, Budget, Category, Error, Geometry, MemoryReport, QueryFilter, Ray, Settings, ShapeCast,
+    ShapeDesc, Snapshot, World,
 };
 use std::cell::Cell;
 
@@ -52,6 +52,8 @@ struct Player {
     tight: bool,
     /// Whether a new budget may be less than what bodies can't do without.
     lowered: bool,
+    /// What was held after the last call.
+    held: MemoryReport,
     /// Calls after which the world may hold more.
     additions: u32,
     strict: bool,
@@ -265,7 +267,15 @@ impl Compared {
 
 impl Player {
     fn new(world: World, strict: bool) -> Player {
-        Player { world, handles: Handles::default(), tight: false, lowered: false, additions: 0, strict }
+        Player {
+            world,
+            handles: Handles::default(),
+            tight: false,
+            lowered: false,
+            held: MemoryReport::default(),
+            additions: 0,
+            strict,
+        }
     }
 
     /// Makes calls, the first of which is call number `first`; `hear` is told what the world tells after each
@@ -414,9 +424,13 @@ impl Player {
         if let Some(what) = not_finite(&self.world, &self.handles) {
             return Err(finding(format!("no number after {after}"), what));
         }
+        let before = std::mem::replace(&mut self.held, self.world.memory());
         match over(&self.world) {
             None if after == "a step" => self.lowered = false,
-            Some(what) if !self.lowered => return Err(finding(format!("over budget after {after}"), what)),
+            Some(what) if !self.lowered => {
+                let grew = grown(&before, &self.held);
+                return Err(finding(format!("over budget after {after}"), format!("{what}; {grew}")));
+            }
             _ => {}
         }
         Ok(())
@@ -497,6 +511,14 @@ fn over(world: &World) -> Option<String> {
     let most = |category| Some((category, budget.limit_of(category).filter(|&limit| of(category) > limit)?));
     let (category, limit) = Category::ALL.into_iter().find_map(most)?;
     Some(format!("{} of {limit} bytes of {category}", of(category)))
+}
+
+/// The categories that grew, in bytes.
+fn grown(before: &MemoryReport, now: &MemoryReport) -> String {
+    let pairs = before.iter().zip(now.iter()).filter(|((_, old), (_, new))| new.reserved > old.reserved);
+    let all =
+        pairs.map(|((category, old), (_, new))| format!("{category} {} to {}", old.reserved, new.reserved));
+    all.collect::<Vec<_>>().join(", ")
 }
 
 /// Draws nothing.

@@ -15,7 +15,6 @@ mod told;
 
 use super::input::Input;
 pub use call::Sequence;
-pub use judge::{Finding, judge};
 pub use shrink::{outcome, shrink};
 
 /// The sequence of some bytes.
@@ -36,10 +35,11 @@ pub fn bytes_of(seed: u64) -> Vec<u8> {
     words.collect()
 }
 
-/// Plays the sequence of some bytes; what goes wrong panics with the calls.
+/// Plays the sequence of some bytes; what goes wrong panics with the fewest calls.
 pub fn run(bytes: &[u8]) {
-    let sequence = sequence(bytes);
-    if let Err(finding) = judge(&sequence) {
-        panic!("{}: {}\n{sequence}", finding.kind, finding.text);
+    let (sequence, nowhere) = (sequence(bytes), String::new);
+    if let Some(finding) = outcome(&sequence, &nowhere) {
+        let least = shrink(&sequence, &finding.kind, &nowhere);
+        panic!("{}: {}\n{least}", finding.kind, finding.text);
     }
 }
