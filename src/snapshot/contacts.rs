@@ -93,7 +93,7 @@ fn may_be_kept(first: ContactRef<'_>, summaries: &[ColliderSummary]) -> bool {
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
 }
 
-/// Writes the contacts of pairs, each with whether it is idle: the contact of a body that sleeps is kept as
+/// Writes the contacts of pairs, each with whether it may rest: the contact of a body that sleeps is kept as
 /// it is, and is told of by where it was found.
 pub(super) fn save_contacts<'a>(
     pairs: impl Iterator<Item = (&'a Pair, bool)>,
@@ -102,8 +102,8 @@ pub(super) fn save_contacts<'a>(
     out: &mut Vec<u32>,
 ) -> u32 {
     let mut count = 0;
-    for (pair, idle) in pairs.filter(|(pair, _)| pair.contact != NO_CONTACT) {
-        let kept = idle || may_be_kept(contacts.at(pair.contact), summaries);
+    for (pair, rests) in pairs.filter(|(pair, _)| pair.contact != NO_CONTACT) {
+        let kept = rests || may_be_kept(contacts.at(pair.contact), summaries);
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
             let contact = contacts.at(slot);

@@ -6,6 +6,7 @@ use super::geometry::Known;
 use super::settings;
 use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PUSHED, REST, RESTS, VERSION};
 use crate::body::{Pose, Target};
+use crate::broad_phase::Pair;
 use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::words::words;
@@ -79,7 +80,9 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
     let pairs = broad.pairs.iter().chain(sleep.saved_pairs());
-    let pairs = pairs.map(|pair| (pair, pair.is_idle(&colliders.summaries, bodies.dynamic())));
+    // What is awake may be sent to sleep before the next step.
+    let rests = |pair: &Pair| bodies.rests || pair.is_idle(&colliders.summaries, bodies.dynamic());
+    let pairs = pairs.map(|pair| (pair, rests(pair)));
     (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
     let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
     debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
