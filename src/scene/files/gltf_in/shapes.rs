@@ -187,6 +187,9 @@ pub(super) fn charge_mesh(
     })
 }
 
+/// Counts a node at a depth.
+type CountNode<'a> = &'a mut dyn FnMut(usize) -> Result<(), Problem>;
+
 /// Calls `f` for a node and its descendants, with the transform from there to the frame of the node and then
 /// through
 /// `start`. The node's own transform and descendants with motion are ignored. `count` is called before, with
@@ -194,7 +197,7 @@ pub(super) fn charge_mesh(
 fn walk<'a>(
     parts: &'a Parts,
     node: usize,
-    (stop_at, count): (&dyn Fn(usize) -> bool, &mut dyn FnMut(usize) -> Result<(), Problem>),
+    (stop_at, count): (&dyn Fn(usize) -> bool, CountNode<'_>),
     start: DAffine3,
     f: &mut dyn FnMut(&gltf::Node<'a>, &DAffine3) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
