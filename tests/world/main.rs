@@ -10,6 +10,7 @@ mod common;
 mod bad_input;
 mod basics;
 mod bodies;
+mod breaking;
 mod budget;
 mod calls;
 mod changes;

@@ -48,6 +48,7 @@ impl Clock {
         };
         world.stage = Some(name);
         work(world);
+        debug_assert!(stage == Stage::Finish || world.buffers.forces.is_of(&world.bodies), "after {name}");
         world.note_stage(stage);
         let now = Instant::now();
         *time += microseconds(now - self.last);

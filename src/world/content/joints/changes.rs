@@ -187,7 +187,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never.
+    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. A strength that
+    /// is no other wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale, a number is not at least zero, or the budget does not allow it.
@@ -204,6 +205,9 @@ impl World {
     }
 
     /// Sets the force [N] and the torque [N m] above which a joint is among [`World::strained_joints`];
+        if self.joints.all[slot as usize].strength == [force, torque] {
+            return Ok(());
+        }
     /// infinity for never.
     ///
     /// # Errors
