@@ -365,7 +365,7 @@ impl ShapeDesc {
         }
         limits::offset("shape position", self.position)?;
         unit_quat("shape rotation", self.rotation)?;
-        within("density", self.density, 0.0, limits::MAX_DENSITY, "in 0..=1e15").map(drop)
+        limits::density(self.density)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Heights and holes that change.
 
 use super::{HeightField, SIDE, holes::HOLE};
-use crate::error::{Error, finite, within};
-use crate::limits::MAX_COORDINATE;
+use crate::error::Error;
+use crate::limits;
 use crate::shape::mesh::edges::Fold;
 
 /// New heights of a rectangle of samples, row by row.
@@ -70,7 +70,7 @@ impl HeightField {
             return Err(Error::OutOfRange { what: "heights", expected, value: patch.heights.len() as f64 });
         }
         for &height in patch.heights {
-            within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
+            limits::coordinate("height", height)?;
         }
         Ok(())
     }

@@ -6,9 +6,9 @@ pub(crate) mod rays;
 
 use super::corners::beyond;
 use super::slabs::Near;
-use crate::error::{Error, finite, positive, within};
+use crate::error::{Error, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
-use crate::limits::MAX_COORDINATE;
+use crate::limits::{self, MAX_COORDINATE};
 use crate::memory::{bytes_of, sum_bytes};
 use crate::shape::Surfaces;
 use crate::shape::mesh::bvh::Path;
@@ -103,7 +103,7 @@ impl HeightField {
             return Err(Error::OutOfRange { what: "heights", expected, value: heights.len() as f64 });
         }
         for &height in &heights {
-            within("height", finite("height", height)?, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7")?;
+            limits::coordinate("height", height)?;
         }
         if !folds.is_empty() && folds.len() != (columns - 1) * (rows - 1) {
             let expected = "one for each cell";

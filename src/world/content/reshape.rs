@@ -104,7 +104,10 @@ impl World {
     /// If the handle is stale, the number is out of range, or a dynamic body would be left without mass.
     pub fn set_density(&mut self, shape: ShapeHandle, density: f32) -> Result<(), Error> {
         let collider = self.collider(shape)?;
-        within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
+        limits::density(density)?;
+        if self.colliders.all[collider as usize].density == density {
+            return Ok(());
+        }
         let mass = self.mass_with(collider, &Part { density, ..self.part_of(collider) })?;
         self.note(Change::SetDensity(shape, density));
         let index = self.disturb(self.colliders.all[collider as usize].body as usize);

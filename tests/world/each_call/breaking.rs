@@ -73,8 +73,8 @@ fn a_rope_that_is_weakened_while_its_blocks_sleep_breaks_in_the_next_step() {
 }
 
 /// What hangs on a kinematic body sleeps, and that begins to turn: 30 rad/s at an arm of 1 m are 900 m/s²,
-/// which take 58 kN of 64 kg, more than the joint bears. Expected: it breaks in that step; what slept is awake
-/// after it, and from then on falls, by g dt a step.
+/// which take 58 kN of 64 kg, more than the joint bears. Expected: it breaks in that step; what slept is
+/// awake after it, and from then on falls, by g dt a step.
 #[test]
 fn a_joint_of_a_sleeping_body_breaks_by_what_it_hangs_on() {
     for mode in MODES {
