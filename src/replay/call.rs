@@ -115,6 +115,13 @@ calls! {
     SetSensesStatic "set_senses_static" (ShapeHandle, bool),
 }
 
+    /// A part that snapshots share, and the geometry in it, before the first call that uses it; numbered in
+    /// this order. Only the last [`PARTS`](super::geometry::PARTS) are kept.
+    Part "part" (Vec<u8>, Vec<Form>),
+    /// The state of a snapshot, the hulls of its characters, and its parts unless they are those of the
+    /// world. A recording that begins in the middle of a run begins with it.
+    Restore "restore" (Vec<u8>, Vec<Form>, Option<[u32; 2]>),
+    MoveKinematicAndStop "move_kinematic_and_stop" (BodyHandle, DVec3, glam::Quat, f32),
 /// Columns and rows, of which a field has no more.
 fn small(two: [usize; 2]) -> [u32; 2] {
     two.map(|n| n as u32)
@@ -177,8 +184,9 @@ impl Call {
             Change::SetLocks(body, translation, rotation) => Call::SetLocks(body, translation, rotation),
             Change::SetLinearVelocity(body, linear) => Call::SetLinearVelocity(body, linear),
             Change::SetAngularVelocity(body, angular) => Call::SetAngularVelocity(body, angular),
-            Change::MoveKinematic(body, position, rotation, dt) => {
-                Call::MoveKinematic(body, position, rotation, dt)
+            Change::MoveKinematic(body, at, turned, dt) => Call::MoveKinematic(body, at, turned, dt),
+            Change::MoveKinematicAndStop(body, at, turned, dt) => {
+                Call::MoveKinematicAndStop(body, at, turned, dt)
             }
             Change::ApplyAngularImpulse(body, impulse) => Call::ApplyAngularImpulse(body, impulse),
             Change::SetShapeUserData(shape, user_data) => Call::SetShapeUserData(shape, user_data),
@@ -227,6 +235,7 @@ impl Call {
             | Call::SetLinearVelocity(body, ..)
             | Call::SetAngularVelocity(body, ..)
             | Call::MoveKinematic(body, ..)
+            | Call::MoveKinematicAndStop(body, ..)
             | Call::ApplyAngularImpulse(body, ..) => Some(*body),
             _ => None,
         }

@@ -436,6 +436,9 @@ impl<R: Read> Replay<R> {
         match call {
             Call::SetMaterial(shape, material) => world.set_material(shape, material)?,
             Call::SetFilter(shape, filter) => world.set_filter(shape, filter)?,
+            Call::MoveKinematicAndStop(body, position, rotation, dt) => {
+                world.move_kinematic_and_stop(body, position, rotation, dt)?;
+            }
             Call::SetListening(shape, events, hooks) => world.set_listening(shape, events, hooks)?,
             Call::SetSensor(shape, sensor) => world.set_sensor(shape, sensor)?,
             Call::SetSensesStatic(shape, senses) => world.set_senses_static(shape, senses)?,

@@ -14,7 +14,7 @@ use crate::words::{Reader, broken};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 6;
+pub(super) const VERSION: u32 = 7;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 
@@ -76,7 +76,7 @@ pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
 /// clear.
 pub(super) const BODY: usize = 16;
 pub(super) const PUSH: usize = 7;
-pub(super) const TARGET: usize = 12;
+pub(super) const TARGET: usize = 13;
 pub(super) const BALL: usize = 7;
 
 /// A state in its words.

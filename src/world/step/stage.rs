@@ -94,6 +94,7 @@ impl World {
         let start = Instant::now();
         let clock = Clock { start, last: start, times: StageTimes::default(), demand: self.demand() };
         self.spent = PartTimes::default();
+        self.bodies.stop_at_targets();
         self.reserve_for_step();
         self.keep_rest();
         self.events.start();
@@ -112,7 +113,7 @@ impl World {
         self.report = StepReport::new(self, times, did);
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
-        self.bodies.rare.targets.clear();
+        self.bodies.end_targets();
         self.stage = None;
     }
 }
