@@ -83,9 +83,9 @@ impl Snapshot {
 }
 
 fn here(table: &[Known]) -> Vec<&Geometry> {
-    let here = |known| match known {
-        &Known::Here(ref geometry) => Some(geometry),
+    let geometry = table.iter().map(|known| match known {
+        Known::Here(geometry) => Some(geometry),
         Known::Print(_) => None,
-    };
-    table.iter().filter_map(here).collect()
+    });
+    geometry.flatten().collect()
 }
