@@ -9,7 +9,12 @@ pub(super) fn mass() -> MassProperties {
     MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY }
 }
 
-pub(super) fn masses() -> [(&'static str, fn(f32) -> MassProperties); 8] {
+/// What a number is called, and what is made of it.
+type Of<T> = (&'static str, fn(f32) -> T);
+/// What a number is called, and how it changes something.
+type Changed<T> = (&'static str, fn(T, f32) -> T);
+
+pub(super) fn masses() -> [Of<MassProperties>; 8] {
     [
         ("mass", |x| MassProperties { mass: x, ..mass() }),
         ("centre.x", |x| MassProperties { centre_of_mass: Vec3::new(x, 0.0, 0.0), ..mass() }),
@@ -30,7 +35,7 @@ pub(super) fn masses() -> [(&'static str, fn(f32) -> MassProperties); 8] {
     ]
 }
 
-pub(super) fn materials() -> [(&'static str, fn(f32) -> Material); 8] {
+pub(super) fn materials() -> [Of<Material>; 8] {
     [
         ("static friction", |x| Material::default().with_static_friction(x)),
         ("dynamic friction", |x| Material::default().with_dynamic_friction(x)),
@@ -43,7 +48,7 @@ pub(super) fn materials() -> [(&'static str, fn(f32) -> Material); 8] {
     ]
 }
 
-pub(super) fn forms() -> [(&'static str, fn(f32) -> Geometry); 10] {
+pub(super) fn forms() -> [Of<Geometry>; 10] {
     [
         ("sphere", Geometry::sphere),
         ("box.x", |x| Geometry::cuboid(x, 0.3, 0.3)),
@@ -58,7 +63,7 @@ pub(super) fn forms() -> [(&'static str, fn(f32) -> Geometry); 10] {
     ]
 }
 
-pub(super) fn settings() -> [(&'static str, fn(Settings, f32) -> Settings); 12] {
+pub(super) fn settings() -> [Changed<Settings>; 12] {
     [
         ("gravity.x", |s, x| s.with_gravity(Vec3::new(x, 0.0, 0.0))),
         ("gravity.y", |s, x| s.with_gravity(Vec3::new(0.0, x, 0.0))),
@@ -75,7 +80,7 @@ pub(super) fn settings() -> [(&'static str, fn(Settings, f32) -> Settings); 12] 
     ]
 }
 
-pub(super) fn drives() -> [(&'static str, fn(f32) -> Drive); 9] {
+pub(super) fn drives() -> [Of<Drive>; 9] {
     [
         ("velocity", |x| Drive::motor(Motion::Angular, Axis::X, x, 10.0)),
         ("linear velocity", |x| Drive::motor(Motion::Linear, Axis::Y, x, 10.0)),
@@ -105,7 +110,7 @@ pub(super) fn drives() -> [(&'static str, fn(f32) -> Drive); 9] {
     ]
 }
 
-pub(super) fn limits() -> [(&'static str, fn(f32) -> Limit); 5] {
+pub(super) fn limits() -> [Of<Limit>; 5] {
     [
         ("min", |x| Limit::new(Motion::Angular, Axes::One(Axis::X), x, 0.5)),
         ("max", |x| Limit::new(Motion::Angular, Axes::One(Axis::X), -0.5, x)),
@@ -118,7 +123,7 @@ pub(super) fn limits() -> [(&'static str, fn(f32) -> Limit); 5] {
     ]
 }
 
-pub(super) fn walkers() -> [(&'static str, fn(CharacterSettings, f32) -> CharacterSettings); 10] {
+pub(super) fn walkers() -> [Changed<CharacterSettings>; 10] {
     [
         ("radius", |s, x| CharacterSettings { radius: x, ..s }),
         ("half height", |s, x| CharacterSettings { half_height: x, ..s }),
