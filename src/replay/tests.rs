@@ -261,7 +261,7 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
     assert!(refused > 100 && diverged > 100);
 }
 
-/// Without steps, whose hashes are of the engine, and what is in snapshots, which have a version of their own.
+/// Without steps, whose hashes are of the engine, and without the bytes of snapshots, which have a version.
 #[test]
 fn the_format_is_that_of_its_version() {
     let bytes = tampered(&run_with_shapes(), |_, call| {
