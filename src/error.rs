@@ -21,9 +21,6 @@ pub enum Error {
     /// The character was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the character handle is stale: its character was removed")]
     StaleCharacter,
-    /// A recording goes forwards.
-    #[error("a world that is being recorded can't be restored: stop the recording first")]
-    Recorded,
     /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is
     /// half done.
     #[error(

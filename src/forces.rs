@@ -21,6 +21,16 @@ pub(crate) struct Forces {
     pub(crate) start: Vec<Record>,
     /// Predicted displacement [m] and rotation vector [rad] of the step.
     pub(crate) motion: Vec<Record>,
+    /// [`Bodies::rearranged`] at the prediction.
+    rearranged: u64,
+}
+
+impl Forces {
+    /// Whether its columns are those of the bodies as they are arranged now. Stages of a step index both
+    /// alike, so from the prediction until bodies have moved none may wake, fall asleep, come or go.
+    pub(crate) fn is_of(&self, bodies: &Bodies) -> bool {
+        self.rearranged == bodies.rearranged
+    }
 }
 
 buffers! {
@@ -34,7 +44,7 @@ impl Forces {
     #[cfg(debug_assertions)]
     pub(crate) fn spoil(&mut self) {
         use crate::memory::spoil;
-        let Forces { acceleration, inverse_inertia, start, motion } = self;
+        let Forces { acceleration, inverse_inertia, start, motion, rearranged: _ } = self;
         [acceleration, start, motion].into_iter().for_each(spoil);
         spoil(inverse_inertia);
     }
@@ -102,7 +112,8 @@ pub(crate) fn predict(
         // A velocity that the caller set about a locked axis must not look like an impact to the rows.
         bodies.velocity[..dynamic].iter_mut().zip(&bodies.traits).for_each(|(v, traits)| traits.lock(v));
     }
-    let Forces { acceleration, inverse_inertia, start, motion } = forces;
+    let Forces { acceleration, inverse_inertia, start, motion, rearranged } = forces;
+    *rearranged = bodies.rearranged;
     start.clear();
     start.extend_from_slice(&bodies.velocity[..movers]);
     let pulled = gravity != Vec3::ZERO || bodies.is_pushed();

@@ -1,4 +1,25 @@
-//! The ranges of what a caller says, stated once. Each is far beyond any honest scene, and close enough that
+//! The ranges of what a caller says, stated once, with a checker for each kind of number:
+//!
+//! | Kind | Checker | Of |
+//! | --- | --- | --- |
+//! | place in the world | [`position`] | bodies, origins, targets, points of forces, characters |
+//! | offset on a body | [`offset`] | shapes, centres of mass, frames of joints, bones, points of hulls |
+//! | coordinate | [`coordinate`] | vertices of meshes, heights of fields |
+//! | size | [`length`], [`length_or_zero`] | shapes, bones, the length unit |
+//! | velocity | [`speed`], [`speed_cap`] | bodies, belts, walks |
+//! | acceleration | [`acceleration`] | gravity and factors on it |
+//! | force, torque, impulse | [`force`] | what acts on bodies, and its sum |
+//! | load | [`load`] | strengths and thresholds of joints and couplings |
+//! | mass, moments | [`inertia`], [`density`] | mass properties, shapes, skeletons |
+//! | rate of damping | [`damping`] | bodies |
+//! | coefficient | [`friction`], [`share`] | materials, hooks |
+//! | other amount | [`amount`] | thresholds and times of settings, forces of drives and characters |
+//! | time | [`step`] | steps, walks, targets |
+//!
+//! Rotations are checked by `shape::unit_quat`, springs, limits and drives in `joint/desc.rs`, rays and casts
+//! in `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
+//!
+//! The ranges: Each is far beyond any honest scene, and close enough that
 //! what the stages make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 =
 //! 1.6e37`, is one.
 
@@ -78,6 +99,11 @@ pub(crate) fn damping(what: &'static str, value: f32) -> Result<(), Error> {
     within(what, value, 0.0, MAX_DAMPING, "in 0..=1e6").map(drop)
 }
 
+/// The density of a shape.
+pub(crate) fn density(value: f32) -> Result<(), Error> {
+    within("density", value, 0.0, MAX_DENSITY, "in 0..=1e15").map(drop)
+}
+
 /// A greatest speed, linear or angular.
 pub(crate) fn speed_cap(what: &'static str, value: Option<f32>) -> Result<(), Error> {
     value.map_or(Ok(()), |value| within(what, value, 0.0, MAX_SPEED, "in 0..=1e6").map(drop))
@@ -118,6 +144,34 @@ pub(crate) fn length_or_zero(what: &'static str, value: f32) -> Result<(), Error
     } else {
         within(what, value, MIN_LENGTH, MAX_LENGTH, "zero or in 1e-6..=1e6 m").map(drop)
     }
+}
+
+/// A coordinate of a mesh or a height field.
+pub(crate) fn coordinate(what: &'static str, value: f32) -> Result<(), Error> {
+    within(what, value, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7").map(drop)
+}
+
+/// A coefficient of friction.
+pub(crate) fn friction(what: &'static str, value: f32) -> Result<(), Error> {
+    amount(what, value)
+}
+
+/// A share of something, as a coefficient of restitution.
+pub(crate) fn share(what: &'static str, value: f32) -> Result<(), Error> {
+    within(what, value, 0.0, 1.0, "in 0..=1").map(drop)
+}
+
+/// An amount that nothing bounds from above.
+pub(crate) fn amount(what: &'static str, value: f32) -> Result<(), Error> {
+    within(what, value, 0.0, f32::MAX, "at least zero").map(drop)
+}
+
+/// A bound of a force or a torque; infinite for none.
+pub(crate) fn load(what: &'static str, value: f32) -> Result<(), Error> {
+    if value >= 0.0 {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() })
 }
 
 /// The length of a step.

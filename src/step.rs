@@ -83,6 +83,7 @@ impl World {
             did.met = world.meet_impacts(workers, dt);
             world.measure_step();
             world.thaw();
+            world.part(Part::Joints, World::break_overloaded);
             world.damp(dt);
             // Not earlier: hooks may have made queries.
             world.update_queries();

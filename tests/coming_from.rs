@@ -63,6 +63,7 @@ rows! {
     world.position(body);
     world.rotation(body);
     world.set_pose(body, DVec3::Y, Quat::IDENTITY);
+    world.move_kinematic_and_stop(body, DVec3::Y, Quat::IDENTITY, 1.0 / 60.0);
     world.move_kinematic(body, DVec3::Y, Quat::IDENTITY, 1.0 / 60.0);
     world.linear_velocity(body);
     world.set_linear_velocity(body, Vec3::X);

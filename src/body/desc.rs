@@ -7,6 +7,27 @@ use crate::shape::{MassProperties, ShapeDesc, unit_quat};
 use glam::{DVec3, Vec3};
 
 /// What moves a body.
+///
+/// Calls that make no sense for a kind are no errors, so that an explosion need not ask what it reaches; they
+/// check their numbers and change nothing:
+///
+/// | Call | Static | Kinematic | Dynamic |
+/// | --- | --- | --- | --- |
+/// | [`set_velocity`] and the like | no effect | yes | yes |
+/// | [`move_kinematic`], [`move_kinematic_and_stop`] | no effect | yes | sets the velocity |
+/// | [`add_force`], [`apply_impulse`] and the like | no effect | no effect | yes |
+/// | [`set_mass`] | kept for a change of kind | the same | yes |
+/// | damping, caps of speeds, gravity scale, locks | kept for a change of kind | the same | yes |
+/// | [`wake`], [`send_to_sleep`] | no effect | no effect | yes |
+///
+/// [`set_velocity`]: crate::World::set_velocity
+/// [`move_kinematic`]: crate::World::move_kinematic
+/// [`move_kinematic_and_stop`]: crate::World::move_kinematic_and_stop
+/// [`add_force`]: crate::World::add_force
+/// [`apply_impulse`]: crate::World::apply_impulse
+/// [`set_mass`]: crate::World::set_mass
+/// [`wake`]: crate::World::wake
+/// [`send_to_sleep`]: crate::World::send_to_sleep
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum BodyKind {

@@ -6,10 +6,12 @@ mod free;
 mod motion;
 mod rare;
 mod store;
+mod targets;
 
 pub(crate) use colliders::{ColliderList, Colliders};
 pub use desc::{BodyDesc, BodyKind};
 pub(crate) use free::{FREE, FreeTurn};
 pub(crate) use motion::{carry_spin, exp_map};
-pub(crate) use rare::{BySlot, Damping, KeptMass, RareCounts, SpeedCap, Target};
+pub(crate) use rare::{BySlot, Damping, KeptMass, RareCounts, SpeedCap};
 pub(crate) use store::{Bodies, BodyDetails, IDLE, Mass, NewBody, Pose, Traits, is_uneven};
+pub(crate) use targets::{AfterTarget, Target};

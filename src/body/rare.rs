@@ -1,9 +1,9 @@
 //! What few bodies have, by slot: a body without it pays nothing, neither in bytes nor in a step.
 
+use super::targets::Target;
 use crate::lanes::Record;
-use crate::math::Quat;
 use crate::memory::{Buffer, List, buffers, bytes_of};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// Rates at which a dynamic body loses velocity [1/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,14 +54,6 @@ pub(crate) struct KeptMass {
     pub(crate) moments: Vec3,
 }
 
-/// Where the origin of a kinematic body is to be at the end of the next step, if that takes `dt` seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Target {
-    pub(crate) position: DVec3,
-    pub(crate) rotation: Quat,
-    pub(crate) dt: f32,
-}
-
 /// Entries by body slot, sorted.
 #[derive(Debug)]
 pub(crate) struct BySlot<T>(Vec<(u32, T)>);
@@ -97,6 +89,11 @@ impl<T: Copy> BySlot<T> {
 
     pub(crate) fn clear(&mut self) {
         self.0.clear();
+    }
+
+    /// Keeps the entries for which `keep` returns true; it may change them.
+    pub(crate) fn retain(&mut self, mut keep: impl FnMut(u32, &mut T) -> bool) {
+        self.0.retain_mut(|(slot, entry)| keep(*slot, entry));
     }
 
     fn find(&self, slot: u32) -> Result<usize, usize> {

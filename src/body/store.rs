@@ -187,6 +187,8 @@ pub(crate) struct Bodies {
     lists: (usize, usize),
     /// What few bodies have.
     pub(crate) rare: RareColumns,
+    /// How often a body changed its part of the columns: see [`Forces::is_of`](crate::forces::Forces::is_of).
+    pub(crate) rearranged: u64,
 }
 
 /// A new row of all columns.
@@ -418,6 +420,7 @@ impl Bodies {
         (from, to): (Part, Part),
         moved: &mut impl FnMut(&ColliderList, u32),
     ) -> u32 {
+        self.rearranged += 1;
         self.count(from, -1);
         let (first, last) = (from.min(to) as usize, from.max(to) as usize);
         for step in 0..last - first {

@@ -1,6 +1,7 @@
 //! What a character is and may do.
 
 use crate::error::{Error, finite3, positive, within};
+use crate::limits;
 use glam::Vec3;
 
 /// A capsule that walks: its size, and what it may climb, push and stand on. A character with a shape of its
@@ -72,7 +73,7 @@ impl CharacterSettings {
         within("character iterations", self.iterations as f32, 1.0, 64.0, "in 1..=64")?;
         finite3("character up", self.up)?;
         within("character up", self.up.length(), 0.999, 1.001, "a unit vector")?;
-        within("character mass", self.mass, 0.0, f32::MAX, "at least zero")?;
-        within("character strength", self.strength, 0.0, f32::MAX, "at least zero").map(drop)
+        limits::amount("character mass", self.mass)?;
+        limits::amount("character strength", self.strength)
     }
 }

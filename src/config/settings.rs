@@ -290,7 +290,7 @@ impl Settings {
         within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
         limits::length("length_unit", self.length_unit)?;
         within("restitution_threshold", self.restitution_threshold, 0.0, limits::MAX_SPEED, "in 0..=1e6")?;
-        within("slop", self.slop, 0.0, 1.0, "in 0..=1")?;
+        limits::share("slop", self.slop)?;
         for (what, value) in [
             ("contact_hertz", self.contact_hertz),
             ("contact_damping", self.contact_damping),
@@ -299,9 +299,9 @@ impl Settings {
             positive(what, value)?;
             within(what, value, 1e-6, 1e6, "in 1e-6..=1e6")?;
         }
-        within("hit_speed", self.hit_speed, 0.0, f32::MAX, "at least zero")?;
-        within("sleep_speed", self.sleep_speed, 0.0, f32::MAX, "at least zero")?;
-        within("sleep_time", self.sleep_time, 0.0, f32::MAX, "at least zero")?;
+        limits::amount("hit_speed", self.hit_speed)?;
+        limits::amount("sleep_speed", self.sleep_speed)?;
+        limits::amount("sleep_time", self.sleep_time)?;
         if !self.order.is_complete() {
             return Err(Error::Incomplete { what: "the order of rows", expected: "each group once" });
         }

@@ -308,7 +308,7 @@ impl Drive {
         within("drive position", self.position, -MAX_DISPLACEMENT, MAX_DISPLACEMENT, "within 1e9")?;
         within("drive velocity", self.velocity, -limits::MAX_SPEED, limits::MAX_SPEED, "within 1e6")?;
         if self.max_force != f32::INFINITY {
-            within("drive force", self.max_force, 0.0, f32::MAX, "at least zero")?;
+            limits::amount("drive force", self.max_force)?;
         }
         self.spring.validate()
     }
@@ -486,10 +486,5 @@ pub(crate) const THRESHOLD: [&str; 2] = ["force threshold", "torque threshold"];
 
 /// Checks bounds of a joint's force and torque.
 pub(crate) fn check_loads(what: [&'static str; 2], loads: [f32; 2]) -> Result<(), Error> {
-    for (what, value) in what.into_iter().zip(loads) {
-        if value.is_nan() || value < 0.0 {
-            return Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() });
-        }
-    }
-    Ok(())
+    what.into_iter().zip(loads).try_for_each(|(what, value)| limits::load(what, value))
 }

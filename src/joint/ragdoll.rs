@@ -4,6 +4,7 @@ use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion};
 use crate::body::BodyDesc;
 use crate::error::{Error, each, finite3, positive, within};
 use crate::handle::{BodyHandle, JointHandle};
+use crate::limits;
 use crate::math::Quat;
 use crate::shape::{Filter, Geometry, Material, ShapeDesc};
 use glam::{DVec3, Vec3};
@@ -184,14 +185,15 @@ impl Skeleton {
     /// Names the first that is not finite or out of its range; a parent has to come before its children.
     pub fn validate(&self) -> Result<(), Error> {
         positive("skeleton density", self.density)?;
-        within("joint friction", self.friction, 0.0, f32::MAX, "at least zero")?;
+        limits::density(self.density)?;
+        limits::amount("joint friction", self.friction)?;
         let mut before = 0..;
         each("bone", &self.bones, |bone| {
             let i = before.next().unwrap_or_default();
-            finite3("bone joint", bone.joint_at)?;
-            finite3("bone end", bone.from)?;
-            finite3("bone end", bone.to)?;
-            positive("bone radius", bone.radius)?;
+            limits::offset("bone joint", bone.joint_at)?;
+            limits::offset("bone end", bone.from)?;
+            limits::offset("bone end", bone.to)?;
+            limits::length("bone radius", bone.radius)?;
             positive("bone length", (bone.to - bone.from).length())?;
             if let Some(parent) = bone.parent.filter(|&parent| parent >= i) {
                 let value = parent as f64;

@@ -30,7 +30,7 @@ fn speed(world: &World) -> f64 {
 /// again later.
 ///
 /// # Errors
-/// If a number is out of range, or the world is being recorded.
+/// If a number is out of range.
 pub fn find_rest(world: &mut World, dt: f32, seconds: f32) -> Result<Rest, Error> {
     positive("dt", dt)?;
     within("seconds", seconds, 0.0, 1e6, "in 0..=1e6")?;

@@ -8,8 +8,10 @@ use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
-use crate::shape::{BaseMaterial, Filter, MassProperties, Material, RareMaterial, ShapeDesc, StoredField};
-use crate::world::{Change, Resident};
+use crate::shape::{
+    BaseMaterial, Filter, HolePatch, MassProperties, Material, Patch, RareMaterial, ShapeDesc, StoredField,
+};
+use crate::world::Change;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +115,13 @@ calls! {
     /// Column and row of the first cell, columns and rows, which are holes.
     SetHoles "set_holes" (ShapeHandle, [u32; 2], [u32; 2], Vec<bool>),
     SetSensesStatic "set_senses_static" (ShapeHandle, bool),
+    /// A part that snapshots share, and the geometry in it, before the first call that uses it; numbered in
+    /// this order. Only the last [`PARTS`](super::geometry::PARTS) are kept.
+    Part "part" (Vec<u8>, Vec<Form>),
+    /// The state of a snapshot, the hulls of its characters, and its parts unless they are those of the
+    /// world. A recording that begins in the middle of a run begins with it.
+    Restore "restore" (Vec<u8>, Vec<Form>, Option<[u32; 2]>),
+    MoveKinematicAndStop "move_kinematic_and_stop" (BodyHandle, DVec3, glam::Quat, f32),
 }
 
 /// Columns and rows, of which a field has no more.
@@ -177,29 +186,28 @@ impl Call {
             Change::SetLocks(body, translation, rotation) => Call::SetLocks(body, translation, rotation),
             Change::SetLinearVelocity(body, linear) => Call::SetLinearVelocity(body, linear),
             Change::SetAngularVelocity(body, angular) => Call::SetAngularVelocity(body, angular),
-            Change::MoveKinematic(body, position, rotation, dt) => {
-                Call::MoveKinematic(body, position, rotation, dt)
+            Change::MoveKinematic(body, at, turned, dt) => Call::MoveKinematic(body, at, turned, dt),
+            Change::MoveKinematicAndStop(body, at, turned, dt) => {
+                Call::MoveKinematicAndStop(body, at, turned, dt)
             }
             Change::ApplyAngularImpulse(body, impulse) => Call::ApplyAngularImpulse(body, impulse),
             Change::SetShapeUserData(shape, user_data) => Call::SetShapeUserData(shape, user_data),
             Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
             Change::SetShapePose(shape, position, rotation) => Call::SetShapePose(shape, position, rotation),
             Change::SetDensity(shape, density) => Call::SetDensity(shape, density),
-            Change::SetHeights(shape, patch) => {
-                Call::SetHeights(shape, small(patch.first), small(patch.size), patch.heights.to_vec())
+            Change::SetHeights(shape, Patch { first, size, heights }) => {
+                Call::SetHeights(shape, small(*first), small(*size), heights.to_vec())
             }
-            Change::SetHoles(shape, patch) => {
-                Call::SetHoles(shape, small(patch.first), small(patch.size), patch.holes.to_vec())
+            Change::SetHoles(shape, HolePatch { first, size, holes }) => {
+                Call::SetHoles(shape, small(*first), small(*size), holes.to_vec())
             }
-            Change::AddCharacter(Resident { geometry, words }) => {
-                Call::AddCharacter(geometry.as_ref().map(|form| sink.form(form)), words.to_vec())
-            }
+            Change::AddCharacter(resident) => sink.resident(resident, Call::AddCharacter),
             Change::RemoveCharacter(character) => Call::RemoveCharacter(character),
-            Change::SetCharacter(character, Resident { geometry, words }) => {
-                let form = geometry.as_ref().map(|form| sink.form(form));
-                Call::SetCharacter(character, form, words.to_vec())
+            Change::SetCharacter(character, resident) => {
+                sink.resident(resident, |form, words| Call::SetCharacter(character, form, words))
             }
             Change::WalkCharacter(character, words) => Call::WalkCharacter(character, words.to_vec()),
+            Change::Restore(snapshot) => sink.restore(snapshot.downcast_ref()),
         }
     }
 
@@ -227,6 +235,7 @@ impl Call {
             | Call::SetLinearVelocity(body, ..)
             | Call::SetAngularVelocity(body, ..)
             | Call::MoveKinematic(body, ..)
+            | Call::MoveKinematicAndStop(body, ..)
             | Call::ApplyAngularImpulse(body, ..) => Some(*body),
             _ => None,
         }

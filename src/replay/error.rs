@@ -7,9 +7,11 @@ use crate::load_limits::LimitExceeded;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// The world has had bodies, or has stepped.
-    #[error("a recording starts with a new world: this one has had bodies, or has stepped")]
-    NotNew,
+    /// A step of the world panicked.
+    #[error(
+        "a world of which a step panicked has no state that a recording could begin with: restore a snapshot"
+    )]
+    Poisoned,
     /// The world records already.
     #[error("the world is being recorded already")]
     Recording,

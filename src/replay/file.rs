@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The first block says how the world starts, the last that the recording ends; between them are calls, back
-//! to back, as postcard writes them. Numbers of the frame are little-endian. A reader that meets a kind that
-//! it doesn't know refuses the file: a start in the middle of a run, from a snapshot, will be one.
+//! to back, as postcard writes them: of a world that was not new, the first restores a snapshot. Numbers of
+//! the frame are little-endian. A reader that meets a kind that it doesn't know refuses the file.
 
 use super::error::ReplayError;
 use crate::config::Settings;
@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MAGIC: [u8; 16] = *b"backstop replay\n";
 /// Version of the format. It changes with anything that is written: a call, a setting, a stage's hash
 /// (`the_format_is_that_of_its_version`).
-pub(super) const VERSION: u16 = 6;
+pub(super) const VERSION: u16 = 7;
 
 /// How the world starts.
 #[derive(Debug, Serialize, Deserialize)]

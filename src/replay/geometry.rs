@@ -7,9 +7,11 @@ use crate::error::Error;
 use crate::load_limits::{LimitExceeded, Tally};
 use crate::shape::{ConvexHull, Geometry, HeightField, TriangleMesh};
 pub(super) use crate::shape::{StoredHull, StoredMesh};
+use crate::snapshot::RecordedPart;
+use crate::world::SharedPart;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Weak};
 
 /// [`Geometry`] with what is shared by number.
@@ -41,6 +43,29 @@ pub(super) struct Written {
     by_address: BTreeMap<usize, (u32, Held)>,
     /// By hash and length of the bytes.
     by_content: BTreeMap<(u64, usize), u32>,
+    /// The last parts of snapshots.
+    parts: VecDeque<SharedPart>,
+    /// How many there were.
+    part_count: u32,
+}
+
+/// The parts of snapshots that a recording can refer to: the last of them. More than a game goes back by.
+pub(super) const PARTS: usize = 64;
+
+impl Written {
+    /// The number of a part, or that which it gets now.
+    pub(super) fn part(&mut self, part: &SharedPart) -> Result<u32, u32> {
+        let first = self.part_count - self.parts.len() as u32;
+        if let Some(place) = self.parts.iter().position(|known| Weak::ptr_eq(known, part)) {
+            return Ok(first + place as u32);
+        }
+        if self.parts.len() == PARTS {
+            self.parts.pop_front();
+        }
+        self.parts.push_back(part.clone());
+        self.part_count += 1;
+        Err(self.part_count - 1)
+    }
 }
 
 impl Sink {
@@ -101,6 +126,28 @@ fn bytes_of(geometry: &Geometry) -> usize {
 /// The geometry that was read, by number.
 #[derive(Default)]
 pub(super) struct Read(Vec<Geometry>);
+
+/// The last parts of snapshots that were read, by number.
+#[derive(Default)]
+pub(super) struct Parts {
+    last: VecDeque<RecordedPart>,
+    count: u32,
+}
+
+impl Parts {
+    pub(super) fn define(&mut self, part: RecordedPart) {
+        if self.last.len() == PARTS {
+            self.last.pop_front();
+        }
+        self.last.push_back(part);
+        self.count += 1;
+    }
+
+    pub(super) fn get(&self, number: u32) -> Option<RecordedPart> {
+        let place = number.checked_sub(self.count - self.last.len() as u32)?;
+        self.last.get(place as usize).cloned()
+    }
+}
 
 impl Read {
     /// Counts what a call defines, before it is made.

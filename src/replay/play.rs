@@ -12,7 +12,8 @@ use crate::character::{Character, checked_character};
 use crate::config::Settings;
 use crate::error::Error;
 use crate::load_limits::{LimitExceeded, LoadLimits, Tally};
-use crate::shape::ShapeDesc;
+use crate::shape::{Geometry, ShapeDesc};
+use crate::snapshot::{RecordedPart, Snapshot};
 use crate::world::World;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -30,6 +31,7 @@ pub struct Replay<R> {
     at: usize,
     ended: bool,
     pub(super) geometries: geometry::Read,
+    parts: geometry::Parts,
     names: Names,
     /// Slots of the bodies that the recorded step looked at.
     awake: Vec<u32>,
@@ -137,6 +139,7 @@ impl<R: Read> Replay<R> {
             at: 0,
             ended: false,
             geometries: geometry::Read::default(),
+            parts: geometry::Parts::default(),
             names: Names::new(),
             awake: Vec::new(),
             steps: 0,
@@ -285,22 +288,26 @@ impl<R: Read> Replay<R> {
         Ok(body.desc(shapes))
     }
 
+    /// Keeps geometry that calls refer to.
+    fn define(&mut self, call: Call) -> Result<(), Failed> {
+        let again = matches!(call, Call::Again(_));
+        self.geometries.charge(&call, &mut self.tally)?;
+        if let Some(Err(_)) = self.geometries.define(call) {
+            return Err(Failed::Damaged("a geometry makes no sense"));
+        }
+        if !again {
+            self.tally.memory.take(self.geometries.last_bytes())?;
+        }
+        Ok(())
+    }
+
     fn play(&mut self, call: Call) -> Result<(), Failed> {
         if let Some(tape) = tape_mut(&mut self.world) {
             tape.touch(call.body());
         }
         match call {
             Call::Step(_) => {}
-            Call::Hull(_) | Call::Mesh(_) | Call::Field(_) | Call::Again(_) => {
-                let again = matches!(call, Call::Again(_));
-                self.geometries.charge(&call, &mut self.tally)?;
-                if let Some(Err(_)) = self.geometries.define(call) {
-                    return Err(Failed::Damaged("a geometry makes no sense"));
-                }
-                if !again {
-                    self.tally.memory.take(self.geometries.last_bytes())?;
-                }
-            }
+            Call::Hull(_) | Call::Mesh(_) | Call::Field(_) | Call::Again(_) => self.define(call)?,
             Call::SetSettings(mut settings) => {
                 (self.change)(&mut settings);
                 self.bounded = bound(&mut settings, self.tally.memory.most());
@@ -360,7 +367,43 @@ impl<R: Read> Replay<R> {
             Call::Asked() => {
                 self.world.current()?;
             }
+            Call::Part(bytes, forms) => {
+                let part = RecordedPart::new(&bytes, self.all_geometry(&forms)?);
+                self.parts.define(part.map_err(|_| Failed::Damaged("a part makes no sense"))?);
+            }
+            Call::Restore(state, hulls, parts) => self.restore(&state, &hulls, parts)?,
             of_one => self.play_on_body(of_one)?,
+        }
+        Ok(())
+    }
+
+    /// Geometry by number, of which none is missing.
+    fn all_geometry(&self, forms: &[Form]) -> Result<Vec<Geometry>, Failed> {
+        let all = forms.iter().map(|&form| self.geometries.geometry(form)).collect::<Result<_, _>>();
+        all.map_err(|_| Failed::Damaged("a geometry is missing"))
+    }
+
+    fn restore(&mut self, state: &[u8], hulls: &[Form], parts: Option<[u32; 2]>) -> Result<(), Failed> {
+        let parts = match parts.map(|parts| parts.map(|number| self.parts.get(number))) {
+            None => None,
+            Some([Some(fixed), Some(moving)]) => Some([fixed, moving]),
+            Some(_) => return Err(Failed::Damaged("a part is missing")),
+        };
+        let snapshot = Snapshot::of_recording(state, self.all_geometry(hulls)?, parts);
+        let snapshot = snapshot.map_err(|_| Failed::Damaged("a snapshot makes no sense"))?;
+        // A tape that is played writes nothing.
+        let tape = self.world.recorder.take();
+        let restored = self.world.restore(&snapshot);
+        self.world.recorder = tape;
+        restored?;
+        // Its size is bounded by that of the bytes.
+        self.allow(0, 0)?;
+        let mut settings = self.world.settings().clone();
+        (self.change)(&mut settings);
+        self.world.set_settings(settings)?;
+        self.awake.clear();
+        if let Some(tape) = tape_mut(&mut self.world) {
+            tape.seen.restart();
         }
         Ok(())
     }
@@ -392,6 +435,9 @@ impl<R: Read> Replay<R> {
             Call::SetAngularVelocity(body, angular) => world.set_angular_velocity(body, angular)?,
             Call::MoveKinematic(body, position, rotation, dt) => {
                 world.move_kinematic(body, position, rotation, dt)?;
+            }
+            Call::MoveKinematicAndStop(body, position, rotation, dt) => {
+                world.move_kinematic_and_stop(body, position, rotation, dt)?;
             }
             Call::ApplyAngularImpulse(body, impulse) => world.apply_angular_impulse(body, impulse)?,
             of_shape => self.play_on_shape(of_shape)?,

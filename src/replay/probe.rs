@@ -101,8 +101,9 @@ impl Seen {
             Stage::Finish => {
                 self.look_at_end(world);
                 hash.word(u64::from_le_bytes(self.hash));
-                // Sleeping bodies come after awake ones.
-                let order = &world.bodies.slot;
+                // Sleeping bodies come after awake ones. The order of static bodies, behind them, decides
+                // nothing, and a restored world may have another.
+                let order = &world.bodies.slot[..world.bodies.asleep().end];
                 order.chunks(2).for_each(|s| hash.pair(s[0], s.get(1).copied().unwrap_or(0)));
                 hash.pair(world.bodies.movers() as u32, world.bodies.asleep().end as u32);
             }
@@ -110,6 +111,12 @@ impl Seen {
         if let Some(at) = Stage::HASHED.iter().position(|&s| s == stage) {
             self.stages[at] = hash.middle().to_le_bytes();
         }
+    }
+
+    /// The world was restored: what was seen before says nothing of it.
+    pub(super) fn restart(&mut self) {
+        self.awake.clear();
+        self.changed.clear();
     }
 
     fn look_at_start(&mut self, world: &World) {

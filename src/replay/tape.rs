@@ -3,14 +3,15 @@
 use super::call::{Body, Call, Shape};
 use super::error::ReplayError;
 use super::file::{Block, End, Start, write_block, write_header};
-use super::geometry::Written;
+use super::geometry::{Form, Written};
 use super::hooks::Heard;
 use super::probe::{Seen, Stage, StepRecord};
 use crate::body::BodyDesc;
 use crate::constraint::Tweak;
 use crate::handle::BodyHandle;
 use crate::shape::ShapeDesc;
-use crate::world::{self, Change, Recorder, World};
+use crate::snapshot::Snapshot;
+use crate::world::{self, Change, Recorder, Resident, World};
 use std::any::Any;
 use std::io::Write;
 
@@ -67,6 +68,33 @@ impl Sink {
     pub(crate) fn shape(&mut self, desc: &ShapeDesc) -> Shape {
         let form = self.form(&desc.geometry);
         Shape::new(desc, form)
+    }
+
+    /// The call for a character, with its geometry by number.
+    pub(super) fn resident(
+        &mut self,
+        resident: &Resident,
+        call: impl Fn(Option<Form>, Vec<u32>) -> Call,
+    ) -> Call {
+        call(resident.geometry.as_ref().map(|form| self.form(form)), resident.words.to_vec())
+    }
+
+    /// The call for a snapshot, after those for parts of it that are not in the recording yet.
+    pub(super) fn restore(&mut self, snapshot: Option<&Snapshot>) -> Call {
+        let Some(snapshot) = snapshot else { return Call::Asked() };
+        let keys = snapshot.part_keys().map(|keys| {
+            [0, 1].map(|which| match self.written.part(&keys[which]) {
+                Ok(number) => number,
+                Err(number) => {
+                    let (bytes, geometry) = snapshot.part(which);
+                    let forms = geometry.into_iter().map(|geometry| self.form(geometry)).collect();
+                    self.write(&Call::Part(bytes, forms));
+                    number
+                }
+            })
+        });
+        let hulls = snapshot.hulls().into_iter().map(|hull| self.form(hull)).collect();
+        Call::Restore(snapshot.to_bytes(), hulls, keys)
     }
 
     fn count(&mut self, call: &Call) {
@@ -130,6 +158,9 @@ impl Tape {
             sink.write(&Call::Asked());
         }
         let call = call(sink);
+        if let Call::Restore(..) = call {
+            self.seen.restart();
+        }
         sink.write(&call);
         sink.count(&call);
         self.touch(call.body());
@@ -143,18 +174,19 @@ impl Tape {
 
 impl World {
     /// Records every call that changes the world, until [`World::stop_recording`] or until the world is
-    /// dropped: into a file that was [buffered](std::io::BufWriter), or a
+    /// dropped; what the world is when it begins, unless it is new, and each [`World::restore`] are recorded
+    /// as snapshots: into a file that was [buffered](std::io::BufWriter), or a
     /// [`RecordingBuffer`](crate::replay::RecordingBuffer). If writing fails, because a disk is full, no
     /// other call fails: `stop_recording` returns the error.
     ///
     /// # Errors
-    /// If the world ever had a body or stepped, is being recorded already, or nothing can be written.
+    /// If a step of the world panicked, it is being recorded already, or nothing can be written.
     pub fn start_recording(&mut self, to: impl Write + Send + Sync + 'static) -> Result<(), ReplayError> {
         if self.recorder.is_some() {
             return Err(ReplayError::Recording);
         }
-        if !self.is_new() {
-            return Err(ReplayError::NotNew);
+        if self.stage.is_some() {
+            return Err(ReplayError::Poisoned);
         }
         let mut to: Box<dyn Write + Send + Sync> = Box::new(to);
         let start = Start {
@@ -167,7 +199,13 @@ impl World {
         let count = Recorded { bytes, ..Recorded::default() };
         let sink =
             Sink { to, block: Vec::with_capacity(BLOCK), written: Written::default(), count, failed: None };
-        self.recorder = Some(Box::new(Tape::new(Some(sink))));
+        let mut tape = Tape::new(Some(sink));
+        if !self.is_new() {
+            let mut now = Snapshot::new();
+            self.snapshot(&mut now);
+            tape.note(Change::Restore(&now), false);
+        }
+        self.recorder = Some(Box::new(tape));
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 //! products, and f32 would lose half of it.
 
 use super::Geometry;
-use crate::error::{Error, finite, finite3, positive, within};
+use crate::error::{Error, finite, positive, within};
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use std::f64::consts::PI;
 
@@ -73,11 +73,11 @@ impl MassProperties {
     /// Checks that a solid could have these.
     ///
     /// # Errors
-    /// If a number is not finite, the mass is not above zero, or the inertia is not symmetric (to 1e-4 of its
-    /// size), not positive definite, or has a principal moment above the sum of the other two (by 1e-4 of
-    /// it).
+    /// If a number is not finite, the centre is beyond [`limits::MAX_LENGTH`](crate::limits::MAX_LENGTH)
+    /// along an axis, the mass is not above zero, or the inertia is not symmetric (to 1e-4 of its size), not
+    /// positive definite, or has a principal moment above the sum of the other two (by 1e-4 of it).
     pub fn validate(&self) -> Result<(), Error> {
-        finite3("centre of mass", self.centre_of_mass)?;
+        crate::limits::offset("centre of mass", self.centre_of_mass)?;
         for value in self.inertia.to_cols_array() {
             finite("inertia", value)?;
         }

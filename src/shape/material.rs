@@ -156,9 +156,9 @@ impl Material {
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
-        within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
-        within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
-        within("restitution", self.restitution, 0.0, 1.0, "in 0..=1")?;
+        limits::friction("static friction", self.static_friction)?;
+        limits::friction("dynamic friction", self.dynamic_friction)?;
+        limits::share("restitution", self.restitution)?;
         within("rolling friction", self.rolling_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
         within("spinning friction", self.spinning_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
         within("contact hertz", self.contact_hertz, 0.0, 1e6, "in 0..=1e6 Hz")?;

@@ -179,6 +179,25 @@ impl Geometry {
         Err(Error::StaticOnly { shape })
     }
 
+    /// Whether it is the same form, of the same numbers or sharing the same hull, mesh or field.
+    pub(crate) fn is_same(&self, other: &Geometry) -> bool {
+        let key = |geometry: &Geometry| match *geometry {
+            Geometry::Sphere { radius } => (0, [radius, 0.0, 0.0], std::ptr::null()),
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                (1, [half_height, radius_bottom, radius_top], std::ptr::null())
+            }
+            Geometry::Box { half_extents } => (2, half_extents.to_array(), std::ptr::null()),
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                (3, [half_height, radius_bottom, radius_top], std::ptr::null())
+            }
+            Geometry::Hull(ref hull) => (4, [0.0; 3], Arc::as_ptr(hull).cast::<()>()),
+            Geometry::Plane => (5, [0.0; 3], std::ptr::null()),
+            Geometry::Mesh(ref mesh) => (6, [0.0; 3], Arc::as_ptr(mesh).cast()),
+            Geometry::HeightField(ref field) => (7, [0.0; 3], Arc::as_ptr(field).cast()),
+        };
+        key(self) == key(other)
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -365,7 +384,7 @@ impl ShapeDesc {
         }
         limits::offset("shape position", self.position)?;
         unit_quat("shape rotation", self.rotation)?;
-        within("density", self.density, 0.0, limits::MAX_DENSITY, "in 0..=1e15").map(drop)
+        limits::density(self.density)
     }
 }
 

@@ -9,7 +9,7 @@ use super::hull::{ConvexHull, HullEdge};
 use super::material::Material;
 use super::mesh::{MAX_COORDINATE, TriangleMesh, VERTEX_BITS, VERTEX_MASK, has_area};
 use super::surfaces::Surfaces;
-use crate::error::{Error, finite, finite3, within};
+use crate::error::{Error, finite, within};
 use crate::limits;
 use crate::shape::mesh::bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
 use glam::{Vec2, Vec3};
@@ -195,8 +195,7 @@ impl TriangleMesh {
     pub(crate) fn from_stored(stored: StoredMesh) -> Result<TriangleMesh, Error> {
         let StoredMesh { mut vertices, corners, folds, nodes, slack, materials } = stored;
         for v in &vertices {
-            finite3("stored mesh", *v)?;
-            within("stored mesh", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7")?;
+            v.to_array().iter().try_for_each(|&x| limits::coordinate("stored mesh", x))?;
         }
         within("stored mesh", slack, 0.0, MAX_COORDINATE, "at least zero")?;
         if folds.is_empty() || folds.len() > MAX_TRIANGLES || corners.len() != 3 * folds.len() {

@@ -3,7 +3,7 @@
 
 use super::part::{BodyRecord, Records, read_pose};
 use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
-use crate::body::BodyKind;
+use crate::body::{AfterTarget, BodyKind};
 use crate::error::Error;
 use crate::limits;
 use crate::shape::Kind;
@@ -162,7 +162,9 @@ fn check_targets(view: &View<'_>, records: &Records) -> Result<(), Error> {
         let pose = read_pose(&mut Reader(&target[1..11]))?;
         limits::position(pose.position)?;
         limits::step(f32::from_bits(target[11]))?;
-        if !records.moving.iter().any(|body| is_own(&body)) || last.is_some_and(|last| last >= target[0]) {
+        let known = AfterTarget::ALL.iter().any(|after| *after as u32 == target[12]);
+        let own = records.moving.iter().any(|body| is_own(&body));
+        if !known || !own || last.is_some_and(|last| last >= target[0]) {
             return Err(broken("where a body is to be"));
         }
         last = Some(target[0]);

@@ -123,18 +123,13 @@ pub(super) fn resolve(table: &[Known], world: &World) -> Result<Vec<Geometry>, E
     let mut own: Option<Vec<(u64, Geometry)>> = None;
     let mut find = |print: u64| {
         let own = own.get_or_insert_with(|| {
-            let mut shared = std::collections::BTreeMap::new();
-            for collider in world.colliders.all.iter().filter(|collider| collider.body != u32::MAX) {
-                if let Some(address) = address(&collider.geometry) {
-                    shared.entry(address).or_insert_with(|| collider.geometry.clone());
-                }
-            }
-            for geometry in world.characters.iter().filter_map(|(_, own)| own.geometry.as_ref()) {
-                if let Some(address) = address(geometry) {
-                    shared.entry(address).or_insert_with(|| geometry.clone());
-                }
-            }
-            shared.into_values().map(|geometry| (print_of(&geometry), geometry)).collect()
+            let colliders = world.colliders.all.iter().filter(|collider| collider.body != u32::MAX);
+            let of_characters = world.characters.iter().filter_map(|(_, own)| own.geometry.as_ref());
+            let mut known = std::collections::BTreeSet::new();
+            // In the order of use, not of addresses: of two with equal content the same is found in each run.
+            let all = colliders.map(|collider| &collider.geometry).chain(of_characters);
+            let shared = all.filter(|geometry| address(geometry).is_some_and(|at| known.insert(at)));
+            shared.map(|geometry| (print_of(geometry), geometry.clone())).collect()
         });
         own.iter().find(|(other, _)| *other == print).map(|(_, geometry)| geometry.clone())
     };

@@ -12,14 +12,20 @@ mod checksum;
 mod contacts;
 mod geometry;
 mod part;
+#[cfg(feature = "replay")]
+mod recorded;
 mod restore;
 mod save;
 mod settings;
 mod view;
 
 use crate::error::Error;
+#[cfg(feature = "replay")]
+use crate::world::Change;
 use crate::world::{SharedPart, World};
 use part::{Part, Which};
+#[cfg(feature = "replay")]
+pub(crate) use recorded::RecordedPart;
 use std::sync::{Arc, PoisonError, Weak};
 
 /// The state of a world at one time, for [`World::restore`].
@@ -87,14 +93,26 @@ impl World {
     /// valid again.
     ///
     /// # Errors
-    /// If the world is being recorded, or its budget does not allow what the snapshot needs; and for
-    /// snapshots from bytes: if they are broken, or the world lacks what they refer to.
+    /// If the world's budget does not allow what the snapshot needs; and for snapshots from bytes: if they
+    /// are broken, or the world lacks what they refer to.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         #[cfg(feature = "replay")]
         if self.recorder.is_some() {
-            return Err(Error::Recorded);
+            return self.restore_recorded(snapshot);
         }
         restore::restore(self, snapshot)
+    }
+
+    /// Restores the world and has its recorder note it: nothing can refuse it only once it is done.
+    #[cfg(feature = "replay")]
+    fn restore_recorded(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        let noted = snapshot.with_geometry_of(self)?;
+        let asked = self.was_asked();
+        restore::restore(self, snapshot)?;
+        if let Some(recorder) = &mut self.recorder {
+            recorder.note(Change::Restore(&*noted), asked);
+        }
+        Ok(())
     }
 
     /// The parts that snapshots share, as they are now.

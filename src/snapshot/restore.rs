@@ -7,7 +7,7 @@ use super::check::check;
 use super::geometry::Known;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
-use crate::body::{Pose, Target};
+use crate::body::{AfterTarget, Pose, Target};
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
@@ -49,6 +49,10 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         let mut whole = World::new(world.settings.clone())?;
         whole.reserve_to_restore(&brings)?;
         whole.report = std::mem::take(&mut world.report);
+        #[cfg(feature = "replay")]
+        {
+            whole.recorder = world.recorder.take();
+        }
         *world = whole;
     } else {
         world.reserve_to_restore(&brings)?;
@@ -266,7 +270,10 @@ fn apply(world: &mut World, view: &View<'_>) {
     bodies.rare.targets.clear();
     for words in view.targets.as_chunks::<TARGET>().0 {
         let Pose { position, rotation } = pose_of(&words[1..11]);
-        bodies.rare.targets.set(words[0], Some(Target { position, rotation, dt: f32::from_bits(words[11]) }));
+        let dt = f32::from_bits(words[11]);
+        let after = AfterTarget::ALL.into_iter().find(|after| *after as u32 == words[12]);
+        let after = after.unwrap_or(AfterTarget::MoveOn);
+        bodies.rare.targets.set(words[0], Some(Target { position, rotation, dt, after }));
     }
     let mut clear = view.clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
         centre: DVec3::from_array(record::<_, 6>(&ball[..6])),

@@ -61,10 +61,10 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
             }
         }
     }
-    for (slot, Target { position, rotation, dt }) in bodies.rare.targets.iter() {
+    for (slot, Target { position, rotation, dt, after }) in bodies.rare.targets.iter() {
         out.push(slot);
         out.extend(pose_words(&Pose { position, rotation }));
-        out.push(dt.to_bits());
+        out.extend([dt.to_bits(), after as u32]);
         counts.targets += 1;
     }
     let clear = state.clear;

@@ -79,7 +79,7 @@ pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
 /// clear.
 pub(super) const BODY: usize = 16;
 pub(super) const PUSH: usize = 7;
-pub(super) const TARGET: usize = 12;
+pub(super) const TARGET: usize = 13;
 pub(super) const BALL: usize = 7;
 
 /// A state in its words.

@@ -5,6 +5,7 @@ use crate::constraint::Tweak;
 use crate::error::{Error, within};
 use crate::events::{Approach, StartOfStep};
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::limits;
 use crate::narrow_phase::{ContactRef, NO_CONTACT};
 use glam::{DVec3, Vec3};
 
@@ -103,8 +104,8 @@ impl ContactHook<'_> {
     /// # Errors
     /// If one is negative or not a number.
     pub fn set_friction(&mut self, of_rest: f32, of_motion: f32) -> Result<(), Error> {
-        within("static friction", of_rest, 0.0, f32::MAX, "at least zero")?;
-        within("dynamic friction", of_motion, 0.0, f32::MAX, "at least zero")?;
+        limits::friction("static friction", of_rest)?;
+        limits::friction("dynamic friction", of_motion)?;
         self.tweak.friction = [of_rest, of_motion];
         Ok(())
     }
@@ -114,7 +115,7 @@ impl ContactHook<'_> {
     /// # Errors
     /// If it is not in 0..=1.
     pub fn set_restitution(&mut self, restitution: f32) -> Result<(), Error> {
-        within("restitution", restitution, 0.0, 1.0, "in 0..=1")?;
+        limits::share("restitution", restitution)?;
         self.tweak.restitution = restitution;
         Ok(())
     }
@@ -125,7 +126,7 @@ impl ContactHook<'_> {
     /// # Errors
     /// If a number is not finite, or the side is neither 0 nor 1.
     pub fn set_surface_velocity(&mut self, side: usize, velocity: Vec3) -> Result<(), Error> {
-        crate::limits::speed("surface velocity", velocity)?;
+        limits::speed("surface velocity", velocity)?;
         within("side of a contact", side as f32, 0.0, 1.0, "0 or 1")?;
         self.tweak.surface = if side == 1 { velocity } else { -velocity };
         Ok(())

@@ -83,7 +83,9 @@ use memory::Assets;
 /// 6. [`World::snapshot`] saves its state, and [`World::restore`] brings back the same bits.
 ///
 /// Content changes between steps only. A handle becomes stale when its body, shape or joint is removed: a
-/// stale handle is an [`Error`], never another body. A call that returns an error has changed nothing.
+/// stale handle is an [`Error`], never another body. A handle does not know its world, so that it stays valid
+/// where a snapshot of the world is restored into another or in another process; in a world that has nothing
+/// to do with its own it may name any body. A call that returns an error has changed nothing.
 #[derive(Debug, Default)]
 pub struct World {
     pub(crate) settings: Settings,

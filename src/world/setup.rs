@@ -21,7 +21,7 @@ impl World {
         &self.settings
     }
 
-    /// Replaces the settings; the next step uses them.
+    /// Replaces the settings; the next step uses them. Settings that are no others change nothing.
     ///
     /// # Errors
     /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, or a
@@ -29,6 +29,9 @@ impl World {
     /// never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        if settings == self.settings {
+            return Ok(());
+        }
         self.reserve_for_settings(&settings)?;
         self.note(Change::SetSettings(&settings));
         if settings.gravity != self.settings.gravity || !settings.sleeping {

@@ -66,12 +66,16 @@ impl World {
         Ok(!self.bodies.traits[self.index(body)?].sleepless)
     }
 
-    /// Sets whether a body may fall asleep; one that may not keeps its island awake.
+    /// Sets whether a body may fall asleep; one that may not keeps its island awake. Nothing happens if it is
+    /// so already.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
+        if self.bodies.traits[index].sleepless != can_sleep {
+            return Ok(());
+        }
         self.note(Change::SetCanSleep(body, can_sleep));
         let index = if can_sleep { index } else { self.wake_body(index) };
         self.revise(index);

@@ -16,6 +16,7 @@ mod changes;
 mod character;
 mod churn;
 mod determinism;
+mod each_call;
 mod events;
 mod faults;
 mod fuzzed;

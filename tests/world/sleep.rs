@@ -121,7 +121,7 @@ fn whatever_changes_about_a_stack_wakes_it() {
         ("wake", |w, s| w.wake(s[1]).unwrap()),
         ("impulse", |w, s| w.apply_impulse(s[2], Vec3::X * 1e-3, DVec3::new(0.0, 2.5, 0.0)).unwrap()),
         ("force", |w, s| w.add_force(s[2], Vec3::X, Vec3::ZERO).unwrap()),
-        ("velocity", |w, s| w.set_velocity(s[0], Vec3::ZERO, Vec3::ZERO).unwrap()),
+        ("velocity", |w, s| w.set_velocity(s[0], Vec3::Y * 1e-3, Vec3::ZERO).unwrap()),
         ("pose", |w, s| w.set_pose(s[1], DVec3::new(0.0, 1.5, 4.0), Quat::IDENTITY).unwrap()),
         ("gravity scale", |w, s| w.set_gravity_scale(s[1], 0.5).unwrap()),
         ("gravity", |w, _| {
@@ -132,11 +132,11 @@ fn whatever_changes_about_a_stack_wakes_it() {
         ("sleepless", |w, s| w.set_can_sleep(s[1], false).unwrap()),
         ("material", |w, s| {
             let shape = w.shapes(s[1]).unwrap().next().unwrap();
-            w.set_material(shape, Material::default()).unwrap();
+            w.set_material(shape, Material::default().with_friction(0.3)).unwrap();
         }),
         ("filter", |w, s| {
             let shape = w.shapes(s[1]).unwrap().next().unwrap();
-            w.set_filter(shape, Filter::default()).unwrap();
+            w.set_filter(shape, Filter::default().with_category(3)).unwrap();
         }),
         ("shape", |w, s| {
             w.add_shape(s[1], &cube()).unwrap();
@@ -156,7 +156,7 @@ fn whatever_changes_about_a_stack_wakes_it() {
         ("the floor is slippery", |w, _| {
             let floor = w.bodies().find(|&b| w.kind(b).unwrap() == backstop::BodyKind::Static).unwrap();
             let shape = w.shapes(floor).unwrap().next().unwrap();
-            w.set_material(shape, Material::default()).unwrap();
+            w.set_material(shape, Material::default().with_friction(0.3)).unwrap();
         }),
         ("something static comes", |w, _| {
             w.add_body(&BodyDesc::fixed().at(DVec3::new(0.9, 1.5, 0.0)).with_shape(cube())).unwrap();

@@ -1255,7 +1255,7 @@ typedef struct BsModelPart {
 // The character handle is stale: its character was removed.
 #define BS_ERROR_STALE_CHARACTER 25
 
-// A world that is being recorded can't be restored.
+// Not returned: a world that is being recorded can be restored.
 #define BS_ERROR_RECORDED 26
 
 // A target for a drive that the joint does not have.
@@ -1273,7 +1273,7 @@ typedef struct BsModelPart {
 // A motion that cannot be coupled.
 #define BS_ERROR_COUPLED_MOTION 31
 
-// A world that is being recorded already, is not being recorded, or is no longer new.
+// A world that is being recorded already, or is not being recorded.
 #define BS_ERROR_RECORDING 32
 
 // Bytes that are no recording, or no longer, or not all of it.
@@ -1906,13 +1906,23 @@ BsStatus bs_body_set_velocity(struct BsWorld *world,
                               struct BsVec3 angular);
 
 // Gives a kinematic body the velocity that takes its origin to a pose within the next step of `dt` seconds.
+// In the steps after it moves on with that velocity: call it before each step, or
+// `bs_body_move_kinematic_and_stop`.
 BS_API
 BsStatus bs_body_move_kinematic(struct BsWorld *world,
                                 struct BsBody body,
                                 struct BsPose pose,
                                 float dt);
 
-// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
+// The same, but in the steps after the body stands where it was told to be, until it is moved again.
+BS_API
+BsStatus bs_body_move_kinematic_and_stop(struct BsWorld *world,
+                                         struct BsBody body,
+                                         struct BsPose pose,
+                                         float dt);
+
+// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces and
+// impulses on other bodies have no effect.
 BS_API
 BsStatus bs_body_add_force(struct BsWorld *world,
                            struct BsBody body,
@@ -3092,8 +3102,9 @@ BsStatus bs_snapshot_to_whole_bytes(const struct BsSnapshot *snapshot,
 // is checked when it is restored.
 BS_API BsStatus bs_snapshot_from_bytes(const uint8_t *bytes, size_t count, struct BsSnapshot **snapshot);
 
-// Records every call that changes a world from here on, until `bs_world_stop_recording`. The world must be
-// new: it never had a body or stepped. Queries change nothing and are not recorded.
+// Records every call that changes a world from here on, until `bs_world_stop_recording`; of a world that is
+// not new with what it is now, and each `bs_world_restore` as it was. Queries change nothing and are not
+// recorded.
 BS_API BsStatus bs_world_start_recording(struct BsWorld *world);
 
 // Ends the recording of a world. `steps`, `calls` and `bytes` become the numbers of what is in it; each may

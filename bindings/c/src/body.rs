@@ -268,6 +268,8 @@ pub unsafe extern "C" fn bs_body_set_velocity(
 }
 
 /// Gives a kinematic body the velocity that takes its origin to a pose within the next step of `dt` seconds.
+/// In the steps after it moves on with that velocity: call it before each step, or
+/// `bs_body_move_kinematic_and_stop`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_body_move_kinematic(
     world: *mut BsWorld,
@@ -282,7 +284,23 @@ pub unsafe extern "C" fn bs_body_move_kinematic(
     })
 }
 
-/// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
+/// The same, but in the steps after the body stands where it was told to be, until it is moved again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_body_move_kinematic_and_stop(
+    world: *mut BsWorld,
+    body: BsBody,
+    pose: BsPose,
+    dt: f32,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut content = unsafe { changing(world) }?;
+        Ok(content.move_kinematic_and_stop(body.into(), pose.position.into(), pose.rotation.into(), dt)?)
+    })
+}
+
+/// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces and
+/// impulses on other bodies have no effect.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_body_add_force(
     world: *mut BsWorld,

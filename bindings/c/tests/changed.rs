@@ -46,6 +46,24 @@ fn bodies_and_shapes_are_read_as_they_were_set() {
     }
 }
 
+/// Expected: after the step, and after all that follow, the place that it was told; of one that is only
+/// moved, as far again with each.
+#[test]
+fn a_platform_stops_where_it_was_told_to_be() {
+    let world = world();
+    let [stops, goes] =
+        [1.0, 9.0].map(|y| add(&world, BS_BODY_KINEMATIC, bs_sphere(0.5), dvec3(0.0, y, 0.0)));
+    let to = |y: f64| BsPose { position: dvec3(0.5, y, 0.0), rotation: UPRIGHT };
+    // SAFETY: the world is alive.
+    unsafe {
+        ok(bs_body_move_kinematic_and_stop(world.0, stops, to(1.0), 1.0 / 60.0));
+        ok(bs_body_move_kinematic(world.0, goes, to(9.0), 1.0 / 60.0));
+    }
+    steps(&world, 4);
+    assert_eq!(pose(&world, stops).position, dvec3(0.5, 1.0, 0.0));
+    assert!((pose(&world, goes).position.x - 2.0).abs() < 1e-5);
+}
+
 /// A soft triangle beside a rigid one, and a field with a cell that is soft and becomes a hole. Expected: the
 /// balls on them sink by g / (2 pi f)² = 2.485 mm of 10 Hz, and one falls through the hole.
 #[test]

@@ -69,6 +69,15 @@ impl HeightField {
         check_heights(patch.heights)
     }
 
+    /// Whether it has the heights of a patch that was checked.
+    pub(crate) fn has_heights(&self, patch: &Patch<'_>) -> bool {
+        let [column, row] = patch.first;
+        patch.heights.chunks_exact(patch.size[0]).enumerate().all(|(z, line)| {
+            let from = (row + z) * self.columns + column;
+            self.heights[from..from + line.len()] == *line
+        })
+    }
+
     /// Changes heights that were checked, with the folds and the boxes that depend on them.
     pub(crate) fn edit(&mut self, patch: &Patch<'_>) {
         let Patch { first: [column, row], size: [width, depth], heights } = *patch;
@@ -124,6 +133,13 @@ impl HeightField {
         check_region(patch.first, patch.size, [self.columns - 1, self.rows - 1])?;
         let rule = "columns times rows of the region";
         count("holes", rule, patch.size[0] * patch.size[1], patch.holes.len())
+    }
+
+    /// Whether it has the holes of a patch that was checked.
+    pub(crate) fn has_holes_as(&self, patch: &HolePatch<'_>) -> bool {
+        let [column, row] = patch.first;
+        let mut lines = patch.holes.chunks_exact(patch.size[0]).enumerate();
+        lines.all(|(z, line)| (0..line.len()).all(|x| self.is_hole_at(column + x, row + z) == line[x]))
     }
 
     /// Cuts and fills holes that were checked, with the folds around them.

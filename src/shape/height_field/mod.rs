@@ -8,7 +8,7 @@ use super::corners::beyond;
 use super::slabs::Near;
 use crate::error::{self, Error, each, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
-use crate::limits::MAX_COORDINATE;
+use crate::limits::{self, MAX_COORDINATE};
 use crate::memory::{bytes_of, sum_bytes};
 use crate::shape::Surfaces;
 use crate::shape::mesh::bvh::Path;
@@ -72,7 +72,7 @@ impl Square {
 
 fn check_heights(heights: &[f32]) -> Result<(), Error> {
     each("sample", heights, |&height| {
-        within("height", height, -MAX_COORDINATE, MAX_COORDINATE, "within 1e7").map(drop)
+        limits::coordinate("height", height)
     })
 }
 

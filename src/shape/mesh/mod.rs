@@ -9,8 +9,9 @@ use super::corners::Corners;
 use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
 use super::{Material, Surfaces};
-use crate::error::{Error, each, finite3, index, within};
+use crate::error::{Error, each, index};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
+use crate::limits;
 use crate::memory::{bytes_of, sum_bytes};
 use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
 #[cfg(feature = "lab")]
@@ -90,9 +91,8 @@ impl TriangleMesh {
         find_edges: impl Fn(&[Vec3], &[[u32; 3]]) -> Vec<Edges>,
         mut surfaces: Option<Box<Surfaces>>,
     ) -> Result<TriangleMesh, Error> {
-        each("vertex", &vertices, |&v| {
-            finite3("mesh vertex", v)?;
-            within("mesh vertex", v.abs().max_element(), 0.0, MAX_COORDINATE, "within 1e7").map(drop)
+        each("vertex", &vertices, |v| {
+            v.to_array().iter().try_for_each(|&x| limits::coordinate("mesh vertex", x))
         })?;
         if triangles.len() > MAX_TRIANGLES {
             return Err(Error::TooMany { what: "triangles of a mesh", most: MAX_TRIANGLES as u64 });

@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 impl World {
     /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
-    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay.
+    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Heights that
+    /// are no others change nothing and wake nobody.
     ///
     /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface
     /// and would be below it is lifted, by any height and at once, until its centres are as far above as they
@@ -34,7 +35,13 @@ impl World {
     ) -> Result<(), Error> {
         let collider = self.collider(shape)?;
         let patch = Patch { first, size, heights };
-        let field = self.own_field(collider, |field| field.check(&patch))?;
+        let Some(field) = self.own_field(collider, |field| {
+            field.check(&patch)?;
+            Ok(field.has_heights(&patch))
+        })?
+        else {
+            return Ok(());
+        };
         self.note(Change::SetHeights(shape, &patch));
         let bounds = self.bounds_of_patch(collider, &field, &patch);
         self.disturb_box(&bounds);
@@ -53,7 +60,7 @@ impl World {
 
     /// Makes holes of some cells of a height field and fills others: of `size[0]` times `size[1]` cells from
     /// column `first[0]` and row `first[1]` on, row by row, those are holes for which `holes` says so
-    /// ([`HeightField::set_holes`]).
+    /// ([`HeightField::set_holes`]). Where all are so already nothing happens.
     ///
     /// What is near wakes. What lay on a cell that becomes a hole falls. A filled cell carries again. A shape
     /// in it whose centre is above the surface, by less than its inner radius, is lifted by what is missing
@@ -72,7 +79,13 @@ impl World {
     ) -> Result<(), Error> {
         let collider = self.collider(shape)?;
         let patch = HolePatch { first, size, holes };
-        let field = self.own_field(collider, |field| field.check_holes(&patch))?;
+        let Some(field) = self.own_field(collider, |field| {
+            field.check_holes(&patch)?;
+            Ok(field.has_holes_as(&patch))
+        })?
+        else {
+            return Ok(());
+        };
         self.note(Change::SetHoles(shape, &patch));
         let bounds = self.bounds_of_patch(collider, &field, &patch.samples());
         self.disturb_box(&bounds);
@@ -87,23 +100,25 @@ impl World {
         Ok(())
     }
 
-    /// The field of a shape, once it was checked: a copy of its own, which the budget counts, if other shapes
-    /// have it too.
+    /// The field of a shape, once it was checked; none if `check` says that it is so already. A copy of its
+    /// own, which the budget counts, if other shapes have it too.
     fn own_field(
         &mut self,
         collider: u32,
-        check: impl FnOnce(&HeightField) -> Result<(), Error>,
-    ) -> Result<Arc<HeightField>, Error> {
+        check: impl FnOnce(&HeightField) -> Result<bool, Error>,
+    ) -> Result<Option<Arc<HeightField>>, Error> {
         let Geometry::HeightField(field) = &self.colliders.all[collider as usize].geometry else {
             return Err(Error::Degenerate("only a height field has heights and holes".into()));
         };
-        check(field)?;
+        if check(field)? {
+            return Ok(None);
+        }
         let mut field = field.clone();
         if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
             field = Arc::new((*field).clone());
             self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
         }
-        Ok(field)
+        Ok(Some(field))
     }
 
     /// World bounds of what a patch changes, before and after.

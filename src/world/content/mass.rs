@@ -69,7 +69,8 @@ impl World {
         Ok(mass)
     }
 
-    /// Replaces the mass of a body; from now on it does not follow from the shapes.
+    /// Replaces the mass of a body; from now on it does not follow from the shapes. Mass that was given
+    /// before and that [`World::mass_properties`] returns changes nothing.
     ///
     /// # Errors
     /// If the handle is stale or the properties are not those of a body.
@@ -77,6 +78,9 @@ impl World {
         let index = self.index(body)?;
         mass.validate()?;
         movable(&mass)?;
+        if !self.bodies.details[index].mass_from_shapes && self.mass_properties(body)? == mass {
+            return Ok(());
+        }
         if self.bodies.kind[index] != BodyKind::Dynamic {
             self.reserve_for_rare(RareCounts { kept_masses: 1, ..RareCounts::default() })?;
         }

@@ -1,6 +1,6 @@
 //! Poses and velocities of bodies: look up, set, push.
 
-use crate::body::{BodyKind, RareCounts, Target};
+use crate::body::{AfterTarget, BodyKind, RareCounts, Target};
 use crate::error::Error;
 use crate::forces::world_inertia;
 use crate::handle::BodyHandle;
@@ -63,7 +63,8 @@ impl World {
         Ok(self.bodies.velocity[self.index(body)?].angular)
     }
 
-    /// Moves a body to a pose of its origin, at once.
+    /// Moves a body to a pose of its origin, at once. The pose that it has, as [`World::position`] and
+    /// [`World::rotation`] return it, changes nothing and wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale, the pose is not one, or it is beyond [`limits::MAX_POSITION`].
@@ -71,13 +72,21 @@ impl World {
         let index = self.index(body)?;
         limits::position(position)?;
         let unit = unit_quat("rotation", rotation)?;
+        let target = self.bodies.rare.targets.get(body.slot);
+        let aims = target.is_some_and(|target| target.after != AfterTarget::Stops);
+        if !aims && self.position(body)? == position && self.rotation(body)? == rotation {
+            return Ok(());
+        }
         // As given: normalising twice may change a bit.
         self.note(Change::SetPose(body, position, rotation));
         let rotation = unit;
         let index = self.disturb(index);
         let details = &self.bodies.details[index];
         self.bodies.pose[index] = details.pose_at(position, rotation);
-        self.bodies.rare.targets.set(body.slot, None);
+        // One that was to stop does, here.
+        let target = target.filter(|target| target.after != AfterTarget::MoveOn);
+        let target = target.map(|target| Target { after: AfterTarget::Stops, ..target });
+        self.bodies.rare.targets.set(body.slot, target);
         self.place_colliders(index);
         self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
@@ -91,7 +100,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets linear [m/s] and angular [rad/s] velocity. Has no effect on a static body.
+    /// Sets linear [m/s] and angular [rad/s] velocity. Has no effect on a static body. Here and below a
+    /// velocity that is no other changes nothing and wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
@@ -99,8 +109,8 @@ impl World {
         let index = self.index(body)?;
         limits::speed("linear velocity", linear)?;
         limits::speed("angular velocity", angular)?;
-        self.note(Change::SetVelocity(body, linear, angular));
-        self.put_velocity(index, Some(linear), Some(angular));
+        let change = Change::SetVelocity(body, linear, angular);
+        self.put_velocity(index, [Some(linear), Some(angular)], None, change);
         Ok(())
     }
 
@@ -111,8 +121,7 @@ impl World {
     pub fn set_linear_velocity(&mut self, body: BodyHandle, linear: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::speed("linear velocity", linear)?;
-        self.note(Change::SetLinearVelocity(body, linear));
-        self.put_velocity(index, Some(linear), None);
+        self.put_velocity(index, [Some(linear), None], None, Change::SetLinearVelocity(body, linear));
         Ok(())
     }
 
@@ -123,20 +132,30 @@ impl World {
     pub fn set_angular_velocity(&mut self, body: BodyHandle, angular: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::speed("angular velocity", angular)?;
-        self.note(Change::SetAngularVelocity(body, angular));
-        self.put_velocity(index, None, Some(angular));
+        self.put_velocity(index, [None, Some(angular)], None, Change::SetAngularVelocity(body, angular));
         Ok(())
     }
 
-    fn put_velocity(&mut self, index: usize, linear: Option<Vec3>, angular: Option<Vec3>) {
-        if self.bodies.kind[index] == BodyKind::Static {
+    /// Sets the linear and the angular velocity of a body, or one of them, and the pose that it is to reach
+    /// by that.
+    fn put_velocity(
+        &mut self,
+        index: usize,
+        [linear, angular]: [Option<Vec3>; 2],
+        target: Option<Target>,
+        change: Change<'_>,
+    ) {
+        let (slot, old) = (self.bodies.slot[index], self.bodies.velocity[index]);
+        let new =
+            Record { linear: linear.unwrap_or(old.linear), angular: angular.unwrap_or(old.angular), ..old };
+        let same = new == old && self.bodies.rare.targets.get(slot) == target;
+        if same || self.bodies.kind[index] == BodyKind::Static {
             return;
         }
-        let index = self.wake_body(index);
-        let velocity = &mut self.bodies.velocity[index];
-        velocity.linear = linear.unwrap_or(velocity.linear);
-        velocity.angular = angular.unwrap_or(velocity.angular);
-        self.bodies.rare.targets.set(self.bodies.slot[index], None);
+        self.note(change);
+        let index = if new == old { index } else { self.wake_body(index) };
+        self.bodies.velocity[index] = new;
+        self.bodies.rare.targets.set(slot, target);
     }
 
     /// Velocity of the point of a body that is at a point of the world now [m/s].
@@ -152,9 +171,10 @@ impl World {
 
     /// Moves a kinematic body to a pose of its origin within the next step, which takes `dt` seconds: gives
     /// it the velocity that leads there, and after the step it is exactly where [`World::set_pose`] would
-    /// have put it. In a step of another length, and in the steps after, it moves on with that velocity. The
-    /// last call before a step counts; setting the pose or the velocity takes it back. Any other body just
-    /// gets the velocity.
+    /// have put it. In a step of another length it moves with that velocity too, and **in the steps after it
+    /// moves on**, as with a velocity that was set: call it before each step, or
+    /// [`World::move_kinematic_and_stop`]. The last call before a step counts; setting the pose or the
+    /// velocity takes it back. A dynamic body just gets the velocity, a static one stays.
     ///
     /// # Errors
     /// If the handle is stale, the pose is not one, `dt` is not the length of a step, the velocity is beyond
@@ -166,12 +186,40 @@ impl World {
         rotation: glam::Quat,
         dt: f32,
     ) -> Result<(), Error> {
+        self.aim(body, (position, rotation), dt, AfterTarget::MoveOn)
+    }
+
+    /// Moves a kinematic body to a pose of its origin within the next step, as [`World::move_kinematic`]
+    /// does, and has it stand there in the steps after, until it is moved again: a platform that is told
+    /// where to be. After the step it still has the velocity that led there, for what reads it; the next step
+    /// begins by taking it away. Other bodies are treated as there.
+    ///
+    /// # Errors
+    /// As for [`World::move_kinematic`].
+    pub fn move_kinematic_and_stop(
+        &mut self,
+        body: BodyHandle,
+        position: DVec3,
+        rotation: glam::Quat,
+        dt: f32,
+    ) -> Result<(), Error> {
+        self.aim(body, (position, rotation), dt, AfterTarget::Stop)
+    }
+
+    /// Gives a body the velocity that leads to a pose of its origin in `dt` seconds.
+    fn aim(
+        &mut self,
+        body: BodyHandle,
+        (position, rotation): (DVec3, glam::Quat),
+        dt: f32,
+        after: AfterTarget,
+    ) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::position(position)?;
         let given = rotation;
         let rotation = unit_quat("rotation", rotation)?;
         limits::step(dt)?;
-        let target = Target { position, rotation, dt };
+        let target = Target { position, rotation, dt, after };
         let (pose, details) = (&self.bodies.pose[index], &self.bodies.details[index]);
         let centre = position + (rotation * details.centre).as_dvec3();
         let linear = ((centre - pose.position) / f64::from(dt)).as_vec3();
@@ -191,13 +239,17 @@ impl World {
             self.reserve_for_rare(RareCounts { targets: 1, ..RareCounts::default() })?;
         }
         // As given: normalising twice may change a bit.
-        self.note(Change::MoveKinematic(body, position, given, dt));
-        self.put_velocity(index, Some(linear), Some(angular));
-        self.bodies.rare.targets.set(body.slot, kinematic.then_some(target));
+        let change = match after {
+            AfterTarget::Stop => Change::MoveKinematicAndStop(body, position, given, dt),
+            _ => Change::MoveKinematic(body, position, given, dt),
+        };
+        let target = kinematic.then_some(target);
+        self.put_velocity(index, [Some(linear), Some(angular)], target, change);
         Ok(())
     }
 
-    /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
+    /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces
+    /// and impulses on other bodies, here and below, are checked and have no effect.
     ///
     /// # Errors
     /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the
@@ -206,6 +258,9 @@ impl World {
         let index = self.index(body)?;
         limits::force("force", force)?;
         limits::force("torque", torque)?;
+        if self.bodies.kind[index] != BodyKind::Dynamic {
+            return Ok(());
+        }
         let sum = self.bodies.force.get(index).copied().unwrap_or_default();
         limits::force("sum of forces", sum.linear + force)?;
         limits::force("sum of torques", sum.angular + torque)?;
@@ -238,16 +293,14 @@ impl World {
     pub fn apply_angular_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::force("angular impulse", impulse)?;
-        let dynamic = self.bodies.kind[index] == BodyKind::Dynamic;
+        if self.bodies.kind[index] != BodyKind::Dynamic {
+            return Ok(());
+        }
         let velocity = self.after_impulses(index, Vec3::ZERO, impulse);
-        if dynamic {
-            limits::speed("angular velocity after the impulse", velocity.angular)?;
-        }
+        limits::speed("angular velocity after the impulse", velocity.angular)?;
         self.note(Change::ApplyAngularImpulse(body, impulse));
-        if dynamic {
-            let index = self.wake_body(index);
-            self.bodies.velocity[index] = velocity;
-        }
+        let index = self.wake_body(index);
+        self.bodies.velocity[index] = velocity;
         Ok(())
     }
 
@@ -260,18 +313,16 @@ impl World {
         let index = self.index(body)?;
         limits::force("impulse", impulse)?;
         limits::position(point)?;
-        let dynamic = self.bodies.kind[index] == BodyKind::Dynamic;
+        if self.bodies.kind[index] != BodyKind::Dynamic {
+            return Ok(());
+        }
         let arm = (point - self.bodies.pose[index].position).as_vec3();
         let velocity = self.after_impulses(index, impulse, arm.cross(impulse));
-        if dynamic {
-            limits::speed("linear velocity after the impulse", velocity.linear)?;
-            limits::speed("angular velocity after the impulse", velocity.angular)?;
-        }
+        limits::speed("linear velocity after the impulse", velocity.linear)?;
+        limits::speed("angular velocity after the impulse", velocity.angular)?;
         self.note(Change::ApplyImpulse(body, impulse, point));
-        if dynamic {
-            let index = self.wake_body(index);
-            self.bodies.velocity[index] = velocity;
-        }
+        let index = self.wake_body(index);
+        self.bodies.velocity[index] = velocity;
         Ok(())
     }
 

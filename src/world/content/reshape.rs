@@ -2,7 +2,7 @@
 
 use super::mass::movable;
 use crate::body::{BodyDetails, BodyKind};
-use crate::error::{Error, within};
+use crate::error::Error;
 use crate::handle::ShapeHandle;
 use crate::limits;
 use crate::math::Quat;
@@ -28,7 +28,8 @@ impl World {
     }
 
     /// Replaces the form of a shape; the mass follows if it is that of the shapes. The shape keeps its handle
-    /// and its place; its contacts, and what it noticed as a sensor, end and begin anew.
+    /// and its place; its contacts, and what it noticed as a sensor, end and begin anew. The form that it has
+    /// (of shared geometry the same, not a copy of it) changes nothing.
     ///
     /// # Errors
     /// If the handle is stale, a number is out of range, the body or a sensor can't have the form, a dynamic
@@ -37,6 +38,9 @@ impl World {
         let collider = self.collider(shape)?;
         geometry.validate()?;
         let old = &self.colliders.all[collider as usize];
+        if old.geometry.is_same(&geometry) {
+            return Ok(());
+        }
         let kind = self.bodies.kind[old.body as usize];
         if kind == BodyKind::Dynamic || (old.is_sensor() && !matches!(geometry, Geometry::Plane)) {
             geometry.require_convex()?;
@@ -65,7 +69,8 @@ impl World {
     }
 
     /// Moves a shape on its body, to a place within 1e6 m along each axis; the mass follows if it is that of
-    /// the shapes. Contacts of the shape begin anew.
+    /// the shapes. Contacts of the shape begin anew. The pose that [`World::shape_pose`] returns changes
+    /// nothing.
     ///
     /// # Errors
     /// If the handle is stale, or the pose is not one or out of range.
@@ -78,6 +83,9 @@ impl World {
         let collider = self.collider(shape)?;
         limits::offset("shape position", position)?;
         let unit = unit_quat("shape rotation", rotation)?;
+        if self.shape_pose(shape)? == (position, rotation) {
+            return Ok(());
+        }
         let mass = self.mass_with(collider, &Part { position, rotation: unit, ..self.part_of(collider) })?;
         // As given: normalising twice may change a bit.
         self.note(Change::SetShapePose(shape, position, rotation));
@@ -104,7 +112,10 @@ impl World {
     /// If the handle is stale, the number is out of range, or a dynamic body would be left without mass.
     pub fn set_density(&mut self, shape: ShapeHandle, density: f32) -> Result<(), Error> {
         let collider = self.collider(shape)?;
-        within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
+        limits::density(density)?;
+        if self.colliders.all[collider as usize].density == density {
+            return Ok(());
+        }
         let mass = self.mass_with(collider, &Part { density, ..self.part_of(collider) })?;
         self.note(Change::SetDensity(shape, density));
         let index = self.disturb(self.colliders.all[collider as usize].body as usize);

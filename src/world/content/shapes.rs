@@ -105,13 +105,17 @@ impl World {
         Ok(self.colliders.material(self.collider(shape)?))
     }
 
-    /// Changes the material of a shape: a belt that starts, ice that melts.
+    /// Changes the material of a shape: a belt that starts, ice that melts. One that is no other changes
+    /// nothing and wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale, a value is out of range, or the budget does not allow it.
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
+        if self.colliders.material(index as u32) == material {
+            return Ok(());
+        }
         let rare = material.rare();
         self.reserve_for_rare_material(rare)?;
         self.note(Change::SetMaterial(shape, material));
@@ -137,12 +141,16 @@ impl World {
         Ok(self.colliders.all[self.collider(shape)? as usize].filter)
     }
 
-    /// Changes which shapes a shape collides with.
+    /// Changes which shapes a shape collides with. A filter that is no other changes nothing and wakes
+    /// nobody.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        if self.colliders.all[index as usize].filter == filter {
+            return Ok(());
+        }
         self.note(Change::SetFilter(shape, filter));
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
@@ -204,12 +212,15 @@ impl World {
         Ok(self.colliders.summaries[self.collider(shape)? as usize].is_sensor())
     }
 
-    /// Makes a shape a sensor, or solid again.
+    /// Makes a shape a sensor, or solid again. Nothing happens if it is that already.
     ///
     /// # Errors
     /// If the handle is stale, or the shape is neither convex nor a plane and can't be a sensor.
     pub fn set_sensor(&mut self, shape: ShapeHandle, sensor: bool) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        if self.colliders.all[index as usize].is_sensor() == sensor {
+            return Ok(());
+        }
         let geometry = &self.colliders.all[index as usize].geometry;
         if sensor && !matches!(geometry, Geometry::Plane) {
             geometry.require_convex()?;
@@ -229,12 +240,15 @@ impl World {
     }
 
     /// Sets whether a shape, as a sensor, also notices what is static. What a sensor has noticed leaves, and
-    /// enters anew.
+    /// enters anew. Nothing happens if it is so already.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn set_senses_static(&mut self, shape: ShapeHandle, senses_static: bool) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        if self.senses_static(shape)? == senses_static {
+            return Ok(());
+        }
         self.note(Change::SetSensesStatic(shape, senses_static));
         self.set_sense(index, STATICS, senses_static);
         Ok(())

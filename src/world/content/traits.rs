@@ -111,13 +111,16 @@ impl World {
         Ok(self.bodies.traits[self.index(body)?].gravity_scale)
     }
 
-    /// Sets the factor on gravity.
+    /// Sets the factor on gravity. Here and below a value that is no other changes nothing and wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale or the number is beyond 1e6.
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::acceleration("gravity scale", Vec3::splat(scale))?;
+        if self.bodies.traits[index].gravity_scale == scale {
+            return Ok(());
+        }
         self.note(Change::SetGravityScale(body, scale));
         let index = self.wake_body(index);
         self.revise(index);
@@ -208,10 +211,14 @@ impl World {
         rotation: [bool; 3],
     ) -> Result<(), Error> {
         let index = self.index(body)?;
+        let locks = Traits::lock_bits(translation, rotation);
+        if self.bodies.traits[index].locks == locks {
+            return Ok(());
+        }
         self.note(Change::SetLocks(body, translation, rotation));
         let index = self.wake_body(index);
         self.revise(index);
-        self.bodies.set_locks(index, Traits::lock_bits(translation, rotation));
+        self.bodies.set_locks(index, locks);
         // A body that can't rotate is in no tree.
         self.joints.changed = true;
         Ok(())
@@ -262,6 +269,9 @@ impl World {
     /// If the handle is stale or the budget does not allow it.
     pub fn solve_body_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
+        if self.bodies.traits[index].solved_after == above {
+            return Ok(());
+        }
         self.reserve_for_solved_after(above.is_some())?;
         self.note(Change::SolveBodyAfter(body, above));
         self.revise(index);

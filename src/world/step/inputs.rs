@@ -308,11 +308,8 @@ impl World {
         StepLengths::new(last_h, now, dt, evenness, self.settings.warm_starting)
     }
 
-    /// Stores the loads of joints, and breaks those that were overloaded.
+    /// Stores the loads of joints.
     pub(crate) fn store_joints(&mut self, dt: f32) {
-        self.joints.broken.clear();
-        self.joints.strained.clear();
-        self.joints.couplings.broken.clear();
         if self.joints.count == 0 {
             return;
         }
@@ -321,6 +318,15 @@ impl World {
         // Rows may be left non-finite even though the velocities that they acted on were brought back into
         // range.
         self.joints.forget_unsound();
+    }
+
+    /// Breaks joints and couplings that were overloaded in the step, and lists those that were strained. What
+    /// breaks wakes bodies, which changes their indices: not before all stages that read predictions by these
+    /// have ended ([`Forces::is_of`]).
+    pub(crate) fn break_overloaded(&mut self) {
+        self.joints.broken.clear();
+        self.joints.strained.clear();
+        self.joints.couplings.broken.clear();
         if self.joints.any_breakable() {
             self.break_joints();
         }

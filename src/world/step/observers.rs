@@ -69,6 +69,7 @@ pub(crate) enum Change<'a> {
     SetLinearVelocity(BodyHandle, Vec3),
     SetAngularVelocity(BodyHandle, Vec3),
     MoveKinematic(BodyHandle, DVec3, glam::Quat, f32),
+    MoveKinematicAndStop(BodyHandle, DVec3, glam::Quat, f32),
     ApplyAngularImpulse(BodyHandle, Vec3),
     SetShapeUserData(ShapeHandle, u64),
     SetGeometry(ShapeHandle, &'a Geometry),
@@ -81,6 +82,8 @@ pub(crate) enum Change<'a> {
     SetCharacter(CharacterHandle, &'a Resident),
     /// The state of a character after a walk.
     WalkCharacter(CharacterHandle, &'a [u32]),
+    /// A snapshot, of which a world knows no more.
+    Restore(&'a dyn std::any::Any),
 }
 
 /// Records the changes and the steps of a world.

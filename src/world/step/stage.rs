@@ -48,6 +48,7 @@ impl Clock {
         };
         world.stage = Some(name);
         work(world);
+        debug_assert!(stage == Stage::Finish || world.buffers.forces.is_of(&world.bodies), "after {name}");
         world.note_stage(stage);
         let now = Instant::now();
         *time += microseconds(now - self.last);
@@ -95,6 +96,7 @@ impl World {
         self.spent = PartTimes::default();
         #[cfg(debug_assertions)]
         self.buffers.spoil();
+        self.bodies.stop_at_targets();
         self.reserve_for_step();
         self.keep_rest();
         self.events.start();
@@ -113,7 +115,7 @@ impl World {
         self.report = StepReport::new(self, times, did);
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
-        self.bodies.rare.targets.clear();
+        self.bodies.end_targets();
         self.stage = None;
     }
 }

@@ -5,6 +5,7 @@
 
 mod calls;
 mod files;
+mod rollback;
 
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
@@ -14,7 +15,7 @@ use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Character, CharacterSettings, ContactHook,
     ContactHooks, Continuous, ConvexHull, Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc,
     JointHandle, Limit, MassProperties, Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings,
-    ShapeDesc, ShapeHandle, Skeleton, TriangleMesh, World,
+    ShapeDesc, ShapeHandle, Skeleton, Snapshot, TriangleMesh, World,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -34,3 +34,23 @@ fn an_app_is_recorded_and_played_again() {
     assert_eq!((played.steps, played.divergence), (300, None));
     assert_eq!(replay.world().hash(), hash);
 }
+
+/// A recording that begins after a second. Expected: as above, from there on.
+#[test]
+fn a_recording_may_begin_later() {
+    let mut app = app();
+    floor(&mut app);
+    ball(&mut app, 3.0);
+    run(&mut app, 60);
+    let buffer = RecordingBuffer::default();
+    app.world_mut().resource_mut::<PhysicsWorld>().start_recording(buffer.clone()).unwrap();
+    ball(&mut app, 5.0);
+    run(&mut app, 90);
+    let hash = physics(&app).hash();
+    app.world_mut().resource_mut::<PhysicsWorld>().stop_recording().unwrap();
+    let bytes = buffer.bytes();
+    let mut replay = Replay::open(&bytes[..]).unwrap();
+    let played = replay.run().unwrap();
+    assert_eq!((played.steps, played.divergence), (90, None));
+    assert_eq!(replay.world().hash(), hash);
+}

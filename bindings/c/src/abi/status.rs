@@ -63,7 +63,7 @@ pub const BS_ERROR_FOREIGN_SNAPSHOT: BsStatus = 23;
 pub const BS_ERROR_OTHER: BsStatus = 24;
 /// The character handle is stale: its character was removed.
 pub const BS_ERROR_STALE_CHARACTER: BsStatus = 25;
-/// A world that is being recorded can't be restored.
+/// Not returned: a world that is being recorded can be restored.
 pub const BS_ERROR_RECORDED: BsStatus = 26;
 /// A target for a drive that the joint does not have.
 pub const BS_ERROR_NO_DRIVE: BsStatus = 27;
@@ -75,7 +75,7 @@ pub const BS_ERROR_SHAPE_VERSION: BsStatus = 29;
 pub const BS_ERROR_STALE_COUPLING: BsStatus = 30;
 /// A motion that cannot be coupled.
 pub const BS_ERROR_COUPLED_MOTION: BsStatus = 31;
-/// A world that is being recorded already, is not being recorded, or is no longer new.
+/// A world that is being recorded already, or is not being recorded.
 pub const BS_ERROR_RECORDING: BsStatus = 32;
 /// Bytes that are no recording, or no longer, or not all of it.
 pub const BS_ERROR_BROKEN_RECORDING: BsStatus = 33;
@@ -132,7 +132,6 @@ fn of_engine(error: &Error) -> BsStatus {
         Error::StaleShape => BS_ERROR_STALE_SHAPE,
         Error::StaleJoint => BS_ERROR_STALE_JOINT,
         Error::StaleCharacter => BS_ERROR_STALE_CHARACTER,
-        Error::Recorded => BS_ERROR_RECORDED,
         Error::NoDrive => BS_ERROR_NO_DRIVE,
         Error::StaleCoupling => BS_ERROR_STALE_COUPLING,
         Error::CoupledMotion { .. } => BS_ERROR_COUPLED_MOTION,
@@ -160,7 +159,8 @@ fn of_engine(error: &Error) -> BsStatus {
 
 fn of_replay(error: &ReplayError) -> BsStatus {
     match error {
-        ReplayError::NotNew | ReplayError::Recording | ReplayError::NotRecording => BS_ERROR_RECORDING,
+        ReplayError::Recording | ReplayError::NotRecording => BS_ERROR_RECORDING,
+        ReplayError::Poisoned => BS_ERROR_PANIC,
         ReplayError::Foreign | ReplayError::CutOff { .. } | ReplayError::Damaged { .. } => {
             BS_ERROR_BROKEN_RECORDING
         }
@@ -258,13 +258,13 @@ fn text_of(status: BsStatus) -> &'static CStr {
         BS_ERROR_FOREIGN_SNAPSHOT => c"the snapshot refers to what the world does not have",
         BS_ERROR_OTHER => c"the call was refused",
         BS_ERROR_STALE_CHARACTER => c"the character was removed",
-        BS_ERROR_RECORDED => c"a world that is being recorded can't be restored",
+        BS_ERROR_RECORDED => c"not returned",
         BS_ERROR_NO_DRIVE => c"the joint has no such drive",
         BS_ERROR_BROKEN_SHAPE => c"the baked shape is broken",
         BS_ERROR_SHAPE_VERSION => c"the baked shape is of another version",
         BS_ERROR_STALE_COUPLING => c"the coupling broke or was removed",
         BS_ERROR_COUPLED_MOTION => c"the motion can't be coupled",
-        BS_ERROR_RECORDING => c"the world is being recorded already, is not, or is no longer new",
+        BS_ERROR_RECORDING => c"the world is being recorded already, or is not being recorded",
         BS_ERROR_BROKEN_RECORDING => c"the recording is broken or cut off",
         BS_ERROR_RECORDING_VERSION => c"the recording is of another version",
         BS_ERROR_LIMIT => c"the recording asks for more than its limits allow",

@@ -13,8 +13,9 @@ use backstop::replay::{Divergence, Progress, RecordingBuffer, Replay, Stage};
 use std::ffi::{CStr, CString, c_char};
 use std::io::Cursor;
 
-/// Records every call that changes a world from here on, until `bs_world_stop_recording`. The world must be
-/// new: it never had a body or stepped. Queries change nothing and are not recorded.
+/// Records every call that changes a world from here on, until `bs_world_stop_recording`; of a world that is
+/// not new with what it is now, and each `bs_world_restore` as it was. Queries change nothing and are not
+/// recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_start_recording(world: *mut BsWorld) -> BsStatus {
     call(|| {

@@ -130,14 +130,18 @@ impl World {
         Ok(true)
     }
 
-    /// Replaces all limits of a joint, locks included; its drives stay.
+    /// Replaces all limits of a joint, locks included; its drives stay. Here and below what is no other
+    /// changes nothing and wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
     pub fn set_joint_limits(&mut self, joint: JointHandle, limits: &[Limit]) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         limits.iter().try_for_each(Limit::validate)?;
-        let (_, drives) = self.rows_of(slot);
+        let (old, drives) = self.rows_of(slot);
+        if old == limits {
+            return Ok(());
+        }
         self.replace_joint_rows(slot, limits, &drives, Change::SetJointLimits(joint, limits))
     }
 
@@ -148,7 +152,10 @@ impl World {
     pub fn set_joint_drives(&mut self, joint: JointHandle, drives: &[Drive]) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         drives.iter().try_for_each(Drive::validate)?;
-        let (limits, _) = self.rows_of(slot);
+        let (limits, old) = self.rows_of(slot);
+        if old == drives {
+            return Ok(());
+        }
         self.replace_joint_rows(slot, &limits, drives, Change::SetJointDrives(joint, drives))
     }
 
@@ -159,6 +166,9 @@ impl World {
     pub fn set_joint_frames(&mut self, joint: JointHandle, frames: [Frame; 2]) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         frames.iter().try_for_each(Frame::validate)?;
+        if self.joint_local_frames(joint)? == frames {
+            return Ok(());
+        }
         self.note(Change::SetJointFrames(joint, frames));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
@@ -187,13 +197,17 @@ impl World {
         Ok(())
     }
 
-    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never.
+    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. A strength
+    /// that is no other wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale, a number is not at least zero, or the budget does not allow it.
     pub fn set_joint_strength(&mut self, joint: JointHandle, force: f32, torque: f32) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         check_loads(STRENGTH, [force, torque])?;
+        if self.joints.all[slot as usize].strength == [force, torque] {
+            return Ok(());
+        }
         let never = [f32::INFINITY; 2];
         self.reserve_for_joints(JointAdditions::of_events([force, torque], never), false)?;
         self.note(Change::SetJointStrength(joint, [force, torque]));
@@ -240,6 +254,9 @@ impl World {
     /// If the handle is stale.
     pub fn solve_joint_after(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let slot = self.joint(joint)?;
+        if self.joints.all[slot as usize].solved_after == above {
+            return Ok(());
+        }
         self.note(Change::SolveJointAfter(joint, above));
         self.revisions.moving += 1;
         self.joints.all[slot as usize].solved_after = above;

@@ -170,7 +170,7 @@ impl World {
     }
 
     /// Sets the force or torque on either motion above which a coupling breaks [N] or [N m]; infinity for
-    /// never.
+    /// never. A strength that is no other wakes nobody.
     ///
     /// # Errors
     /// If the handle is stale or a number is negative.
@@ -181,7 +181,12 @@ impl World {
     ) -> Result<(), Error> {
         let slot = self.coupling_slot(coupling)?;
         check_loads(["coupling strength"; 2], strength)?;
+        let old = self.joints.couplings.all[slot as usize];
+        if old.strength == strength {
+            return Ok(());
+        }
         self.note(Change::SetCouplingStrength(coupling, strength));
+        self.wake_coupled(&old);
         self.revisions.moving += 1;
         self.joints.couplings.all[slot as usize].strength = strength;
         Ok(())
