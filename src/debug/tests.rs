@@ -377,6 +377,22 @@ fn limits_are_drawn_where_they_end() {
     assert!(ends(&free).iter().all(|p| p.length() > 0.1));
 }
 
+/// Rows of a later step named contacts and points that the restored world had not: `draw` panicked.
+#[test]
+fn a_restored_world_has_no_solver_colours_until_it_steps() {
+    let mut world = world();
+    crate::scene::builtin::large_pyramid(4).add_to(&mut world).unwrap();
+    steps(&mut world, 1);
+    let mut saved = crate::snapshot::Snapshot::new();
+    world.snapshot(&mut saved);
+    steps(&mut world, 5);
+    world.restore(&saved).unwrap();
+    let options = DrawOptions { solver_colours: true, ..DrawOptions::nothing() };
+    assert_eq!(Sketch::of(&world, &options).lines.len(), 0);
+    steps(&mut world, 1);
+    assert!(!Sketch::of(&world, &options).lines.is_empty());
+}
+
 #[test]
 fn no_two_lines_of_a_solver_colour_end_at_one_dynamic_body() {
     let mut scene = crate::scene::builtin::large_pyramid(8);
