@@ -2,7 +2,7 @@
 
 use arbitrary::Unstructured;
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyDesc, BodyKind, Continuous, ConvexHull, Geometry, ShapeDesc, TriangleMesh};
+use backstop::{ConvexHull, Geometry, TriangleMesh};
 use std::sync::Arc;
 
 /// Bytes that are read as values; zeros when they have ended.
@@ -123,39 +123,5 @@ impl Input<'_> {
             }
             _ => Geometry::capsule(self.size(), self.size()),
         }
-    }
-
-    pub fn shape(&mut self) -> ShapeDesc {
-        let mut shape = ShapeDesc::new(self.geometry());
-        if self.byte() < 64 {
-            (shape.position, shape.rotation) = (self.vector(), self.rotation());
-            shape.density = self.size() * 500.0;
-            shape.material.restitution = self.number();
-            shape.material = shape.material.with_friction(self.number());
-            (shape.sensor, shape.events, shape.hooks) = (self.byte() < 32, self.bool(), self.bool());
-        }
-        shape
-    }
-
-    pub fn body(&mut self) -> BodyDesc {
-        let kind = self.pick(&[
-            BodyKind::Dynamic,
-            BodyKind::Dynamic,
-            BodyKind::Dynamic,
-            BodyKind::Static,
-            BodyKind::Kinematic,
-        ]);
-        let mut body = BodyDesc::new(kind).at(self.place());
-        for _ in 0..1 + usize::from(self.byte() < 32) * self.below(4) {
-            body = body.with_shape(self.shape());
-        }
-        if self.byte() < 96 {
-            body = body.rotated(self.rotation()).moving(self.vector() * 4.0, self.vector());
-            body.gravity_scale = self.number();
-            body.lock_rotation = [self.bool(), self.bool(), self.bool()];
-            body.can_sleep = self.bool();
-            body.continuous = self.pick(&[Continuous::Segment, Continuous::Volume, Continuous::Discrete]);
-        }
-        body
     }
 }

@@ -2,6 +2,7 @@
 
 mod colliders;
 mod desc;
+mod force_column;
 mod free;
 mod motion;
 mod rare;

@@ -494,32 +494,6 @@ impl Bodies {
         }
     }
 
-    /// Whether a force was applied since the last step. That the column exists says nothing: it outlasts its
-    /// forces for a while, and longer in a world with a budget.
-    pub(crate) fn is_pushed(&self) -> bool {
-        !self.force.is_empty() && self.unpushed == 0
-    }
-
-    /// A force is about to be applied; the column is there.
-    pub(crate) fn note_push(&mut self) {
-        self.pushes = self.pushes.saturating_add(1);
-        self.unpushed = 0;
-    }
-
-    /// Forces last for a step. Once nobody has applied any for a while, their column goes, if it may.
-    pub(crate) fn forget_forces(&mut self, may_go: bool) {
-        if self.force.is_empty() {
-            return;
-        }
-        if self.unpushed == 0 {
-            self.force.fill(Record::default());
-        }
-        self.unpushed = self.unpushed.saturating_add(1);
-        if may_go && self.unpushed > IDLE {
-            (self.force, self.pushes, self.unpushed) = (Vec::new(), 0, 0);
-        }
-    }
-
     fn count_solved_after(&mut self, above: Option<RowGroup>, change: i32) {
         if let Some(above) = above {
             let count = &mut self.solved_after[above as usize];

@@ -398,8 +398,8 @@ impl Joints {
         (more.locks + more.rows + COUPLING_ROWS * more.couplings) * batch + self.missing_columns(more)
     }
 
-    /// The most bytes that the rows take for which no batches are arranged: they are promised to the step that
-    /// will do so, and nothing else may have them.
+    /// The most bytes that the rows take for which no batches are arranged: they are promised to the step
+    /// that will do so, and nothing else may have them.
     pub(crate) fn promised(&self, batch: usize) -> usize {
         self.fresh * batch + self.resting
     }

@@ -71,9 +71,7 @@ impl Square {
 }
 
 fn check_heights(heights: &[f32]) -> Result<(), Error> {
-    each("sample", heights, |&height| {
-        limits::coordinate("height", height)
-    })
+    each("sample", heights, |&height| limits::coordinate("height", height))
 }
 
 impl HeightField {
