@@ -215,16 +215,18 @@ pub(super) struct ColliderRecord {
 }
 
 impl ColliderRecord {
-    /// Whether pose and box of a static shape follow from its body. They may differ by rounding, after other
-    /// shapes came and went and moved the centre of mass. Disabled shapes have no box.
-    fn is_placed(&self, body: &Pose, disabled: bool) -> bool {
+    /// Whether pose and box of a static shape follow from its body, whose centre of mass is at `centre` in
+    /// its axes. They may differ by rounding, after other shapes came and went and moved the centre of mass:
+    /// by the more the longer the levers are. Disabled shapes have no box.
+    fn is_placed(&self, body: &Pose, centre: Vec3, disabled: bool) -> bool {
         let c = &self.collider;
+        let slack = 1e-3 + 1e-5 * (centre.length() + c.position.length());
         let position = body.position + (body.rotation * c.position).as_dvec3();
         let turned = (body.rotation * c.rotation).dot(self.pose.rotation).abs();
         let own = aabb_of(c, body.position, body.rotation);
         let own = words::<6>([own.min, own.max]).map(f32::from_bits);
-        let near = |x: f32, y: f32| x == y || (x - y).abs() <= 1e-3 + 1e-5 * x.abs();
-        self.pose.position.distance(position) <= 1e-3 + 1e-5 * position.length()
+        let near = |x: f32, y: f32| x == y || (x - y).abs() <= slack + 1e-5 * x.abs();
+        self.pose.position.distance(position) <= f64::from(slack) + 1e-5 * position.length()
             && turned > 0.99
             && (disabled || own.iter().zip(self.bounds).all(|(&x, y)| near(x, f32::from_bits(y))))
     }
@@ -377,7 +379,7 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY }
     };
     let colliders = (0..own).map(|_| read_collider(from, kind, geometry)).collect::<Result<Vec<_>, _>>()?;
-    if kind == BodyKind::Static && !colliders.iter().all(|c| c.is_placed(&pose, traits.disabled)) {
+    if kind == BodyKind::Static && !colliders.iter().all(|c| c.is_placed(&pose, centre, traits.disabled)) {
         return Err(broken("the place of a static shape"));
     }
     let details = BodyDetails { centre, axes, mass, mass_from_shapes, user_data };

@@ -332,6 +332,11 @@ impl Contacts {
         }
     }
 
+    /// Impulses against rolling are gone; their memory stays.
+    pub(crate) fn clear_rolling(&mut self) {
+        self.rolling.clear();
+    }
+
     /// No shape resists rolling any more.
     pub(crate) fn forget_rolling(&mut self) {
         self.rolling = Vec::new();

@@ -120,6 +120,10 @@ impl World {
     /// At the end of a step that needed `now`: releases the buffers that only earlier ones needed. With a
     /// budget reserved memory stays, so that content that needs it again is never refused.
     pub(crate) fn release(&mut self, now: Demand) {
+        if self.needs.rolling == 0 {
+            // They are state, which must not depend on a budget.
+            self.contacts.clear_rolling();
+        }
         if !self.settings.budget.is_none() {
             self.last_demand.0 |= now.0;
             return;
