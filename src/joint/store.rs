@@ -148,6 +148,11 @@ impl JointAdditions {
         JointAdditions { joints: 1, bodies, ..rows.and(events) }
     }
 
+    /// Whether no joint is added.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.joints == 0
+    }
+
     /// The same between bodies that are yet to come: their slots are below `slots`.
     pub(crate) fn between(self, slots: usize) -> JointAdditions {
         JointAdditions { bodies: slots, ..self }

@@ -7,10 +7,10 @@
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
 use super::material::Material;
-use super::mesh::{MAX_COORDINATE, TriangleMesh, VERTEX_BITS, VERTEX_MASK, has_area};
+use super::mesh::{TriangleMesh, VERTEX_BITS, VERTEX_MASK, has_area};
 use super::surfaces::Surfaces;
 use crate::error::{Error, finite, within};
-use crate::limits;
+use crate::limits::{self, MAX_COORDINATE};
 use crate::shape::mesh::bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
 use glam::{Vec2, Vec3};
 use serde::de::Error as _;

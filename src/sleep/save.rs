@@ -83,6 +83,17 @@ impl Sleep {
         }
     }
 
+    /// Nobody sleeps, and bodies may not: with a budget the memory stays, so that none has to be asked for when
+    /// they may again, or a snapshot of before comes back.
+    pub(crate) fn switch_off(&mut self, keep: bool) {
+        if keep {
+            self.restore(&SavedSleep { lists: SleepLists::default(), free: &[], islands: &[], bodies: &[] });
+            self.fell_asleep.clear();
+        } else {
+            *self = Sleep::default();
+        }
+    }
+
     /// Restores the islands; [`Sleep::keep_pair`] then adds the pairs.
     pub(crate) fn restore(&mut self, saved: &SavedSleep<'_>) {
         let SleepLists { waited, woke, slept, .. } = saved.lists;

@@ -124,6 +124,10 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
         }
         colliders.extend(body.colliders.iter().map(|c| c.index));
     }
+    // The column has an entry for each body while bodies may sleep.
+    if counts.has(REST) != (counts.has(RESTS) && !(records.moving.is_empty() && records.fixed.is_empty())) {
+        return Err(broken("a column is missing"));
+    }
     let sleeps = view.settings.sleeping && counts.has(REST) && counts.has(RESTS);
     if (sleepers > 0 && !sleeps)
         || (counts.forces > 0 && !counts.has(PUSHED))

@@ -15,7 +15,6 @@ use crate::math::Quat;
 use crate::memory::Amounts;
 use crate::narrow_phase::{ContactCount, most_points};
 use crate::shape::{Geometry, Kind, ROLLS};
-use crate::sleep::Sleep;
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
 use glam::{DVec3, Vec3};
@@ -295,7 +294,7 @@ fn apply(world: &mut World, view: &View<'_>) {
     broad.restore(&view.broad, own);
     if !counts.has(RESTS) && counts.sleeping_pairs == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
         // If sleeping is off, there is no state of it.
-        *sleep = Sleep::default();
+        sleep.switch_off(!world.settings.budget.is_none());
     }
     sleep.restore(&view.sleep);
     sleep.fell_asleep.clear();

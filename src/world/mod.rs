@@ -158,8 +158,11 @@ impl World {
             self.bodies.rest.reserve_total(wanted);
             self.bodies.rest.resize(wanted, 0.0);
             if wanted == 0 {
-                self.bodies.rest.shrink_to_fit();
-                self.sleep = Sleep::default();
+                let keep = !self.settings.budget.is_none();
+                if !keep {
+                    self.bodies.rest.shrink_to_fit();
+                }
+                self.sleep.switch_off(keep);
             }
         }
     }

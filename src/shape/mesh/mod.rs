@@ -21,7 +21,6 @@ use glam::Vec3;
 use rays::{TriangleRays, take};
 use segment_triangle::SegmentTest;
 
-pub(super) use crate::limits::MAX_COORDINATE;
 /// Bits of a corner that are a vertex; the two above are the fold of the edge that starts there.
 pub(super) const VERTEX_BITS: u32 = 30;
 pub(super) const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;

@@ -109,11 +109,14 @@ impl World {
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
         if check(&asked, &self.rooms_without(&self.settings.budget, &gone)).is_err() {
-            // Steps have grown into what was left when the snapshot was taken.
-            gone += self.made_anew();
+            // Steps have grown into what was left when the snapshot was taken; what settings switch on is
+            // asked for as it is when they are set.
+            if !self.switches_on(brings) {
+                gone += self.made_anew();
+            }
             let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
             // A rollback to the same bodies, shapes and joints is never refused.
-            if brings.new.is_some() || brings.forms != Amounts::default() {
+            if brings.new.is_some() || brings.forms != Amounts::default() || self.switches_on(brings) {
                 allowed?;
             }
             self.buffers.release_rows();
@@ -121,6 +124,14 @@ impl World {
         self.each_restored(brings, &mut |_, buffer, len| buffer.reserve_total(len));
         self.broad.reserve_total(brings.pairs);
         Ok(())
+    }
+
+    /// Whether a snapshot brings columns that the world does not have.
+    fn switches_on(&self, brings: &Brings<'_>) -> bool {
+        let now = self.counts(Counts::default());
+        let rests = brings.rests || brings.settings.sleeping;
+        let meets = brings.settings.method.meets_impacts();
+        (rests && !now.rests) || (meets && !now.meets) || (brings.forced && !now.forced)
     }
 
     /// Bytes of what the next step makes anew.
