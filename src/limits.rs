@@ -2,19 +2,19 @@
 //!
 //! | Kind | Checker | Of |
 //! | --- | --- | --- |
-//! | place in the world | [`position`] | bodies, origins, targets, points of forces, characters |
-//! | offset on a body | [`offset`] | shapes, centres of mass, frames of joints, bones, points of hulls |
-//! | coordinate | [`coordinate`] | vertices of meshes, heights of fields |
-//! | size | [`length`], [`length_or_zero`] | shapes, bones, the length unit |
-//! | velocity | [`speed`], [`speed_cap`] | bodies, belts, walks |
-//! | acceleration | [`acceleration`] | gravity and factors on it |
-//! | force, torque, impulse | [`force`] | what acts on bodies, and its sum |
-//! | load | [`load`] | strengths and thresholds of joints and couplings |
-//! | mass, moments | [`inertia`], [`density`] | mass properties, shapes, skeletons |
-//! | rate of damping | [`damping`] | bodies |
-//! | coefficient | [`friction`], [`share`] | materials, hooks |
-//! | other amount | [`amount`] | thresholds and times of settings, forces of drives and characters |
-//! | time | [`step`] | steps, walks, targets |
+//! | place in the world | `position` | bodies, origins, targets, points of forces, characters |
+//! | offset on a body | `offset` | shapes, centres of mass, frames of joints, bones, points of hulls |
+//! | coordinate | `coordinate` | vertices of meshes, heights of fields |
+//! | size | `length`, `length_or_zero` | shapes, bones, the length unit |
+//! | velocity | `speed`, `speed_cap` | bodies, belts, walks |
+//! | acceleration | `acceleration` | gravity and factors on it |
+//! | force, torque, impulse | `force` | what acts on bodies, and its sum |
+//! | load | `load` | strengths and thresholds of joints and couplings |
+//! | mass, moments | `inertia`, `density` | mass properties, shapes, skeletons |
+//! | rate of damping | `damping` | bodies |
+//! | coefficient | `friction`, `share` | materials, hooks |
+//! | other amount | `amount` | thresholds and times of settings, forces of drives and characters |
+//! | time | `step` | steps, walks, targets |
 //!
 //! Rotations are checked by `shape::unit_quat`, springs, limits and drives in `joint/desc.rs`, rays and casts
 //! in `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
