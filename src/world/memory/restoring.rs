@@ -108,15 +108,17 @@ impl World {
         asked += brings.forms;
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
-        if check(&asked, &self.rooms_without(&self.settings.budget, &gone)).is_err() {
-            // Steps have grown into what was left when the snapshot was taken; what settings switch on is
-            // asked for as it is when they are set.
-            if !self.switches_on(brings) {
-                gone += self.made_anew();
+        let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
+        if allowed.is_err() {
+            if self.switches_on(brings) {
+                // Asked for as it is when such settings are set.
+                return allowed;
             }
+            // Steps have grown into what was left when the snapshot was taken.
+            gone += self.made_anew();
             let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
             // A rollback to the same bodies, shapes and joints is never refused.
-            if brings.new.is_some() || brings.forms != Amounts::default() || self.switches_on(brings) {
+            if brings.new.is_some() || brings.forms != Amounts::default() {
                 allowed?;
             }
             self.buffers.release_rows();
