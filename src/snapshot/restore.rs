@@ -153,7 +153,8 @@ fn brought<'a>(
         guarded: counts.guarded as usize,
         characters: counts.characters as usize,
         forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
-        rests: counts.has(RESTS) || counts.parts[2] > 0,
+        // Not by the number of sleepers: disabled bodies share their part of the columns.
+        rests: counts.has(RESTS),
         new,
     }
 }
