@@ -137,7 +137,6 @@ impl Joints {
 
     /// Replaces all joints.
     pub(crate) fn restore_all(&mut self, records: &JointRecords) {
-        self.fresh = self.rows_missing_for(records);
         let JointRecords { all, generations, locks, rows, first, stale, free, couplings } = records;
         self.all.clone_from(all);
         self.locks.clone_from(locks);

@@ -420,6 +420,11 @@ impl Joints {
         self.resting = left.min(rows * batch);
     }
 
+    /// Promises so many bytes to the rows that are arranged next, and no others.
+    pub(crate) fn promise(&mut self, bytes: usize) {
+        (self.fresh, self.resting) = (0, bytes);
+    }
+
     /// All rows are about to be arranged in another way.
     pub(crate) fn arrange_anew(&mut self) {
         (self.changed, self.fresh) = (true, self.row_count());

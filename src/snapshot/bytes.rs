@@ -102,7 +102,8 @@ impl Snapshot {
             return Err(broken("there is more than its counts say"));
         }
         let prints = head.prints.map(|part| part.map(whole));
-        Ok(Snapshot { words: state, parts, forms, foreign: Some(prints), arrangement: u64::MAX })
+        let foreign = Some(prints);
+        Ok(Snapshot { words: state, parts, forms, foreign, arrangement: u64::MAX, joint_rows: None })
     }
 }
 

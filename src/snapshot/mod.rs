@@ -46,6 +46,9 @@ pub struct Snapshot {
     foreign: Option<[[u64; 2]; 2]>,
     /// The arrangement of joints that belongs to it.
     arrangement: u64,
+    /// Bytes that rows of joints held or were promised: as much suffices to arrange them again. Unknown for a
+    /// snapshot from bytes.
+    joint_rows: Option<usize>,
 }
 
 impl Snapshot {
@@ -81,6 +84,7 @@ impl World {
         }
         into.parts = self.parts().map(Some);
         into.arrangement = self.buffers.joints.arrangement;
+        into.joint_rows = Some(self.bytes_of_joint_rows());
         save::save(self, &mut into.forms, &mut into.words);
     }
 

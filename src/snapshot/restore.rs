@@ -42,7 +42,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     } else {
         &snapshot.forms
     };
-    let brings = brought(world, &view, records.as_ref(), forms);
+    let brings = brought(world, &view, records.as_ref(), forms, snapshot.joint_rows);
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -58,7 +58,9 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     }
     world.clear_characters();
     if let Some(records) = records {
+        let promised = world.promised_to(&records.joints, snapshot.joint_rows);
         install(world, records);
+        world.joints.promise(promised);
     } else if settle && !poisoned {
         world.broad.settle_statics();
     }
@@ -117,6 +119,7 @@ fn brought<'a>(
     view: &'a View<'_>,
     records: Option<&'a Records>,
     forms: &'a [Known],
+    joint_rows: Option<usize>,
 ) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
@@ -124,7 +127,7 @@ fn brought<'a>(
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
         let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
-        let mut new = Replacement::new(bodies, colliders, &records.joints, geometries);
+        let mut new = Replacement::new(bodies, colliders, (&records.joints, joint_rows), geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
             new.add(&record.body, kinds);

@@ -323,6 +323,7 @@ impl World {
         if !self.settings.budget.is_none() {
             let counts = self.counts(Counts::default());
             self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
+            self.joints.reserve_total(JointAdditions::default());
         }
     }
 

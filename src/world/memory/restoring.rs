@@ -15,6 +15,8 @@ use crate::world::{Assets, World};
 pub(crate) struct Replacement<'a> {
     counts: Counts,
     joints: &'a JointRecords,
+    /// Bytes that their rows held or were promised, if that is known.
+    joint_rows: Option<usize>,
 }
 
 /// The content of a snapshot.
@@ -45,13 +47,13 @@ impl<'a> Replacement<'a> {
     pub(crate) fn new(
         bodies: usize,
         shapes: usize,
-        joints: &'a JointRecords,
+        (joints, joint_rows): (&'a JointRecords, Option<usize>),
         geometry: impl Iterator<Item = &'a Geometry>,
     ) -> Replacement<'a> {
         let (once, assets) = Assets::default().cost(geometry);
         let mut counts = Counts { bodies, joined: joints.any(), once, assets, ..Counts::default() };
         counts.colliders.slots = shapes;
-        Replacement { counts, joints }
+        Replacement { counts, joints, joint_rows }
     }
 
     /// A body with shapes of these kinds and flags.
@@ -87,6 +89,20 @@ impl World {
         self.assets.cost(geometries).0
     }
 
+    /// Bytes that rows of joints hold or are promised.
+    pub(crate) fn bytes_of_joint_rows(&self) -> usize {
+        self.buffers.joints.bytes().1 + self.joints.promised(WIDEST_JOINT_BATCH)
+    }
+
+    /// Bytes beyond those that rows of joints hold that are to be promised to these joints, whose rows took
+    /// or were promised `known` bytes.
+    pub(crate) fn promised_to(&self, joints: &JointRecords, known: Option<usize>) -> usize {
+        match known {
+            Some(bytes) => bytes.saturating_sub(self.buffers.joints.bytes().1),
+            None => self.joints.rows_missing_for(joints) * WIDEST_JOINT_BATCH,
+        }
+    }
+
     /// Reserves memory for the content of a snapshot, as far as it is missing: in the world that took it
     /// nothing is, unless bodies, shapes or joints have changed since.
     ///
@@ -101,25 +117,32 @@ impl World {
             self.assets.bytes().for_each(|(category, (_, reserved))| gone.add(category, reserved));
             gone.add(Category::Bodies, self.bodies.list_bytes());
             asked += new.counts.once;
-            let promised = self.joints.promised(WIDEST_JOINT_BATCH);
-            let rows = self.joints.rows_missing_for(new.joints) * WIDEST_JOINT_BATCH;
-            asked.add(Category::Joints, rows.saturating_sub(promised));
+            let rows = self.promised_to(new.joints, new.joint_rows);
+            asked.add(Category::Joints, rows.saturating_sub(self.joints.promised(WIDEST_JOINT_BATCH)));
         }
         asked += brings.forms;
-        self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
+        let fixed = asked;
+        self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
         if allowed.is_err() {
             if self.switches_on(brings) {
                 // Asked for as it is when such settings are set.
                 return allowed;
             }
-            // Steps have grown into what was left when the snapshot was taken.
+            // Steps have grown into what was left when the snapshot was taken. What restoring and the next
+            // step make anew makes way.
             gone += self.made_anew();
-            let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
+            let room = self.rooms_without(&self.settings.budget, &gone);
+            let contacts = std::mem::take(&mut self.contacts);
+            let narrow = std::mem::take(&mut self.buffers.narrow);
+            let mut anew = fixed;
+            self.each_restored(brings, &mut |category, buffer, len| anew.add(category, buffer.missing(len)));
+            let allowed = check(&anew, &room);
             // A rollback to the same bodies, shapes and joints is never refused.
-            if brings.new.is_some() || brings.forms != Amounts::default() {
-                allowed?;
+            if allowed.is_err() && (brings.new.is_some() || brings.forms != Amounts::default()) {
+                (self.contacts, self.buffers.narrow) = (contacts, narrow);
+                return allowed;
             }
             self.buffers.release_rows();
         }
@@ -136,11 +159,13 @@ impl World {
         (rests && !now.rests) || (meets && !now.meets) || (brings.forced && !now.forced)
     }
 
-    /// Bytes of what the next step makes anew.
+    /// Bytes of contacts, all of which restoring brings, and of what the next step makes anew.
     fn made_anew(&self) -> Amounts {
         let mut bytes = Amounts::default();
         bytes.add(Category::Rows, self.buffers.rows.bytes().1);
         bytes.add(Category::Scratch, self.buffers.restitution.bytes().1);
+        bytes.add(Category::Scratch, self.buffers.narrow.bytes().1);
+        bytes.add(Category::Manifolds, self.contacts.bytes().1);
         bytes
     }
 

@@ -51,10 +51,11 @@ impl World {
     /// Records the ends of pairs, and removes their contacts. Returns how many of these had pushed in the
     /// last step.
     fn forget_pairs_that_ended(&mut self) -> u32 {
-        let mut removed = std::mem::take(&mut self.buffers.broad.removed);
-        if !removed.is_empty() {
+        // Before the list leaves its place, where its bytes are counted.
+        if !self.buffers.broad.removed.is_empty() {
             self.refresh_event_allowance();
         }
+        let mut removed = std::mem::take(&mut self.buffers.broad.removed);
         let mut ghosts = 0;
         for pair in &removed {
             self.part_pair(pair);
