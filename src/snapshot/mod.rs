@@ -44,8 +44,8 @@ pub struct Snapshot {
     forms: Vec<geometry::Known>,
     /// For a snapshot from bytes, the fingerprints of its parts, which the restored world has to have.
     foreign: Option<[[u64; 2]; 2]>,
-    /// The arrangement of joints that belongs to it.
-    arrangement: u64,
+    /// The arrangement of joints that belongs to it, if they were arranged.
+    arrangement: Option<u64>,
     /// Bytes that rows of joints held or were promised: as much suffices to arrange them again. Unknown for a
     /// snapshot from bytes.
     joint_rows: Option<usize>,
@@ -61,6 +61,14 @@ impl Snapshot {
     /// since the previous one. Shared parts are not counted.
     pub fn size(&self) -> usize {
         self.words.len() * size_of::<u32>()
+    }
+
+    /// Hash of the state: of all that outlives a step and may change in one, to the bit. Two worlds with the
+    /// same bodies, shapes and joints have the same future if it is the same; it differs a step before
+    /// [`World::hash`] does where something else than poses and velocities differs.
+    pub fn hash(&self) -> u64 {
+        // Without the head, which says what the bytes are.
+        checksum::hash(self.words.get(view::HEAD..).unwrap_or_default())
     }
 
     /// Bytes of the parts that snapshots share until bodies, shapes or joints are added, removed or changed.
@@ -83,7 +91,7 @@ impl World {
             return;
         }
         into.parts = self.parts().map(Some);
-        into.arrangement = self.buffers.joints.arrangement;
+        into.arrangement = (!self.joints.changed).then_some(self.buffers.joints.arrangement);
         into.joint_rows = Some(self.bytes_of_joint_rows());
         save::save(self, &mut into.forms, &mut into.words);
     }

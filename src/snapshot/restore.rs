@@ -6,6 +6,8 @@ use super::characters::{check_characters, found_forms, restore_characters};
 use super::check::check;
 use super::geometry::Known;
 use super::part::{BodyRecord, Part, Records};
+#[cfg(debug_assertions)]
+use super::view::HEAD;
 use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
 use crate::body::{AfterTarget, Pose, Target};
 use crate::error::Error;
@@ -64,18 +66,17 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     } else if settle && !poisoned {
         world.broad.settle_statics();
     }
-    apply(world, &view);
-    restore_characters(world, view.characters, forms);
-    world.refresh_event_allowance();
-    world.events.restore(&view.events);
+    apply(world, &view, forms);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
     }
-    if world.buffers.joints.arrangement != snapshot.arrangement {
-        world.joints.changed = true;
-    }
+    world.joints.changed = snapshot.arrangement != Some(world.buffers.joints.arrangement);
     world.keep_parts(&parts);
+    #[cfg(debug_assertions)]
+    if snapshot.foreign.is_none() {
+        assert_restored(world, snapshot);
+    }
     Ok(())
 }
 
@@ -235,21 +236,55 @@ fn install(world: &mut World, records: Records) {
     world.revisions.moving += 1;
 }
 
-/// Applies the state; the shared parts are installed.
-fn apply(world: &mut World, view: &View<'_>) {
-    let counts = &view.counts;
+/// What a restored world would write is what was read: whatever is saved is restored, too.
+#[cfg(debug_assertions)]
+fn assert_restored(world: &World, snapshot: &Snapshot) {
+    let mut again = Snapshot::new();
+    super::save::save(world, &mut again.forms, &mut again.words);
+    let differs = |(i, (a, b)): (usize, (&u32, &u32))| (a != b).then_some(i);
+    let first = again.words.iter().zip(&snapshot.words).enumerate().skip(HEAD).find_map(differs);
+    let lengths = [again.words.len(), snapshot.words.len()];
+    assert!(first.is_none() && lengths[0] == lengths[1], "at word {first:?}, {lengths:?} words");
+}
+
+/// Applies the state; the shared parts are installed. No column is left out by `..`.
+fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
+    let View {
+        counts,
+        settings,
+        origin,
+        last_h,
+        usual_h,
+        evenness,
+        wait,
+        pending,
+        slots,
+        bodies: moving,
+        rest,
+        forces,
+        targets,
+        is_clear,
+        clear,
+        broad: saved_broad,
+        // By [`read_pairs`], once it is known which islands there are.
+        pairs: _,
+        sleep: saved_sleep,
+        joints: saved_joints,
+        characters,
+        events,
+    } = view;
     let World { bodies, colliders, broad, joints, sleep, buffers, .. } = world;
-    world.settings = view.settings.clone();
-    world.origin = view.origin.into();
-    (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
-    (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
+    world.settings = settings.clone();
+    world.origin = (*origin).into();
+    (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (*last_h, *evenness, *usual_h);
+    (buffers.statics.wait, buffers.statics.pending) = (*wait, *pending);
     // The rows of a step that never was, for those who draw them.
     buffers.rows.stages.clear();
 
-    bodies.line_up(view.slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
+    bodies.line_up(slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
     bodies.set_parts(counts.parts);
     bodies.rests = counts.has(RESTS);
-    for (i, body) in view.bodies.as_chunks::<BODY>().0.iter().enumerate() {
+    for (i, body) in moving.as_chunks::<BODY>().0.iter().enumerate() {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&body[10..]);
         bodies.pose[i] = pose_of(&body[..10]);
         bodies.velocity[i] = Record { linear, angular, ..Record::default() };
@@ -262,28 +297,28 @@ fn apply(world: &mut World, view: &View<'_>) {
         &mut bodies.rest,
         if counts.has(REST) { len } else { 0 },
         0.0,
-        view.rest.iter().map(|&w| f32::from_bits(w)),
+        rest.iter().map(|&w| f32::from_bits(w)),
     );
     fill(&mut bodies.force, if counts.has(FORCE) { len } else { 0 }, Record::default(), std::iter::empty());
     (bodies.pushes, bodies.unpushed) = (u32::from(counts.has(FORCE)), u32::from(!counts.has(PUSHED)));
-    for force in view.forces.as_chunks::<PUSH>().0 {
+    for force in forces.as_chunks::<PUSH>().0 {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
         bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };
     }
     bodies.rare.targets.clear();
-    for words in view.targets.as_chunks::<TARGET>().0 {
+    for words in targets.as_chunks::<TARGET>().0 {
         let Pose { position, rotation } = pose_of(&words[1..11]);
         let dt = f32::from_bits(words[11]);
         let after = AfterTarget::ALL.into_iter().find(|after| *after as u32 == words[12]);
         let after = after.unwrap_or(AfterTarget::MoveOn);
         bodies.rare.targets.set(words[0], Some(Target { position, rotation, dt, after }));
     }
-    let mut clear = view.clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
+    let mut clear = clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
         centre: DVec3::from_array(record::<_, 6>(&ball[..6])),
         radius: f32::from_bits(ball[6]),
     });
     let guarded = (0..counts.guarded as usize).map(|i| {
-        let is_clear = view.is_clear[i / 32] >> (i % 32) & 1 != 0;
+        let is_clear = is_clear[i / 32] >> (i % 32) & 1 != 0;
         if is_clear { clear.next().unwrap_or_default() } else { Clear::default() }
     });
     buffers.finish.clear.clear();
@@ -295,15 +330,18 @@ fn apply(world: &mut World, view: &View<'_>) {
         }
     }
     let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
-    broad.restore(&view.broad, own);
+    broad.restore(saved_broad, own);
     if !counts.has(RESTS) && counts.sleeping_pairs == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
         // If sleeping is off, there is no state of it.
         sleep.switch_off(!world.settings.budget.is_none());
     }
-    sleep.restore(&view.sleep);
+    sleep.restore(saved_sleep);
     sleep.fell_asleep.clear();
-    joints.restore(&view.joints);
+    joints.restore(saved_joints);
     read_pairs(world, view);
+    restore_characters(world, characters, forms);
+    world.refresh_event_allowance();
+    world.events.restore(events);
 }
 
 fn pose_of(words: &[u32]) -> Pose {

@@ -24,16 +24,30 @@ fn motion_words(v: &Record) -> [u32; 6] {
 
 /// Writes all that changes from step to step.
 pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
-    let state = world.state();
-    let State { bodies, colliders, broad, contacts, joints, sleep, .. } = state;
+    let State {
+        settings,
+        origin,
+        bodies,
+        colliders,
+        broad,
+        contacts,
+        joints,
+        characters,
+        sleep,
+        events,
+        last_h,
+        usual_h,
+        evenness,
+        statics: (wait, pending),
+        clear,
+    } = world.state();
     let (movers, all) = (bodies.movers(), bodies.asleep().end);
     let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
     out.clear();
     out.resize(HEAD + COUNTS, 0);
-    settings::save(state.settings, out);
-    out.extend_from_slice(&words::<6>(state.origin.to_array()));
-    out.extend([state.last_h, state.usual_h, state.evenness].map(f32::to_bits));
-    let (wait, pending) = state.statics;
+    settings::save(settings, out);
+    out.extend_from_slice(&words::<6>(origin.to_array()));
+    out.extend([last_h, usual_h, evenness].map(f32::to_bits));
     out.push(wait << 1 | u32::from(pending));
 
     out.extend(&bodies.slot[..all]);
@@ -67,7 +81,6 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         out.extend([dt.to_bits(), after as u32]);
         counts.targets += 1;
     }
-    let clear = state.clear;
     counts.guarded = clear.len() as u32;
     for some in clear.chunks(32) {
         out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
@@ -91,8 +104,8 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     counts.contact_words = (out.len() - start) as u32;
     counts.sleep = sleep.save(out);
     counts.joints = joints.save(out);
-    counts.characters = save_characters(state.characters, forms, out);
-    counts.events = state.events.save(out);
+    counts.characters = save_characters(characters, forms, out);
+    counts.events = events.save(out);
 
     let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
     out[..HEAD].copy_from_slice(&words::<HEAD>(head));

@@ -12,9 +12,11 @@ fn flag(bits: u32, i: u32) -> bool {
     bits >> i & 1 != 0
 }
 
+const FLAGS: usize = 7;
+
 /// Writes settings.
 pub(super) fn save(s: &Settings, out: &mut Vec<u32>) {
-    let flags = [
+    let flags: [bool; FLAGS] = [
         s.friction_cone == FrictionCone::Box,
         s.friction_model == FrictionModel::Point,
         s.warm_starting,
@@ -50,6 +52,9 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
     let [substeps, iterations, mode, flags]: [u32; 4] = from.record::<_, 4>()?;
     let n: [f32; 12] = from.record::<_, 12>()?;
     let [event_capacity, order]: [u32; 2] = from.record::<_, 2>()?;
+    if flags >> FLAGS != 0 || order >> (4 * Order::default().0.len()) != 0 {
+        return Err(broken("a flag of settings"));
+    }
     let (continuous, method) = (mode_of(mode & 0xFF)?, method_of(mode >> 8)?);
     let mut groups = Order::default().0;
     for (i, group) in groups.iter_mut().enumerate() {

@@ -15,7 +15,7 @@ use crate::words::{Reader, broken};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 7;
+pub(super) const VERSION: u32 = 8;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 
@@ -71,6 +71,7 @@ pub(super) const REST: u32 = 2;
 /// Not columns: whether bodies may sleep, and whether a force was applied since the last step.
 pub(super) const RESTS: u32 = 4;
 pub(super) const PUSHED: u32 = 8;
+const COLUMNS: u32 = FORCE | REST | RESTS | PUSHED;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
@@ -135,6 +136,9 @@ impl<'a> View<'a> {
             return Err(broken("it is not one"));
         }
         let counts: Counts = from.record::<_, COUNTS>()?;
+        if counts.columns & !COLUMNS != 0 {
+            return Err(broken("a column is unknown"));
+        }
         let settings = settings::read(&mut from, own)?;
         let origin: [f64; 3] = from.record::<_, 6>()?;
         let last_h = f32::from_bits(from.one()?);

@@ -3,6 +3,7 @@
 use crate::body::{BodyDetails, BodyKind, KeptMass, Mass, Pose, RareCounts};
 use crate::error::Error;
 use crate::handle::BodyHandle;
+use crate::limits::MAX_LEFT_SPEED;
 use crate::math::Quat;
 use crate::shape::{MassProperties, ShapeDesc};
 use crate::world::{Change, World};
@@ -120,7 +121,8 @@ impl World {
         self.bodies.pose[index] =
             Pose { position: pose.position + shift.as_dvec3(), rotation: (body * details.axes).normalize() };
         let velocity = &mut self.bodies.velocity[index];
-        velocity.linear += velocity.angular.cross(shift);
+        let most = Vec3::splat(MAX_LEFT_SPEED);
+        velocity.linear = (velocity.linear + velocity.angular.cross(shift)).clamp(-most, most);
         self.bodies.details[index] = details;
         self.bodies.set_mass(index, columns);
         // A body that can't rotate is in no tree.

@@ -47,28 +47,59 @@ impl World {
         report
     }
 
-    /// Each buffer as a whole.
+    /// Each buffer as a whole. No field is left out by `..`: whoever adds one says here what it holds.
     fn buffers_by_category(&self) -> MemoryReport {
+        let World {
+            bodies,
+            colliders,
+            assets,
+            broad,
+            removed,
+            now,
+            contacts,
+            joints,
+            events,
+            sleep,
+            characters,
+            faults,
+            helpers,
+            buffers,
+            // They hold no memory of the world, or its size never changes.
+            settings: _,
+            origin: _,
+            needs: _,
+            revisions: _,
+            report: _,
+            last_demand: _,
+            spent: _,
+            peaks: _,
+            stage: _,
+            #[cfg(feature = "lab")]
+                meter: _,
+            // The tape is the caller's.
+            #[cfg(feature = "replay")]
+                recorder: _,
+        } = self;
         let mut report = MemoryReport::default();
-        report.add(Category::Bodies, self.bodies.bytes());
-        report.add(Category::Shapes, self.colliders.bytes());
-        report.add(Category::Shapes, bytes_of(&self.assets.list));
-        self.assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
-        report.add(Category::BroadPhase, self.broad.bytes());
-        report.add(Category::BroadPhase, bytes_of(&self.removed));
-        report.add(Category::BroadPhase, self.buffers.broad.removed_bytes());
-        report.add(Category::BroadPhase, self.now.bytes());
-        report.add(Category::Manifolds, self.contacts.bytes());
-        report.add(Category::Rows, self.buffers.rows.bytes());
-        report.add(Category::Continuous, self.broad.continuous_bytes());
-        report.add(Category::Joints, self.joints.bytes());
-        report.add(Category::Events, self.events.bytes());
-        report.add(Category::Bodies, self.sleep.bytes());
-        report.add(Category::Bodies, self.characters.bytes());
-        report.add(Category::BroadPhase, self.sleep.kept_bytes());
-        report.add(Category::Scratch, self.faults.bytes());
-        report.add(Category::Scratch, self.helpers.bytes());
-        self.buffers.report(&mut report, self.is_continuous());
+        report.add(Category::Bodies, bodies.bytes());
+        report.add(Category::Shapes, colliders.bytes());
+        report.add(Category::Shapes, bytes_of(&assets.list));
+        assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
+        report.add(Category::BroadPhase, broad.bytes());
+        report.add(Category::BroadPhase, bytes_of(removed));
+        report.add(Category::BroadPhase, buffers.broad.removed_bytes());
+        report.add(Category::BroadPhase, now.bytes());
+        report.add(Category::Manifolds, contacts.bytes());
+        report.add(Category::Rows, buffers.rows.bytes());
+        report.add(Category::Continuous, broad.continuous_bytes());
+        report.add(Category::Joints, joints.bytes());
+        report.add(Category::Events, events.bytes());
+        report.add(Category::Bodies, sleep.bytes());
+        report.add(Category::Bodies, characters.bytes());
+        report.add(Category::BroadPhase, sleep.kept_bytes());
+        report.add(Category::Scratch, faults.bytes());
+        report.add(Category::Scratch, helpers.bytes());
+        buffers.report(&mut report, self.is_continuous());
         report
     }
 

@@ -98,7 +98,10 @@ impl World {
     /// or were promised `known` bytes.
     pub(crate) fn promised_to(&self, joints: &JointRecords, known: Option<usize>) -> usize {
         match known {
-            Some(bytes) => bytes.saturating_sub(self.buffers.joints.bytes().1),
+            Some(bytes) => {
+                let most = joints.row_count() * WIDEST_JOINT_BATCH;
+                bytes.min(most).saturating_sub(self.buffers.joints.bytes().1)
+            }
             None => self.joints.rows_missing_for(joints) * WIDEST_JOINT_BATCH,
         }
     }
