@@ -425,8 +425,11 @@ impl Player {
             return Err(finding(format!("no number after {after}"), what));
         }
         let before = std::mem::replace(&mut self.held, self.world.memory());
-        match over(&self.world) {
-            None if after == "a step" => self.lowered = false,
+        match over(&self.world, 0) {
+            // What is promised may be more than a budget that was lowered allows.
+            None if after == "a step" => {
+                self.lowered &= over(&self.world, self.world.memory_promised()).is_some();
+            }
             Some(what) if !self.lowered => {
                 let grew = grown(&before, &self.held);
                 return Err(finding(format!("over budget after {after}"), format!("{what}; {grew}")));
@@ -499,15 +502,17 @@ fn assets(world: &World) -> Vec<Geometry> {
         .collect()
 }
 
-/// What is held beyond the budget.
-fn over(world: &World) -> Option<String> {
+/// What is held, and so many bytes more, beyond the budget.
+fn over(world: &World, promised: usize) -> Option<String> {
     let (budget, memory) = (world.settings().budget, world.memory());
-    let whole = budget.limit().filter(|&limit| memory.total() > limit);
+    let total = memory.total() + promised;
+    let whole = budget.limit().filter(|&limit| total > limit);
     if let Some(limit) = whole {
-        return Some(format!("{} of {limit} bytes", memory.total()));
+        return Some(format!("{total} of {limit} bytes"));
     }
-    let of =
-        |category: Category| memory.iter().find(|(one, _)| *one == category).map_or(0, |(_, b)| b.reserved);
+    let of = |category: Category| {
+        memory.category(category).reserved + if category == Category::Joints { promised } else { 0 }
+    };
     let most = |category| Some((category, budget.limit_of(category).filter(|&limit| of(category) > limit)?));
     let (category, limit) = Category::ALL.into_iter().find_map(most)?;
     Some(format!("{} of {limit} bytes of {category}", of(category)))

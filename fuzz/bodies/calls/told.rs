@@ -22,7 +22,7 @@ impl Told {
     /// Whether the budget refused something or left something out.
     pub fn is_tight(&self) -> bool {
         let refused = self.result.as_ref().is_err_and(|error| error.starts_with("the budget"));
-        refused || self.step.as_ref().is_some_and(|step| step.report.shed > 0)
+        refused || self.step.as_ref().is_some_and(|step| step.tight)
     }
 }
 
@@ -40,6 +40,8 @@ pub struct OfStep {
     uncoupled: Vec<CouplingHandle>,
     stopped: Vec<BodyHandle>,
     report: StepReport,
+    /// Whether the budget left contacts or events out.
+    tight: bool,
     awake: Vec<BodyHandle>,
     moved: Vec<BodyHandle>,
     joints: Vec<[f32; 6]>,
@@ -54,6 +56,8 @@ impl OfStep {
     pub fn of(world: &World, handles: &Handles) -> OfStep {
         let mut report = *world.report();
         report.times = StageTimes::default();
+        // Rows are packed as the budget's memory allows.
+        (report.batches, report.uncoloured) = (0, 0);
         let forces = handles.joints.values().filter_map(|&joint| world.joint_force(joint).ok());
         let couplings = handles.couplings.values().filter_map(|&c| world.coupling_force(c).ok());
         let motion = |body: BodyHandle| {
@@ -71,6 +75,7 @@ impl OfStep {
             strained: world.strained_joints().into(),
             uncoupled: world.broken_couplings().into(),
             stopped: world.stopped_bodies().into(),
+            tight: report.shed > 0 || (report.events_lost > 0 && !world.settings().budget.is_none()),
             report,
             awake: world.awake_bodies().collect(),
             moved: world.moved_bodies().collect(),

@@ -410,7 +410,8 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
             let count = (width as u32).min(tree_start - at);
             let worth = || Rows::worth(points, layer.group, input.friction, input.beside());
-            if thin && !serial && (count as usize) < worth() {
+            // A single row has place for four points, with which one point comes to other bits than alone.
+            if thin && !serial && points > 1 && (count as usize) < worth() {
                 for at in at..at + count {
                     rows.schedule.push(batch(0, layer.group));
                     ranges.push((at, 1));

@@ -47,6 +47,12 @@ impl World {
         report
     }
 
+    /// Bytes that the rows of joints do not hold yet, or hold no more, but may take in any step: joints that
+    /// are new, asleep or restored. With a budget nothing else gets them.
+    pub fn memory_promised(&self) -> usize {
+        self.joints.promised(WIDEST_JOINT_BATCH)
+    }
+
     /// Each buffer as a whole. No field is left out by `..`: whoever adds one says here what it holds.
     fn buffers_by_category(&self) -> MemoryReport {
         let World {
@@ -126,7 +132,7 @@ impl World {
         let mut held = self.memory();
         // The share of continuous collision in their buffers may be theirs in the next step.
         held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
-        let promised = self.joints.promised(WIDEST_JOINT_BATCH);
+        let promised = self.memory_promised();
         held.add(Category::Joints, (0, promised));
         Allowances::new(budget, &held.reserved(), whole.total() + promised, gone)
     }

@@ -91,7 +91,7 @@ impl World {
 
     /// Bytes that rows of joints hold or are promised.
     pub(crate) fn bytes_of_joint_rows(&self) -> usize {
-        self.buffers.joints.bytes().1 + self.joints.promised(WIDEST_JOINT_BATCH)
+        self.buffers.joints.bytes().1 + self.memory_promised()
     }
 
     /// Bytes beyond those that rows of joints hold that are to be promised to these joints, whose rows took
@@ -121,7 +121,7 @@ impl World {
             gone.add(Category::Bodies, self.bodies.list_bytes());
             asked += new.counts.once;
             let rows = self.promised_to(new.joints, new.joint_rows);
-            asked.add(Category::Joints, rows.saturating_sub(self.joints.promised(WIDEST_JOINT_BATCH)));
+            asked.add(Category::Joints, rows.saturating_sub(self.memory_promised()));
         }
         asked += brings.forms;
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
