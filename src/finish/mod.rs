@@ -16,6 +16,7 @@ mod turned;
 pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
+pub(crate) use moving::is_in_range;
 use moving::{FAR, Moving, Prediction};
 use passing::Movers;
 use settle::{Tools, settle_off_path};

@@ -286,7 +286,7 @@ pub(super) fn stop_body(pose: &mut Pose, velocity: &mut Record, start: Pose, is_
 
 /// Whether a body is where a caller could put it: beyond, boxes and distances would soon overflow.
 #[inline(always)]
-pub(super) fn is_in_range(pose: &Pose) -> bool {
+pub(crate) fn is_in_range(pose: &Pose) -> bool {
     pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
 }
 

@@ -134,20 +134,22 @@ pub(crate) fn meets_impacts(settings: &Settings) -> bool {
 }
 
 /// Solves the impacts of a step whose bodies are at its end, if the method asks for that. `allowance`: bytes
-/// by which buffers may grow.
+/// by which buffers may grow. Also returns the bodies that were stopped because an impact left them no
+/// position or velocity in range.
 pub(crate) fn meet_impacts(
     workers: &Workers<'_>,
     on: &mut Solved<'_>,
     buffers: &mut Buffers,
     allowance: Allowance,
-) -> Impacts {
-    let Some(rules) = Rules::of(on.settings) else { return Impacts::default() };
-    let mut run = Run { dt: on.dt, on, buffers, rules, allowance, impacts: Impacts::default() };
+) -> (Impacts, Vec<u32>) {
+    let Some(rules) = Rules::of(on.settings) else { return Default::default() };
+    let (dt, stopped) = (on.dt, Vec::new());
+    let mut run = Run { dt, on, buffers, rules, allowance, impacts: Impacts::default(), stopped };
     run.find_first(workers);
     while let Some(hit) = run.buffers.queue.pop() {
         run.strike(&hit);
     }
-    run.impacts
+    (run.impacts, run.stopped)
 }
 
 /// State while the impacts of a step are solved.
@@ -158,6 +160,7 @@ struct Run<'a, 'b> {
     dt: f32,
     allowance: Allowance,
     impacts: Impacts,
+    stopped: Vec<u32>,
 }
 
 impl Run<'_, '_> {

@@ -6,8 +6,10 @@ use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
 use crate::config::tuning::TOUCH_DISTANCE;
+use crate::finish::is_in_range;
 use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
+use crate::limits::MAX_LEFT_SPEED;
 use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
 use crate::shape::{Collider, Kind};
 use crate::solver::ImpactBody;
@@ -114,7 +116,8 @@ impl Run<'_, '_> {
         if self.on.bodies.rare.caps.len() > 0 {
             velocity = self.on.bodies.rare.cap(self.on.bodies.slot[body]).hold(velocity);
         }
-        let track = &mut self.buffers.tracks[track];
+        let place = track;
+        let track = &mut self.buffers.tracks[place];
         let mut pose = self.on.bodies.pose[body];
         if !track.stands {
             track.turns += 1;
@@ -134,8 +137,18 @@ impl Run<'_, '_> {
             }
         }
         velocity.linear += track.pull * left;
-        let end = track.way.at(1.0);
+        let mut end = track.way.at(1.0);
         velocity.angular = self.carried(body, &pose, &end, velocity.angular);
+        if !is_in_range(&end) || !velocity.is_within(MAX_LEFT_SPEED) {
+            // The impact of bodies at the limits of speed and mass is out of range: this one stands.
+            let at = self.on.bodies.pose[body];
+            let way = Way { since: time, ..Way::still(&at) };
+            (self.buffers.tracks[place].stands, self.buffers.tracks[place].way) = (true, way);
+            (end, velocity) = (at, Record::default());
+            if !self.stopped.contains(&(body as u32)) {
+                self.stopped.push(body as u32);
+            }
+        }
         self.on.bodies.pose[body] = end;
         let record = &mut self.on.bodies.velocity[body];
         (record.linear, record.angular) = (velocity.linear, velocity.angular);

@@ -412,7 +412,10 @@ impl World {
             settings: &self.settings,
             dt,
         };
-        let impacts = meet_impacts(workers, &mut solved, &mut buffers.impacts, allowance);
+        let (impacts, mut stopped) = meet_impacts(workers, &mut solved, &mut buffers.impacts, allowance);
+        if !stopped.is_empty() {
+            self.faults.note_stopped(&self.bodies, &mut stopped);
+        }
         finish::reach_targets(&mut self.bodies, dt);
         impacts
     }
