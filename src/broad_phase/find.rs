@@ -130,18 +130,20 @@ pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
 }
 
 impl BroadPhase {
-    /// Drops the pairs that may no longer touch.
+    /// Drops the pairs that may no longer touch. Returns how many there was no place for in `removed`: they
+    /// last until they are looked at again.
     pub(super) fn keep_pairs(
         &mut self,
         workers: &Workers,
         may_collide: MayCollide,
         removed: &mut Vec<Pair>,
         allowance: &mut Allowance,
-    ) {
+    ) -> u32 {
+        let mut late = 0;
         let mut changes = std::mem::take(&mut self.changes);
-        // Pairs are only taken in if there is room for this; one that is not looked at lasts longer than it
-        // need.
+        // Pairs are only taken in if there is room for this.
         let words = allowance.fit(&mut changes, words_of(self.pairs.len()));
+        late += self.pairs.len().saturating_sub(64 * words) as u32;
         changes.clear();
         changes.resize(words, Change::default());
         {
@@ -164,10 +166,13 @@ impl BroadPhase {
                 ended ^= 1 << bit;
                 if allowance.fit(removed, removed.len() + 1) > removed.len() {
                     removed.push(self.table.swap_remove(&mut self.pairs, word * 64 + bit));
+                } else {
+                    late += 1;
                 }
             }
         }
         self.changes = changes;
+        late
     }
 
     /// The fate of the 64 pairs of a word.

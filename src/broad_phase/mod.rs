@@ -156,7 +156,7 @@ pub(crate) struct BroadPhase {
     block: Block,
     /// Colliders that move and that don't, endless ones included.
     counts: Population,
-    /// Set while boxes are newer than pairs.
+    /// Set while boxes are newer than pairs, or than some of them.
     refreshed: bool,
     /// Goes up when the tree of what is static changes.
     statics_changes: u64,
@@ -318,11 +318,14 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        memory.allowances.within(Category::BroadPhase, |allowance| {
+        let late = memory.allowances.within(Category::BroadPhase, |allowance| {
             self.keep_pairs(workers, rules.may_collide, removed, allowance)
         });
         stats.removed = (removed.len() - before) as u32;
         (stats.added, stats.shed) = self.find_pairs(workers, rules, memory);
+        stats.shed += late;
+        // Boxes don't lead to the pairs that are late.
+        self.refreshed = late > 0;
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;
