@@ -3,7 +3,7 @@
 use super::World;
 use crate::constraint::Tweak;
 use crate::error::{Error, within};
-use crate::events::{Approach, StartOfStep};
+use crate::events::{Approach, Events, StartOfStep};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::limits;
 use crate::narrow_phase::{ContactRef, NO_CONTACT};
@@ -156,10 +156,10 @@ impl World {
             return;
         }
         self.refresh_event_allowance();
-        let mut tweaks = std::mem::take(&mut self.events.tweaks);
-        let mut vetoed = std::mem::take(&mut self.events.vetoed);
+        // The lists stay where their bytes are counted: hooks may ask the world, which takes memory.
+        let Events { tweaks, allowance, .. } = &mut self.events;
         tweaks.clear();
-        let granted = self.events.allowance.fit(&mut tweaks, self.contacts.slots());
+        let granted = allowance.fit(tweaks, self.contacts.slots());
         tweaks.resize(granted, Tweak::NONE);
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
@@ -174,6 +174,7 @@ impl World {
             let (mut slot, mut passes) = (pair.contact, false);
             while slot != NO_CONTACT {
                 let contact = self.contacts.at(slot);
+                let next = contact.next;
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
@@ -183,17 +184,20 @@ impl World {
                         recorder.record(tweak, vetoed);
                     }
                     passes |= vetoed;
-                    match tweaks.get_mut(slot as usize) {
+                    match self.events.tweaks.get_mut(slot as usize) {
                         Some(place) => *place = tweak,
                         // The changes can't be kept.
                         None => self.events.lost += u32::from(!tweak.is_none()),
                     }
                 }
-                slot = contact.next;
+                slot = next;
+            }
+            if passes {
+                self.refresh_event_allowance();
             }
             // The guard has to know of a veto, or it would stop the body.
-            let listed =
-                passes && self.events.allowance.push(&mut vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
+            let Events { vetoed, allowance, .. } = &mut self.events;
+            let listed = passes && allowance.push(vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
             self.events.lost += u32::from(passes && !listed);
             if listed {
                 let mut slot = pair.contact;
@@ -204,7 +208,6 @@ impl World {
                 }
             }
         }
-        vetoed.sort_unstable();
-        (self.events.tweaks, self.events.vetoed) = (tweaks, vetoed);
+        self.events.vetoed.sort_unstable();
     }
 }

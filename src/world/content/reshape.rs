@@ -49,6 +49,9 @@ impl World {
         self.reserve_for_geometry(&geometry)?;
         self.note(Change::SetGeometry(shape, &geometry));
         let own = self.colliders.rare(collider).flags();
+        // Its bytes count before the ends of pairs take any.
+        let kept = geometry.clone();
+        self.assets.add(&kept);
         self.reshape(collider, mass, |collider, _| {
             collider.kind = Kind::of(&geometry);
             collider.flags = collider.flags & !RARE | own | geometry.rare_flags();
@@ -56,6 +59,7 @@ impl World {
             (collider.radius, collider.inner_radius) = (geometry.radius(), geometry.inner_radius());
             collider.geometry = geometry;
         });
+        self.assets.remove(&kept);
         Ok(())
     }
 
