@@ -103,7 +103,7 @@ impl Snapshot {
         }
         let prints = head.prints.map(|part| part.map(whole));
         let foreign = Some(prints);
-        Ok(Snapshot { words: state, parts, forms, foreign, arrangement: None, joint_rows: None })
+        Ok(Snapshot { words: state, parts, forms, foreign, ..Snapshot::default() })
     }
 }
 

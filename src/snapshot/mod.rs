@@ -49,6 +49,8 @@ pub struct Snapshot {
     /// Bytes that rows of joints held or were promised: as much suffices to arrange them again. Unknown for a
     /// snapshot from bytes.
     joint_rows: Option<usize>,
+    /// All of it did not fit in the budget of its world, which was lowered: then it need not fit again.
+    over_budget: bool,
 }
 
 impl Snapshot {
@@ -92,7 +94,7 @@ impl World {
         }
         into.parts = self.parts().map(Some);
         into.arrangement = (!self.joints.changed).then_some(self.buffers.joints.arrangement);
-        into.joint_rows = Some(self.bytes_of_joint_rows());
+        (into.joint_rows, into.over_budget) = (Some(self.bytes_of_joint_rows()), self.is_over_budget());
         save::save(self, &mut into.forms, &mut into.words);
     }
 

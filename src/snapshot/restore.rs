@@ -44,7 +44,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     } else {
         &snapshot.forms
     };
-    let brings = brought(world, &view, records.as_ref(), forms, snapshot.joint_rows);
+    let brings = brought(world, &view, records.as_ref(), forms, snapshot);
     if poisoned {
         // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
@@ -120,7 +120,7 @@ fn brought<'a>(
     view: &'a View<'_>,
     records: Option<&'a Records>,
     forms: &'a [Known],
-    joint_rows: Option<usize>,
+    snapshot: &Snapshot,
 ) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
@@ -128,7 +128,7 @@ fn brought<'a>(
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
         let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
-        let mut new = Replacement::new(bodies, colliders, (&records.joints, joint_rows), geometries);
+        let mut new = Replacement::new(bodies, colliders, (&records.joints, snapshot.joint_rows), geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
             new.add(&record.body, kinds);
@@ -157,6 +157,7 @@ fn brought<'a>(
         guarded: counts.guarded as usize,
         characters: counts.characters as usize,
         forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
+        over_budget: snapshot.over_budget,
         // Not by the number of sleepers: disabled bodies share their part of the columns.
         rests: counts.has(RESTS),
         new,

@@ -318,8 +318,11 @@ impl Player {
             Call::Twice(steps) => self.twice(*steps, hear)?,
             Call::GoBack(count) => {
                 if let Some(mark) = marks.back(*count) {
-                    self.restore(&mark.snapshot, mark.budget, mark.additions)?;
-                    self.handles = mark.handles.clone();
+                    let result = self.restore(&mark.snapshot, mark.budget, mark.additions)?;
+                    if result.is_ok() {
+                        self.handles = mark.handles.clone();
+                    }
+                    hear(Told { result, hash: self.world.hash(), step: None })?;
                 }
             }
             Call::Query(query, geometry) => {
@@ -342,7 +345,11 @@ impl Player {
                     let kind = format!("what was refused changed the world: {}", name(call));
                     return Err(finding(kind, error.to_string()));
                 }
-                self.lowered |= result.is_ok() && matches!(call, Call::Settings(_));
+                // A budget may be less than there is, and batches of joints have no limit where a call has
+                // them arranged anew.
+                let rearranges = matches!(call, Call::Body(..) | Call::Shape(..) | Call::Joint(..));
+                let rearranges = rearranges && self.world.joint_count() > 0;
+                self.lowered |= result.is_ok() && (rearranges || matches!(call, Call::Settings(_)));
                 self.additions += u32::from(result.is_ok() && adds(call));
                 self.check(&name(call))?;
                 hear(Told {
@@ -374,7 +381,7 @@ impl Player {
         for _ in 0..steps {
             first.push(self.step(1.0 / 60.0, None)?);
         }
-        self.restore(&snapshot, self.world.settings().budget, self.additions)?;
+        drop(self.restore(&snapshot, self.world.settings().budget, self.additions)?);
         self.handles = handles;
         draw(&self.world);
         let mut compared = Compared::new("restored (twice)");
@@ -388,18 +395,26 @@ impl Player {
         first.into_iter().try_for_each(hear)
     }
 
-    /// Back to a snapshot, which nothing but the budget may refuse, and that only where something was added.
-    fn restore(&mut self, snapshot: &Snapshot, budget: Budget, additions: u32) -> Result<(), Finding> {
-        match self.world.restore(snapshot) {
+    /// Back to a snapshot, which nothing but the budget may refuse, and that only where something was added:
+    /// then the inner result is the error.
+    fn restore(
+        &mut self,
+        snapshot: &Snapshot,
+        budget: Budget,
+        additions: u32,
+    ) -> Result<Result<(), String>, Finding> {
+        let result = self.world.restore(snapshot);
+        match &result {
             Err(Error::Budget { .. })
                 if self.world.settings().budget != budget || self.additions != additions =>
             {
                 self.tight = true;
             }
-            Err(error) => return Err(refused("same", &error)),
+            Err(error) => return Err(refused("same", error)),
             Ok(()) => {}
         }
-        self.check("restore")
+        self.check("restore")?;
+        Ok(result.map_err(|error| error.to_string()))
     }
 
     fn save(&mut self, ways: Ways, marks: &mut Marks<'_>, next: usize, told: usize) {

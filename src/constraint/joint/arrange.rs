@@ -115,6 +115,12 @@ impl JointRows {
         [beside, trees, tables(true), tables(false)]
     }
 
+    /// Reserved bytes of what is arranged, without the buffers that have an entry for each body.
+    pub(crate) fn arranged_bytes(&self) -> usize {
+        let by_body = [bytes_of(&self.touching), self.tree_slots.bytes(), self.nets.bytes()];
+        self.bytes().1 - by_body.iter().map(|bytes| bytes.1).sum::<usize>()
+    }
+
     /// Number of trees with bodies that count as heavier than they are.
     pub(crate) fn weighted_trees(&self) -> u32 {
         let in_lanes = self.trees.iter().map(|tree| tree.weighted.count_ones()).sum::<u32>();

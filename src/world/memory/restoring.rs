@@ -38,6 +38,8 @@ pub(crate) struct Brings<'a> {
     /// Bytes of their hulls, as far as neither the world nor `new` has them.
     pub(crate) forms: Amounts,
     pub(crate) rests: bool,
+    /// Whether it did not fit in the budget when it was taken.
+    pub(crate) over_budget: bool,
     /// `None` if bodies, shapes and joints stay as they are.
     pub(crate) new: Option<Replacement<'a>>,
 }
@@ -89,9 +91,22 @@ impl World {
         self.assets.cost(geometries).0
     }
 
+    /// Whether what is held or promised is more than the budget allows, which was lowered then.
+    pub(crate) fn is_over_budget(&self) -> bool {
+        let budget = &self.settings.budget;
+        if budget.is_none() {
+            return false;
+        }
+        let mut held = self.memory();
+        held.add(Category::Joints, (0, self.memory_promised()));
+        let over = |limit: Option<usize>, held: usize| limit.is_some_and(|limit| held > limit);
+        over(budget.limit(), held.total())
+            || held.iter().any(|(category, bytes)| over(budget.limit_of(category), bytes.reserved))
+    }
+
     /// Bytes that rows of joints hold or are promised.
     pub(crate) fn bytes_of_joint_rows(&self) -> usize {
-        self.buffers.joints.bytes().1 + self.memory_promised()
+        self.buffers.joints.arranged_bytes() + self.memory_promised()
     }
 
     /// Bytes beyond those that rows of joints hold that are to be promised to these joints, whose rows took
@@ -100,7 +115,7 @@ impl World {
         match known {
             Some(bytes) => {
                 let most = joints.row_count() * WIDEST_JOINT_BATCH;
-                bytes.min(most).saturating_sub(self.buffers.joints.bytes().1)
+                bytes.min(most).saturating_sub(self.buffers.joints.arranged_bytes())
             }
             None => self.joints.rows_missing_for(joints) * WIDEST_JOINT_BATCH,
         }
@@ -143,7 +158,8 @@ impl World {
             self.each_restored(brings, &mut |category, buffer, len| anew.add(category, buffer.missing(len)));
             let allowed = check(&anew, &room);
             // A rollback to the same bodies, shapes and joints is never refused.
-            if allowed.is_err() && (brings.new.is_some() || brings.forms != Amounts::default()) {
+            let same = brings.new.is_none() && brings.forms == Amounts::default();
+            if allowed.is_err() && !same && !brings.over_budget {
                 (self.contacts, self.buffers.narrow) = (contacts, narrow);
                 return allowed;
             }

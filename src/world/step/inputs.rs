@@ -161,12 +161,12 @@ impl World {
         let Buffers { joints: rows, forces, .. } = &mut self.buffers;
         if self.joints.changed {
             let (joints, bodies) = (&mut self.joints, &self.bodies);
-            let held = rows.bytes().1 + joints.promised(WIDEST_JOINT_BATCH);
+            let held = rows.arranged_bytes() + joints.promised(WIDEST_JOINT_BATCH);
             self.revisions.moving += u64::from(joints.is_stale());
             joints.compact();
             let (order, in_trees) = (self.settings.order, self.settings.joint_trees);
             rows.arrange(joints, bodies, order, in_trees);
-            let left = held.saturating_sub(rows.bytes().1);
+            let left = held.saturating_sub(rows.arranged_bytes());
             joints.note_resting(left, WIDEST_JOINT_BATCH, bodies);
         }
         if self.joints.count > 0 || !rows.tree_slots.is_empty() {
