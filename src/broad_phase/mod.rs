@@ -41,7 +41,7 @@ pub(crate) use look_up::{Places, SearchSet};
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 pub(crate) use query_tree::{QueryIndex, QueryTree, Sorts, WorldView};
-pub(crate) use save::{Lists, SavedBroad, tree_words};
+pub(crate) use save::{Lists, PairLists, SavedBroad, tree_words};
 use segment::Path;
 
 /// What `bench` times beside what other stages use.

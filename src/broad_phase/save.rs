@@ -5,10 +5,13 @@
 //! table of pairs from the list.
 
 use super::bvh::Tree;
-use super::{Aabb, BroadPhase, NONE, Path, Proxy, Role, look_up};
+use super::find::Change;
+use super::pairs::PairTable;
+use super::{Aabb, BroadPhase, NONE, Pair, Path, Proxy, Role, look_up};
 use crate::error::Error;
 use crate::words::{Packer, Reader, all_finite, broken, byte, record, words};
 use glam::Vec3;
+use std::mem::swap;
 
 /// How long the lists of a saved broad phase are.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -34,6 +37,14 @@ pub(crate) struct SavedBroad<'a> {
     unbounded: &'a [u32],
     changed: &'a [u32],
     tree: &'a [u32],
+}
+
+/// The pairs, with what finds them.
+#[derive(Debug, Default)]
+pub(crate) struct PairLists {
+    pairs: Vec<Pair>,
+    table: PairTable,
+    changes: Vec<Change>,
 }
 
 /// Where the marks of a changed collider stand.
@@ -144,6 +155,13 @@ impl BroadPhase {
         let cells = std::cell::Cell::from_mut(self.proxies.as_mut_slice()).as_slice_of_cells();
         let place = |c: u32, place: u32| cells[c as usize].set(Proxy { place, ..cells[c as usize].get() });
         self.movers.restore(saved.tree, |c| cells[c as usize].get().bounds, place);
+    }
+
+    /// Exchanges the lists of pairs for others.
+    pub(crate) fn swap_pairs(&mut self, other: &mut PairLists) {
+        swap(&mut self.pairs, &mut other.pairs);
+        swap(&mut self.table, &mut other.table);
+        swap(&mut self.changes, &mut other.changes);
     }
 
     /// The list of pairs is another; so many are kept elsewhere, and may come back.

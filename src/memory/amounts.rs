@@ -19,6 +19,11 @@ impl Amounts {
         self.0.iter().sum()
     }
 
+    /// What is more than in another.
+    pub(crate) fn without(&self, other: &Amounts) -> Amounts {
+        Amounts(std::array::from_fn(|i| self.0[i].saturating_sub(other.0[i])))
+    }
+
     /// The category that has most.
     pub(crate) fn largest(&self) -> Category {
         Category::ALL.into_iter().fold(Category::Bodies, |a, b| if self.of(b) > self.of(a) { b } else { a })

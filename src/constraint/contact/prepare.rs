@@ -81,7 +81,7 @@ impl PrepareInput<'_> {
     }
 
     pub(crate) fn beside(&self) -> Beside {
-        Beside { surfaces: self.surfaces, rolling: self.rolling }
+        Beside { surfaces: self.surfaces, rolling: self.rolling, soft: self.soft }
     }
 }
 
@@ -101,7 +101,9 @@ pub(crate) fn prepare(
     allowances: &mut Allowances,
 ) -> Prepared {
     rows.set_friction(input.friction);
-    let prepared = arrange(input, rows, scratch, allowances);
+    let marked = mark_soft(input, rows, allowances);
+    let mut prepared = arrange(input, rows, scratch, allowances);
+    prepared.shed += u32::from(!marked);
     let (all, Rows { surfaces, rolling, .. }) = (rows.schedule.len(), &mut *rows);
     surfaces.clear();
     rolling.clear();
@@ -112,7 +114,12 @@ pub(crate) fn prepare(
     if input.rolling && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all {
         rolling.resize(all, RollingRow::default());
     }
-    prepare_soft(input, rows, allowances);
+    rows.soft.rows.clear();
+    if input.soft
+        && allowances.within(Category::Rows, |allowance| allowance.fit(&mut rows.soft.rows, all)) == all
+    {
+        rows.soft.rows.resize(all, SoftRow::default());
+    }
     let (mut surfaces, marks) = (std::mem::take(&mut rows.surfaces), std::mem::take(&mut rows.soft.marks));
     let marked = PrepareInput { marks: &marks, ..*input };
     fill_all(workers, &marked, &rows.views(), &mut surfaces, scratch);
@@ -120,21 +127,15 @@ pub(crate) fn prepare(
     prepared
 }
 
-/// Makes room for soft lanes, and marks what holds the bodies. Without memory for them, contacts are rigid.
-fn prepare_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) {
-    let all = rows.schedule.len();
-    rows.soft.rows.clear();
-    rows.soft.marks.clear();
-    if !input.soft {
-        return;
-    }
-    allowances.within(Category::Rows, |allowance| {
+/// Marks what holds the bodies, for soft lanes; says whether there was memory for that.
+fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) -> bool {
+    let marks = &mut rows.soft.marks;
+    marks.clear();
+    if input.soft {
         let (bodies, found) = ((input.bodies, input.colliders), (input.pairs, input.contacts));
-        mark(&mut rows.soft.marks, bodies, found, input.joints, allowance);
-        if allowance.fit(&mut rows.soft.rows, all) == all {
-            rows.soft.rows.resize(all, SoftRow::default());
-        }
-    });
+        allowances.within(Category::Rows, |allowance| mark(marks, bodies, found, input.joints, allowance));
+    }
+    !input.soft || marks.len() == input.bodies.dynamic()
 }
 
 /// [`Beside`] of the batch at a place of the schedule.

@@ -57,13 +57,17 @@ pub(crate) struct Beside {
     pub(crate) surfaces: bool,
     /// Whether any shape resists rolling or spinning.
     pub(crate) rolling: bool,
+    /// Whether springs act at any shape.
+    pub(crate) soft: bool,
 }
 
 impl Beside {
     /// Bytes of a batch.
     pub(crate) fn bytes(self) -> usize {
         let of = |is_there: bool, bytes: usize| if is_there { bytes } else { 0 };
-        of(self.surfaces, size_of::<Surface>()) + of(self.rolling, size_of::<RollingRow>())
+        of(self.surfaces, size_of::<Surface>())
+            + of(self.rolling, size_of::<RollingRow>())
+            + of(self.soft, size_of::<SoftRow>())
     }
 }
 
@@ -110,11 +114,12 @@ impl Rows {
     pub(crate) fn reserve(&mut self, wanted: &Tally, beside: Beside, allowance: &mut Allowance) -> bool {
         let [batches, friction] = Self::bytes_of(wanted);
         let count = |is_there: bool| if is_there { self.schedule.len() } else { 0 };
-        let (surfaces, rolling) = (count(beside.surfaces), count(beside.rolling));
+        let [surfaces, rolling, soft] = [beside.surfaces, beside.rolling, beside.soft].map(count);
         let lacking = self.batches.missing(batches)
             + self.friction.missing(friction)
             + self.surfaces.missing(surfaces)
-            + self.rolling.missing(rolling);
+            + self.rolling.missing(rolling)
+            + self.soft.rows.missing(soft);
         let spare = self.batches.spare(batches) + self.friction.spare(friction);
         if lacking > allowance.left().saturating_add(spare) {
             return false;
@@ -130,6 +135,7 @@ impl Rows {
         self.friction.reserve_total(friction);
         self.surfaces.reserve_total(surfaces);
         self.rolling.reserve_total(rolling);
+        self.soft.rows.reserve_total(soft);
         true
     }
 
@@ -239,7 +245,7 @@ impl Rows {
 
     /// Reserved bytes of what batches have beside them.
     pub(crate) fn beside_bytes(&self) -> usize {
-        bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1
+        bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1 + bytes_of(&self.soft.rows).1
     }
 
     /// Live and reserved bytes.

@@ -54,7 +54,7 @@ impl World {
     }
 
     /// Each buffer as a whole. No field is left out by `..`: whoever adds one says here what it holds.
-    fn buffers_by_category(&self) -> MemoryReport {
+    pub(in crate::world) fn buffers_by_category(&self) -> MemoryReport {
         let World {
             bodies,
             colliders,
@@ -246,6 +246,7 @@ impl World {
         let mut more = Counts { once, assets, ..Counts::default() };
         let kind = Kind::of(geometry);
         more.meshed = matches!(kind, Kind::Mesh | Kind::HeightField);
+        more.rare_materials = geometry.rare_flags() != 0;
         more.colliders.endless = usize::from(kind == Kind::Plane);
         self.reserve_for(more, false)
     }
@@ -541,7 +542,7 @@ pub(in crate::world) fn check(asked: &Amounts, allowances: &Allowances) -> Resul
 impl Counts {
     fn add_shape(&mut self, kind: BodyKind, shape: &ShapeDesc) {
         self.add_collider(kind, Kind::of(&shape.geometry));
-        self.rare_materials |= shape.material.rare().flags() != 0;
+        self.rare_materials |= shape.material.rare().flags() | shape.geometry.rare_flags() != 0;
     }
 
     pub(in crate::world) fn add_collider(&mut self, of: BodyKind, kind: Kind) {

@@ -7,7 +7,7 @@ use crate::constraint::{Beside, JOINT_BYTES};
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::{ContactCount, FRESH_BYTES};
-use crate::shape::{BELT, ROLLS};
+use crate::shape::{BELT, ROLLS, SOFT};
 use crate::world::World;
 use glam::Vec3;
 
@@ -38,13 +38,14 @@ impl World {
         // No body is ever added to it: it only provides sizes.
         let mut empty = World { settings: settings.clone(), ..World::default() };
         let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
-        let mut beside = Beside { surfaces: false, rolling: false };
+        let mut beside = Beside { surfaces: false, rolling: false, soft: false };
         let friction = shapes.fold(false, |friction, shape| {
             let materials = std::iter::once(&shape.material).chain(shape.geometry.materials());
             materials.fold(friction || shape.hooks, |friction, material| {
                 let flags = material.rare().flags();
                 beside.rolling |= flags & ROLLS != 0;
                 beside.surfaces |= flags & BELT != 0;
+                beside.soft |= flags & SOFT != 0;
                 let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
                 friction || rubs || flags & ROLLS != 0
             })

@@ -2,14 +2,38 @@
 
 use super::budget::{Counts, check, list_bytes};
 use crate::body::{BodyKind, Damping, NewBody, RareCounts, SpeedCap};
+use crate::broad_phase::PairLists;
 use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
+use crate::events::Events;
 use crate::joint::JointRecords;
 use crate::memory::{Amounts, Buffer, Category};
-use crate::narrow_phase::ContactCount;
+use crate::narrow_phase::{ContactCount, Contacts};
 use crate::shape::{Geometry, Kind, RARE};
-use crate::world::{Assets, World};
+use crate::world::{Assets, Buffers, World};
+use std::mem::swap;
+
+/// What a step makes anew, or a snapshot brings as a whole: events, contacts, pairs, and buffers of steps but
+/// for those of joints, which may be arranged already.
+#[derive(Default)]
+struct Passing {
+    buffers: Buffers,
+    contacts: Contacts,
+    pairs: PairLists,
+    events: Events,
+}
+
+impl Passing {
+    fn swap(&mut self, world: &mut World) {
+        swap(&mut self.buffers, &mut world.buffers);
+        swap(&mut self.buffers.joints, &mut world.buffers.joints);
+        swap(&mut self.buffers.dt, &mut world.buffers.dt);
+        swap(&mut self.contacts, &mut world.contacts);
+        world.broad.swap_pairs(&mut self.pairs);
+        swap(&mut self.events, &mut world.events);
+    }
+}
 
 /// The bodies and joints that replace those of a world.
 pub(crate) struct Replacement<'a> {
@@ -139,8 +163,8 @@ impl World {
             asked.add(Category::Joints, rows.saturating_sub(self.memory_promised()));
         }
         asked += brings.forms;
+        let mut anew = asked;
         asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
-        let fixed = asked;
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
         if allowed.is_err() {
@@ -150,20 +174,22 @@ impl World {
             }
             // Steps have grown into what was left when the snapshot was taken. What restoring and the next
             // step make anew makes way.
-            gone += self.made_anew();
+            let held = self.buffers_by_category().reserved();
+            let mut passing = Passing::default();
+            passing.swap(self);
+            gone += held.without(&self.buffers_by_category().reserved());
+            passing.swap(self);
             let room = self.rooms_without(&self.settings.budget, &gone);
-            let contacts = std::mem::take(&mut self.contacts);
-            let narrow = std::mem::take(&mut self.buffers.narrow);
-            let mut anew = fixed;
+            passing.swap(self);
+            anew.add(Category::BroadPhase, self.broad.missing(brings.pairs));
             self.each_restored(brings, &mut |category, buffer, len| anew.add(category, buffer.missing(len)));
             let allowed = check(&anew, &room);
             // A rollback to the same bodies, shapes and joints is never refused.
             let same = brings.new.is_none() && brings.forms == Amounts::default();
             if allowed.is_err() && !same && !brings.over_budget {
-                (self.contacts, self.buffers.narrow) = (contacts, narrow);
+                passing.swap(self);
                 return allowed;
             }
-            self.buffers.release_rows();
         }
         self.each_restored(brings, &mut |_, buffer, len| buffer.reserve_total(len));
         self.broad.reserve_total(brings.pairs);
@@ -176,16 +202,6 @@ impl World {
         let rests = brings.rests || brings.settings.sleeping;
         let meets = brings.settings.method.meets_impacts();
         (rests && !now.rests) || (meets && !now.meets) || (brings.forced && !now.forced)
-    }
-
-    /// Bytes of contacts, all of which restoring brings, and of what the next step makes anew.
-    fn made_anew(&self) -> Amounts {
-        let mut bytes = Amounts::default();
-        bytes.add(Category::Rows, self.buffers.rows.bytes().1);
-        bytes.add(Category::Scratch, self.buffers.restitution.bytes().1);
-        bytes.add(Category::Scratch, self.buffers.narrow.bytes().1);
-        bytes.add(Category::Manifolds, self.contacts.bytes().1);
-        bytes
     }
 
     /// Calls `f` with each buffer, its category, and the capacity that it needs.

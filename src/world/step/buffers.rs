@@ -47,11 +47,6 @@ impl Buffers {
         self.impacts.spoil();
     }
 
-    /// Releases the rows of the last step.
-    pub(crate) fn release_rows(&mut self) {
-        (self.rows, self.restitution) = (Rows::default(), Restitution::default());
-    }
-
     /// `continuous`: whether any body is. Discrete collision detection uses the predicted motion too, but no
     /// further than a margin.
     pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {

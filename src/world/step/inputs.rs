@@ -92,7 +92,8 @@ impl World {
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let (friction, model) = (self.needs.friction > 0, self.settings.friction_model);
-        let beside = Beside { surfaces: self.needs.belts > 0, rolling: self.needs.rolling > 0 };
+        let needs = &self.needs;
+        let beside = Beside { surfaces: needs.belts > 0, rolling: needs.rolling > 0, soft: needs.soft > 0 };
         let mut lists = statics.lists();
         if beside.rolling {
             lists.0 += size_of::<Vec3>();
