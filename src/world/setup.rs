@@ -42,6 +42,8 @@ impl World {
             self.joints.arrange_anew();
         }
         self.settings = settings;
+        // With a budget, what bodies can't do without is held from now on.
+        self.reserve_for_step();
         Ok(())
     }
 
