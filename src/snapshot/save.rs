@@ -81,15 +81,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         out.extend([dt.to_bits(), after as u32]);
         counts.targets += 1;
     }
-    counts.guarded = clear.len() as u32;
-    for some in clear.chunks(32) {
-        out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
-    }
-    for Clear { centre, radius } in clear.iter().filter(|ball| ball.radius > 0.0) {
-        out.extend_from_slice(&words::<6>(centre.to_array()));
-        out.push(radius.to_bits());
-        counts.clear += 1;
-    }
+    (counts.guarded, counts.clear) = (clear.len() as u32, save_clear(clear, out));
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
     let pairs = broad.pairs.iter().chain(sleep.saved_pairs());
@@ -110,4 +102,18 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
     out[..HEAD].copy_from_slice(&words::<HEAD>(head));
     out[HEAD..HEAD + COUNTS].copy_from_slice(&words::<COUNTS>(counts));
+}
+
+/// Writes which bodies are clear of static shapes, and in which balls; returns how many.
+fn save_clear(clear: &[Clear], out: &mut Vec<u32>) -> u32 {
+    let mut count = 0;
+    for some in clear.chunks(32) {
+        out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
+    }
+    for Clear { centre, radius } in clear.iter().filter(|ball| ball.radius > 0.0) {
+        out.extend_from_slice(&words::<6>(centre.to_array()));
+        out.push(radius.to_bits());
+        count += 1;
+    }
+    count
 }

@@ -7,14 +7,15 @@
 //! - With a budget no more bytes are held than it allows.
 //! - Drawing and queries work at any moment.
 
+use super::budget::{grown, over};
 use super::call::{Call, OfBody, OfCharacter, Query, Sequence, Ways};
 use super::play::{Handles, step};
 use super::told::{OfStep, Told, difference, different_state, not_finite};
 use backstop::debug::{DebugDraw, DrawOptions, Ink};
 use backstop::glam::DVec3;
 use backstop::{
-    Aabb, BodyDesc, Budget, Category, Error, Geometry, MemoryReport, QueryFilter, Ray, Settings, ShapeCast,
-    ShapeDesc, Snapshot, World,
+    Aabb, BodyDesc, Budget, Error, Geometry, MemoryReport, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc,
+    Snapshot, World,
 };
 use std::cell::Cell;
 
@@ -202,6 +203,7 @@ fn follow(
         Err(error) => return Err(refused(way, &error)),
         Ok(()) => player.handles = mark.handles.clone(),
     }
+    player.assert_is(&kept)?;
     if way != "same" {
         // Its own was endless, so that it had room for what is restored.
         let settings = player.world.settings().clone().with_budget(mark.budget);
@@ -413,8 +415,19 @@ impl Player {
             Err(error) => return Err(refused("same", error)),
             Ok(()) => {}
         }
+        if result.is_ok() {
+            self.assert_is(snapshot)?;
+        }
         self.check("restore")?;
         Ok(result.map_err(|error| error.to_string()))
+    }
+
+    /// What was saved was restored: another snapshot is the same.
+    fn assert_is(&self, snapshot: &Snapshot) -> Result<(), Finding> {
+        let mut again = Snapshot::new();
+        self.world.snapshot(&mut again);
+        let same = again.hash() == snapshot.hash();
+        if same { Ok(()) } else { Err(finding("a snapshot was not restored whole", "")) }
     }
 
     fn save(&mut self, ways: Ways, marks: &mut Marks<'_>, next: usize, told: usize) {
@@ -515,30 +528,6 @@ fn assets(world: &World) -> Vec<Geometry> {
     let all = of_shapes.chain(characters.map(|character| character.shape().0));
     all.filter(|form| matches!(form, Geometry::Hull(_) | Geometry::Mesh(_) | Geometry::HeightField(_)))
         .collect()
-}
-
-/// What is held, and so many bytes more, beyond the budget.
-fn over(world: &World, promised: usize) -> Option<String> {
-    let (budget, memory) = (world.settings().budget, world.memory());
-    let total = memory.total() + promised;
-    let whole = budget.limit().filter(|&limit| total > limit);
-    if let Some(limit) = whole {
-        return Some(format!("{total} of {limit} bytes"));
-    }
-    let of = |category: Category| {
-        memory.category(category).reserved + if category == Category::Joints { promised } else { 0 }
-    };
-    let most = |category| Some((category, budget.limit_of(category).filter(|&limit| of(category) > limit)?));
-    let (category, limit) = Category::ALL.into_iter().find_map(most)?;
-    Some(format!("{} of {limit} bytes of {category}", of(category)))
-}
-
-/// The categories that grew, in bytes.
-fn grown(before: &MemoryReport, now: &MemoryReport) -> String {
-    let pairs = before.iter().zip(now.iter()).filter(|((_, old), (_, new))| new.reserved > old.reserved);
-    let all =
-        pairs.map(|((category, old), (_, new))| format!("{category} {} to {}", old.reserved, new.reserved));
-    all.collect::<Vec<_>>().join(", ")
 }
 
 /// Draws nothing.

@@ -3,6 +3,7 @@
 //! [`generate`] makes a [`Sequence`] out of bytes, which [`judge`] plays. Calls are data, so that those which
 //! matter are found by leaving others out ([`shrink`]).
 
+mod budget;
 mod call;
 mod draw;
 mod forms;
