@@ -42,8 +42,10 @@ impl World {
             self.joints.arrange_anew();
         }
         self.settings = settings;
-        // With a budget, what bodies can't do without is held from now on.
-        self.reserve_for_step();
+        if self.bodies.len() > 0 {
+            // With a budget, what bodies can't do without is held from now on.
+            self.reserve_for_step();
+        }
         Ok(())
     }
 
