@@ -78,7 +78,6 @@
 //! - `gltf`: scenes from files, animations to files.
 //! - `replay`: a run can be recorded and replayed, see `replay`.
 //! - `lab`: measures stability and accuracy, see `lab`.
-//! - `cli`: the command `backstop`.
 
 // The documentation of `World` lists its methods in this order.
 mod world;
@@ -111,7 +110,7 @@ mod events;
 mod faults;
 mod finish;
 mod forces;
-#[cfg(any(doc, all(doctest, feature = "cli")))]
+#[cfg(any(doc, all(doctest, feature = "lab")))]
 pub mod guide;
 mod handle;
 mod joint;

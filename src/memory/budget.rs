@@ -86,7 +86,7 @@ impl From<Limits> for Budget {
     }
 }
 
-#[cfg(all(test, feature = "cli"))]
+#[cfg(all(test, feature = "serde", feature = "gltf"))]
 mod tests {
     use super::*;
 

@@ -121,7 +121,7 @@ fn blocks(page: &str) -> Vec<(&str, String)> {
 }
 
 /// Rust is compiled as documentation (`src/guide.rs`, and the README of the plugin), C by
-/// `scripts/bindings-c`, commands are parsed by `src/bin/backstop/args/documented.rs` and here. Text is no
+/// `scripts/bindings-c`, commands are parsed by `crates/command/src/args/documented.rs` and here. Text is no
 /// code.
 #[test]
 fn each_block_of_code_is_checked_by_something() {

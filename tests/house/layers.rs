@@ -68,9 +68,7 @@ pub(crate) fn arrows(sources: &[Source]) -> Vec<Arrow> {
     let is_test = |source: &Source| {
         tests.iter().any(|t| source.path == format!("{t}.rs") || source.path.starts_with(&format!("{t}/")))
     };
-    let library = |source: &&Source| {
-        !source.path.starts_with("src/bin/") && source.path != "src/lib.rs" && !is_test(source)
-    };
+    let library = |source: &&Source| source.path != "src/lib.rs" && !is_test(source);
     let mut found: Vec<Arrow> = sources.iter().filter(library).flat_map(|s| root.arrows_of(s)).collect();
     found.sort();
     found

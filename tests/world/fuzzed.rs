@@ -1,6 +1,6 @@
 //! The bodies of the fuzz targets (fuzz/README.md), on bytes from seeds: a fixed number of runs, the same
 //! every time. What fails is shrunk to few bytes, which belong into `findings`.
-#![cfg(feature = "cli")]
+#![cfg(all(feature = "gltf", feature = "replay"))]
 
 #[path = "../../fuzz/bodies/mod.rs"]
 #[allow(unreachable_pub, reason = "of the package of fuzz targets")]

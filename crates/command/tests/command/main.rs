@@ -1,5 +1,4 @@
 //! The command line.
-#![cfg(feature = "cli")]
 
 mod form;
 mod spared;

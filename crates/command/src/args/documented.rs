@@ -36,7 +36,7 @@ fn is_placeholder(word: &str) -> bool {
 
 #[test]
 fn each_command_of_the_documentation_is_parsed() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let folder = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let pages = folder.chain(["README.md", "bindings/web/README.md"].map(|page| root.join(page)));
     let mut count = 0;

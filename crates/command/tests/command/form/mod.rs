@@ -15,7 +15,7 @@ use std::process::{Command, Output};
 fn backstop(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_backstop"))
         .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .output()
         .expect("the command starts")
 }

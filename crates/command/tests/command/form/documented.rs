@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The rows of a section's table: names in their first cell, and the text of the second.
 fn rows(section: &str) -> Vec<(Vec<String>, String)> {
-    let page = include_str!("../../../docs/json.md");
+    let page = include_str!("../../../../../docs/json.md");
     let start = page.find(&format!("## `cargo backstop {section}")).expect("a section");
     let section = page[start + 2..].split("\n## ").next().expect("its text");
     let row = |line: &str| {
@@ -91,7 +91,7 @@ fn a_cause_is_told_once_and_one_is_no_plural() {
 
 /// Names in backquotes at the start of a README line that `starts` with this.
 fn named(starts: &str) -> BTreeSet<String> {
-    let readme = include_str!("../../../README.md");
+    let readme = include_str!("../../../../../README.md");
     let names = |line: &str| Some(line.strip_prefix(starts)?.split(['|', ':']).next()?.to_owned());
     let cells = readme.lines().filter_map(names);
     let name = |part: &str| part.split([' ', '`']).next().map(str::to_owned);
@@ -101,7 +101,7 @@ fn named(starts: &str) -> BTreeSet<String> {
 #[test]
 fn readme_names_every_example() {
     let named = named("| `");
-    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/examples")).expect("examples") {
+    for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples")).expect("examples") {
         let path = file.expect("a file").path();
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
         assert!(named.contains(name), "{name}");

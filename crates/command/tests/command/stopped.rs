@@ -103,7 +103,7 @@ fn measurements_that_are_stopped_go_on() {
     let results = scratch("trade.jsonl");
     let path = results.to_str().expect("a path");
     let sweep = ["trade", "scenes/tower.gltf", "--seconds", "2", "--threads", "1", "--results", path];
-    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tower.gltf");
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/tower.gltf");
     let sweep = sweep.map(|word| if word == "scenes/tower.gltf" { scenes } else { word });
     let (out, _) = stop_when(begin(&sweep), || lines(&results) > 2);
     assert!(out.is_empty() && lines(&results) > 2, "{out}");

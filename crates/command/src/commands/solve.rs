@@ -101,9 +101,7 @@ fn read_hdf5(bytes: Vec<u8>) -> anyhow::Result<File> {
 
 #[cfg(not(feature = "hdf5"))]
 fn read_hdf5(_: Vec<u8>) -> anyhow::Result<File> {
-    anyhow::bail!(
-        "it is HDF5, for which backstop has to be built with the feature `hdf5` (--features cli,hdf5)"
-    )
+    anyhow::bail!("it is HDF5, for which backstop has to be built with the feature `hdf5` (--features hdf5)")
 }
 
 fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {
