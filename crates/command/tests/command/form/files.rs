@@ -179,13 +179,13 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
         assert_eq!(left, None, "{command}");
     }
     let scene = path("scene.gltf");
-    std::fs::copy("scenes/tower.gltf", &scene).expect("a copy");
+    std::fs::copy("../../scenes/tower.gltf", &scene).expect("a copy");
     let again = path("pictures/../scene.gltf");
     for option in ["--out", "--record"] {
         refused(&["run", &scene, "--steps", "1", option, &again], 1, "it would replace");
     }
     refused(&["profile", &scene, "--steps", "1", "--csv", &again], 1, "it would replace");
-    assert_eq!(std::fs::read(&scene).expect("a scene"), std::fs::read("scenes/tower.gltf").expect("a scene"));
+    assert_eq!(std::fs::read(&scene).expect("a scene"), std::fs::read("../../scenes/tower.gltf").expect("a scene"));
     refused(&["run", &scene, "--out", &film, "--record", &film], 1, "two outputs");
 }
 
