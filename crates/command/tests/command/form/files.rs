@@ -185,7 +185,10 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
         refused(&["run", &scene, "--steps", "1", option, &again], 1, "it would replace");
     }
     refused(&["profile", &scene, "--steps", "1", "--csv", &again], 1, "it would replace");
-    assert_eq!(std::fs::read(&scene).expect("a scene"), std::fs::read("../../scenes/tower.gltf").expect("a scene"));
+    assert_eq!(
+        std::fs::read(&scene).expect("a scene"),
+        std::fs::read("../../scenes/tower.gltf").expect("a scene")
+    );
     refused(&["run", &scene, "--out", &film, "--record", &film], 1, "two outputs");
 }
 
