@@ -42,8 +42,9 @@ const TWINS: [(&str, &str); 29] = [
     ("place", "bs_character_place"),
 ];
 
-/// Methods without a twin: hooks are code in the middle of a step, on its threads.
-const WITHOUT: [&str; 2] = ["step_with", "listens_to_hooks"];
+/// Methods without a twin: hooks are code in the middle of a step, on its threads; the bytes that a budget
+/// promises to rows of joints are for tests of budgets.
+const WITHOUT: [&str; 3] = ["step_with", "listens_to_hooks", "memory_promised"];
 
 /// Words of a name in order: `set_joint_drive` and `joint_set_drive` are the same.
 fn words(name: &str) -> Vec<&str> {
