@@ -312,7 +312,7 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
     world.events.restore(events);
 }
 
-/// Where kinematic bodies are to be after the next step.
+/// Restores where kinematic bodies are to be after the next step.
 fn restore_targets(bodies: &mut Bodies, targets: &[u32]) {
     bodies.rare.targets.clear();
     for words in targets.as_chunks::<TARGET>().0 {
@@ -324,7 +324,8 @@ fn restore_targets(bodies: &mut Bodies, targets: &[u32]) {
     }
 }
 
-/// Of so many bodies that the guard checked, the balls in which they are clear.
+/// Restores the balls in which bodies are clear of static shapes; `guarded`: number of bodies that the guard
+/// checked.
 fn restore_clear(out: &mut Vec<Clear>, guarded: usize, is_clear: &[u32], clear: &[u32]) {
     let mut clear = clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
         centre: DVec3::from_array(record::<_, 6>(&ball[..6])),

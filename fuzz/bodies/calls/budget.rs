@@ -1,5 +1,6 @@
-//! What a world holds beside its budget.
+//! What a world holds beside its budget, and which calls may have it hold more.
 
+use super::call::{Call, OfBody, OfCharacter, OfJoint, OfShape};
 use backstop::{Category, MemoryReport, World};
 
 /// What is held, and so many bytes more, beyond the budget.
@@ -24,4 +25,49 @@ pub fn grown(before: &MemoryReport, now: &MemoryReport) -> String {
     let all =
         pairs.map(|((category, old), (_, new))| format!("{category} {} to {}", old.reserved, new.reserved));
     all.collect::<Vec<_>>().join(", ")
+}
+
+/// Whether the world may hold more after a call. Forces are kept for the bodies that ever had one.
+pub fn adds(call: &Call) -> bool {
+    let moves = |what: &OfBody| {
+        matches!(
+            what,
+            OfBody::Pose(..)
+                | OfBody::SamePose
+                | OfBody::Velocity(..)
+                | OfBody::LinearVelocity(_)
+                | OfBody::AngularVelocity(_)
+                | OfBody::Impulse(..)
+                | OfBody::AngularImpulse(_)
+                | OfBody::UserData(_)
+                | OfBody::Wake
+                | OfBody::SendToSleep
+        )
+    };
+    match call {
+        Call::Body(_, what) => !moves(what),
+        Call::Character(_, OfCharacter::Walk { .. }) | Call::Origin(_) => false,
+        _ => true,
+    }
+}
+
+/// Whether joints that are there are arranged in another way.
+pub fn rearranges(call: &Call) -> bool {
+    match call {
+        Call::Body(_, what) => matches!(
+            what,
+            OfBody::SolvedAfter(_)
+                | OfBody::Locks(..)
+                | OfBody::Mass(_)
+                | OfBody::Kind(_)
+                | OfBody::Enable(_)
+                | OfBody::AddShape(_)
+        ),
+        // The mass of the body may follow.
+        Call::Shape(_, what) => {
+            matches!(what, OfShape::Remove | OfShape::Geometry(_) | OfShape::Pose(..) | OfShape::Density(_))
+        }
+        Call::Joint(_, what) => matches!(what, OfJoint::SolvedAfter(_)),
+        _ => false,
+    }
 }

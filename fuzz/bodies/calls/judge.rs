@@ -7,8 +7,8 @@
 //! - With a budget no more bytes are held than it allows.
 //! - Drawing and queries work at any moment.
 
-use super::budget::{grown, over};
-use super::call::{Call, OfBody, OfCharacter, Query, Sequence, Ways};
+use super::budget::{adds, grown, over, rearranges};
+use super::call::{Call, Query, Sequence, Ways};
 use super::play::{Handles, step};
 use super::told::{OfStep, Told, difference, different_state, not_finite};
 use backstop::debug::{DebugDraw, DrawOptions, Ink};
@@ -51,7 +51,8 @@ struct Player {
     handles: Handles,
     /// Whether the budget left anything out or refused anything: what is restored may then fare otherwise.
     tight: bool,
-    /// Whether a new budget may be less than what bodies can't do without.
+    /// Whether a new budget may be less than what bodies can't do without, or a call had joints arranged
+    /// anew, whose batches no budget limits then (docs/memory.md).
     lowered: bool,
     /// What was held after the last call.
     held: MemoryReport,
@@ -347,11 +348,9 @@ impl Player {
                     let kind = format!("what was refused changed the world: {}", name(call));
                     return Err(finding(kind, error.to_string()));
                 }
-                // A budget may be less than there is, and batches of joints have no limit where a call has
-                // them arranged anew.
-                let rearranges = matches!(call, Call::Body(..) | Call::Shape(..) | Call::Joint(..));
-                let rearranges = rearranges && self.world.joint_count() > 0;
-                self.lowered |= result.is_ok() && (rearranges || matches!(call, Call::Settings(_)));
+                let loosens =
+                    matches!(call, Call::Settings(_)) || (rearranges(call) && self.world.joint_count() > 0);
+                self.lowered |= result.is_ok() && loosens;
                 self.additions += u32::from(result.is_ok() && adds(call));
                 self.check(&name(call))?;
                 hear(Told {
@@ -465,30 +464,6 @@ impl Player {
             _ => {}
         }
         Ok(())
-    }
-}
-
-/// Whether the world may hold more after a call. Forces are kept for the bodies that ever had one.
-fn adds(call: &Call) -> bool {
-    let moves = |what: &OfBody| {
-        matches!(
-            what,
-            OfBody::Pose(..)
-                | OfBody::SamePose
-                | OfBody::Velocity(..)
-                | OfBody::LinearVelocity(_)
-                | OfBody::AngularVelocity(_)
-                | OfBody::Impulse(..)
-                | OfBody::AngularImpulse(_)
-                | OfBody::UserData(_)
-                | OfBody::Wake
-                | OfBody::SendToSleep
-        )
-    };
-    match call {
-        Call::Body(_, what) => !moves(what),
-        Call::Character(_, OfCharacter::Walk { .. }) | Call::Origin(_) => false,
-        _ => true,
     }
 }
 

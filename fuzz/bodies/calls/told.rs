@@ -40,7 +40,8 @@ pub struct OfStep {
     uncoupled: Vec<CouplingHandle>,
     stopped: Vec<BodyHandle>,
     report: StepReport,
-    /// Whether the budget left contacts or events out.
+    /// Whether there is a budget, and whether it left contacts or events out.
+    limited: bool,
     tight: bool,
     awake: Vec<BodyHandle>,
     moved: Vec<BodyHandle>,
@@ -56,8 +57,7 @@ impl OfStep {
     pub fn of(world: &World, handles: &Handles) -> OfStep {
         let mut report = *world.report();
         report.times = StageTimes::default();
-        // Rows are packed as the budget's memory allows.
-        (report.batches, report.uncoloured) = (0, 0);
+        let limited = !world.settings().budget.is_none();
         let forces = handles.joints.values().filter_map(|&joint| world.joint_force(joint).ok());
         let couplings = handles.couplings.values().filter_map(|&c| world.coupling_force(c).ok());
         let motion = |body: BodyHandle| {
@@ -75,7 +75,8 @@ impl OfStep {
             strained: world.strained_joints().into(),
             uncoupled: world.broken_couplings().into(),
             stopped: world.stopped_bodies().into(),
-            tight: report.shed > 0 || (report.events_lost > 0 && !world.settings().budget.is_none()),
+            limited,
+            tight: report.shed > 0 || (report.events_lost > 0 && limited),
             report,
             awake: world.awake_bodies().collect(),
             moved: world.moved_bodies().collect(),
@@ -155,6 +156,15 @@ fn lists<T: PartialEq + Debug>(name: &str, one: &[T], two: &[T]) -> Option<Strin
 pub fn difference(one: &Told, two: &Told) -> Option<String> {
     let of_step = || {
         let (one, two) = (one.step.as_ref()?, two.step.as_ref()?);
+        // Within a budget rows are packed as its memory allows.
+        let limited = one.limited || two.limited;
+        let packed = |of: &OfStep| {
+            let mut report = of.report;
+            if limited {
+                (report.batches, report.uncoloured) = (0, 0);
+            }
+            report
+        };
         lists("bodies", &one.bodies, &two.bodies)
             .or_else(|| lists("broken joints", &one.broken, &two.broken))
             .or_else(|| lists("broken couplings", &one.uncoupled, &two.uncoupled))
@@ -165,7 +175,7 @@ pub fn difference(one: &Told, two: &Told) -> Option<String> {
             .or_else(|| lists("sensor begins", &one.entered, &two.entered))
             .or_else(|| lists("sensor ends", &one.left, &two.left))
             .or_else(|| lists("stopped bodies", &one.stopped, &two.stopped))
-            .or_else(|| differ("reports", &one.report, &two.report))
+            .or_else(|| differ("reports", &packed(one), &packed(two)))
             .or_else(|| lists("awake bodies", &one.awake, &two.awake))
             .or_else(|| lists("moved bodies", &one.moved, &two.moved))
             .or_else(|| lists("joint forces", &one.joints, &two.joints))
