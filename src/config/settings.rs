@@ -67,6 +67,11 @@ impl ContinuousMethod {
     pub(crate) fn meets_impacts(self) -> bool {
         matches!(self, ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement)
     }
+
+    /// Whether bodies that leave their paths are settled.
+    pub(crate) fn settles(self) -> bool {
+        self == ContinuousMethod::OnePass
+    }
 }
 
 /// The modes that the stages of a step use.

@@ -2,7 +2,7 @@
 
 use crate::body::{BodyDesc, BodyKind, RareCounts};
 use crate::broad_phase::Population;
-use crate::config::{ContinuousMethod, Settings};
+use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::finish;
@@ -31,6 +31,9 @@ pub(in crate::world) struct Counts {
     pub(in crate::world) forced: bool,
     pub(in crate::world) rests: bool,
     pub(in crate::world) meets: bool,
+    /// Whether bodies that leave their paths are settled. Without a budget the buffers for that are allocated
+    /// when there are any.
+    pub(in crate::world) settles: bool,
     /// Number of geometries, and the bytes of new ones and of the collider lists of compounds.
     pub(in crate::world) assets: usize,
     pub(in crate::world) once: Amounts,
@@ -105,7 +108,8 @@ impl World {
         report.add(Category::BroadPhase, sleep.kept_bytes());
         report.add(Category::Scratch, faults.bytes());
         report.add(Category::Scratch, helpers.bytes());
-        buffers.report(&mut report, self.is_continuous());
+        // A budget asks for the motion as what continuous bodies need, before it is known whether any comes.
+        buffers.report(&mut report, self.is_continuous() || !self.settings.budget.is_none());
         report
     }
 
@@ -324,10 +328,11 @@ impl World {
         let counts = Counts {
             rests: settings.sleeping && !now.rests,
             meets: settings.method.meets_impacts() && !now.meets,
+            settles: settings.method.settles() && !self.settings.method.settles(),
             ..now
         };
         let anew = self.rearranges(settings) && self.joints.count > 0;
-        if settings.budget.is_none() || !(counts.rests || counts.meets || anew) {
+        if settings.budget.is_none() || !(counts.rests || counts.meets || counts.settles || anew) {
             return Ok(());
         }
         let mut asked = Amounts::default();
@@ -462,6 +467,7 @@ impl World {
             forced: more.forced || !self.bodies.force.is_empty(),
             rests: more.rests || self.settings.sleeping || self.bodies.rests,
             meets: more.meets || self.settings.method.meets_impacts(),
+            settles: more.settles || (self.settings.method.settles() && !self.settings.budget.is_none()),
             solved_after: more.solved_after || self.bodies.solved_after_groups().next().is_some(),
             assets: self.assets.list.len() + more.assets,
             rare: self.bodies.rare.counts() + more.rare,
@@ -485,9 +491,6 @@ impl World {
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
-        // Without a budget their buffers are allocated when there are any.
-        let settles = self.settings.method == ContinuousMethod::OnePass;
-        let may_leave_path = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
@@ -496,9 +499,6 @@ impl World {
         buffers.prepare.each(n.dynamic, n.solved_after, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
-        let content =
-            finish::Content { movers: n.movers, dynamic: n.dynamic, joined: n.joined, may_leave_path };
-        buffers.finish.each(&content, &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }
@@ -515,6 +515,10 @@ impl World {
             f(Category::Bodies, &mut self.bodies.rest, n.bodies);
             self.sleep.each(n.bodies, n.dynamic, &mut |buffer, len| f(Category::Bodies, buffer, len));
         }
+        let Counts { movers, dynamic, joined, .. } = n;
+        let may_leave_path = dynamic > 0 && n.meshed && n.settles;
+        let content = finish::Content { movers, dynamic, joined, may_leave_path };
+        self.buffers.finish.each(&content, &mut |buffer, len| f(Category::Scratch, buffer, len));
         if n.meets {
             let tracks = &mut self.buffers.impacts;
             tracks.each(n.movers, &mut |buffer, len| f(Category::Continuous, buffer, len));

@@ -201,19 +201,23 @@ impl World {
         let now = self.counts(Counts::default());
         let rests = brings.rests || brings.settings.sleeping;
         let meets = brings.settings.method.meets_impacts();
-        (rests && !now.rests) || (meets && !now.meets) || (brings.forced && !now.forced)
+        let settles = brings.settings.method.settles() && now.meshed;
+        (rests && !now.rests)
+            || (meets && !now.meets)
+            || (settles && !now.settles)
+            || (brings.forced && !now.forced)
     }
 
     /// Calls `f` with each buffer, its category, and the capacity that it needs.
     fn each_restored(&mut self, brings: &Brings<'_>, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         let now = self.counts(Counts::default());
-        let (rests, meets) =
-            (brings.rests || brings.settings.sleeping, brings.settings.method.meets_impacts());
+        let Settings { sleeping, method, .. } = brings.settings;
+        let (rests, meets, settles) = (brings.rests || *sleeping, method.meets_impacts(), method.settles());
         if let Some(new) = &brings.new {
             let forced = brings.forced;
             let rare = RareCounts { targets: brings.targets, ..new.counts.rare };
             let once = Amounts::default();
-            self.each_buffer(Counts { rests, meets, forced, once, rare, ..new.counts }, f);
+            self.each_buffer(Counts { rests, meets, settles, forced, once, rare, ..new.counts }, f);
             self.joints.each(new.joints.more(), &mut |buffer, len| f(Category::Joints, buffer, len));
         } else {
             if brings.forced && !now.forced {
@@ -221,7 +225,8 @@ impl World {
             }
             let rare = RareCounts { targets: brings.targets, ..RareCounts::default() };
             self.bodies.rare.each(rare, &mut |buffer, len| f(Category::Bodies, buffer, len));
-            let switched = Counts { rests: rests && !now.rests, meets: meets && !now.meets, ..now };
+            let (rests, meets) = (rests && !now.rests, meets && !now.meets);
+            let switched = Counts { rests, meets, settles, ..now };
             self.each_of_switched(switched, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
