@@ -24,10 +24,10 @@ impl World {
     /// Replaces the settings; the next step uses them. Settings that are no others change nothing.
     ///
     /// # Errors
-    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, a continuous
-    /// method that settles bodies on meshes or meets impacts at their times) for the bodies of the world, or
-    /// the most that its joints may take if they are arranged in another way (`order`, `joint_trees`). A
-    /// budget alone is never refused.
+    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, a
+    /// continuous method that settles bodies on meshes or meets impacts at their times) for the bodies of the
+    /// world, or the most that its joints may take if they are arranged in another way (`order`,
+    /// `joint_trees`). A budget alone is never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         if settings == self.settings {
