@@ -3,9 +3,9 @@
 //! Criterion prints the throughput in elements: boxes tested, pairs or contacts. 500 Melem/s are 2 ns each.
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
-use backstop::TriangleMesh;
-use backstop::bench::{self, Kernel};
-use backstop::scene::Terrain;
+use backstop::bench::{self, Ground, Kernel};
+use backstop::{Settings, TriangleMesh, World};
+use backstop_scene::{Terrain, builtin};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -26,15 +26,35 @@ fn build() -> Kernel {
     })
 }
 
+/// Shapes on a terrain of 8192 triangles half a metre long.
+fn on_ground() -> Vec<Kernel> {
+    let terrain = Terrain::bumpy(64, 0.5);
+    let (vertices, triangles) = terrain.mesh();
+    let mesh = TriangleMesh::new(vertices, triangles).expect("a terrain has cells");
+    bench::mesh(&Ground { mesh, half: terrain.half(), height: &|x, z| terrain.height(x, z) })
+}
+
+/// A wall of boxes after a few steps, with contacts of faces, four points each.
+fn wall() -> World {
+    let scene = builtin::large_pyramid(24);
+    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
+        .expect("the default settings are in range");
+    scene.add_to(&mut world).expect("a builtin scene is valid");
+    for _ in 0..8 {
+        world.step(1.0 / 60.0).expect("dt is above zero");
+    }
+    world
+}
+
 fn kernels(c: &mut Criterion) {
     measure(c, "broad phase", bench::boxes());
     measure(c, "broad phase", bench::updates());
     measure(c, "records", vec![bench::records()]);
-    measure(c, "rows", bench::rows());
-    measure(c, "rows", vec![bench::preparing()]);
+    measure(c, "rows", bench::rows(&wall));
+    measure(c, "rows", vec![bench::preparing(wall())]);
     measure(c, "lanes", bench::lanes());
     measure(c, "convex", bench::convex());
-    measure(c, "mesh", bench::mesh());
+    measure(c, "mesh", on_ground());
     measure(c, "mesh", vec![build()]);
     measure(c, "distance", bench::distance());
     measure(c, "cast", bench::cast());

@@ -260,12 +260,18 @@ impl fmt::Write for EscapingWriter<'_, '_> {
 }
 
 /// A finite number, or an error that names it.
-pub(crate) fn finite(what: &'static str, value: f32) -> Result<f32, Error> {
+///
+/// # Errors
+/// If it is not.
+pub fn finite(what: &'static str, value: f32) -> Result<f32, Error> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value: value.into() }) }
 }
 
 /// A number in `low..=high`, or an error that names it.
-pub(crate) fn within(
+///
+/// # Errors
+/// If it is not finite, or outside.
+pub fn within(
     what: &'static str,
     value: f32,
     low: f32,
@@ -281,7 +287,10 @@ pub(crate) fn within(
 }
 
 /// A number above zero, or an error that names it.
-pub(crate) fn positive(what: &'static str, value: f32) -> Result<f32, Error> {
+///
+/// # Errors
+/// If it is not finite, or not above zero.
+pub fn positive(what: &'static str, value: f32) -> Result<f32, Error> {
     finite(what, value)?;
     if value > 0.0 {
         Ok(value)
@@ -291,7 +300,10 @@ pub(crate) fn positive(what: &'static str, value: f32) -> Result<f32, Error> {
 }
 
 /// A vector of finite numbers, or an error that names it.
-pub(crate) fn finite3(what: &'static str, v: glam::Vec3) -> Result<glam::Vec3, Error> {
+///
+/// # Errors
+/// If one is not.
+pub fn finite3(what: &'static str, v: glam::Vec3) -> Result<glam::Vec3, Error> {
     finite(what, v.x)?;
     finite(what, v.y)?;
     finite(what, v.z)?;

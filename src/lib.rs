@@ -55,7 +55,7 @@
 //!   [`Feature`].
 //! - [`debug`]: debug drawing as shapes, lines and points; [`World::draw`].
 //! - [`Snapshot`]: the state of a world, from which it continues to the same bits.
-//! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
+//! - [`Plan`]: the memory that a world will hold, before it exists.
 //!
 //! Guides: [joints](guide::joints), [queries](guide::queries), [events](guide::events),
 //! [characters](guide::characters), [levels](guide::levels), [sleep](guide::sleeping),
@@ -75,9 +75,11 @@
 //! - `bake`: hulls, meshes and height fields to bytes and back, without building them again.
 //! - `mint`: vectors and quaternions of other maths crates, by `.into()`.
 //! - `web-time`: step times in a browser, where bare WebAssembly has no clock.
-//! - `gltf`: scenes from files, animations to files.
 //! - `replay`: a run can be recorded and replayed, see `replay`.
-//! - `lab`: measures stability and accuracy, see `lab`.
+//! - `observe`: the inside of a step, for those who measure it, see `observe`.
+//!
+//! Scenes, builtin ones and glTF files, are a crate of their own, `backstop-scene`; measures of stability and
+//! accuracy, and other methods of contact resolution, are `backstop-lab`.
 
 // The documentation of `World` lists its methods in this order.
 mod world;
@@ -93,8 +95,8 @@ pub mod replay;
 
 pub mod debug;
 
-#[cfg(feature = "lab")]
-pub mod lab;
+#[cfg(feature = "observe")]
+pub mod observe;
 
 #[cfg(feature = "internals")]
 #[doc(hidden)]
@@ -110,21 +112,20 @@ mod events;
 mod faults;
 mod finish;
 mod forces;
-#[cfg(any(doc, all(doctest, feature = "lab")))]
+#[cfg(any(doc, all(doctest, feature = "observe")))]
 pub mod guide;
 mod handle;
 mod joint;
 mod lanes;
 pub mod limits;
-#[cfg(any(feature = "gltf", feature = "replay"))]
 mod load_limits;
-mod math;
+pub mod math;
 mod memory;
 mod movers;
 mod narrow_phase;
 #[cfg(any(test, feature = "internals"))]
 mod random;
-pub mod scene;
+
 mod shape;
 mod sleep;
 mod solver;
@@ -142,10 +143,9 @@ pub use glam;
 pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
     Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit,
-    Motion, Ragdoll, Skeleton, Spring,
+    Motion, Ragdoll, Skeleton, Spring, SpringCoefficients,
 };
-#[cfg(any(feature = "gltf", feature = "replay"))]
-pub use load_limits::{LimitExceeded, LoadLimits};
+pub use load_limits::{Count, LimitExceeded, LoadLimits, Tally};
 pub use memory::{Budget, Bytes, Category, MemoryReport};
 pub use query::{ClosestPoint, Overlap, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{
@@ -153,6 +153,6 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, Feature, Model, ModelPart, NoHooks,
-    StageTimes, StepReport, World,
+    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, ContentForecast, Feature, Model, ModelPart,
+    NoHooks, Plan, StageTimes, StepReport, World,
 };

@@ -16,14 +16,16 @@
 //! | other amount | `amount` | thresholds and times of settings, forces of drives and characters |
 //! | time | `step` | steps, walks, targets |
 //!
-//! Rotations are checked by `shape::unit_quat`, springs, limits and drives in `joint/desc.rs`, rays and casts
+//! Rotations are checked by [`unit_quat`], springs, limits and drives in `joint/desc.rs`, rays and casts
 //! in `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
 //!
 //! The ranges: Each is far beyond any honest scene, and close enough that
 //! what the stages make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 =
 //! 1.6e37`, is one.
 
-use crate::error::{Error, finite, within};
+use crate::error::Error;
+pub use crate::error::{finite, finite3, positive, within};
+use crate::math::Quat;
 use glam::{DVec3, Vec3};
 
 /// Largest coordinate of a position [m]: beyond the moon, where `f32` has steps of 64 m around an origin.
@@ -34,7 +36,7 @@ pub const MAX_SPEED: f32 = 1e6;
 /// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and
 /// what gravity, springs and impacts add to that in honest steps. A body that would be faster is stopped
 /// ([`StepReport::stopped`](crate::StepReport::stopped)).
-pub(crate) const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
+pub const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
 /// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over
 /// them is a number.
 pub const MIN_LENGTH: f32 = 1e-6;
@@ -174,8 +176,24 @@ pub(crate) fn load(what: &'static str, value: f32) -> Result<(), Error> {
     Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() })
 }
 
-/// The length of a step.
-pub(crate) fn step(dt: f32) -> Result<f32, Error> {
+/// A rotation that is a unit quaternion within rounding, normalised; or an error that names it.
+///
+/// # Errors
+/// If a part is not finite, or its length differs from 1 by more than a hundredth.
+pub fn unit_quat(what: &'static str, q: impl Into<Quat>) -> Result<Quat, Error> {
+    let q = q.into();
+    for value in q.to_array() {
+        finite(what, value)?;
+    }
+    within(what, q.length(), 0.99, 1.01, "a unit quaternion")?;
+    Ok(q.normalize())
+}
+
+/// The length of a step [s].
+///
+/// # Errors
+/// If it is not in [`MIN_STEP`]`..=`[`MAX_STEP`].
+pub fn step(dt: f32) -> Result<f32, Error> {
     within("dt", dt, MIN_STEP, MAX_STEP, "in 1e-6..=10 s")
 }
 

@@ -89,7 +89,7 @@ impl std::error::Error for LimitExceeded {}
 
 /// A limit, and what of it is taken.
 #[derive(Debug)]
-pub(crate) struct Count {
+pub struct Count {
     limit: &'static str,
     most: u64,
     taken: u64,
@@ -100,28 +100,34 @@ impl Count {
         Count { limit, most, taken: 0 }
     }
 
-    #[cfg(feature = "replay")]
-    pub(crate) fn most(&self) -> u64 {
+    /// The limit.
+    pub fn most(&self) -> u64 {
         self.most
     }
 
     /// The amount left.
-    pub(crate) fn left(&self) -> u64 {
+    pub fn left(&self) -> u64 {
         self.most - self.taken
     }
 
     /// The error that says it is exceeded.
-    pub(crate) fn exceeded(&self) -> LimitExceeded {
+    pub fn exceeded(&self) -> LimitExceeded {
         LimitExceeded { limit: self.limit, most: self.most }
     }
 
     /// Whether so much is within the limit by itself.
-    pub(crate) fn allow(&self, amount: usize) -> Result<(), LimitExceeded> {
+    ///
+    /// # Errors
+    /// If it is not.
+    pub fn allow(&self, amount: usize) -> Result<(), LimitExceeded> {
         if amount as u64 <= self.most { Ok(()) } else { Err(self.exceeded()) }
     }
 
     /// Takes so much of it.
-    pub(crate) fn take(&mut self, amount: usize) -> Result<(), LimitExceeded> {
+    ///
+    /// # Errors
+    /// If less is left; then nothing is taken.
+    pub fn take(&mut self, amount: usize) -> Result<(), LimitExceeded> {
         if amount as u64 > self.left() {
             return Err(self.exceeded());
         }
@@ -130,35 +136,38 @@ impl Count {
     }
 }
 
-/// Counts of what a file has taken so far.
+/// Counts of what a file has taken so far of its [`LoadLimits`], for those who read formats of their own.
 #[derive(Debug)]
-pub(crate) struct Tally {
-    pub(crate) bytes: Count,
-    #[cfg(feature = "gltf")]
-    pub(crate) nodes: Count,
-    #[cfg(feature = "gltf")]
-    pub(crate) depth: Count,
-    pub(crate) vertices: Count,
-    pub(crate) triangles: Count,
-    pub(crate) bodies: Count,
-    pub(crate) joints: Count,
-    #[cfg(feature = "replay")]
-    pub(crate) memory: Count,
+pub struct Tally {
+    /// Of [`LoadLimits::bytes`].
+    pub bytes: Count,
+    /// Of [`LoadLimits::nodes`].
+    pub nodes: Count,
+    /// Of [`LoadLimits::depth`].
+    pub depth: Count,
+    /// Of [`LoadLimits::vertices`].
+    pub vertices: Count,
+    /// Of [`LoadLimits::triangles`].
+    pub triangles: Count,
+    /// Of [`LoadLimits::bodies`].
+    pub bodies: Count,
+    /// Of [`LoadLimits::joints`].
+    pub joints: Count,
+    /// Of [`LoadLimits::memory`].
+    pub memory: Count,
 }
 
 impl Tally {
-    pub(crate) fn new(limits: &LoadLimits) -> Tally {
+    /// Nothing is taken yet.
+    pub fn new(limits: &LoadLimits) -> Tally {
         Tally {
             bytes: Count::new("bytes", limits.bytes),
-            #[cfg(feature = "gltf")]
             nodes: Count::new("nodes", limits.nodes),
-            #[cfg(feature = "gltf")]
             depth: Count::new("depth", limits.depth),
             vertices: Count::new("vertices", limits.vertices),
             triangles: Count::new("triangles", limits.triangles),
             bodies: Count::new("bodies", limits.bodies),
             joints: Count::new("joints", limits.joints),
-            #[cfg(feature = "replay")]
             memory: Count::new("memory", limits.memory),
         }
     }

@@ -3,6 +3,7 @@
 //! glam's own `Quat` is SIMD where the target has it: aligned to 16 bytes, and its products are summed in
 //! another order, or fused, on each instruction set. Here it is what callers pass and get; what is computed
 //! with is [`Quat`]. A feature of glam would do as well, but Cargo would turn it on for the whole program.
+//! Scenes that are made with it are the same on every machine.
 
 use glam::{DQuat, Mat3, Vec3};
 use std::ops::{Mul, Neg};
@@ -11,40 +12,48 @@ use std::ops::{Mul, Neg};
 /// bits on every target.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(crate) struct Quat {
-    pub(crate) x: f32,
-    pub(crate) y: f32,
-    pub(crate) z: f32,
-    pub(crate) w: f32,
+pub struct Quat {
+    /// Part along x.
+    pub x: f32,
+    /// Part along y.
+    pub y: f32,
+    /// Part along z.
+    pub z: f32,
+    /// The real part: cosine of half the angle.
+    pub w: f32,
 }
 
 impl Quat {
-    pub(crate) const IDENTITY: Quat = Quat::from_xyzw(0.0, 0.0, 0.0, 1.0);
+    /// No rotation.
+    pub const IDENTITY: Quat = Quat::from_xyzw(0.0, 0.0, 0.0, 1.0);
 
+    /// From its parts.
     #[inline]
-    pub(crate) const fn from_xyzw(x: f32, y: f32, z: f32, w: f32) -> Quat {
+    pub const fn from_xyzw(x: f32, y: f32, z: f32, w: f32) -> Quat {
         Quat { x, y, z, w }
     }
 
+    /// From x, y, z and w.
     #[inline]
-    pub(crate) const fn from_array([x, y, z, w]: [f32; 4]) -> Quat {
+    pub const fn from_array([x, y, z, w]: [f32; 4]) -> Quat {
         Quat { x, y, z, w }
     }
 
+    /// x, y, z and w.
     #[inline]
-    pub(crate) const fn to_array(self) -> [f32; 4] {
+    pub const fn to_array(self) -> [f32; 4] {
         [self.x, self.y, self.z, self.w]
     }
 
     /// The vector part: axis times the sine of half the angle.
     #[inline]
-    pub(crate) fn xyz(self) -> Vec3 {
+    pub fn xyz(self) -> Vec3 {
         Vec3::new(self.x, self.y, self.z)
     }
 
     /// The axes that the rotation turns x, y and z into, as columns.
     #[inline]
-    pub(crate) fn matrix(self) -> Mat3 {
+    pub fn matrix(self) -> Mat3 {
         let Quat { x, y, z, w } = self;
         let (x2, y2, z2) = (x + x, y + y, z + z);
         let (xx, xy, xz) = (x * x2, x * y2, x * z2);
@@ -59,7 +68,7 @@ impl Quat {
 
     /// The shortest rotation from one unit vector to another; half a turn about any axis that is normal to
     /// both if they are opposite.
-    pub(crate) fn from_rotation_arc(from: Vec3, to: Vec3) -> Quat {
+    pub fn from_rotation_arc(from: Vec3, to: Vec3) -> Quat {
         // Rounding: closer to (anti)parallel, the cross product has no direction.
         const NEARLY_ONE: f32 = 1.0 - 2.0 * f32::EPSILON;
         let cos = from.dot(to);
@@ -76,46 +85,52 @@ impl Quat {
 
     /// The inverse rotation.
     #[inline]
-    pub(crate) fn conjugate(self) -> Quat {
+    pub fn conjugate(self) -> Quat {
         Quat::from_xyzw(-self.x, -self.y, -self.z, self.w)
     }
 
+    /// The sum of the products of the parts.
     #[inline]
-    pub(crate) fn dot(self, other: Quat) -> f32 {
+    pub fn dot(self, other: Quat) -> f32 {
         self.x * other.x + self.y * other.y + self.z * other.z + self.w * other.w
     }
 
+    /// The square of its length.
     #[inline]
-    pub(crate) fn length_squared(self) -> f32 {
+    pub fn length_squared(self) -> f32 {
         self.dot(self)
     }
 
+    /// Its length: 1 for a rotation.
     #[inline]
-    pub(crate) fn length(self) -> f32 {
+    pub fn length(self) -> f32 {
         self.length_squared().sqrt()
     }
 
+    /// The same rotation with a length of 1; not a number if it has none.
     #[inline]
-    pub(crate) fn normalize(self) -> Quat {
+    pub fn normalize(self) -> Quat {
         let scale = 1.0 / self.length();
         Quat::from_xyzw(self.x * scale, self.y * scale, self.z * scale, self.w * scale)
     }
 
     /// Between two rotations along the straight line: not at an even rate, but nearly so over small angles.
-    pub(crate) fn lerp(self, end: Quat, share: f32) -> Quat {
+    pub fn lerp(self, end: Quat, share: f32) -> Quat {
         let sign = if self.dot(end) >= 0.0 { 1.0 } else { -1.0 };
         let [a, b] = [self.to_array(), end.to_array()];
         let part = |i: usize| a[i] * (1.0 - share) + (b[i] * sign) * share;
         Quat::from_array(std::array::from_fn(part)).normalize()
     }
 
+    /// Whether all parts are finite.
     #[inline]
-    pub(crate) fn is_finite(self) -> bool {
+    pub fn is_finite(self) -> bool {
         self.to_array().iter().all(|part| part.is_finite())
     }
 
+    /// The same in `f64`.
     #[inline]
-    pub(crate) fn as_dquat(self) -> DQuat {
+    pub fn as_dquat(self) -> DQuat {
         DQuat::from_xyzw(f64::from(self.x), f64::from(self.y), f64::from(self.z), f64::from(self.w))
     }
 }

@@ -171,7 +171,7 @@ impl<'a, T> Shared<'a, T> {
     ///
     /// # Safety
     /// Until the stage is over nobody may write any.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(crate) unsafe fn all(&self) -> &[T] {
         // SAFETY: the whole slice; nobody writes by the contract.
         unsafe { std::slice::from_raw_parts(self.start, self.len) }

@@ -9,7 +9,7 @@ mod rows;
 mod updates;
 
 pub use boxes::kernels as boxes;
-pub use pairs::{cast, convex, distance, lanes, mesh};
+pub use pairs::{Ground, cast, convex, distance, lanes, mesh};
 pub use rows::{preparing, records, rows};
 pub use updates::kernels as updates;
 

@@ -12,7 +12,6 @@ use crate::narrow_phase::{
     collide_mesh, tolerance,
 };
 use crate::random::Random;
-use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::Vec3;
 use std::hint::black_box;
@@ -145,27 +144,35 @@ fn at_poses(name: &str, a: Collider, b: Collider, poses: Vec<Relative>) -> Kerne
     })
 }
 
-/// Shapes on a terrain of 8192 triangles half a metre long.
-pub fn mesh() -> Vec<Kernel> {
-    let terrain = Terrain::bumpy(64, 0.5);
-    let (vertices, triangles) = terrain.mesh();
-    let ground = TriangleMesh::new(vertices, triangles).expect("a terrain has cells");
+/// Ground of triangles that reaches as far as `half` along x and z [m], and its height there [m].
+pub struct Ground<'a> {
+    /// The triangles.
+    pub mesh: TriangleMesh,
+    /// [m]
+    pub half: f32,
+    /// At x and z [m].
+    pub height: &'a dyn Fn(f32, f32) -> f32,
+}
+
+/// Shapes on a terrain.
+pub fn mesh(terrain: &Ground<'_>) -> Vec<Kernel> {
+    let ground = terrain.mesh.clone();
     let ground = collider(Geometry::Mesh(Arc::new(ground)));
     [("sphere mesh", sphere()), ("capsule mesh", capsule()), ("box mesh", cuboid()), ("hull mesh", hull())]
         .into_iter()
-        .map(|(name, shape)| on_ground(name, shape, ground.clone(), &terrain))
+        .map(|(name, shape)| on_ground(name, shape, ground.clone(), terrain))
         .collect()
 }
 
-fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -> Kernel {
+fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Ground<'_>) -> Kernel {
     let mut random = Random(5);
-    let half = 0.8 * terrain.half();
+    let half = 0.8 * terrain.half;
     let poses: Vec<Relative> = (0..PAIRS)
         .map(|_| {
             let (x, z) = (random.range(-half, half), random.range(-half, half));
             // About at its height at rest.
             let above = random.range(shape.inner_radius, 0.5 * (shape.inner_radius + shape.radius));
-            let at = Vec3::new(x, terrain.height(x, z) + above, z);
+            let at = Vec3::new(x, (terrain.height)(x, z) + above, z);
             let back = random.turn().conjugate();
             Relative { position: back * -at, rotation: back }
         })

@@ -1,14 +1,13 @@
 //! Benchmarks of contact rows, and of loading and storing the records of bodies.
 
 use super::Kernel;
+use crate::World;
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, FrictionRow, Group, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Allowances;
-use crate::scene::builtin;
 use crate::threads::{Shared, Workers};
-use crate::{Settings, World};
 use std::hint::black_box;
 
 /// Eight records to lanes and back. There are 512 of them, so that they stay in L1 and no two of a batch are
@@ -32,30 +31,17 @@ pub fn records() -> Kernel {
     })
 }
 
-/// A wall of boxes after a few steps, with contacts of faces, four points each.
-fn wall() -> World {
-    let scene = builtin::large_pyramid(24);
-    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
-        .expect("the default settings are in range");
-    scene.add_to(&mut world).expect("a builtin scene is valid");
-    for _ in 0..8 {
-        world.step(1.0 / 60.0).expect("dt is above zero");
-    }
-    world
-}
-
 /// One pass over contacts of four points between two dynamic bodies: with friction, without, and relaxing. An
-/// element is a contact, so a batch is eight of them.
-pub fn rows() -> Vec<Kernel> {
+/// element is a contact, so a batch is eight of them. `wall`: contacts of faces, four points each.
+pub fn rows(wall: &dyn Fn() -> World) -> Vec<Kernel> {
     vec![
-        pass::<true>("solve, friction and four normals", false),
-        pass::<false>("solve, four normals", false),
-        pass::<true>("relax, friction and four normals", true),
+        pass::<true>("solve, friction and four normals", wall(), false),
+        pass::<false>("solve, four normals", wall(), false),
+        pass::<true>("relax, friction and four normals", wall(), true),
     ]
 }
 
-fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
-    let mut world = wall();
+fn pass<const FRICTION: bool>(name: &str, mut world: World, relax: bool) -> Kernel {
     let mut rows = std::mem::take(&mut world.buffers.rows);
     let rows = rows.views();
     let mut batches: Vec<(Batch<f32x8, 4, 1>, FrictionRow<f32x8, 1>)> = Vec::new();
@@ -103,9 +89,8 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     })
 }
 
-/// Sorting, colouring and packing of all contacts of a wall.
-pub fn preparing() -> Kernel {
-    let mut world = wall();
+/// Sorting, colouring and packing of all contacts of a world.
+pub fn preparing(mut world: World) -> Kernel {
     let (mut rows, mut scratch) = (Rows::default(), PrepareScratch::default());
     std::mem::swap(&mut rows, &mut world.buffers.rows);
     let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NO_CONTACT).count();

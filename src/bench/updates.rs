@@ -61,7 +61,7 @@ impl Crowd {
 
     /// Bullets of a centimetre, at up to 10 m a step along each axis.
     fn add_bullets(&mut self, count: u32) {
-        let mut random = crate::scene::rng::Rng::new(1);
+        let mut random = crate::random::Random(1);
         let mut cube = || vec3(random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0));
         for collider in 6000..6000 + count {
             self.add(collider, cube() * 16.0 + 16.0, 0.01, cube() * 10.0);

@@ -3,7 +3,8 @@
 use crate::config::{Continuous, RowGroup, with_fields};
 use crate::error::{Error, each};
 use crate::limits;
-use crate::shape::{MassProperties, ShapeDesc, unit_quat};
+use crate::limits::unit_quat;
+use crate::shape::{MassProperties, ShapeDesc};
 use glam::{DVec3, Vec3};
 
 /// What moves a body.

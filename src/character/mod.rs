@@ -158,7 +158,7 @@ impl Character {
     /// If it is not a unit quaternion.
     pub fn set_rotation(&mut self, rotation: impl Into<glam::Quat>) -> Result<(), Error> {
         let rotation: glam::Quat = rotation.into();
-        self.turned = crate::shape::unit_quat("character rotation", rotation)?;
+        self.turned = crate::limits::unit_quat("character rotation", rotation)?;
         Ok(())
     }
 

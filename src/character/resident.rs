@@ -91,7 +91,7 @@ impl Character {
         };
         let turned = Quat::from_array(from.finite::<_, 4>()?);
         // Already normalised: doing it again could change bits.
-        crate::shape::unit_quat("character rotation", turned)?;
+        crate::limits::unit_quat("character rotation", turned)?;
         let position = DVec3::from_array(from.record::<_, 6>()?);
         let has = from.one()?;
         let [b, bg, s, sg]: [u32; 4] = from.record::<_, 4>()?;
@@ -116,12 +116,12 @@ impl Character {
         let mut character = Character::new(settings, position)?;
         if has & 1 != 0 {
             crate::limits::position(point)?;
-            crate::shape::unit_quat("ground normal", Quat::from_xyzw(normal.x, normal.y, normal.z, 0.0))?;
+            crate::limits::unit_quat("ground normal", Quat::from_xyzw(normal.x, normal.y, normal.z, 0.0))?;
             character.ground = Some(ground);
         }
         if has & 2 != 0 {
             crate::limits::position(carrier.position)?;
-            crate::shape::unit_quat("ground rotation", carrier.rotation)?;
+            crate::limits::unit_quat("ground rotation", carrier.rotation)?;
             character.carrier = Some(carrier);
         }
         character.turned = turned;

@@ -24,7 +24,7 @@ pub enum Continuous {
 
 impl Continuous {
     /// The mode that a body, or a pair by the greater of its two, has in a world with this setting.
-    pub(crate) fn of(self, own: Continuous) -> Continuous {
+    pub fn of(self, own: Continuous) -> Continuous {
         match (self, own) {
             (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
             (Continuous::Volume, _) => Continuous::Volume,

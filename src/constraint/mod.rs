@@ -15,7 +15,7 @@ pub(crate) use contact::expect::lend;
 pub(crate) use contact::friction::FrictionRow;
 pub(crate) use contact::impact_friction::solve_impact_friction;
 pub(crate) use contact::prepare::{PrepareInput, prepare};
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) use contact::readout::{ContactLane, FrictionLane};
 pub(crate) use contact::rows::{Beside, Rows, Views, with_batch};
 pub(crate) use contact::soft::bodies::move_by_mean;
@@ -25,7 +25,7 @@ pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointType, WIDEST_JOINT_BATCH};
 pub(crate) use joint::nets::{NetInput, Nets};
 pub(crate) use joint::run::{JointViews, TouchInput};
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) use joint::store::RowImpulse;
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use schedule::arrange::{PrepareScratch, Prepared};

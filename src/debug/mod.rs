@@ -46,7 +46,7 @@ mod wireframe;
 
 pub use options::{Colour, DrawOptions, Palette, Region};
 pub use shapes::DrawnShape;
-pub use solid::triangles;
+pub use solid::{convex, triangles};
 pub use wireframe::wireframe;
 
 use glam::DVec3;

@@ -42,7 +42,7 @@ pub fn triangles(geometry: &Geometry, window: Option<(Vec3, Vec3)>, triangle: &m
 }
 
 /// Vertices and triangles of a convex shape; none of any other.
-pub(crate) fn convex(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub fn convex(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     match geometry {
         Geometry::Sphere { radius } => lathe(&capsule_profile(0.0, *radius, *radius)),
         Geometry::Capsule { half_height, radius_bottom, radius_top } => {

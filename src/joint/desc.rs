@@ -4,7 +4,7 @@ use crate::config::RowGroup;
 use crate::error::{Error, each, within};
 use crate::handle::BodyHandle;
 use crate::limits;
-use crate::shape::unit_quat;
+use crate::limits::unit_quat;
 use glam::Vec3;
 
 // Guard: a limit of what a caller may say.
@@ -129,38 +129,41 @@ pub enum Spring {
 }
 
 /// A spring as its rows take it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Coefficients {
-    pub(crate) stiffness: f32,
-    pub(crate) damping: f32,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringCoefficients {
+    /// Force per displacement, [N/m] or [N m/rad]; per effective mass [1/s²].
+    pub stiffness: f32,
+    /// Force per speed, [N s/m] or [N m s/rad]; per effective mass [1/s].
+    pub damping: f32,
     /// Whether both are per effective mass.
-    pub(crate) per_mass: bool,
+    pub per_mass: bool,
 }
 
-impl Coefficients {
+impl SpringCoefficients {
     /// Those of a row whose effective mass is one over `mobility` [1/kg or 1/(kg m²)].
-    pub(crate) fn with_mobility(self, mobility: f32) -> Coefficients {
+    pub(crate) fn with_mobility(self, mobility: f32) -> SpringCoefficients {
         let by = if self.per_mass { mobility } else { 1.0 };
-        Coefficients { stiffness: self.stiffness / by, damping: self.damping / by, per_mass: false }
+        SpringCoefficients { stiffness: self.stiffness / by, damping: self.damping / by, per_mass: false }
     }
 }
 
 impl Spring {
     // Guard: a limit of what a caller may say.
     /// The most stiffness or finite damping that is allowed.
-    pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
+    pub const MAX_COEFFICIENT: f32 = 1e20;
 
-    pub(crate) fn coefficients(self) -> Coefficients {
+    /// Its stiffness and damping, however it was described.
+    pub fn coefficients(self) -> SpringCoefficients {
         match self {
             Spring::Coefficients { stiffness, damping } => {
-                Coefficients { stiffness, damping, per_mass: false }
+                SpringCoefficients { stiffness, damping, per_mass: false }
             }
             Spring::Acceleration { stiffness, damping } => {
-                Coefficients { stiffness, damping, per_mass: true }
+                SpringCoefficients { stiffness, damping, per_mass: true }
             }
             Spring::Frequency { hertz, ratio } => {
                 let omega = std::f32::consts::TAU * hertz;
-                Coefficients { stiffness: omega * omega, damping: 2.0 * ratio * omega, per_mass: true }
+                SpringCoefficients { stiffness: omega * omega, damping: 2.0 * ratio * omega, per_mass: true }
             }
         }
     }
@@ -227,7 +230,11 @@ impl Limit {
         self.min == 0.0 && self.max == 0.0 && self.spring.is_none()
     }
 
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    /// Whether all of its numbers are in their ranges.
+    ///
+    /// # Errors
+    /// If one is not.
+    pub fn validate(&self) -> Result<(), Error> {
         for (what, value) in [("joint limit min", self.min), ("joint limit max", self.max)] {
             if value.is_nan() {
                 return Err(Error::NotFinite { what, value: value.into() });
@@ -304,7 +311,11 @@ impl Drive {
         Drive { max_force, ..self }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    /// Whether all of its numbers are in their ranges.
+    ///
+    /// # Errors
+    /// If one is not.
+    pub fn validate(&self) -> Result<(), Error> {
         within("drive position", self.position, -MAX_DISPLACEMENT, MAX_DISPLACEMENT, "within 1e9")?;
         within("drive velocity", self.velocity, -limits::MAX_SPEED, limits::MAX_SPEED, "within 1e6")?;
         if self.max_force != f32::INFINITY {

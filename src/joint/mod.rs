@@ -13,8 +13,8 @@ mod store;
 
 pub use coupling::{CoupledMotion, CouplingDesc};
 pub(crate) use coupling::{Coupling, MAX_DISPLACEMENT, Term, check_factor, check_range};
-pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-pub(crate) use desc::{Coefficients, STRENGTH, THRESHOLD, check_loads};
+pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring, SpringCoefficients};
+pub(crate) use desc::{STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};
 pub(crate) use ragdoll::Link;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};

@@ -216,8 +216,8 @@ impl Skeleton {
         })
     }
 
-    /// A bone of a skeleton that stands somewhere, turned.
-    pub(crate) fn body(&self, bone: &Bone, (position, rotation): (DVec3, Quat), velocity: Vec3) -> BodyDesc {
+    /// The body of a bone of a skeleton that stands somewhere [m], turned, and moves as one [m/s].
+    pub fn body(&self, bone: &Bone, (position, rotation): (DVec3, Quat), velocity: Vec3) -> BodyDesc {
         let along = bone.to - bone.from;
         let half = (0.5 * along.length() - bone.radius).max(0.01 * bone.radius);
         let mut shape = ShapeDesc::new(Geometry::capsule(half, bone.radius));
@@ -229,8 +229,8 @@ impl Skeleton {
             .with_shape(shape)
     }
 
-    /// With what a bone's joint limits, about the frames' axes.
-    pub(crate) fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
+    /// A joint with what that of a bone limits, about the frames' axes, and its friction.
+    pub fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
         let about_x = Axes::One(Axis::X);
         let desc = match bone.joint {
             BoneJoint::Ball { swing, twist } => desc
@@ -260,8 +260,8 @@ fn free_axes(joint: BoneJoint) -> &'static [Axis] {
 }
 
 impl Bone {
-    /// The frames' x is the hinge's axis, or the bone.
-    pub(crate) fn axes(&self) -> Quat {
+    /// The axes of its joint's frames: x is the hinge's axis, or the bone.
+    pub fn axes(&self) -> Quat {
         let x = match self.joint {
             BoneJoint::Hinge { axis, .. } => axis.normalize(),
             _ => {

@@ -86,7 +86,7 @@ impl From<Limits> for Budget {
     }
 }
 
-#[cfg(all(test, feature = "serde", feature = "gltf"))]
+#[cfg(all(test, feature = "bake"))]
 mod tests {
     use super::*;
 

@@ -3,9 +3,10 @@
 use super::candidates::{Candidate, turn, turn_back};
 use super::ray::check_start;
 use crate::error::{Error, within};
+use crate::limits::unit_quat;
 use crate::math::Quat;
 use crate::narrow_phase::{Support, SupportPose};
-use crate::shape::{Collider, Geometry, unit_quat};
+use crate::shape::{Collider, Geometry};
 use glam::{DMat3, DVec3, Vec3};
 
 /// See the module.

@@ -43,9 +43,8 @@ pub(crate) use stream::{RAYS, Stream, Walk};
 pub(crate) use surfaces::Surfaces;
 
 use crate::config::with_fields;
-use crate::error::{Error, finite, within};
-use crate::limits::{self, length, length_or_zero};
-use crate::math::Quat;
+use crate::error::Error;
+use crate::limits::{self, length, length_or_zero, unit_quat};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -167,6 +166,12 @@ impl Geometry {
             Geometry::Box { half_extents } => [half_extents.x, half_extents.y, half_extents.z, 0.0],
             _ => [0.0; 4],
         }
+    }
+
+    /// Whether it is convex and bounded, so that a dynamic body may have it: all but planes, meshes and height
+    /// fields.
+    pub fn is_convex(&self) -> bool {
+        self.require_convex().is_ok()
     }
 
     pub(crate) fn require_convex(&self) -> Result<(), Error> {
@@ -386,14 +391,4 @@ impl ShapeDesc {
         unit_quat("shape rotation", self.rotation)?;
         limits::density(self.density)
     }
-}
-
-/// A rotation that is a unit quaternion within rounding, normalised; or an error.
-pub(crate) fn unit_quat(what: &'static str, q: impl Into<Quat>) -> Result<Quat, Error> {
-    let q = q.into();
-    for value in q.to_array() {
-        finite(what, value)?;
-    }
-    within(what, q.length(), 0.99, 1.01, "a unit quaternion")?;
-    Ok(q.normalize())
 }

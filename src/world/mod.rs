@@ -38,15 +38,15 @@ pub(crate) use contacts::{Place, place_of, relative_now};
 pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
-pub(crate) use memory::{Brings, ContentForecast, Demand, Needs, PartTimes, Replacement};
-pub use memory::{Feature, Model, ModelPart};
+pub(crate) use memory::{Brings, Demand, Needs, PartTimes, Replacement};
+pub use memory::{ContentForecast, Feature, Model, ModelPart, Plan};
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use revisions::{Revisions, SharedPart};
 pub(crate) use state::State;
 #[cfg(feature = "replay")]
 pub(crate) use step::Recorder;
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) use step::StepMeter;
 pub(crate) use step::{Buffers, Change, Part, Stage};
 
@@ -117,7 +117,7 @@ pub struct World {
     pub(crate) stage: Option<&'static str>,
     pub(crate) helpers: Helpers,
     /// Present while the accuracy of steps is measured.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(crate) meter: Option<Box<dyn StepMeter>>,
     /// Present while the world is recorded or replayed.
     #[cfg(feature = "replay")]

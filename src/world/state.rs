@@ -64,7 +64,7 @@ impl World {
             removed: _,
             stage: _,
             helpers: _,
-            #[cfg(feature = "lab")]
+            #[cfg(feature = "observe")]
                 meter: _,
             #[cfg(feature = "replay")]
                 recorder: _,

@@ -43,7 +43,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("world", &["world", "step"]),
-    ("on a world", &["query", "character", "snapshot", "replay", "debug", "scene", "lab", "bench"]),
+    ("on a world", &["query", "character", "snapshot", "replay", "debug", "observe", "bench"]),
 ];
 
 /// About in the order of a step: what a stage hands on is defined by the stage that makes it.

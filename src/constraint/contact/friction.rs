@@ -126,7 +126,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
     ///
     /// # Safety
     /// No other thread works on the batch.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(crate) unsafe fn impact(&self, batch: BatchRef) -> Option<ImpactRow<L, B>> {
         // SAFETY: by the contract; each batch has rows of its own.
         if self.needed { Some(unsafe { *self.impacts.get(batch.friction as usize) }) } else { None }

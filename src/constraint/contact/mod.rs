@@ -9,7 +9,7 @@ pub(crate) mod friction;
 pub(crate) mod friction_rows;
 pub(crate) mod impact_friction;
 pub(crate) mod prepare;
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) mod readout;
 pub(crate) mod row;
 pub(crate) mod rows;

@@ -12,7 +12,7 @@ use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Coefficients, Joint, LockKind, Motion, Placed, RowKind};
+use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind, SpringCoefficients};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
 
@@ -365,7 +365,7 @@ pub(crate) fn fill_tree<L: GatherLanes>(
 
 /// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
 /// impulse, and the requested speed beside that; none if there is neither.
-pub(super) fn implicit(spring: &Coefficients, target: f32, h: f32) -> Option<[f32; 3]> {
+pub(super) fn implicit(spring: &SpringCoefficients, target: f32, h: f32) -> Option<[f32; 3]> {
     let (k, c) = (spring.stiffness, spring.damping);
     let d = h * k + c;
     if d == f32::INFINITY {

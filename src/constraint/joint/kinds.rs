@@ -166,7 +166,7 @@ macro_rules! row_types {
             ///
             /// # Safety
             /// No other thread works on the batches.
-            #[cfg(feature = "lab")]
+            #[cfg(feature = "observe")]
             pub(crate) unsafe fn report(&self, locks: bool, to: &mut impl Report) {
                 $(if <$batch<f32> as JointBatch<f32>>::IS_LOCK == locks {
                     // SAFETY: by the contract.

@@ -4,7 +4,7 @@ use super::arrange::{JointRows, JointStage};
 use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 use super::store::Report;
 use crate::constraint::articulation::close::Closing;
 use crate::constraint::articulation::contacts::{Request, TreeLanes};
@@ -42,7 +42,7 @@ macro_rules! on_trees {
     };
 }
 
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 impl JointViews<'_> {
     /// Reports the drives in blocks of couplings, and calls `coupling` with each coupling by its slot, its
     /// impulses at both ends, and force and torque on each of its joints per impulse.

@@ -254,7 +254,7 @@ impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
     ///
     /// # Safety
     /// No other thread works on the batches.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(super) unsafe fn report(&self, to: &mut impl Report) {
         // SAFETY: by the contract.
         unsafe { report(self.lanes.all(), self.single.all(), to) };

@@ -132,7 +132,7 @@ impl Restitution {
 
     /// Forgets the impacts of a body: something else decides where it is at the end of the step, and how it
     /// moves.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(crate) fn forget(&mut self, body: usize) {
         if let Some(struck) = self.struck.get_mut(body) {
             (struck.turned, struck.bounced) = (None, false);

@@ -42,6 +42,10 @@ pub struct CoupledMotion {
 }
 
 impl CoupledMotion {
+    /// A motion of a joint along or about some axes.
+    pub fn new(joint: JointHandle, motion: Motion, axes: Axes, factor: f64) -> CoupledMotion {
+        CoupledMotion { joint, motion, axes, factor }
+    }
     /// The angle about an axis of the joint's frames, with whole turns [rad].
     pub fn angle(joint: JointHandle, axis: Axis, factor: f64) -> CoupledMotion {
         CoupledMotion { joint, motion: Motion::Angular, axes: Axes::One(axis), factor }

@@ -47,6 +47,15 @@ pub(crate) struct Pose {
     pub(crate) position: DVec3,
 }
 
+impl Geometry {
+    /// The point of a convex, bounded shape that is furthest along a direction, which needs no length, in its
+    /// own frame [m]. Where a whole face is, any of it. `None` for a plane, a mesh or a height field.
+    pub fn furthest(&self, direction: DVec3) -> Option<DVec3> {
+        let support = Support::of_geometry(self)?;
+        Some(support.support(direction) + direction.normalize_or_zero() * support.radius)
+    }
+}
+
 impl<'a> Support<'a> {
     /// None for a plane, a mesh or a height field.
     pub(crate) fn of(shape: &'a Collider) -> Option<Support<'a>> {

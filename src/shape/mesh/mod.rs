@@ -14,7 +14,7 @@ use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
 use crate::limits;
 use crate::memory::{bytes_of, sum_bytes};
 use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 use edges::Fold;
 use edges::{Edges, find_edges};
 use glam::Vec3;
@@ -78,7 +78,7 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// As for [`TriangleMesh::new`].
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub fn with_active_edges(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
         let open = |_: &[Vec3], triangles: &[[u32; 3]]| vec![Edges::new([Fold::Open; 3]); triangles.len()];
         TriangleMesh::build(vertices, triangles, open, None)

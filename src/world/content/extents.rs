@@ -1,8 +1,10 @@
 //! Where shapes and bodies are in the world, and the boxes around them.
 
-use crate::broad_phase::aabb_of;
+use crate::broad_phase::{self, aabb_of};
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
+use crate::math::Quat;
+use crate::shape::{Collider, Kind, ShapeDesc};
 use crate::world::World;
 use glam::DVec3;
 
@@ -37,8 +39,38 @@ impl Aabb {
         (self.min.cmple(other.max) & self.max.cmpge(other.min)).all()
     }
 
+    /// A box around a body's centre, moved to where that is: as small far from the origin as near it.
+    fn around(centre: DVec3, own: broad_phase::Aabb) -> Aabb {
+        Aabb { min: centre + own.min.as_dvec3(), max: centre + own.max.as_dvec3() }
+    }
+
     fn join(self, other: Aabb) -> Aabb {
         Aabb { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+}
+
+impl ShapeDesc {
+    /// The box around it on a body that is at `position` [m] with `rotation`, to within rounding.
+    /// That of a plane is infinite.
+    pub fn aabb(&self, position: DVec3, rotation: glam::Quat) -> Aabb {
+        let geometry = &self.geometry;
+        let collider = Collider {
+            kind: Kind::of(geometry),
+            body: 0,
+            place: 0,
+            size: geometry.size(),
+            position: self.position,
+            rotation: Quat::from(self.rotation).normalize(),
+            radius: geometry.radius(),
+            inner_radius: geometry.inner_radius(),
+            geometry: geometry.clone(),
+            material: self.material.base(),
+            filter: self.filter,
+            density: self.density,
+            flags: self.flags(),
+            user_data: 0,
+        };
+        Aabb::around(position, aabb_of(&collider, DVec3::ZERO, rotation.into()))
     }
 }
 
@@ -72,8 +104,6 @@ impl World {
     pub(crate) fn aabb_of_collider(&self, collider: u32) -> Aabb {
         let collider = &self.colliders.all[collider as usize];
         let pose = &self.bodies.pose[collider.body as usize];
-        // Around the body's centre, so that the box is as small far from the origin as near it.
-        let own = aabb_of(collider, DVec3::ZERO, pose.rotation);
-        Aabb { min: pose.position + own.min.as_dvec3(), max: pose.position + own.max.as_dvec3() }
+        Aabb::around(pose.position, aabb_of(collider, DVec3::ZERO, pose.rotation))
     }
 }

@@ -6,7 +6,7 @@ use crate::forces::world_inertia;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
-use crate::shape::unit_quat;
+use crate::limits::unit_quat;
 use crate::world::{Change, World};
 use glam::{DVec3, Vec3};
 

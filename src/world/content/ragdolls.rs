@@ -6,8 +6,8 @@ use crate::handle::BodyHandle;
 use crate::joint::{
     Axis, Bone, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
 };
+use crate::limits::unit_quat;
 use crate::math::Quat;
-use crate::shape::unit_quat;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -29,12 +29,10 @@ impl Skeleton {
             self.bones.iter().map(|bone| self.body(bone, (position, rotation), velocity)).collect();
         let jointed = || self.bones.iter().enumerate().filter_map(|(i, bone)| Some((i, bone, bone.parent?)));
         // How many rows a joint has does not depend on where it is.
-        let somewhere = |bone| {
-            let nobody = BodyHandle::from_bits(0);
-            JointAdditions::of_joint(&self.joint(bone, JointDesc::ball([nobody; 2], Default::default())))
-        };
-        let more = jointed().map(|(_, bone, _)| somewhere(bone));
-        world.allow_joined(&descs, more.fold(JointAdditions::default(), JointAdditions::and))?;
+        let nobody = [BodyHandle::from_bits(0); 2];
+        let somewhere = |bone| self.joint(bone, JointDesc::ball(nobody, Default::default()));
+        let joints: Vec<JointDesc> = jointed().map(|(_, bone, _)| somewhere(bone)).collect();
+        world.allow(&descs, &joints, 0)?;
         let bodies = world.add_bodies(&descs)?;
         let joint = |(i, bone, parent): (usize, &Bone, usize)| {
             let (own, point) =

@@ -5,8 +5,9 @@ use crate::body::{BodyDetails, BodyKind};
 use crate::error::Error;
 use crate::handle::ShapeHandle;
 use crate::limits;
+use crate::limits::unit_quat;
 use crate::math::Quat;
-use crate::shape::{Collider, Geometry, Kind, MassProperties, RARE, unit_quat};
+use crate::shape::{Collider, Geometry, Kind, MassProperties, RARE};
 use crate::world::{Change, World};
 use glam::Vec3;
 

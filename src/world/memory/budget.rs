@@ -6,7 +6,7 @@ use crate::config::Settings;
 use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::finish;
-use crate::joint::JointAdditions;
+use crate::joint::{JointAdditions, JointDesc};
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
 use crate::shape::{Geometry, Kind, RareMaterial, ShapeDesc};
@@ -83,7 +83,7 @@ impl World {
             spent: _,
             peaks: _,
             stage: _,
-            #[cfg(feature = "lab")]
+            #[cfg(feature = "observe")]
                 meter: _,
             // The tape is the caller's.
             #[cfg(feature = "replay")]
@@ -397,11 +397,20 @@ impl World {
         self.lacking(counts)
     }
 
-    /// Whether the budget has room for bodies and for joints between them, before any are added.
+    /// Whether the budget has room for bodies, for joints between them (their handles do not matter), and for
+    /// a number of couplings of these, before any are added.
     ///
     /// # Errors
-    /// If it has not.
-    pub(crate) fn allow_joined(&mut self, bodies: &[BodyDesc], joints: JointAdditions) -> Result<(), Error> {
+    /// [`Error::Budget`] if it has not.
+    pub fn allow(
+        &mut self,
+        bodies: &[BodyDesc],
+        joints: &[JointDesc],
+        couplings: usize,
+    ) -> Result<(), Error> {
+        let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());
+        let more = joints.iter().map(JointAdditions::of_joint).chain(coupled);
+        let joints = more.fold(JointAdditions::default(), JointAdditions::and);
         if self.settings.budget.is_none() || joints.is_empty() {
             return Ok(());
         }

@@ -11,5 +11,5 @@ pub(in crate::world) use assets::Assets;
 pub(crate) use model::PartTimes;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use needs::{Demand, Needs};
-pub(crate) use plan::ContentForecast;
+pub use plan::{ContentForecast, Plan};
 pub(crate) use restoring::{Brings, Replacement};

@@ -261,9 +261,9 @@ impl World {
 
     /// The rows of the step for the solver, and the bodies that they act on.
     pub(crate) fn solver_input(&mut self, dt: f32) -> SolverInput<'_> {
-        #[cfg(feature = "lab")]
+        #[cfg(feature = "observe")]
         let witness = self.meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
-        #[cfg(not(feature = "lab"))]
+        #[cfg(not(feature = "observe"))]
         let witness = None;
         let buffers = &mut self.buffers;
         SolverInput {

@@ -11,6 +11,6 @@ pub(crate) use buffers::Buffers;
 pub(crate) use observers::Change;
 #[cfg(feature = "replay")]
 pub(crate) use observers::Recorder;
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) use observers::StepMeter;
 pub(crate) use stage::{Part, Stage};

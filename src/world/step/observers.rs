@@ -103,7 +103,7 @@ pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
 }
 
 /// Measures steps; it observes the solver.
-#[cfg(feature = "lab")]
+#[cfg(feature = "observe")]
 pub(crate) trait StepMeter:
     std::any::Any + std::fmt::Debug + crate::solver::Witness + Send + Sync
 {
@@ -118,7 +118,7 @@ pub(crate) trait StepMeter:
 /// Without the features of observers there is no code for them; with the features, but no observer, a
 /// predictable branch.
 #[cfg_attr(
-    not(all(feature = "replay", feature = "lab")),
+    not(all(feature = "replay", feature = "observe")),
     allow(unused_variables, clippy::unused_self, reason = "nobody looks on")
 )]
 impl World {
@@ -166,7 +166,7 @@ impl World {
     /// Measures the rows of a step of `dt` seconds before they are solved.
     #[inline]
     pub(crate) fn measure_rows(&mut self, dt: f32) {
-        #[cfg(feature = "lab")]
+        #[cfg(feature = "observe")]
         if let Some(mut meter) = self.meter.take() {
             meter.before_rows(self, dt);
             self.meter = Some(meter);
@@ -176,7 +176,7 @@ impl World {
     /// Measures how accurately they were solved.
     #[inline]
     pub(crate) fn measure_solution(&mut self) {
-        #[cfg(feature = "lab")]
+        #[cfg(feature = "observe")]
         if let Some(mut meter) = self.meter.take() {
             meter.after_rows(self);
             self.meter = Some(meter);
@@ -186,7 +186,7 @@ impl World {
     /// Measures the step, once bodies have moved.
     #[inline]
     pub(crate) fn measure_step(&mut self) {
-        #[cfg(feature = "lab")]
+        #[cfg(feature = "observe")]
         if let Some(mut meter) = self.meter.take() {
             meter.after_step(self);
             self.meter = Some(meter);

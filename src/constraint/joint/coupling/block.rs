@@ -130,7 +130,7 @@ impl CouplingBlock {
 
     /// Calls `f` with each coupling by its slot, its impulses, and force and torque on each of its joints per
     /// impulse.
-    #[cfg(feature = "lab")]
+    #[cfg(feature = "observe")]
     pub(in crate::constraint::joint) fn report_levers(
         &self,
         f: &mut dyn FnMut(u32, [f32; 2], [[glam::Vec3; 2]; 2]),

@@ -84,7 +84,7 @@ impl World {
         rotation: glam::Quat,
     ) -> Result<[Frame; 2], Error> {
         crate::limits::position(point)?;
-        let rotation = crate::shape::unit_quat("rotation", rotation)?;
+        let rotation = crate::limits::unit_quat("rotation", rotation)?;
         let mut frames = [Frame::default(); 2];
         for (frame, body) in frames.iter_mut().zip(bodies) {
             let (at, back) = (self.position(body)?, Quat::from(self.rotation(body)?).conjugate());

@@ -1,0 +1,282 @@
+//! Reads problems from text: linear complementarity problems and contact problems as Siconos writes them.
+//!
+//! Both begin with sizes and the matrix W, then q, and for contacts the coefficients of friction; any text
+//! may follow. A matrix is dense (storage 0) or made of blocks (storage 1), and either way goes column by
+//! column.
+
+use super::{Law, Matrix, Problem};
+use std::fmt::Display;
+
+/// Why a text could not be read as a problem.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {what}")]
+pub struct ReadError {
+    /// Line of the text, from 1.
+    pub line: usize,
+    /// What is wrong there.
+    pub what: String,
+}
+
+/// Which kind of problem a file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A linear complementarity problem.
+    Complementarity,
+    /// Contacts in a plane: one tangent. Each gets a second tangent in the problem, on which nothing acts.
+    PlaneContacts,
+    /// Contacts in space.
+    Contacts,
+}
+
+/// A problem out of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct File {
+    /// What is to be solved.
+    pub problem: Problem,
+    /// The kind of problem in the file.
+    pub form: Form,
+}
+
+impl File {
+    /// The values of those rows that the file has.
+    pub fn unknowns(&self, r: &[f64]) -> Vec<f64> {
+        match self.form {
+            Form::PlaneContacts => r.chunks(3).flat_map(|contact| &contact[..2]).copied().collect(),
+            Form::Complementarity | Form::Contacts => r.to_vec(),
+        }
+    }
+
+    /// Contacts of a file: `w` and `q` have `dimensions` rows for each coefficient of `mu`, normal first.
+    pub fn of_contacts(
+        dimensions: usize,
+        w: Matrix,
+        q: Vec<f64>,
+        mu: &[f64],
+    ) -> Result<File, backstop::Error> {
+        let laws = mu.iter().map(|&mu| Law::Contact { mu }).collect();
+        if dimensions == 3 {
+            return Ok(File { problem: Problem::new(laws, w, q)?, form: Form::Contacts });
+        }
+        let rows = mu.len() * 2;
+        if w.size() != rows || q.len() != rows {
+            return Err(backstop::Error::Incomplete {
+                what: "W and q",
+                expected: "two rows for each contact",
+            });
+        }
+        let place = |row: usize| row / 2 * 3 + row % 2;
+        let own = (0..rows).flat_map(|i| w.row(i).map(move |(j, value)| (place(i), place(j), value)));
+        // The second tangent gets the mass of the first, so that the contact's block is regular; its impulse
+        // is zero.
+        let second = (0..mu.len()).map(|c| (3 * c + 2, 3 * c + 2, w.at(2 * c + 1, 2 * c + 1)));
+        let w = Matrix::from_entries(3 * mu.len(), own.chain(second));
+        let q = q.chunks(2).flat_map(|contact| [contact[0], contact[1], 0.0]).collect();
+        Ok(File { problem: Problem::new(laws, w, q)?, form: Form::PlaneContacts })
+    }
+}
+
+/// Reads a linear complementarity problem or a contact problem: whichever the sizes at the beginning say. A
+/// text that is too short for its sizes is refused before anything is allocated.
+pub fn read_problem(text: &str) -> Result<File, ReadError> {
+    let mut words = Words::new(text);
+    let first = words.clone().sizes()?;
+    // A contact problem has one size more before the matrix: dimension, contacts, storage, rows, columns.
+    if (first[1] == 0 || first[1] == 1) && first[2] == first[0] && first[3] == first[0] {
+        read_complementarity(&mut words)
+    } else if first[0] == 2 || first[0] == 3 {
+        read_contacts(&mut words)
+    } else {
+        Err(words
+            .error("neither the sizes of a linear complementarity problem nor those of a contact problem"))
+    }
+}
+
+fn read_complementarity(words: &mut Words) -> Result<File, ReadError> {
+    let n = words.size("the number of unknowns")?;
+    let w = read_matrix(words, n)?;
+    let q = words.numbers(n, "q")?;
+    let problem = Problem::lcp(w, q).map_err(|error| words.error(error))?;
+    Ok(File { problem, form: Form::Complementarity })
+}
+
+fn read_contacts(words: &mut Words) -> Result<File, ReadError> {
+    let dimensions = words.size("the number of dimensions")?;
+    let contacts = words.size("the number of contacts")?;
+    let rows = contacts.saturating_mul(dimensions);
+    let w = read_matrix(words, rows)?;
+    let q = words.numbers(rows, "q")?;
+    let mu = words.numbers(contacts, "mu")?;
+    if mu.iter().any(|&mu| mu < 0.0) {
+        return Err(words.error("a coefficient of friction is negative"));
+    }
+    File::of_contacts(dimensions, w, q, &mu).map_err(|error| words.error(error))
+}
+
+fn read_matrix(words: &mut Words, rows: usize) -> Result<Matrix, ReadError> {
+    let storage = words.size("the storage of the matrix")?;
+    if storage > 1 {
+        return Err(
+            words.error(format!("storage {storage} of the matrix is not known: 0 is dense, 1 has blocks"))
+        );
+    }
+    words.exactly(rows, "rows of the matrix")?;
+    words.exactly(rows, "columns of the matrix")?;
+    let entries = if storage == 0 { read_dense(words, rows)? } else { read_blocks(words, rows)? };
+    // Blocks may be of any size and stay empty; q has a number for each row.
+    words.room_for(rows, "q")?;
+    Ok(Matrix::from_entries(rows, entries))
+}
+
+type Entries = Vec<(usize, usize, f64)>;
+
+fn read_dense(words: &mut Words, rows: usize) -> Result<Entries, ReadError> {
+    words.exactly(rows, "rows of the dense matrix")?;
+    words.exactly(rows, "columns of the dense matrix")?;
+    words.room_for(rows.saturating_mul(rows), "the entries of the matrix")?;
+    let mut entries = Vec::new();
+    read_block(words, &mut entries, 0..rows, 0..rows)?;
+    Ok(entries)
+}
+
+/// Entries of a block, column by column.
+fn read_block(
+    words: &mut Words,
+    entries: &mut Entries,
+    rows: std::ops::Range<usize>,
+    columns: std::ops::Range<usize>,
+) -> Result<(), ReadError> {
+    for column in columns {
+        for row in rows.clone() {
+            entries.push((row, column, words.number("an entry of the matrix")?));
+        }
+    }
+    Ok(())
+}
+
+fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
+    let blocks = words.size("the number of blocks")?;
+    let rows = words.size("the number of rows of blocks")?;
+    let columns = words.size("the number of columns of blocks")?;
+    let row_ends = read_ends(words, rows, size)?;
+    let column_ends = read_ends(words, columns, size)?;
+    let pointers = words.size("the length of the row pointer")?;
+    if pointers != rows.saturating_add(1) {
+        return Err(words
+            .error(format!("the row pointer must have {} numbers, not {pointers}", rows.saturating_add(1))));
+    }
+    words.exactly(blocks, "column indices of blocks")?;
+    let pointers = words.sizes_of(pointers, "the row pointer")?;
+    if pointers.first() != Some(&0) || pointers.last() != Some(&blocks) || !pointers.is_sorted() {
+        return Err(words.error("the row pointer must rise from 0 to the number of blocks"));
+    }
+    let indices = words.sizes_of(blocks, "the column index")?;
+    if indices.iter().any(|&column| column >= columns) {
+        return Err(words.error("a column index is too great"));
+    }
+    let range = |ends: &[usize], i: usize| (if i == 0 { 0 } else { ends[i - 1] })..ends[i];
+    let mut entries = Vec::new();
+    for row in 0..rows {
+        let blocks = pointers[row]..pointers[row + 1];
+        for (block, &column) in blocks.clone().zip(&indices[blocks]) {
+            words.exactly(block, "as the number of the block")?;
+            read_block(words, &mut entries, range(&row_ends, row), range(&column_ends, column))?;
+        }
+    }
+    Ok(entries)
+}
+
+/// Where each row or column of blocks ends.
+fn read_ends(words: &mut Words, count: usize, size: usize) -> Result<Vec<usize>, ReadError> {
+    let ends = words.sizes_of(count, "the sizes of blocks")?;
+    if !ends.is_sorted() || ends.last().copied().unwrap_or(0) != size {
+        return Err(words.error(format!("the sizes of blocks must rise to {size}, the size of the matrix")));
+    }
+    Ok(ends)
+}
+
+/// The words of a text with their lines.
+#[derive(Clone)]
+struct Words<'a> {
+    /// What is not read yet.
+    rest: &'a str,
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    fn new(text: &'a str) -> Words<'a> {
+        Words { rest: text, line: 1 }
+    }
+
+    fn error(&self, what: impl Display) -> ReadError {
+        ReadError { line: self.line, what: what.to_string() }
+    }
+
+    fn word(&mut self, what: &str) -> Result<&'a str, ReadError> {
+        let start = self.rest.trim_start();
+        self.line += self.rest[..self.rest.len() - start.len()].matches('\n').count();
+        let end = start.find(char::is_whitespace).unwrap_or(start.len());
+        let word;
+        (word, self.rest) = start.split_at(end);
+        if word.is_empty() { Err(self.error(format!("the text ends before {what}"))) } else { Ok(word) }
+    }
+
+    fn size(&mut self, what: &str) -> Result<usize, ReadError> {
+        let word = self.word(what)?;
+        word.parse()
+            .map_err(|_| self.error(format!("{what} must be a whole number, not \"{}\"", shown(word))))
+    }
+
+    /// The first four.
+    fn sizes(mut self) -> Result<[usize; 4], ReadError> {
+        let mut sizes = [0; 4];
+        for size in &mut sizes {
+            *size = self.size("a size of the problem")?;
+        }
+        Ok(sizes)
+    }
+
+    fn exactly(&mut self, expected: usize, what: &str) -> Result<(), ReadError> {
+        let found = self.size(what)?;
+        if found == expected {
+            Ok(())
+        } else {
+            Err(self.error(format!("{expected} {what} expected, but found {found}")))
+        }
+    }
+
+    fn number(&mut self, what: &str) -> Result<f64, ReadError> {
+        let word = self.word(what)?;
+        match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(self.error(format!("{what} must be a finite number, not \"{}\"", shown(word)))),
+        }
+    }
+
+    /// Each number takes a digit and a space.
+    fn room_for(&self, count: usize, what: &str) -> Result<(), ReadError> {
+        if count <= self.rest.len() / 2 {
+            Ok(())
+        } else {
+            Err(self.error(format!("the text is too short for {what}")))
+        }
+    }
+
+    fn numbers(&mut self, count: usize, what: &str) -> Result<Vec<f64>, ReadError> {
+        self.room_for(count, what)?;
+        (0..count).map(|_| self.number(what)).collect()
+    }
+
+    fn sizes_of(&mut self, count: usize, what: &str) -> Result<Vec<usize>, ReadError> {
+        self.room_for(count, what)?;
+        (0..count).map(|_| self.size(what)).collect()
+    }
+}
+
+/// The beginning of a word, for an error message.
+fn shown(word: &str) -> String {
+    word.chars().take(20).collect()
+}
+
+#[cfg(test)]
+#[path = "read_tests.rs"]
+mod tests;

@@ -1,0 +1,117 @@
+//! Small examples that can be checked by eye.
+
+use super::*;
+use crate::problem::write_problem;
+
+fn dense(file: &File) -> Vec<Vec<f64>> {
+    let w = file.problem.w();
+    (0..w.size()).map(|i| (0..w.size()).map(|j| w.at(i, j)).collect()).collect()
+}
+
+#[test]
+fn a_complementarity_problem_is_read_column_by_column() {
+    let file = read_problem("2\n0\n2\n2\n2 2\n1 2\n3 4\n-5 -6e-1\nfree text 7 8").unwrap();
+    assert_eq!(file.form, Form::Complementarity);
+    assert_eq!(dense(&file), [[1.0, 3.0], [2.0, 4.0]]);
+    assert_eq!(file.problem.q(), [-5.0, -0.6]);
+    assert!(file.problem.laws().all(|(_, law)| law == Law::AT_LEAST_ZERO));
+}
+
+#[test]
+fn three_unknowns_are_not_three_dimensions() {
+    let file = read_problem("3 0 3 3 3 3  1 0 0  0 1 0  0 0 1  1 2 3").unwrap();
+    assert_eq!(file.form, Form::Complementarity);
+    let contact = read_problem("3 1 0 3 3 3 3  1 0 0  0 1 0  0 0 1  1 2 3  0.5").unwrap();
+    assert_eq!(contact.form, Form::Contacts);
+    assert_eq!(contact.problem.laws().collect::<Vec<_>>(), [(0, Law::Contact { mu: 0.5 })]);
+    assert_eq!(contact.problem.w(), file.problem.w());
+}
+
+#[test]
+fn blocks_are_put_where_their_pointers_say() {
+    // Two contacts in a plane: three blocks of 2 x 2, with the lower left one missing.
+    let text =
+        "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
+    let file = read_problem(text).unwrap();
+    assert_eq!(file.form, Form::PlaneContacts);
+    let expected = [
+        [1.0, 3.0, 0.0, 5.0, 7.0, 0.0],
+        [2.0, 4.0, 0.0, 6.0, 8.0, 0.0],
+        // The second tangent that the plane does not have.
+        [0.0, 0.0, 4.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 9.0, 11.0, 0.0],
+        [0.0, 0.0, 0.0, 10.0, 12.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 12.0],
+    ];
+    assert_eq!(dense(&file), expected);
+    assert_eq!(file.problem.q(), [1.0, 2.0, 0.0, 3.0, 4.0, 0.0]);
+    assert_eq!(file.unknowns(&[1.0, 2.0, 0.0, 3.0, 4.0, 0.0]), [1.0, 2.0, 3.0, 4.0]);
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_line() {
+    let cases = [
+        ("", 1, "ends before a size"),
+        ("2\n0\n2\n2\n2 2\n1 2\n3 x\n1 1", 7, "finite number, not \"x\""),
+        ("2\n0\n2\n2\n2 2\n1 2\n3 inf\n1 1", 7, "finite number"),
+        ("2\n0\n2\n2\n2 2\n1 2\n3 4\n1", 7, "too short for q"),
+        ("5\n4\n7\n8\n", 1, "neither the sizes"),
+        ("3\n1\n2\n3\n3", 3, "storage 2"),
+        ("3\n1\n0\n6\n3", 4, "3 rows of the matrix expected, but found 6"),
+        ("-2 0 2 2", 1, "whole number"),
+        // A billion rows in twenty bytes.
+        (
+            "1000000000\n0\n1000000000\n1000000000\n1000000000 1000000000\n1 2 3",
+            5,
+            "too short for the entries",
+        ),
+        ("3\n18446744073709551615\n0\n3\n3", 4, "rows of the matrix expected"),
+        // One block of a billion rows, and empty.
+        (
+            "1000000000 1 1000000000 1000000000\n0 1 1 1000000000 1000000000\n2 0\n0 0\n1",
+            4,
+            "too short for q",
+        ),
+        ("3 1 1 3 3\n1 1 1 3 3 2 1\n0 2\n0\n", 3, "must rise from 0"),
+        ("3 1 1 3 3\n1 1 1 3 3 2 1\n0 1\n5\n", 4, "too great"),
+        ("3 1 1 3 3\n1 1 1 4 3 2 1\n0 1\n5\n", 2, "must rise to 3"),
+        ("3 1 1 3 3\n1 1 1 3 3 18446744073709551615 1\n0 1\n5\n", 2, "the row pointer must have 2 numbers"),
+        ("3 1 0 3 3 3 3\n1 0 0 0 1 0 0 0 1\n1 2 3\n-0.5", 4, "negative"),
+    ];
+    for (text, line, what) in cases {
+        let error = read_problem(text).expect_err(text);
+        assert!(error.line == line && error.what.contains(what), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn no_beginning_of_a_text_panics() {
+    let text =
+        "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
+    // The last number may lose digits and still be a number.
+    let shortest = text.len() - 2;
+    assert!((0..=text.len()).all(|end| read_problem(&text[..end]).is_ok() == (end >= shortest)));
+}
+
+#[test]
+fn what_is_written_is_read_to_the_last_bit() {
+    let third = 1.0 / 3.0;
+    let diagonal = |n: usize| Matrix::from_entries(n, (0..n).map(|i| (i, i, third + i as f64)));
+    let full = Matrix::from_entries(3, (0..9).map(|k| (k / 3, k % 3, 1e-300 / (k as f64 + 0.1))));
+    let problems = [
+        Problem::lcp(full, vec![third, -0.0, 1e300]).unwrap(),
+        Problem::lcp(diagonal(5), vec![f64::MIN_POSITIVE / 3.0; 5]).unwrap(),
+        Problem::lcp(Matrix::from_entries(0, []), vec![]).unwrap(),
+        Problem::new(vec![Law::Contact { mu: 0.1 }; 4], diagonal(12), vec![-third; 12]).unwrap(),
+        Problem::new(vec![Law::Contact { mu: third }], diagonal(3), vec![-third; 3]).unwrap(),
+    ];
+    for problem in problems {
+        let text = write_problem(&problem).unwrap();
+        let again = read_problem(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).problem;
+        assert_eq!(again, problem);
+        let bits = |problem: &Problem| problem.q().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&again), bits(&problem));
+    }
+    let locked = Problem::new(vec![Law::LOCKED], diagonal(1), vec![1.0]).unwrap();
+    assert!(write_problem(&locked).is_err());
+}

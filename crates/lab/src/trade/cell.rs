@@ -1,0 +1,199 @@
+//! A setting that is measured.
+
+use crate::WorldSolver;
+use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+use backstop_scene::Scene;
+
+/// How fast bodies are kept from passing through others: the mode and the method in one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContinuousMode {
+    /// [`Continuous::Discrete`].
+    Discrete,
+    /// [`Continuous::Segment`] in one pass.
+    #[default]
+    Segment,
+    /// [`Continuous::Volume`] in one pass.
+    Volume,
+    /// [`ContinuousMethod::Speculative`].
+    Speculative,
+    /// [`ContinuousMethod::Talk`].
+    TalkMethod,
+    /// [`ContinuousMethod::LinearCast`].
+    LinearCast,
+    /// [`ContinuousMethod::ConservativeAdvancement`].
+    ConservativeAdvancement,
+}
+
+impl ContinuousMode {
+    /// All of them.
+    pub const ALL: [ContinuousMode; 7] = [
+        ContinuousMode::Discrete,
+        ContinuousMode::Segment,
+        ContinuousMode::Volume,
+        ContinuousMode::Speculative,
+        ContinuousMode::TalkMethod,
+        ContinuousMode::LinearCast,
+        ContinuousMode::ConservativeAdvancement,
+    ];
+
+    /// As the command line names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ContinuousMode::Discrete => "discrete",
+            ContinuousMode::Segment => "segment",
+            ContinuousMode::Volume => "volume",
+            ContinuousMode::Speculative => "speculative",
+            ContinuousMode::TalkMethod => "talk-method",
+            ContinuousMode::LinearCast => "linear-cast",
+            ContinuousMode::ConservativeAdvancement => "conservative-advancement",
+        }
+    }
+
+    /// What a world is set to.
+    pub fn settings(self) -> (Continuous, ContinuousMethod) {
+        match self {
+            ContinuousMode::Discrete => (Continuous::Discrete, ContinuousMethod::OnePass),
+            ContinuousMode::Segment => (Continuous::Segment, ContinuousMethod::OnePass),
+            ContinuousMode::Volume => (Continuous::Volume, ContinuousMethod::OnePass),
+            ContinuousMode::Speculative => (Continuous::Segment, ContinuousMethod::Speculative),
+            ContinuousMode::TalkMethod => (Continuous::Segment, ContinuousMethod::Talk),
+            ContinuousMode::LinearCast => (Continuous::Segment, ContinuousMethod::LinearCast),
+            ContinuousMode::ConservativeAdvancement => {
+                (Continuous::Segment, ContinuousMethod::ConservativeAdvancement)
+            }
+        }
+    }
+}
+
+/// Where friction acts and how it is bounded: [`FrictionModel`] and [`FrictionCone`] in one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrictionLaw {
+    /// A cone for each manifold.
+    #[default]
+    Patch,
+    /// A box for each manifold.
+    PatchBox,
+    /// A cone for each contact point.
+    Point,
+    /// A box for each contact point.
+    PointBox,
+}
+
+impl FrictionLaw {
+    /// All of them.
+    pub const ALL: [FrictionLaw; 4] =
+        [FrictionLaw::Patch, FrictionLaw::PatchBox, FrictionLaw::Point, FrictionLaw::PointBox];
+
+    /// As the command line names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            FrictionLaw::Patch => "patch",
+            FrictionLaw::PatchBox => "patch-box",
+            FrictionLaw::Point => "point",
+            FrictionLaw::PointBox => "point-box",
+        }
+    }
+
+    /// What a world is set to.
+    pub fn settings(self) -> (FrictionModel, FrictionCone) {
+        match self {
+            FrictionLaw::Patch => (FrictionModel::Patch, FrictionCone::Cone),
+            FrictionLaw::PatchBox => (FrictionModel::Patch, FrictionCone::Box),
+            FrictionLaw::Point => (FrictionModel::Point, FrictionCone::Cone),
+            FrictionLaw::PointBox => (FrictionModel::Point, FrictionCone::Box),
+        }
+    }
+}
+
+/// One setting of a grid: what users trade, all else being as [`Settings::default`] has it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Cell {
+    /// Steps per second.
+    pub hz: u32,
+    /// Substeps of a step.
+    pub substeps: u32,
+    /// Iterations of a substep.
+    pub iterations: u32,
+    /// Friction.
+    pub friction: FrictionLaw,
+    /// Continuous collision.
+    pub continuous: ContinuousMode,
+    /// Whether contacts of pairs that hardly moved are kept.
+    pub recycling: bool,
+    /// Whether joints that make trees are solved exactly, or row by row.
+    pub joint_trees: bool,
+    /// Name of the method of the lab that solves steps; none: the engine's own solver.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<String>,
+}
+
+impl Default for Cell {
+    /// 60 Hz and the default settings of a world.
+    fn default() -> Cell {
+        Cell {
+            hz: 60,
+            substeps: 4,
+            iterations: 1,
+            friction: FrictionLaw::Patch,
+            continuous: ContinuousMode::Segment,
+            recycling: true,
+            joint_trees: true,
+            solver: None,
+        }
+    }
+}
+
+impl Cell {
+    /// What a reference of so many steps per second is computed with: Coulomb's cone at every point, contacts
+    /// found anew in each step, eight iterations.
+    pub fn reference(hz: u32) -> Cell {
+        Cell {
+            hz,
+            substeps: 1,
+            iterations: 8,
+            friction: FrictionLaw::Point,
+            continuous: ContinuousMode::Segment,
+            recycling: false,
+            joint_trees: true,
+            solver: None,
+        }
+    }
+
+    /// Length of a step [s].
+    pub fn dt(&self) -> f32 {
+        1.0 / self.hz as f32
+    }
+
+    /// What solves its world, if not the engine's own solver.
+    pub fn world_solver(&self) -> Option<WorldSolver> {
+        self.solver.as_deref().and_then(WorldSolver::by_name)
+    }
+
+    /// Settings of a world of a scene.
+    pub fn settings(&self, scene: &Scene) -> Settings {
+        let (continuous, method) = self.continuous.settings();
+        let (friction_model, friction_cone) = self.friction.settings();
+        Settings::default()
+            .with_gravity(scene.gravity)
+            .with_substeps(self.substeps)
+            .with_iterations(self.iterations)
+            .with_continuous(continuous)
+            .with_method(method)
+            .with_friction_cone(friction_cone)
+            .with_friction_model(friction_model)
+            .with_recycling(self.recycling)
+            .with_joint_trees(self.joint_trees)
+    }
+
+    /// All of it in a line; recycling and joints are mentioned only if they differ from the default.
+    pub fn name(&self) -> String {
+        let Cell { hz, substeps, iterations, friction, continuous, recycling, joint_trees, solver } = self;
+        let recycling = if *recycling { "" } else { ", no recycling" };
+        let joints = if *joint_trees { "" } else { ", joints row by row" };
+        let (friction, continuous) = (friction.name(), continuous.name());
+        let solver = solver.as_ref().map_or_else(|| format!("{substeps}x{iterations}"), Clone::clone);
+        format!("{hz} Hz, {solver}, {friction}, {continuous}{recycling}{joints}")
+    }
+}

@@ -1,0 +1,34 @@
+//! The trade of speed for accuracy, measured: a scene is run over a grid of settings, and each [`Cell`] of it
+//! is compared with a finely resolved [`Reference`] of the same scene. `docs/trade.md` says what the errors
+//! mean and what the shipped scenes say.
+//!
+//! Errors are the same to the bit on every machine; costs are the machine's.
+//!
+//! ```
+//! use backstop_lab::trade::{Cell, Measure, Reference, Span, Track};
+//! use backstop_scene::Standing;
+//!
+//! # fn main() -> Result<(), backstop::Error> {
+//! let scene = Standing::Tower(2).scene(1.0, 1000.0);
+//! let span = Span { frame_rate: 30, frames: 15 };
+//! let [fine, half] = [480, 240].map(|hz| Track::of(&scene, span, &Cell::reference(hz)));
+//! let reference = Reference::new(fine?, &half?);
+//! let cell = Cell::default();
+//! let errors = reference.measure(&scene, &cell.settings(&scene), cell.world_solver(), cell.hz)?;
+//! assert!(errors.of(Measure::Trajectory) < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+
+mod cell;
+mod clock;
+mod errors;
+mod front;
+mod grid;
+mod reference;
+
+pub use cell::{Cell, ContinuousMode, FrictionLaw};
+pub use errors::{Errors, Measure};
+pub use front::{best_within, cheapest_within, front};
+pub use grid::{Axis, Grid};
+pub use reference::{Reference, Span, Track, cost};
