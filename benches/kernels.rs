@@ -37,7 +37,7 @@ fn on_ground() -> Vec<Kernel> {
 /// A wall of boxes after a few steps, with contacts of faces, four points each.
 fn wall() -> World {
     let scene = builtin::large_pyramid(24);
-    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
+    let mut world = World::new(Settings::default().with_gravity(scene.gravity))
         .expect("the default settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");
     for _ in 0..8 {

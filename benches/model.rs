@@ -7,8 +7,8 @@
 //! bytes.
 #![allow(missing_docs, reason = "not an interface")]
 
-use backstop::scene::{Scene, builtin};
 use backstop::{Category, Continuous, Material, Settings, ShapeDesc, World};
+use backstop_scene::{Scene, builtin};
 use std::time::Instant;
 
 const DT: f32 = 1.0 / 60.0;

@@ -4,8 +4,8 @@
 //! restores the earlier one and takes the eight steps, with a snapshot after each; `steps` are those alone.
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
-use backstop::scene::{Scene, builtin};
 use backstop::{Settings, Snapshot, World};
+use backstop_scene::{Scene, builtin};
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 
 const DT: f32 = 1.0 / 60.0;

@@ -4,8 +4,8 @@
 //! built anew for each sample, and a sample is a window of its steps: criterion prints steps as elements.
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
-use backstop::scene::{Scene, builtin};
 use backstop::{Settings, World};
+use backstop_scene::{Scene, builtin};
 use criterion::{
     BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };

@@ -4,8 +4,8 @@
 //!     cargo run --release --features bake --example bake
 
 use backstop::glam::{Vec2, Vec3};
-use backstop::scene::Terrain;
 use backstop::{ConvexHull, Error, HeightField, TriangleMesh};
+use backstop_scene::Terrain;
 use std::time::Instant;
 
 const CELLS: usize = 224;

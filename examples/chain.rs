@@ -7,8 +7,8 @@
 //! level. Hung up seven times at the same point, the chain has more loops than are cut, and is solved row by
 //! row.
 
-use backstop::scene::builtin;
 use backstop::{Error, Settings, World};
+use backstop_scene::builtin;
 use std::time::Instant;
 
 /// Substeps and iterations.

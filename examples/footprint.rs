@@ -11,8 +11,8 @@
 //! the world: its buffers and what the allocator adds. A mesh is part of both (an `Arc`), and was there
 //! already.
 
-use backstop::scene::builtin;
 use backstop::{Category, Settings, World};
+use backstop_scene::builtin;
 use std::process::Command;
 
 /// Resident memory [bytes]: of the process's own, and all of it.

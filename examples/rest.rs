@@ -13,8 +13,8 @@
 mod random;
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::scene::Standing;
 use backstop::{BodyHandle, Error, FrictionModel, Settings, World};
+use backstop_scene::Standing;
 use random::Random;
 
 /// Root of the mean square, and the greatest, of the speeds [m/s].

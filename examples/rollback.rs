@@ -5,8 +5,8 @@
 //!     cargo run --release --example rollback
 
 use backstop::glam::Vec3;
-use backstop::scene::builtin;
 use backstop::{BodyHandle, Error, Settings, Snapshot, World};
+use backstop_scene::builtin;
 
 const FRAMES: u32 = 8;
 const DT: f32 = 1.0 / 60.0;

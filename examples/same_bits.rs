@@ -1,8 +1,8 @@
 //! The same input gives the same bits on every processor: run it anywhere, it asserts the hashes that are
 //! pinned here. `scripts/same-bits` runs it as x86-64, aarch64 and WebAssembly code.
 
-use backstop::scene::builtin;
 use backstop::{Error, Settings, World};
+use backstop_scene::builtin;
 
 /// Scene, steps, hash of all poses and velocities after them.
 const PINNED: [(&str, usize, u64); 5] = [

@@ -4,11 +4,11 @@
 //!     cargo run --release --example vehicle
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::builtin;
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Error, Filter, Geometry, JointDesc, JointHandle, Limit,
     MassProperties, Material, Motion, QueryFilter, Settings, ShapeDesc, Spring, TriangleMesh, World,
 };
+use backstop_scene::builtin;
 use std::sync::Arc;
 
 pub(crate) const DT: f32 = 1.0 / 60.0;

@@ -1,4 +1,5 @@
-//! Guides: the pages of `docs/` for those who use the engine. They are part of its documentation only.
+//! Guides: the pages of `docs/` for those who use the engine. They are part of its documentation only;
+//! `tests/lib.rs` compiles what code they have.
 //!
 //! On their own the pages refer to each other by file name. Here the same references are defined as links to
 //! modules and to sources, and those to pictures as the pictures themselves, which rustdoc copies nowhere;
@@ -40,11 +41,6 @@ macro_rules! pages {
     };
 }
 
-/// What else has code: compiled, but no part of the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-mod readme {}
-
 pages! {
     characters "characters.md" [],
     coming_from "coming-from.md" [],
@@ -56,7 +52,7 @@ pages! {
     memory "memory.md" [
         "world/memory/budget.rs" "shape/mesh/bvh.rs" "narrow_phase/contacts/store.rs" "world/memory/needs.rs"
         "memory/allowance.rs" "memory/slab.rs" "constraint/contact/crowd.rs" "memory/allowances.rs"
-        "narrow_phase/contacts/weight.rs" "narrow_phase/contacts/admit.rs" "scene/crowd.rs"
+        "narrow_phase/contacts/weight.rs" "narrow_phase/contacts/admit.rs"
     ],
     queries "queries.md" ["query/mod.rs" "broad_phase/query_tree.rs"],
     replay "replay.md" [

@@ -112,7 +112,7 @@ mod events;
 mod faults;
 mod finish;
 mod forces;
-#[cfg(any(doc, all(doctest, feature = "observe")))]
+#[cfg(all(doc, not(doctest)))]
 pub mod guide;
 mod handle;
 mod joint;

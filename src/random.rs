@@ -1,5 +1,5 @@
-//! Seeded random numbers for unit tests, benches and, as a file of theirs, `tests/` and `examples/`: the same
-//! on every machine and in every run.
+//! Seeded random numbers and uneven ground for unit tests, benches and, as a file of theirs, `tests/` and
+//! `examples/`: the same on every machine and in every run.
 #![allow(dead_code, reason = "each user has a use for a part of it")]
 
 use glam::{DVec3, Quat, Vec3};
@@ -106,4 +106,21 @@ impl Random {
         let scale = 1.0 / q.iter().map(|part| part * part).sum::<f32>().sqrt();
         Quat::from_array(q.map(|part| part * scale))
     }
+}
+
+/// Uneven ground around the origin, `cells` by `cells` squares of side `cell` [m]: vertices, and triangles
+/// counter-clockwise seen from above.
+pub(crate) fn bumps(cells: u32, cell: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let row = cells + 1;
+    let at = |n: u32| (n as f32 - 0.5 * cells as f32) * cell;
+    let vertex = |n: u32| {
+        let (x, z) = (at(n % row), at(n / row));
+        Vec3::new(x, libm::sinf(0.9 * x + 1.3) * libm::sinf(1.1 * z + 0.7), z)
+    };
+    let square = |n: u32| {
+        let corner = n / cells * row + n % cells;
+        let [a, b, c, d] = [corner, corner + 1, corner + row, corner + row + 1];
+        [[a, c, b], [b, c, d]]
+    };
+    ((0..row * row).map(vertex).collect(), (0..cells * cells).flat_map(square).collect())
 }

@@ -6,12 +6,12 @@ mod common;
 mod everything;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Budget, Character, CharacterReport, CharacterSettings,
     ContinuousMethod, ConvexHull, CouplingDesc, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion,
     QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
+use backstop_scene::{Scene, builtin};
 use common::piles::{Of, Pile};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -463,12 +463,10 @@ fn a_rollback_allocates_nothing() {
 }
 
 /// A pool whose threads are counted.
-#[cfg(feature = "parallel")]
 fn pool(threads: usize) -> rayon::ThreadPoolBuilder {
     rayon::ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| count_this_thread())
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn two_threads_allocate_nothing() {
     let _alone = one_at_a_time();
@@ -480,7 +478,6 @@ fn two_threads_allocate_nothing() {
 /// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box
 /// for each helper, and a block for each 63 jobs, whoever hands them in. Nothing else is allocated, and
 /// nothing by the engine.
-#[cfg(feature = "parallel")]
 #[test]
 fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
     let _alone = one_at_a_time();

@@ -1,11 +1,9 @@
 //! A step asks the pool for help and does not wait for it.
 
-#![cfg(feature = "parallel")]
-
 mod common;
 
-use backstop::scene::builtin;
 use backstop::{Settings, World};
+use backstop_scene::builtin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};

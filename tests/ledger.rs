@@ -9,11 +9,11 @@ mod common;
 mod counting;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
     BodyDesc, BodyHandle, BodyKind, Category, ConvexHull, Geometry, HeightField, Material, QueryFilter, Ray,
     RowGroup, Settings, ShapeDesc, Skeleton, Snapshot, World,
 };
+use backstop_scene::{Scene, Terrain, builtin};
 use counting::live;
 use std::sync::Arc;
 
@@ -298,7 +298,6 @@ fn of_a_world_that_goes_back() {
 
 /// What threads of a pool ask for is on their own counters: a world is counted when it goes, which one thread
 /// does.
-#[cfg(feature = "parallel")]
 #[test]
 fn at_two_threads() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();

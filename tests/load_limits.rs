@@ -1,7 +1,6 @@
 //! Files of a few bytes that ask for gigabytes. A scene of 810 KB took 6.2 GB, one of 931 KB 2.1 GB and a
 //! minute, one of 597 bytes half a gigabyte. Here they are built, and the bytes that loading them takes are
 //! counted: what is alike is built once, and what is too much is refused by the name of its limit.
-#![cfg(all(feature = "gltf", feature = "replay"))]
 
 #[path = "common/counting.rs"]
 mod counting;
@@ -9,8 +8,8 @@ mod counting;
 mod random;
 
 use backstop::glam::DVec3;
-use backstop::scene::{Resolver, Scene, SceneError, load, load_with};
 use backstop::{BodyDesc, Geometry, LimitExceeded, LoadLimits, Settings, ShapeDesc, World};
+use backstop_scene::{Resolver, Scene, SceneError, load, load_with};
 use base64::Engine;
 use counting::most_bytes;
 use random::Random;

@@ -58,14 +58,8 @@ fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) ->
     }
 }
 
-#[cfg(feature = "parallel")]
 fn with_helper<R: Send>(f: impl FnOnce() -> R + Send) -> R {
     rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap().install(f)
-}
-
-#[cfg(not(feature = "parallel"))]
-fn with_helper<R>(f: impl FnOnce() -> R) -> R {
-    f()
 }
 
 fn fixed(geometry: Geometry, at: Vec3) -> BodyDesc {

@@ -2,8 +2,8 @@
 
 use super::check;
 use super::input::Input;
-use backstop::scene::{Resolver, Scene, from_bytes};
 use backstop::{LoadLimits, Settings, World};
+use backstop_scene::{Resolver, Scene, from_bytes};
 use base64::Engine;
 use serde_json::{Value, json};
 

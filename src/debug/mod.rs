@@ -41,6 +41,8 @@ mod shapes;
 pub(crate) mod solid;
 mod solver;
 #[cfg(test)]
+mod test_scenes;
+#[cfg(test)]
 mod tests;
 mod wireframe;
 

@@ -1,5 +1,6 @@
 //! Points and lines are where they should be.
 
+use super::test_scenes::{add_chain, bumps, dynamic, fixed, pyramid};
 use super::*;
 use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, Settings};
@@ -49,14 +50,6 @@ fn world() -> World {
 
 fn steps(world: &mut World, count: usize) {
     (0..count).for_each(|_| assert!(world.step(1.0 / 60.0).is_ok()));
-}
-
-fn dynamic(geometry: Geometry, at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry))
-}
-
-fn fixed(geometry: Geometry, at: DVec3) -> BodyDesc {
-    BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry))
 }
 
 fn near(a: DVec3, b: DVec3, within: f64) -> bool {
@@ -381,7 +374,7 @@ fn limits_are_drawn_where_they_end() {
 #[test]
 fn a_restored_world_has_no_solver_colours_until_it_steps() {
     let mut world = world();
-    crate::scene::builtin::large_pyramid(4).add_to(&mut world).unwrap();
+    pyramid(&mut world, 4);
     steps(&mut world, 1);
     let mut saved = crate::snapshot::Snapshot::new();
     world.snapshot(&mut saved);
@@ -395,10 +388,9 @@ fn a_restored_world_has_no_solver_colours_until_it_steps() {
 
 #[test]
 fn no_two_lines_of_a_solver_colour_end_at_one_dynamic_body() {
-    let mut scene = crate::scene::builtin::large_pyramid(8);
-    scene.add("slope", fixed(Geometry::Plane, DVec3::new(0.0, -50.0, 0.0)));
     let mut world = world();
-    scene.add_to(&mut world).unwrap();
+    pyramid(&mut world, 8);
+    world.add_body(&fixed(Geometry::Plane, DVec3::new(0.0, -50.0, 0.0))).unwrap();
     steps(&mut world, 5);
     let options = DrawOptions { solver_colours: true, ..DrawOptions::nothing() };
     let sketch = Sketch::of(&world, &options);
@@ -427,9 +419,7 @@ fn no_two_lines_of_a_solver_colour_end_at_one_dynamic_body() {
 #[test]
 fn a_region_limits_what_is_drawn() {
     let mut world = world();
-    let (vertices, triangles) = crate::scene::Terrain::bumpy(40, 0.5).mesh();
-    let mesh = TriangleMesh::new(vertices, triangles).unwrap();
-    world.add_body(&fixed(Geometry::Mesh(Arc::new(mesh)), DVec3::ZERO)).unwrap();
+    world.add_body(&fixed(bumps(), DVec3::ZERO)).unwrap();
     world.add_body(&fixed(Geometry::Plane, DVec3::new(0.0, -3.0, 0.0))).unwrap();
     world.add_body(&dynamic(Geometry::Sphere { radius: 0.1 }, DVec3::new(6.0, 2.0, 0.0))).unwrap();
     let all = Sketch::of(&world, &DrawOptions::default());
@@ -454,7 +444,12 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
     let run = |draw: bool| {
         let mut world =
             World::new(Settings { continuous: Continuous::Volume, ..Settings::default() }).unwrap();
-        crate::scene::builtin::talk().add_to(&mut world).unwrap();
+        world.add_body(&fixed(bumps(), DVec3::ZERO)).unwrap();
+        for i in 0..24 {
+            let at = DVec3::new(f64::from(i % 6) - 3.0, 10.0 + f64::from(i / 6), f64::from(i / 6) - 2.0);
+            let body = dynamic(shapes()[i as usize % 10].clone(), at);
+            world.add_body(&body.moving(Vec3::NEG_Y * 60.0, Vec3::X * 9.0)).unwrap();
+        }
         let mut drawn = 0;
         for _ in 0..30 {
             world.step(1.0 / 60.0).unwrap();
@@ -482,17 +477,15 @@ fn a_world_can_be_drawn_after_any_change() {
 
 fn draw_after_changes(seed: u64) {
     let mut world = world();
-    let mut scene = crate::scene::builtin::chain(true);
-    scene.joints.truncate(15);
+    add_chain(&mut world, 16);
     for i in 0..40 {
         let at = DVec3::new(f64::from(i % 7), 1.0 + f64::from(i / 7), 0.3 * f64::from(i % 3));
         let body = dynamic(shapes()[i as usize % 10].clone(), at);
-        scene.add("body", body.moving(Vec3::new(0.0, -20.0 * (i % 4) as f32, 0.0), Vec3::ONE));
+        world.add_body(&body.moving(Vec3::new(0.0, -20.0 * (i % 4) as f32, 0.0), Vec3::ONE)).unwrap();
     }
     for (n, ground) in shapes().into_iter().skip(10).enumerate() {
-        scene.add("ground", fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0)));
+        world.add_body(&fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0))).unwrap();
     }
-    scene.add_to(&mut world).unwrap();
     let mut random = crate::random::Random(seed);
     let mut below = |n| random.below(n);
     for _ in 0..40 {

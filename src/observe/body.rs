@@ -33,7 +33,8 @@ impl BodyState {
         Ok(BodyState::at(world, world.index(body)?))
     }
 
-    /// Of each dynamic body that is awake, in the order of [`System::bodies`](crate::observe::System::bodies).
+    /// Of each dynamic body that is awake, in the order of
+    /// [`System::bodies`](crate::observe::System::bodies).
     pub fn of_awake(world: &World) -> Vec<BodyState> {
         (0..world.bodies.dynamic()).map(|i| BodyState::at(world, i)).collect()
     }

@@ -1,14 +1,14 @@
 //! The inside of a step, read-only, for those who measure it or compare it: what the lab knows of the engine.
 //!
 //! - [`System`]: the rows of a step as one system, with laws and impulses.
-//! - [`Observer`]: looks on while a world steps; it may put other impulses in the place of those that rows got
-//!   ([`Solved`]).
+//! - [`Observer`]: looks on while a world steps; it may put other impulses in the place of those that rows
+//!   got ([`Solved`]).
 //! - [`StateLayout`]: the state of a world at rest as numbers, to be displaced.
 //! - [`BodyState`]: mass, inertia and motion of a body, as the solver has them.
 //! - [`paths`]: where bodies went in the last step, and whether they got through something.
 //!
-//! A game has no use for any of it. Without the feature `observe` there is no code for it; with it, but without
-//! an observer, a step has one more predictable branch.
+//! A game has no use for any of it. Without the feature `observe` there is no code for it; with it, but
+//! without an observer, a step has one more predictable branch.
 
 mod body;
 mod law;

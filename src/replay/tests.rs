@@ -13,7 +13,6 @@ use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::load_limits::{LoadLimits, Tally};
 use crate::memory::Budget;
-use crate::scene::Terrain;
 use crate::shape::{
     ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
@@ -147,7 +146,7 @@ fn run_with_shapes() -> Vec<u8> {
     let buffer = RecordingBuffer::default();
     let mut world = World::new(Settings::default()).unwrap();
     world.start_recording(buffer.clone()).unwrap();
-    let (vertices, triangles) = Terrain::bumpy(8, 1.0).mesh();
+    let (vertices, triangles) = crate::random::bumps(8, 1.0);
     let mesh = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
     let field = HeightField::new(3, 3, Vec2::ONE, vec![0.0, 0.5, 0.0, 0.5, 0.0, 0.5, 0.0, 0.5, 0.0]).unwrap();
     for geometry in [mesh, Geometry::HeightField(Arc::new(field))] {
@@ -294,7 +293,7 @@ fn the_format_is_that_of_its_version() {
 #[test]
 fn copies_of_geometry_are_bounded_by_their_bytes() {
     let bytes = run_with_shapes();
-    let (vertices, triangles) = Terrain::bumpy(8, 1.0).mesh();
+    let (vertices, triangles) = crate::random::bumps(8, 1.0);
     let mesh = TriangleMesh::new(vertices, triangles).unwrap().bytes().1;
     let mut copied = Vec::new();
     let mut from = &bytes[..];

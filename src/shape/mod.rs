@@ -168,8 +168,8 @@ impl Geometry {
         }
     }
 
-    /// Whether it is convex and bounded, so that a dynamic body may have it: all but planes, meshes and height
-    /// fields.
+    /// Whether it is convex and bounded, so that a dynamic body may have it: all but planes, meshes and
+    /// height fields.
     pub fn is_convex(&self) -> bool {
         self.require_convex().is_ok()
     }

@@ -2,11 +2,11 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion, Settings,
     ShapeDesc, Spring, TriangleMesh, World,
 };
+use backstop_scene::{Scene, builtin};
 use std::sync::Arc;
 
 pub(crate) mod data;

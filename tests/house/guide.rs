@@ -170,16 +170,29 @@ fn own_name(page: &Path) -> &'static str {
     if page.starts_with("bindings/bevy") { "backstop-bevy" } else { "backstop" }
 }
 
+/// The packages of the workspace whose tests, benches, examples and features commands may name; those of
+/// `tests/Cargo.toml` lie in folders of the first.
+const MEMBERS: &[&str] = &["", "crates/command", "crates/lab", "crates/scene", "tests"];
+
+fn features_of(member: &Path) -> Vec<String> {
+    let manifest = std::fs::read_to_string(member.join("Cargo.toml")).expect("a manifest");
+    let manifest: toml::Table = manifest.parse().expect("TOML");
+    let features = manifest.get("features").and_then(toml::Value::as_table);
+    features.into_iter().flat_map(|table| table.keys().cloned()).collect()
+}
+
 /// `cargo` with tests, benches, examples, features and manifests that there are, in blocks and within lines.
 #[test]
 fn commands_of_cargo_name_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).expect("a manifest");
-    let manifest: toml::Table = manifest.parse().expect("TOML");
-    let features = manifest["features"].as_table().expect("features");
+    let features: BTreeSet<String> =
+        MEMBERS.iter().flat_map(|member| features_of(&root.join(member))).collect();
     let exists = |folder: &str, name: &str| {
-        name == "NAME"
-            || ["", "/main"].iter().any(|end| root.join(format!("{folder}/{name}{end}.rs")).exists())
+        let of = |member: &&str| {
+            let path = root.join(member).join(folder).join(name);
+            path.with_extension("rs").exists() || path.join("main.rs").exists()
+        };
+        name == "NAME" || MEMBERS.iter().any(|member| of(&member))
     };
     let mut found = Vec::new();
     for (path, page) in all_pages() {
@@ -201,7 +214,7 @@ fn commands_of_cargo_name_what_there_is() {
                     "--test" if words[0] != "backstop" => exists(&folder("tests"), pair[1]),
                     "--bench" => exists(&folder("benches"), pair[1]),
                     "--example" => exists(&folder("examples"), pair[1]),
-                    "--features" => pair[1].split(',').all(|one| features.contains_key(one)),
+                    "--features" => pair[1].split(',').all(|one| features.contains(one)),
                     _ => true,
                 };
                 if !there {

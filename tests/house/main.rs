@@ -11,10 +11,9 @@
 //! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in
 //!   `src/limits.rs`: elsewhere `const NAME: f32` and `f64` are no choices, and a comment above says which
 //!   kind they are: `// Rounding: ...` bounds rounding errors, `// Sentinel: ...` marks a state,
-//!   `// Guard: ...` ends a range or a search. Unit tests, `bench/`, `lab/` and `scene/` may have others.
+//!   `// Guard: ...` ends a range or a search. Unit tests, `bench/` and `observe/` may have others.
 //! - glam's types whose arithmetic differs between instruction sets are not imported: engine code computes
-//!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests, `scene/` and
-//!   `lab/` may.
+//!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests may.
 //! - Pages of the guide refer to each other and to sources so that the links hold in `docs/` and in rustdoc.
 
 mod guide;
@@ -33,7 +32,7 @@ const LINES: usize = 600;
 const FUNCTION: usize = 80;
 const COLUMNS: usize = 110;
 /// Files and folders that may have float constants of any kind.
-const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs", "src/bench/", "src/lab/", "src/scene/"];
+const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs", "src/bench/", "src/observe/"];
 
 /// Beginnings of the comment above a float constant that is no choice.
 const MARKS: &[&str] = &["// Rounding:", "// Sentinel:", "// Guard:"];
@@ -118,7 +117,7 @@ fn stray_constants(sources: &[Source]) -> Vec<String> {
 
 /// Imports of types whose bits depend on the target.
 fn imports_of_simd(sources: &[Source]) -> Vec<String> {
-    let free = ["src/scene/", "src/lab/", "src/random.rs"];
+    let free = ["src/random.rs"];
     let engine = sources.iter().filter(|s| !free.iter().any(|place| s.path.starts_with(place)));
     let mut offences = Vec::new();
     for source in engine.filter(|s| !s.path.ends_with("tests.rs")) {

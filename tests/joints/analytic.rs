@@ -2,11 +2,11 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::builtin;
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, JointHandle, Limit, Motion,
     Settings, ShapeDesc, Spring, World,
 };
+use backstop_scene::builtin;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 const G: f64 = 9.81;

@@ -7,10 +7,10 @@
 use crate::common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, Geometry, JointHandle, Ragdoll, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
 };
+use backstop_scene::Terrain;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -8,10 +8,10 @@
 use crate::common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
     BodyDesc, FrictionModel, Geometry, Material, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
 };
+use backstop_scene::{Scene, Terrain, builtin};
 use std::sync::Arc;
 
 fn pyramid() -> Scene {
@@ -68,7 +68,6 @@ fn every_build_gives_the_pinned_hashes() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     for (scene, steps, _) in cases() {
@@ -84,7 +83,6 @@ fn any_number_of_threads_gives_the_same_bits() {
 /// With friction at every point a slab on sixteen boxes has more points than there are colours. Several of
 /// one contact are then among those that go one by one, and once two threads wrote their impulses back to it
 /// at the same time.
-#[cfg(feature = "parallel")]
 #[test]
 fn points_without_a_colour_give_the_same_bits() {
     let mut bodies = vec![common::Floor::Plane.desc(Material::default())];
@@ -148,7 +146,6 @@ const JOINTS: u64 = 0x21A7_D482_476A_E2F4;
 fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {
     let hash = joints_after(120, 1);
     println!("joints: 0x{hash:016X}");
-    #[cfg(feature = "parallel")]
     for threads in [2, 3, 8] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(|| joints_after(120, threads)), hash, "{threads} threads");

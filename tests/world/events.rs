@@ -3,11 +3,11 @@
 use crate::common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::builtin;
 use backstop::{
     BodyDesc, BodyHandle, Category, ContactHook, ContactHooks, Error, FrictionModel, Geometry, Material,
     QueryFilter, Ray, Settings, ShapeDesc, ShapeHandle, TriangleMesh, World,
 };
+use backstop_scene::builtin;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -145,7 +145,7 @@ fn what_a_hook_asks_for_leaves_numbers() {
 #[test]
 fn faults_do_not_depend_on_threads() {
     let run = |threads: usize| {
-        let mut scene = backstop::scene::builtin::pile();
+        let mut scene = backstop_scene::builtin::pile();
         scene.bodies.truncate(5 + 300);
         let (mut world, bodies) = common::world_of(&scene, Settings::default().with_threads(threads));
         (0..120)

@@ -1,6 +1,5 @@
 //! The bodies of the fuzz targets (fuzz/README.md), on bytes from seeds: a fixed number of runs, the same
 //! every time. What fails is shrunk to few bytes, which belong into `findings`.
-#![cfg(all(feature = "gltf", feature = "replay"))]
 
 #[path = "../../fuzz/bodies/mod.rs"]
 #[allow(unreachable_pub, reason = "of the package of fuzz targets")]
@@ -79,7 +78,7 @@ fn inputs_that_were_kept_leave_all_in_order() {
         ("recordings", bodies::recordings::run),
         ("settings", bodies::settings::run),
     ];
-    let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
     for (target, run) in targets {
         let files: Vec<_> = std::fs::read_dir(corpus.join(target)).unwrap().collect();
         assert!(files.len() >= 40, "{target} has {} inputs", files.len());

@@ -2,10 +2,10 @@
 
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::builtin;
 use backstop::{
     BodyDesc, BodyHandle, Budget, Filter, Frame, Geometry, JointDesc, Material, Settings, ShapeDesc, World,
 };
+use backstop_scene::builtin;
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -5,8 +5,8 @@ use crate::Engine;
 use crate::rapier::{hinges, triangles};
 use anyhow::Context;
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::lab::envelope::State;
-use backstop::scene::{Scene, SceneJoint};
+use backstop_lab::envelope::State;
+use backstop_scene::{Scene, SceneJoint};
 use backstop::{BodyKind, Geometry};
 use box3d_sys::*;
 

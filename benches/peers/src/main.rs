@@ -6,8 +6,8 @@ mod box3d;
 mod rapier;
 
 use anyhow::Context;
-use backstop::lab::envelope::{Cell, State, Watch};
-use backstop::scene::Scene;
+use backstop_lab::envelope::{Cell, State, Watch};
+use backstop_scene::Scene;
 use clap::Parser;
 use serde_json::{Value, json};
 use std::io::Write;

@@ -4,8 +4,8 @@
 use crate::Engine;
 use anyhow::Context;
 use backstop::glam as bg;
-use backstop::lab::envelope::State;
-use backstop::scene::{Scene, SceneJoint};
+use backstop_lab::envelope::State;
+use backstop_scene::{Scene, SceneJoint};
 use backstop::{BodyKind, Geometry, Motion, TriangleMesh};
 use rapier3d::prelude::*;
 use std::collections::HashMap;

@@ -1,7 +1,7 @@
 //! The scenes of the page. With their first size they are those of `examples/same_bits.rs`, where that has
 //! them.
 
-use backstop::scene::{Scene, Terrain, builtin};
+use backstop_scene::{Scene, Terrain, builtin};
 use backstop::{BodyDesc, Error, Geometry, JointHandle, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
 

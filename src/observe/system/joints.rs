@@ -65,8 +65,8 @@ impl System {
     }
 }
 
-/// The rows of the joints of awake bodies, then of couplings, at the present poses, in the order of the laws of
-/// a system. Their number does not depend on the poses.
+/// The rows of the joints of awake bodies, then of couplings, at the present poses, in the order of the laws
+/// of a system. Their number does not depend on the poses.
 pub fn joint_rows(world: &World) -> Vec<JointRow> {
     let mut rows = Vec::new();
     each_joint_row(world, &mut |row| rows.push(*row));

@@ -60,7 +60,6 @@ fn a_second_run_gives_the_same_bits() {
     assert_eq!(fair_after(60, 1), fair_after(60, 1));
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let alone = fair_after(60, 1);

@@ -1,11 +1,11 @@
 //! Couplings, and what else glTF has no names for, in scenes: written, read back, and refused.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::scene::{Scene, SceneCoupling, SceneError, SceneJoint, from_bytes, load, write_scene};
 use backstop::{
     Axes, Axis, BodyDesc, CouplingDesc, Drive, Error, Frame, Geometry, JointDesc, LoadLimits, Material,
     Motion, Settings, ShapeDesc, World,
 };
+use backstop_scene::{Scene, SceneCoupling, SceneError, SceneJoint, from_bytes, load, write_scene};
 use std::f64::consts::PI;
 
 fn block() -> ShapeDesc {

@@ -1,17 +1,15 @@
 //! Every cell of the published envelope that is green stays green: `docs/envelope/backstop.jsonl` has the
 //! verdicts.
 
-#![cfg(all(feature = "lab", feature = "serde", feature = "gltf"))]
-
 use backstop::Settings;
-use backstop::lab::envelope::{Cell, Figure, SECONDS, Verdict};
+use backstop_lab::envelope::{Cell, Figure, SECONDS, Verdict};
 use std::collections::HashMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The verdicts that are published.
 fn published() -> HashMap<String, Verdict> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/envelope/backstop.jsonl");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/envelope/backstop.jsonl");
     let text = std::fs::read_to_string(file).unwrap();
     let run = |line: &str| {
         let run: serde_json::Value = serde_json::from_str(line).unwrap();
@@ -77,7 +75,7 @@ fn green_cells_are_green() {
 #[test]
 fn a_scene_scaled_with_its_gravity_is_the_same_run() {
     use backstop::World;
-    use backstop::lab::envelope::{Axis, Conditions, Trial};
+    use backstop_lab::envelope::{Axis, Conditions, Trial};
     for trial in Trial::ALL {
         let run = |size: f32| {
             let conditions = Conditions { size, gravity: size, ..Conditions::default() };
@@ -105,7 +103,7 @@ fn a_scene_scaled_with_its_gravity_is_the_same_run() {
 #[test]
 fn a_tower_and_a_house_of_cards_stand_alike_however_far_from_the_origin() {
     use backstop::World;
-    use backstop::lab::envelope::{Axis, Conditions, Trial};
+    use backstop_lab::envelope::{Axis, Conditions, Trial};
     for trial in [Trial::Stack, Trial::CardHouse] {
         let run = |distance: f64| {
             let conditions = Conditions { distance, ..Conditions::default() };

@@ -5,11 +5,11 @@ use crate::common;
 
 use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::builtin;
 use backstop::{
     BodyDesc, BodyHandle, Budget, Continuous, ContinuousMethod, ConvexHull, Geometry, Material, Settings,
     ShapeDesc, Snapshot, World,
 };
+use backstop_scene::builtin;
 
 const DT: f32 = 1.0 / 60.0;
 const METHODS: [ContinuousMethod; 5] = [OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk];
@@ -298,7 +298,6 @@ fn hash_after(method: ContinuousMethod, threads: usize) -> (u64, u32) {
     (world.hash(), struck)
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     for method in [Speculative, LinearCast, ConservativeAdvancement, Talk] {

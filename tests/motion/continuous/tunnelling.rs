@@ -1,7 +1,7 @@
 //! Nothing gets through static geometry with continuous collision, however fast, thin and spinning it is.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
-use backstop::scene::shots::{MODES, Outcome, Shot, Tally, Targets};
+use backstop_scene::shots::{MODES, Outcome, Shot, Tally, Targets};
 
 /// Shots of this test; `cargo backstop shots` runs as many as one likes.
 const SHOTS: u64 = 3000;
@@ -42,7 +42,7 @@ fn no_shot_gets_through_a_target_with_continuous_collision() {
 #[ignore = "counts how often the guard has to help, for docs/decisions/ghosts.md"]
 fn how_often_the_guard_holds() {
     use backstop::Continuous;
-    use backstop::scene::shots::{SHAPES, TARGETS};
+    use backstop_scene::shots::{SHAPES, TARGETS};
     let targets = Targets::new().unwrap();
     let (mut by_target, mut by_shape) = ([(0, 0); TARGETS.len()], [(0, 0); SHAPES.len()]);
     for number in 0..6000 {

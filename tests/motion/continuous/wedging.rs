@@ -3,8 +3,8 @@
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Terrain;
 use backstop::{BodyDesc, BodyHandle, Filter, Geometry, Settings, ShapeDesc, TriangleMesh, World};
+use backstop_scene::Terrain;
 use std::sync::Arc;
 
 const STEPS: usize = 500;

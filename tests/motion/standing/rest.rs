@@ -8,8 +8,8 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Standing;
 use backstop::{BodyDesc, BodyHandle, FrictionModel, Geometry, Settings, ShapeDesc, World};
+use backstop_scene::Standing;
 
 /// Speed at rest, of all bodies in the root of the mean square [m/s].
 const REST: f64 = 1e-4;

@@ -4,13 +4,12 @@
 //! and fell within a minute, pyramids too. `docs/stability.md` says how the linearised step is measured. The
 //! bound, 1e-5 a step, is e in half an hour at 60 Hz.
 
-#![cfg(feature = "lab")]
 use crate::common;
 
 use backstop::glam::Vec3;
-use backstop::lab::{Probe, Verdict, find_rest, growth, stability};
-use backstop::scene::Standing;
 use backstop::{BodyDesc, FrictionModel, Geometry, JointDesc, Material, Settings, World};
+use backstop_lab::{Probe, Verdict, find_rest, growth, stability};
+use backstop_scene::Standing;
 
 /// A world with a body on a ball joint to the world's origin, its centre so far above [m].
 fn pendulum(height: f32, shape: Geometry) -> World {

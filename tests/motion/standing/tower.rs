@@ -4,8 +4,8 @@
 use crate::common;
 
 use backstop::glam::DVec3;
-use backstop::scene::builtin;
 use backstop::{Settings, World};
+use backstop_scene::builtin;
 
 const DT: f32 = 1.0 / 60.0;
 

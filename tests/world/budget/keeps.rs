@@ -3,8 +3,8 @@
 use crate::common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Scene;
 use backstop::{BodyDesc, Budget, Category, Geometry, Settings, ShapeDesc, Skeleton, World};
+use backstop_scene::Scene;
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;

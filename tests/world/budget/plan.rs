@@ -1,7 +1,7 @@
 //! What a scene will hold is known before it runs: exactly for what its bodies bring, about for the rest.
 
-use backstop::scene::{Plan, builtin};
 use backstop::{Budget, Category, Settings, World};
+use backstop_scene::builtin;
 
 #[test]
 fn plans_of_builtin_scenes_are_about_what_they_take() {
@@ -19,7 +19,7 @@ fn plans_of_builtin_scenes_are_about_what_they_take() {
         let scene = builtin::build(name).unwrap();
         let budget = Budget::total(usize::MAX);
         let settings = Settings::default().with_budget(budget).with_gravity(scene.gravity);
-        let plan = Plan::of(&scene, &settings);
+        let plan = scene.plan(&settings);
         let mut world = World::new(settings).unwrap();
         scene.add_to(&mut world).unwrap();
         for _ in 0..steps {

@@ -2,8 +2,8 @@
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Vec3};
-use backstop::scene::{Plan, Scene};
 use backstop::{BodyDesc, Budget, Geometry, Material, Settings, ShapeDesc, World};
+use backstop_scene::Scene;
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
@@ -65,7 +65,7 @@ fn what_rolls_within_a_budget_is_braked_or_shed() {
         }
     }
     assert!(all >= 2 && some >= 3, "{all} without a loss, {some} with one");
-    let planned = Plan::of(&scene, &Settings::default()).total();
+    let planned = scene.plan(&Settings::default()).total();
     println!("planned {planned}, taken {wide}");
     assert!((0.5..2.0).contains(&(planned as f64 / wide as f64)), "{planned} for {wide}");
 }

@@ -3,8 +3,8 @@
 
 use crate::common;
 
-use backstop::scene::Scene;
 use backstop::{Budget, Category, Settings, World};
+use backstop_scene::Scene;
 use common::piles::Overlaps;
 
 const DT: f32 = 1.0 / 60.0;
@@ -132,7 +132,6 @@ fn without_place_for_continuous_collision_the_guard_still_holds() {
     assert!(tight.shed() > 0 && held > 0);
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn what_is_shed_does_not_depend_on_threads() {
     let whole = |wide: &Run, share: f64| {

@@ -303,7 +303,7 @@ fn its_orientation_counts() {
 /// Expected: as for the capsule, by promise.
 #[test]
 fn on_ridged_terrain_a_box_is_never_in_anything() {
-    let (vertices, triangles) = backstop::scene::builtin::talk_terrain().mesh();
+    let (vertices, triangles) = backstop_scene::builtin::talk_terrain().mesh();
     let mut world = world();
     fixed(&mut world, DVec3::ZERO, Quat::IDENTITY, mesh(&vertices, &triangles));
     let mut random = Random(29);

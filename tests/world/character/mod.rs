@@ -15,11 +15,11 @@ mod walls;
 use crate::common::random::Random;
 use crate::common::{self, Floor};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
-use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, BodyHandle, Character, CharacterReport, CharacterSettings, Error, Geometry, HeightField,
     Material, QueryFilter, Settings, ShapeCast, ShapeDesc, ShapeHandle, TriangleMesh, World,
 };
+use backstop_scene::Terrain;
 use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;

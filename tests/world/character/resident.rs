@@ -204,7 +204,6 @@ fn bytes_of_characters_are_checked() {
 }
 
 /// Expected: the recording plays to the same hashes, though no filter and no velocity is in it.
-#[cfg(feature = "replay")]
 #[test]
 fn recordings_have_characters() {
     use backstop::replay::{RecordingBuffer, Replay};

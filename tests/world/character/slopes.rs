@@ -119,7 +119,7 @@ fn edges_inside_a_mesh_are_not_felt() {
 /// The builtin terrain has ridges and slopes of any steepness: never below it, and never in it.
 #[test]
 fn on_steep_and_ridged_terrain_it_is_never_in_anything() {
-    let terrain = backstop::scene::builtin::talk_terrain();
+    let terrain = backstop_scene::builtin::talk_terrain();
     let (vertices, triangles) = terrain.mesh();
     let mut world = world();
     fixed(&mut world, DVec3::ZERO, Quat::IDENTITY, mesh(&vertices, &triangles));

@@ -48,7 +48,7 @@ fn no_method_with_numbers_is_forgotten() {
     ];
     let own = include_str!("numbers.rs");
     let (mut methods, mut forgotten) = (0, Vec::new());
-    let mut folders = vec![std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = vec![std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../src")];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

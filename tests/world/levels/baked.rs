@@ -1,13 +1,12 @@
 //! Hulls, meshes and height fields as bytes: what is loaded is what was built, and no bytes do harm.
-#![cfg(all(feature = "gltf", feature = "bake"))]
 
 use super::common::random::Random;
 use backstop::glam::{DVec3, Vec2, Vec3};
-use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, ConvexHull, Error, Geometry, HeightField, QueryFilter, Ray, Settings, ShapeDesc, TriangleMesh,
     World,
 };
+use backstop_scene::Terrain;
 
 /// A rock, hills of triangles, and hills of heights beside them.
 struct Level {

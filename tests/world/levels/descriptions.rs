@@ -1,5 +1,4 @@
 //! Descriptions through serde: there and back in text and in bytes, what may be left out, what is refused.
-#![cfg(all(feature = "gltf", feature = "bake"))]
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::*;

@@ -83,7 +83,6 @@ fn what_stands_on_a_raised_surface_is_lifted() {
 }
 
 /// A trench that is dug a column a step under a row of balls: none is left above or below its floor.
-#[cfg(feature = "replay")]
 #[test]
 fn digging_along_a_trench_plays_again() {
     let buffer = backstop::replay::RecordingBuffer::default();

@@ -215,7 +215,6 @@ fn a_filled_hole_pushes_out_what_is_in_it() {
 
 /// A hole that moves along under a row of balls, a column every fifteen steps. Expected: a replay without
 /// divergence, at the hash of the run.
-#[cfg(feature = "replay")]
 #[test]
 fn holes_that_come_and_go_play_again() {
     let buffer = backstop::replay::RecordingBuffer::default();
@@ -256,7 +255,6 @@ fn holes_beyond_the_last_cell_are_refused() {
 
 /// Expected: a replay without divergence, at the hash of the run, with the hole in the field that the
 /// recording holds.
-#[cfg(feature = "replay")]
 #[test]
 fn a_recording_holds_the_holes() {
     let buffer = backstop::replay::RecordingBuffer::default();

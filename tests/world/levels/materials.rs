@@ -263,7 +263,6 @@ fn hits_name_the_triangle_and_so_its_material() {
     let wide = field.scaled(Vec3::new(2.0, 1.0, 1.0)).unwrap();
     numbers(&(Geometry::height_field(wide), *at + DVec3::NEG_X * 10.0), 2.0);
     assert_eq!((mesh.materials(), field.materials()), (&table[..], &table[..]));
-    #[cfg(feature = "bake")]
     {
         let read = TriangleMesh::from_bytes(&mesh.to_bytes()).unwrap();
         assert_eq!((read.materials(), read.bytes()), (&table[..], mesh.bytes()));
@@ -338,7 +337,6 @@ fn tables_that_do_not_fit_are_refused() {
 }
 
 /// Expected: a replay without divergence, at the hash of the run.
-#[cfg(feature = "replay")]
 #[test]
 fn a_recording_holds_the_materials() {
     for ground in &four() {
@@ -358,7 +356,6 @@ fn a_recording_holds_the_materials() {
 }
 
 /// A ground as text and back. Expected: the same materials.
-#[cfg(feature = "gltf")]
 #[test]
 fn descriptions_hold_the_materials() {
     for (ground, _) in four() {

@@ -2,11 +2,11 @@
 
 use super::common::{self, G};
 use backstop::glam::{DVec3, Vec2, Vec3};
-use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, ConvexHull, Error, Geometry, HeightField, MassProperties, Material, QueryFilter, Ray, Settings,
     ShapeDesc, TriangleMesh, World,
 };
+use backstop_scene::Terrain;
 
 fn hills() -> TriangleMesh {
     let (vertices, triangles) = Terrain::bumpy(24, 1.0).mesh();

@@ -272,7 +272,6 @@ fn a_sensor_notices_that_the_ground_changes() {
 }
 
 /// Expected: a replay without divergence, with the same visitors at its end.
-#[cfg(feature = "replay")]
 #[test]
 fn a_recording_holds_what_sensors_see() {
     let buffer = backstop::replay::RecordingBuffer::default();

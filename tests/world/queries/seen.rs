@@ -151,7 +151,6 @@ fn what_sleeps_is_seen_as_well() {
 }
 
 /// Expected: what was written, read again.
-#[cfg(all(feature = "serde", feature = "gltf"))]
 #[test]
 fn answers_are_written_and_read() {
     fn again<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {

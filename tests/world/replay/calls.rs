@@ -483,7 +483,7 @@ fn no_method_is_forgotten() {
         ("solve_with", "is the lab's, and a recording has no word for it"),
     ];
     let mut found = BTreeSet::new();
-    let mut folders = vec![std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = vec![std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../src")];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

@@ -1,8 +1,6 @@
 //! What was recorded plays again to the bit, at any number of threads, and what is not a recording is
 //! refused.
 
-#![cfg(feature = "replay")]
-
 mod calls;
 mod files;
 mod rollback;
@@ -10,13 +8,13 @@ mod rollback;
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
-use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Character, CharacterSettings, ContactHook,
     ContactHooks, Continuous, ConvexHull, Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc,
     JointHandle, Limit, MassProperties, Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings,
     ShapeDesc, ShapeHandle, Skeleton, Snapshot, TriangleMesh, World,
 };
+use backstop_scene::{Scene, Terrain, builtin};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -62,10 +60,7 @@ fn play(bytes: &[u8], threads: usize) -> (Played, u64) {
         let played = replay.run().unwrap();
         (played, replay.world().hash())
     };
-    #[cfg(feature = "parallel")]
-    return rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run);
-    #[cfg(not(feature = "parallel"))]
-    run()
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }
 
 /// At one, two and three threads; returns what was played.

@@ -52,7 +52,6 @@ fn what_is_restored_goes_on_to_the_same_bits() {
     }
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn another_number_of_threads_goes_on_to_the_same_bits() {
     for threads in [2, 3] {

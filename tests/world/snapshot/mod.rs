@@ -13,11 +13,11 @@ use crate::common::{self, random::Random};
 use game::Game;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, builtin};
 use backstop::{
     BodyDesc, BodyHandle, Continuous, Drive, Error, Filter, Frame, Geometry, JointDesc, JointHandle, Limit,
     Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot, World,
 };
+use backstop_scene::{Scene, builtin};
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -2,11 +2,11 @@
 //! measurements.
 
 use super::values::*;
-use backstop::lab::WorldMethod;
-use backstop::lab::methods::{Friction, Method};
-use backstop::lab::simbench::Test;
-use backstop::lab::structures::Structure;
 use backstop::{FrictionCone, FrictionModel};
+use backstop_lab::WorldMethod;
+use backstop_lab::methods::{Friction, Method};
+use backstop_lab::simbench::Test;
+use backstop_lab::structures::Structure;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -13,8 +13,8 @@ pub(crate) use values::*;
 use crate::commands::trade::TradeOptions;
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
-use backstop::lab::WorldMethod;
 use backstop::{Continuous, ContinuousMethod, LoadLimits};
+use backstop_lab::WorldMethod;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 

@@ -1,11 +1,11 @@
 //! Parsers of option values.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::lab::WorldMethod;
-use backstop::lab::methods::{Friction, Method};
-use backstop::lab::simbench::Test;
-use backstop::lab::structures::Structure;
 use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel};
+use backstop_lab::WorldMethod;
+use backstop_lab::methods::{Friction, Method};
+use backstop_lab::simbench::Test;
+use backstop_lab::structures::Structure;
 
 pub(crate) fn number(text: &str) -> Result<f32, String> {
     let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;

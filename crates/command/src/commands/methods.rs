@@ -4,8 +4,8 @@ use crate::args::{AnyMethod, MethodsOptions};
 use crate::report::output;
 use crate::report::table::table;
 use anyhow::Context;
-use backstop::lab::structures::{Outcome, Structure};
-use backstop::lab::{WorldMethod, WorldSolver};
+use backstop_lab::structures::{Outcome, Structure};
+use backstop_lab::{WorldMethod, WorldSolver};
 use serde::Serialize;
 
 #[derive(Serialize)]

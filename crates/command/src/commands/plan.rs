@@ -5,8 +5,8 @@ use crate::commands::run;
 use crate::report::output;
 use crate::report::table::table;
 use anyhow::Context;
-use backstop::scene::{Plan, Scene};
 use backstop::{Budget, Category, Error, MemoryReport, Settings, World};
+use backstop_scene::Scene;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -55,7 +55,7 @@ pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     let steps = options.steps.unwrap_or_else(|| run::default_steps(&scene, DT));
     // With a budget, memory for bodies is reserved when they are added: use the largest possible budget.
     let free = settings(options, &scene, usize::MAX);
-    let plan = Plan::of(&scene, &free);
+    let plan = scene.plan(&free);
     let ran = simulate(&scene, free, steps, options.common.quiet)?
         .with_context(|| format!("scene {} is refused", scene.name))?;
     let budget = match options.budget {

@@ -12,10 +12,11 @@ use crate::settings_file::SettingsFile;
 use crate::threads::with_threads;
 use crate::view::{self, Frames, Look, Opened, Player, Viewer, Wanted};
 use anyhow::{Context, bail};
-use backstop::lab::WorldSolver;
-use backstop::lab::system::System;
-use backstop::scene::{self, AtomicFile, Recorder, Scene};
 use backstop::{BodyHandle, Budget, Settings, World};
+use backstop_lab::LabWorld;
+use backstop_lab::WorldSolver;
+use backstop_lab::system::System;
+use backstop_scene::{self as scene, AtomicFile, Recorder, Scene};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

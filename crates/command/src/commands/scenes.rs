@@ -4,7 +4,7 @@ use crate::files;
 use crate::report::output;
 use crate::report::table::table;
 use anyhow::{Context, anyhow};
-use backstop::scene::{self, Scene};
+use backstop_scene::{self as scene, Scene};
 use std::path::Path;
 
 /// Bytes of the largest scene that may be one of the shipped.

@@ -5,7 +5,7 @@ use crate::args::ShotOptions;
 use crate::report::output;
 use crate::report::table;
 use anyhow::Context;
-use backstop::scene::shots::{
+use backstop_scene::shots::{
     Count, Flights, MODES, MOVING_TARGETS, MovingShot, Outcome, Quantiles, SHAPES, Shot, TARGETS, Tally,
     Targets, Through,
 };

@@ -4,8 +4,8 @@ use crate::args::SimbenchOptions;
 use crate::report::output;
 use crate::report::table::table;
 use anyhow::Context;
-use backstop::lab::simbench::{Outcome, Published, Setting, Test};
-use backstop::lab::{WorldMethod, WorldSolver};
+use backstop_lab::simbench::{Outcome, Published, Setting, Test};
+use backstop_lab::{WorldMethod, WorldSolver};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -4,8 +4,8 @@ use crate::args::SolveOptions;
 use crate::files;
 use crate::report::{output, table};
 use anyhow::Context;
-use backstop::lab::methods::{Effort, Method, Solution, Status};
-use backstop::lab::problem::{File, Form, read_problem};
+use backstop_lab::methods::{Effort, Method, Solution, Status};
+use backstop_lab::problem::{File, Form, read_problem};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn read(path: &Path) -> anyhow::Result<File> {
 
 #[cfg(feature = "hdf5")]
 fn read_hdf5(bytes: Vec<u8>) -> anyhow::Result<File> {
-    Ok(backstop::lab::problem::read_fclib(bytes)?)
+    Ok(backstop_lab::problem::read_fclib(bytes)?)
 }
 
 #[cfg(not(feature = "hdf5"))]

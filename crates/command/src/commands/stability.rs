@@ -4,9 +4,9 @@ use crate::args::StabilityOptions;
 use crate::report::output::{self, plural};
 use crate::report::table::{list, table};
 use anyhow::{Context, bail};
-use backstop::lab::{Mode, ModeBody, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
-use backstop::scene::{Scene, Standing, open};
 use backstop::{FrictionModel, Settings, World};
+use backstop_lab::{Mode, ModeBody, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
+use backstop_scene::{Scene, Standing, open};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 

@@ -1,10 +1,12 @@
 //! `run --accuracy`: how accurately each step was solved, over a run.
 
 use crate::report::trace::median;
-use backstop::lab::system::{Owner, System};
-use backstop::lab::{Accuracy, Measures};
-use backstop::scene::Scene;
 use backstop::{BodyHandle, World};
+use backstop_lab::LabWorld;
+use backstop_lab::system::SystemProblems;
+use backstop_lab::system::{Owner, System};
+use backstop_lab::{Accuracy, Measures};
+use backstop_scene::Scene;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -175,7 +177,7 @@ impl Island {
 /// The contact problem of a step as text, and how rows were treated.
 pub(crate) fn export(system: &System) -> anyhow::Result<(String, String)> {
     let (problem, told) = system.contact_problem()?;
-    let text = backstop::lab::problem::write_problem(&problem)?;
+    let text = backstop_lab::problem::write_problem(&problem)?;
     let about = format!(
         "{} contact points; {} rows of joints eliminated, {} held at their impulse, {} open ends left out",
         problem.rows() / 3,

@@ -3,8 +3,8 @@
 use crate::args::RunOptions;
 use crate::report::accuracy::{Course, Summary};
 use crate::report::trace::{SolverSum, Times, Trace};
-use backstop::scene::Scene;
 use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, ModelPart, Settings, World};
+use backstop_scene::Scene;
 use serde::Serialize;
 
 #[derive(Debug, Serialize)]
@@ -156,7 +156,7 @@ impl Document {
 }
 
 fn bodies(scene: &Scene, world: &World, handles: &[BodyHandle]) -> Result<Vec<Body>, Error> {
-    let one = |(body, &handle): (&backstop::scene::SceneBody, &BodyHandle)| {
+    let one = |(body, &handle): (&backstop_scene::SceneBody, &BodyHandle)| {
         Ok(Body {
             name: body.name.clone(),
             kind: world.kind(handle)?,

@@ -3,7 +3,7 @@
 use crate::files;
 use anyhow::Context;
 use askama::Template;
-use backstop::scene;
+use backstop_scene as scene;
 use std::io::Write as _;
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use crate::interrupt;
 use anyhow::{Context, anyhow};
 use backstop::Escaped;
 use backstop::LoadLimits;
-use backstop::scene::{self, Scene, SceneError, refuse_input};
+use backstop_scene::{self as scene, Scene, SceneError, refuse_input};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use crate::report::accuracy::Course;
 use backstop::StepReport;
-use backstop::lab::SolverReport;
+use backstop_lab::SolverReport;
 use serde::Serialize;
 
 /// One stage's time in a report [us].

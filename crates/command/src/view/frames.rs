@@ -4,7 +4,7 @@ use super::Viewer;
 use crate::files::{self, Kind};
 use anyhow::Context;
 use backstop::World;
-use backstop::scene::{self, AtomicFile};
+use backstop_scene::{self as scene, AtomicFile};
 use std::path::{Path, PathBuf};
 
 /// Pixels drawn for each pixel of a picture, each way: edges without steps.

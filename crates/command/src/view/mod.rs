@@ -24,8 +24,8 @@ pub(crate) use window::{Opened, show};
 use backstop::debug::DrawOptions;
 use backstop::glam::DVec3;
 
-use backstop::scene::Scene;
 use backstop::{BodyHandle, BodyKind, Geometry, QueryFilter, Ray, World};
+use backstop_scene::Scene;
 use canvas::Canvas;
 use painter::{Models, Painter};
 

@@ -62,7 +62,7 @@ fn a_run_that_is_stopped_leaves_whole_files_of_its_steps() {
             backstop::replay::Replay::open(std::io::BufReader::new(file)).expect("a recording").run();
         let played = played.expect("a whole recording");
         assert!(played.steps == steps && played.divergence.is_none(), "{played:?}");
-        assert_eq!(backstop::scene::load(&film).expect("a whole film").name, "run");
+        assert_eq!(backstop_scene::load(&film).expect("a whole film").name, "run");
         let html = std::fs::read_to_string(format!("{page}/index.html")).expect("a page");
         assert!(html.trim_end().ends_with("</html>"));
         let mut names: Vec<_> = std::fs::read_dir(&pictures).expect("a folder").flatten().collect();

@@ -1,8 +1,8 @@
 //! `cargo backstop trade` keeps its promises: errors that are the same however a sweep is cut up or stopped,
 //! and a pick that keeps its tolerance when it is run again.
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, SceneJoint, write_scene};
 use backstop::{Axes, Axis, BodyDesc, Frame, Geometry, Limit, Motion, ShapeDesc};
+use backstop_scene::{Scene, SceneJoint, write_scene};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -1,8 +1,8 @@
 //! Pictures that the command writes show the scene where it is.
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::glam::DVec3;
-use backstop::scene::Scene;
 use backstop::{BodyDesc, Geometry, ShapeDesc};
+use backstop_scene::Scene;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -96,7 +96,7 @@ fn a_ball_is_drawn_where_it_is() {
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
     scene.add("ball", BodyDesc::dynamic().at(DVec3::new(1.0, 6.0, 0.0)).with_shape(ball));
     let file = scratch("ball.gltf");
-    backstop::scene::write_scene(&scene, &file).expect("a file");
+    backstop_scene::write_scene(&scene, &file).expect("a file");
     let folder = scratch("ball");
     let [file, to] = [&file, &folder].map(|p| p.to_str().expect("a path of characters"));
     let run = ["run", file, "--steps", "40", "--every", "40", "--json", "--frames", to, "--size", "320x240"];
@@ -127,7 +127,7 @@ fn the_camera_sees_what_moves_and_where_it_falls() {
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
     scene.add("ball", BodyDesc::dynamic().at(DVec3::new(3.0, 6.0, -2.0)).with_shape(ball));
     let file = scratch("drop.gltf");
-    backstop::scene::write_scene(&scene, &file).expect("a file");
+    backstop_scene::write_scene(&scene, &file).expect("a file");
     let folder = scratch("drop");
     let [file, to] = [&file, &folder].map(|p| p.to_str().expect("a path of characters"));
     let run = ["run", file, "--steps", "240", "--every", "240", "--frames", to, "--size", "320x240"];

@@ -1,7 +1,9 @@
 //! The laws of impact hold, and the order of contacts does not matter.
 
 use super::*;
+use crate::LabWorld;
 use crate::system::SystemLaw;
+use crate::system::SystemProblems;
 use backstop::BodyDesc;
 use backstop::Settings;
 use backstop::World;

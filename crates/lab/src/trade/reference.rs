@@ -85,8 +85,8 @@ impl Run {
     }
 }
 
-/// The width of a body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6. It needs
-/// no shape, and a ball counts as 0.77 of its diameter.
+/// The width of a body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6. It
+/// needs no shape, and a ball counts as 0.77 of its diameter.
 fn width(body: &BodyState) -> f64 {
     let width = (6.0 * body.inertia.element_sum() / 3.0 / body.mass).sqrt();
     // Bodies that have no extent or can't rotate count as one metre wide.

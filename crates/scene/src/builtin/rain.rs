@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn a_plane_alone_is_rained_on_too() {
         let mut scene = Scene::new("plane");
-        scene.bodies.push(backstop::SceneBody {
+        scene.bodies.push(crate::SceneBody {
             name: "p".into(),
             node: None,
             desc: fixed(Geometry::Plane, Vec3::ZERO),

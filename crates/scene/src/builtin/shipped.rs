@@ -169,10 +169,11 @@ mod tests {
         }
     }
 
-    /// Writes `scenes/` anew: `cargo test --features gltf -- --ignored write_the_committed_scenes`.
+    /// Writes `scenes/` anew:
+    /// `cargo test --package backstop-scene --features gltf -- --ignored write_the_committed_scenes`.
     #[test]
     #[ignore = "changes the repository"]
     fn write_the_committed_scenes() {
-        write_shipped(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+        write_shipped(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")).unwrap();
     }
 }

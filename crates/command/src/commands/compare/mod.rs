@@ -9,8 +9,8 @@ use crate::report::output;
 use crate::report::trace::Times;
 use crate::threads::with_threads;
 use anyhow::{Context, bail};
-use backstop::scene::comparison::{Contest, METHODS, SCENES, Verdict};
 use backstop::{Continuous, ContinuousMethod};
+use backstop_lab::comparison::{Contest, METHODS, SCENES, Verdict};
 use indicatif::ProgressBar;
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! The map in the terminal.
 
 use super::results::Results;
-use backstop::lab::envelope::{Axis, Cell, Trial, Verdict};
+use backstop_lab::envelope::{Axis, Cell, Trial, Verdict};
 use std::fmt::Write;
 
 /// One character a cell.

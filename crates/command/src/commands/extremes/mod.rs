@@ -11,7 +11,7 @@ use crate::json_lines;
 use crate::report::output;
 use anyhow::{Context, bail};
 use backstop::Settings;
-use backstop::lab::envelope::{Cell, Verdict};
+use backstop_lab::envelope::{Cell, Verdict};
 use results::{OURS, Results, Run};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -3,7 +3,7 @@
 use super::map::counts;
 use super::results::Results;
 use crate::report::html::{Cell as Entry, Page};
-use backstop::lab::envelope::{Axis, Cell, Trial, Verdict};
+use backstop_lab::envelope::{Axis, Cell, Trial, Verdict};
 use std::path::Path;
 
 fn class(verdict: Option<Verdict>) -> &'static str {

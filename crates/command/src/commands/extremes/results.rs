@@ -2,7 +2,7 @@
 
 use crate::json_lines;
 use anyhow::Context;
-use backstop::lab::envelope::{Figure, Verdict};
+use backstop_lab::envelope::{Figure, Verdict};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

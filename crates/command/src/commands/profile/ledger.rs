@@ -5,8 +5,8 @@ use super::measure::{Frame, Measured, StageCost};
 use crate::commands::compare::Comparison;
 use crate::report::document::CategoryBytes;
 use anyhow::Context;
-use backstop::scene;
 use backstop::{Category, MemoryReport, Settings};
+use backstop_scene as scene;
 use serde::Serialize;
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 
 use crate::report::trace::{STAGES, median};
 use anyhow::Context;
-use backstop::scene::Scene;
 use backstop::{Category, Continuous, MemoryReport, Settings, Snapshot, StepReport, World};
+use backstop_scene::Scene;
 use serde::Serialize;
 use std::time::Instant;
 

@@ -15,7 +15,7 @@ use crate::report::table::list;
 use crate::threads::with_threads;
 use anyhow::{Context, bail};
 use backstop::Settings;
-use backstop::scene::{self, Scene};
+use backstop_scene::{self as scene, Scene};
 use ledger::{Ledger, Memory, ProfileSettings, Run};
 use measure::{Measured, Way, measure};
 use std::path::{Path, PathBuf};

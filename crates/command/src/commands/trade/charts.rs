@@ -4,7 +4,7 @@ use super::outcome::{Outcome, Row};
 use crate::report::charts::{
     Area, BLUE, Drawn, GREEN, INK, ORANGE, PALE, RED, RULE, SKY, draw_lines, frame, legend, text,
 };
-use backstop::lab::trade::{Axis, front as front_of};
+use backstop_lab::trade::{Axis, front as front_of};
 use plotters::prelude::*;
 
 /// Smaller errors are drawn at this value.

@@ -2,7 +2,7 @@
 
 use crate::json_lines;
 use anyhow::{Context, bail};
-use backstop::lab::trade::{Errors, Grid, Measure};
+use backstop_lab::trade::{Errors, Grid, Measure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::fs::File;

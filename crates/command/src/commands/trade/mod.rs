@@ -16,7 +16,7 @@ use crate::json_lines;
 use crate::report::output;
 use crate::settings_file;
 use anyhow::{Context, bail};
-use backstop::scene::Scene;
+use backstop_scene::Scene;
 use lines::{Header, Results, STARTS};
 use outcome::Outcome;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! The command line of `trade`.
 
 use crate::args::{CommonOptions, positive, threads};
-use backstop::lab::WorldMethod;
-use backstop::lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
+use backstop_lab::WorldMethod;
+use backstop_lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -5,7 +5,7 @@ use super::options::TradeOptions;
 use super::sweep::Candidate;
 use crate::settings_file;
 use anyhow::{Context, bail};
-use backstop::lab::trade::{Axis, Cell, Measure, best_within, cheapest_within, front};
+use backstop_lab::trade::{Axis, Cell, Measure, best_within, cheapest_within, front};
 use serde::Serialize;
 use serde_json::{Map, Value};
 

@@ -5,7 +5,7 @@ use super::outcome::{Outcome, Row};
 use super::text::{self, number};
 use crate::report::html::{Page, put};
 use anyhow::anyhow;
-use backstop::lab::trade::{Axis, Measure};
+use backstop_lab::trade::{Axis, Measure};
 use std::path::Path;
 
 /// The charts beside a page.

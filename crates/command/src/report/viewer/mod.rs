@@ -10,7 +10,7 @@ pub(crate) use motion::Motion;
 use crate::report::html::Part;
 use anyhow::Context;
 use askama::Template;
-use backstop::scene::Scene;
+use backstop_scene::Scene;
 use film::Film;
 
 /// The modules, each after those that it imports from. Put together they are one.

@@ -1,8 +1,8 @@
 //! The poses of a run, compact enough for a page.
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Scene;
 use backstop::{BodyHandle, BodyKind, World};
+use backstop_scene::Scene;
 
 /// Bytes of all poses, at most: more would make a page that browsers are slow to open.
 const MAX_BYTES: usize = 12 << 20;

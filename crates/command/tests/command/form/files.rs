@@ -9,14 +9,14 @@ fn shipped_scenes_are_the_generator_s() {
     let committed = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenes");
     // Not byte by byte: in which order the triangles of a mesh are written is the engine's business.
     let bodies = |path: PathBuf| -> Vec<String> {
-        let scene = backstop::scene::load(path).expect("a scene");
-        let text = |b: &backstop::scene::SceneBody| {
+        let scene = backstop_scene::load(path).expect("a scene");
+        let text = |b: &backstop_scene::SceneBody| {
             let d = &b.desc;
             format!("{} {:?} {} {} {}", b.name, d.kind, d.position, d.rotation, d.linear_velocity)
         };
         scene.bodies.iter().map(text).collect()
     };
-    for file in backstop::scene::SHIPPED {
+    for file in backstop_scene::SHIPPED {
         assert_eq!(bodies(folder.join(file)), bodies(committed.join(file)), "{file}");
     }
     let list = String::from_utf8(backstop(&["scenes", "list"]).stdout).expect("UTF-8");
@@ -26,8 +26,8 @@ fn shipped_scenes_are_the_generator_s() {
 #[test]
 fn a_file_with_joints_runs_and_is_filmed() {
     use backstop::glam::{DVec3, Vec3};
-    use backstop::scene::{Scene, SceneJoint};
     use backstop::{Axes, BodyDesc, Frame, Geometry, Limit, Motion, ShapeDesc};
+    use backstop_scene::{Scene, SceneJoint};
     let mut scene = Scene::new("rope");
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
     scene.add("ball", BodyDesc::dynamic().at(DVec3::new(0.5, 2.0, 0.0)).with_shape(ball));
@@ -41,7 +41,7 @@ fn a_file_with_joints_runs_and_is_filmed() {
         collide: false,
     });
     let [file, film] = ["rope.gltf", "rope-moving.glb"].map(scratch);
-    backstop::scene::write_scene(&scene, &file).expect("a file");
+    backstop_scene::write_scene(&scene, &file).expect("a file");
     let [file, film] = [&file, &film].map(|p| p.to_str().expect("a path of characters"));
     let document = document(&backstop(&["run", file, "--steps", "600", "--json", "--out", film]));
     assert_eq!((&document["joints"], &document["bodies"][1]["name"]), (&1.into(), &"world".into()));
@@ -51,7 +51,7 @@ fn a_file_with_joints_runs_and_is_filmed() {
     let output = backstop(&["run", file, "--steps", "1"]);
     assert!(String::from_utf8_lossy(&output.stdout).contains("\njoints      1\n"));
     // The film is a scene with its joints, too.
-    assert_eq!(backstop::scene::load(film).expect("a film").joints.len(), 1);
+    assert_eq!(backstop_scene::load(film).expect("a film").joints.len(), 1);
 }
 
 #[test]

@@ -44,7 +44,7 @@ impl Loader<'_> {
             user_data: coupling.user_data,
         };
         let handles: Vec<JointHandle> =
-            (0..self.scene.joints.len() as u32).map(|slot| JointHandle { slot, generation: 1 }).collect();
+            (0..self.scene.joints.len() as u64).map(JointHandle::from_bits).collect();
         let valid = coupling.desc(&handles).map_or(Ok(()), |desc| desc.validate());
         valid.map_err(|e| e.to_string())?;
         Ok(Some(coupling))

@@ -202,7 +202,8 @@ fn a_deep_chain_of_nodes_is_walked() {
     nodes.push(json!({ "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) }));
     let path = scratch("deep").join("scene.gltf");
     std::fs::write(&path, file(json!(nodes), json!([{ "type": "box" }]), json!({})).to_string()).unwrap();
-    let limits = LoadLimits { depth: 20_000, ..LoadLimits::default() };
+    let mut limits = LoadLimits::default();
+    limits.depth = 20_000;
     let scene = crate::load_limited(&path, &limits).unwrap();
     assert_eq!(scene.bodies[0].desc.position.y, 19_999.0);
 }

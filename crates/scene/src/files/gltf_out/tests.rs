@@ -182,7 +182,7 @@ fn shipped_scenes_load_back_as_they_were() {
 
 #[test]
 fn committed_scenes_are_what_the_generator_writes() {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let fresh = scratch("committed");
     let mut total = 0;
     for file in SHIPPED {

@@ -1,7 +1,7 @@
 //! Every case of the lab with a known answer, at the reference setting: the error is within the bar, or
 //! within what `docs/cases.md` says that it falls short by.
 
-use backstop::lab::cases::{Case, Setting};
+use backstop_lab::cases::{Case, Setting};
 
 /// Cases that fall short of their bars: what is reached, as an error. Each has its line in `docs/cases.md`.
 const SHORT: &[(&str, f64)] = &[
@@ -124,7 +124,7 @@ fn every_case_has_a_test() {
 
 #[test]
 fn what_falls_short_is_written_down() {
-    let page = include_str!("../../docs/cases.md");
+    let page = include_str!("../../../../docs/cases.md");
     let (_, short) = page.split_once("## Falls short").expect("a section");
     for (name, _) in SHORT {
         assert!(short.contains(&format!("| `{name}` |")), "docs/cases.md says nothing of {name}");

@@ -1,7 +1,6 @@
 //! The methods of the lab, its meter and its exact cases.
-#![cfg(feature = "lab")]
 
-#[path = "../common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
 
 mod accuracy;

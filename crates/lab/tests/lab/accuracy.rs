@@ -4,14 +4,16 @@
 
 use crate::common::{self, Floor, G, shape};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::lab::Accuracy;
-use backstop::lab::problem::Law;
-use backstop::lab::system::Stabilisation;
-use backstop::scene::builtin;
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material,
     Motion, Settings, ShapeDesc, World,
 };
+use backstop_lab::Accuracy;
+use backstop_lab::LabWorld;
+use backstop_lab::problem::Law;
+use backstop_lab::system::Stabilisation;
+use backstop_lab::system::SystemProblems;
+use backstop_scene::builtin;
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -276,7 +278,7 @@ fn free_fall_keeps_its_energy() {
 #[test]
 fn impacts_explain_what_they_do() {
     let (mut world, _) =
-        common::world_of(&backstop::scene::builtin::build("posts").unwrap(), Settings::default());
+        common::world_of(&backstop_scene::builtin::build("posts").unwrap(), Settings::default());
     world.measure_accuracy(true);
     let mut bounced = 0;
     for _ in 0..10 {

@@ -2,11 +2,12 @@
 //! of what they can't do.
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::lab::{Guess, SolverReport, WorldMethod, WorldSolver};
 use backstop::{
     Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Material, Motion, Settings, ShapeDesc,
     World,
 };
+use backstop_lab::LabWorld;
+use backstop_lab::{Guess, SolverReport, WorldMethod, WorldSolver};
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -4,8 +4,8 @@
 //! index; the others are checked by `w = M z + q` itself.
 
 use crate::common::data::data;
-use backstop::lab::methods::{Effort, Method, Status};
-use backstop::lab::problem::read_problem;
+use backstop_lab::methods::{Effort, Method, Status};
+use backstop_lab::problem::read_problem;
 use std::path::PathBuf;
 
 const EXACT: [&str; 8] =
@@ -54,7 +54,7 @@ fn exact_methods_solve_the_problems_of_others_to_ten_digits() {
 /// them claims a solution, and those that can prove it do.
 #[test]
 fn a_problem_without_a_solution_is_not_solved() {
-    use backstop::lab::problem::{Matrix, Problem};
+    use backstop_lab::problem::{Matrix, Problem};
     let m = Matrix::from_entries(2, [(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)]);
     let problem = Problem::lcp(m, vec![-1.0, -1.0]).unwrap();
     for method in Method::ALL {

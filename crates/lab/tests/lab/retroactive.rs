@@ -1,8 +1,8 @@
 //! Time of impact with retroactive detection.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::lab::retroactive::Retroactive;
 use backstop::{BodyDesc, BodyHandle, Continuous, Geometry, Material, Settings, ShapeDesc, World};
+use backstop_lab::retroactive::Retroactive;
 
 const DT: f32 = 1.0 / 60.0;
 

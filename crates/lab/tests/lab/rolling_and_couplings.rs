@@ -5,13 +5,15 @@
 
 use crate::common::{self, Floor, G, shape};
 use backstop::glam::{DVec3, Mat3, Vec3};
-use backstop::lab::WorldSolver;
-use backstop::lab::problem::Law;
-use backstop::lab::system::{Owner, Stabilisation, System, SystemLaw};
 use backstop::{
     BodyDesc, BodyHandle, CouplingDesc, CouplingHandle, Frame, Geometry, JointDesc, JointHandle,
     MassProperties, Material, Settings, World,
 };
+use backstop_lab::LabWorld;
+use backstop_lab::WorldSolver;
+use backstop_lab::problem::Law;
+use backstop_lab::system::SystemProblems;
+use backstop_lab::system::{Owner, Stabilisation, System, SystemLaw};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -41,7 +43,7 @@ fn leaning(angle: f64) -> Settings {
 /// The patch of rolling friction: the last law of a contact.
 fn rolling(system: &System) -> &SystemLaw {
     let patch = |law: &&SystemLaw| matches!(law.law, Law::Patch { .. });
-    system.laws[..system.contacts()].iter().rfind(patch).expect("a patch")
+    system.laws[..system.contacts].iter().rfind(patch).expect("a patch")
 }
 
 /// A ball on a slope of half of atan(b / r). Expected, by statics: it stays; the row against rolling bears

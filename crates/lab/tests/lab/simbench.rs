@@ -2,7 +2,7 @@
 //! number that was published (`data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark>).
 
 use backstop::FrictionCone;
-use backstop::lab::simbench::{Setting, Test, accelerations};
+use backstop_lab::simbench::{Setting, Test, accelerations};
 
 fn at(dt: f32) -> Setting {
     Setting { dt, ..Setting::default() }

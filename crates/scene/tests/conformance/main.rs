@@ -1,9 +1,8 @@
 //! Scene files do what their names say: the conformance files of the glTF physics extensions if they are at
 //! hand (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain
 //! of bodies.
-#![cfg(feature = "gltf")]
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
-#[path = "../common/data.rs"]
+#[path = "../../../../tests/common/data.rs"]
 mod data;
 
 mod files;
@@ -17,8 +16,8 @@ mod rain;
 mod samples;
 
 use backstop::glam::{DQuat, DVec3, Quat, Vec3};
-use backstop::scene::{Added, Scene, load};
 use backstop::{BodyHandle, BodyKind, Geometry, JointHandle, Settings, World};
+use backstop_scene::{Added, Scene, load};
 use data::data;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

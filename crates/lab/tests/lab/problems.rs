@@ -3,8 +3,8 @@
 //! repository; where `BACKSTOP_DATA` is not set, the tests say that they skip.
 
 use crate::common::data::data;
-use backstop::lab::methods::{Effort, Method, Status};
-use backstop::lab::problem::{File, Form, Problem, read_problem, write_problem};
+use backstop_lab::methods::{Effort, Method, Status};
+use backstop_lab::problem::{File, Form, Problem, read_problem, write_problem};
 use std::path::PathBuf;
 
 fn read(path: PathBuf) -> File {
@@ -53,7 +53,7 @@ fn exact_blocks_reach_what_they_reach_elsewhere() {
 fn exact_blocks_solve_a_stack_out_of_its_velocities() {
     let Some(folder) = data("contact_problems") else { return };
     let bytes = std::fs::read(folder.join("Box_Stacks-i0122-82-5.hdf5")).expect("a file");
-    let problem = backstop::lab::problem::read_fclib(bytes).expect("a problem").problem;
+    let problem = backstop_lab::problem::read_fclib(bytes).expect("a problem").problem;
     assert_eq!(problem.rows(), 82 * 3);
     // All that is left after 100 sweeps is rounding.
     reaches(&problem, "gs-cone", &[(10, 6e-4), (100, 1e-15)]);

@@ -1,10 +1,11 @@
 //! Penalty methods: how stiff they may be, and the way out of what was entered.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::lab::WorldSolver;
-use backstop::lab::steppers::Stepper;
-use backstop::lab::steppers::limit::{is_stable, limit};
 use backstop::{BodyDesc, Continuous, Geometry, Material, Settings, ShapeDesc, World};
+use backstop_lab::LabWorld;
+use backstop_lab::WorldSolver;
+use backstop_lab::steppers::Stepper;
+use backstop_lab::steppers::limit::{is_stable, limit};
 
 /// The explicit form is stable up to ω dt = 2 (sqrt(1 + ζ²) - ζ), from the eigenvalues of one step, and the
 /// implicit one for any stiffness. Five per cent to either side of the limit.

@@ -4,7 +4,7 @@
 use crate::common::data::data;
 use backstop::Settings;
 use backstop::glam::{DQuat, DVec3};
-use backstop::lab::tosses::{Cube, Deviation, Sample, deviation};
+use backstop_lab::tosses::{Cube, Deviation, Sample, deviation};
 
 const STEP: f64 = 1.0 / 148.0;
 
