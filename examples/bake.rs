@@ -1,7 +1,7 @@
 //! A level that loads without building: a mesh of 100,352 triangles, a height field of as many and a hull,
 //! and how long each takes to build and to load.
 //!
-//!     cargo run --release --features bake --example bake
+//!     cargo run --release --example bake
 
 use backstop::glam::{Vec2, Vec3};
 use backstop::{ConvexHull, Error, HeightField, TriangleMesh};

@@ -112,10 +112,13 @@ impl Random {
 /// counter-clockwise seen from above.
 pub(crate) fn bumps(cells: u32, cell: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let row = cells + 1;
-    let at = |n: u32| (n as f32 - 0.5 * cells as f32) * cell;
+    let at = |n: u32| n as f32 * cell - cells as f32 * cell * 0.5;
     let vertex = |n: u32| {
         let (x, z) = (at(n % row), at(n / row));
-        Vec3::new(x, libm::sinf(0.9 * x + 1.3) * libm::sinf(1.1 * z + 0.7), z)
+        let hills = 1.5 * libm::sinf(0.35 * x) * libm::cosf(0.27 * z);
+        let bumps = 0.5 * libm::sinf(0.9 * x + 1.3) * libm::sinf(1.1 * z + 0.7);
+        let ridge = 1.0 - libm::sinf(0.21 * x + 0.13 * z).abs();
+        Vec3::new(x, hills + bumps + 1.5 * (ridge * ridge * ridge), z)
     };
     let square = |n: u32| {
         let corner = n / cells * row + n % cells;

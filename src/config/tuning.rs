@@ -4,7 +4,7 @@
 //! Lengths are in [`Settings::length_unit`](super::Settings::length_unit)s where it says so. A number may
 //! stay beside its kernel only if it is no choice: a bound on rounding, a sentinel, a limit of convergence,
 //! an identity of geometry. Such a number has a line `// Rounding:`, `// Sentinel:` or `// Guard:` above it
-//! that says which (`tests/house.rs` checks that).
+//! that says which (`tests/house/main.rs` checks that).
 
 /// Below this many bodies that can move, handing work to threads costs more than it saves (benches/steps.rs).
 pub(crate) const MIN_THREADED_BODIES: usize = if cfg!(miri) { 2 } else { 128 };

@@ -57,25 +57,25 @@ pub(crate) struct Content {
     pub(crate) dynamic: usize,
     /// Whether some bodies may be joined.
     pub(crate) joined: bool,
-    /// Whether some may leave their predicted paths.
-    pub(crate) may_leave_path: bool,
 }
 
 // Not by `buffers!`: some are behind locks, and some exist only in some scenes.
 impl Buffers {
     /// Calls `f` with each buffer and the capacity that it needs.
     pub(crate) fn each(&mut self, content: &Content, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        let Content { movers, dynamic, joined, may_leave_path } = *content;
+        let Content { movers, dynamic, joined } = *content;
         if joined && let Ok(cut) = self.cut.get_mut() {
             // Cut by static geometry, and by another body.
             f(cut, 2 * dynamic);
         }
-        if may_leave_path {
-            self.settling.each(f);
-        }
         f(&mut self.clear, dynamic);
         f(&mut self.beside, dynamic);
         f(&mut stacks_of(&mut self.stacks), movers.div_ceil(BLOCK));
+    }
+
+    /// Calls `f` with the buffers of bodies that are settled.
+    pub(crate) fn each_to_settle(&mut self, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.settling.each(f);
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {

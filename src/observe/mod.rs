@@ -1,4 +1,5 @@
-//! The inside of a step, read-only, for those who measure it or compare it: what the lab knows of the engine.
+//! The inside of a step, for those who measure it or compare it: what the lab knows of the engine. What
+//! changes something says so: [`Solved`] and [`StateLayout::displace`].
 //!
 //! - [`System`]: the rows of a step as one system, with laws and impulses.
 //! - [`Observer`]: looks on while a world steps; it may put other impulses in the place of those that rows

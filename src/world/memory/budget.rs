@@ -411,12 +411,14 @@ impl World {
         let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());
         let more = joints.iter().map(JointAdditions::of_joint).chain(coupled);
         let joints = more.fold(JointAdditions::default(), JointAdditions::and);
-        if self.settings.budget.is_none() || joints.is_empty() {
+        if self.settings.budget.is_none() {
             return Ok(());
         }
-        let joints = joints.between(self.bodies.slots.count() + bodies.len());
-        let mut asked = self.lacking_for(bodies, true);
-        asked.add(Category::Joints, self.joints.missing(joints, WIDEST_JOINT_BATCH));
+        let mut asked = self.lacking_for(bodies, !joints.is_empty());
+        if !joints.is_empty() {
+            let joints = joints.between(self.bodies.slots.count() + bodies.len());
+            asked.add(Category::Joints, self.joints.missing(joints, WIDEST_JOINT_BATCH));
+        }
         check(&asked, &self.allowances())
     }
 
@@ -508,6 +510,8 @@ impl World {
         buffers.prepare.each(n.dynamic, n.solved_after, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
+        let content = finish::Content { movers: n.movers, dynamic: n.dynamic, joined: n.joined };
+        buffers.finish.each(&content, &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }
@@ -524,10 +528,9 @@ impl World {
             f(Category::Bodies, &mut self.bodies.rest, n.bodies);
             self.sleep.each(n.bodies, n.dynamic, &mut |buffer, len| f(Category::Bodies, buffer, len));
         }
-        let Counts { movers, dynamic, joined, .. } = n;
-        let may_leave_path = dynamic > 0 && n.meshed && n.settles;
-        let content = finish::Content { movers, dynamic, joined, may_leave_path };
-        self.buffers.finish.each(&content, &mut |buffer, len| f(Category::Scratch, buffer, len));
+        if n.settles && n.dynamic > 0 && n.meshed {
+            self.buffers.finish.each_to_settle(&mut |buffer, len| f(Category::Scratch, buffer, len));
+        }
         if n.meets {
             let tracks = &mut self.buffers.impacts;
             tracks.each(n.movers, &mut |buffer, len| f(Category::Continuous, buffer, len));

@@ -225,8 +225,12 @@ impl World {
             }
             let rare = RareCounts { targets: brings.targets, ..RareCounts::default() };
             self.bodies.rare.each(rare, &mut |buffer, len| f(Category::Bodies, buffer, len));
-            let (rests, meets) = (rests && !now.rests, meets && !now.meets);
-            let switched = Counts { rests, meets, settles, ..now };
+            let switched = Counts {
+                rests: rests && !now.rests,
+                meets: meets && !now.meets,
+                settles: settles && !now.settles,
+                ..now
+            };
             self.each_of_switched(switched, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));

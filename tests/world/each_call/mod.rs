@@ -24,7 +24,7 @@ fn no_method_with_numbers_is_forgotten() {
         ("closest_point_any", "closest_point"),
         ("closest_point_all", "closest_point"),
         ("draw", "what is drawn is the caller's"),
-        ("solve_with", "of the lab"),
+        ("allow", "asks for what add_bodies, add_joints and add_coupling check"),
     ];
     const NUMBERS: [&str; 18] = [
         "f32",

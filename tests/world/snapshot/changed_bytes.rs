@@ -207,7 +207,7 @@ fn changed_bytes_are_refused_or_can_be_stepped_on() {
     assert!((1_000..11_000).contains(&taken), "the changes find their mark, and miss it: {taken}");
 }
 
-/// As many as one has time for: `CHANGES=200000 cargo test --release --test world -- snapshot_bytes::
+/// As many as one has time for: `CHANGES=200000 cargo test --release --test world -- changed_bytes::
 /// --ignored --nocapture`.
 #[test]
 #[ignore = "runs as long as it is told to"]

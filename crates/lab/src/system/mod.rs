@@ -1,6 +1,6 @@
 //! The rows of a step as one system (see [`System`]), as problems for methods.
 //!
-//! `World::system` of [`LabWorld`](crate::LabWorld) has that of the last step.
+//! [`LabWorld::system`](crate::LabWorld::system) has that of the last step.
 
 mod contact_problem;
 mod impacts;
