@@ -19,7 +19,7 @@
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
 use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
-use crate::constraint::contact::prepare::GONE;
+use crate::constraint::contact::batch::GONE;
 use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
 use crate::math::Quat;

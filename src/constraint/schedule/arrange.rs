@@ -10,7 +10,7 @@ use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::contact::prepare::PrepareInput;
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};

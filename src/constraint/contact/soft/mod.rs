@@ -15,9 +15,9 @@ mod row;
 mod spring;
 
 use super::batch::Batch;
+use super::friction::impact::potential_load;
+use super::friction::rows::{follow_load, solve_friction};
 use super::friction::{FrictionRow, RollingRow};
-use super::friction_rows::{follow_load, solve_friction};
-use super::impact_friction::potential_load;
 use super::row::{BodyPair, Free, ImpulseChange, Motion, NormalRows, Pass, relative, row as spin};
 use crate::lanes::{GatherLanes, Mask};
 pub(crate) use row::SoftRow;
