@@ -53,11 +53,11 @@ use super::cast::gates::{enter_mesh, gate, straight};
 use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
-use super::collide::{Approach, Input, MatchLimits};
 use super::contacts::contact::{FoundAt, NO_CONTACT};
 use super::contacts::found::{BlockOutput, Growth};
 use super::contacts::of_meshes::MeshBlock;
 use super::contacts::store::SharedContacts;
+use super::input::{Approach, Input};
 use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
@@ -277,7 +277,7 @@ fn store(
     } else if !matches!(growth, Some(Growth::Later)) {
         let frame = input.poses[pair.a as usize].rotation;
         let at = FoundAt { pose: *rel, frame, fraction: chosen.fraction };
-        contact.renew(&raw, at, MatchLimits::of(input, pair));
+        contact.renew(&raw, at, input.match_limits(pair));
     }
     true
 }

@@ -13,7 +13,8 @@ use super::weight::Weight;
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
-use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
+use crate::narrow_phase::input::Input;
+use crate::narrow_phase::relative::relative_pose;
 use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
@@ -424,7 +425,7 @@ fn renew_grown(
                 let room = contacts.grow(pair.contact, wanted);
                 shed += found.raw.keep(room);
                 let at = FoundAt::of(pair, input, found.fraction);
-                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
+                contacts.at_mut(pair.contact).renew(&found.raw, at, input.match_limits(pair));
                 found.raw.count = 0;
             }
         }

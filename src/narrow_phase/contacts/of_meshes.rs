@@ -5,7 +5,7 @@ use super::store::{ContactCount, Contacts};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Buffer, Buffers, bytes_of};
 use crate::narrow_phase::RawManifold;
-use crate::narrow_phase::collide::{Input, MatchLimits};
+use crate::narrow_phase::input::Input;
 use crate::narrow_phase::mesh::MeshScratch;
 
 /// A pair of a mesh that has manifolds, and their range among those of its block.
@@ -131,7 +131,7 @@ pub(super) fn commit_meshes(
             let same = chain.iter().filter(|old| u16::from(old.material) == raw.material);
             let nearest = same.max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.as_mut().inherit(old.as_ref(), MatchLimits::of(input, pair));
+                contact.as_mut().inherit(old.as_ref(), input.match_limits(pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
                 contact.mean_friction = old.mean_friction;
             }

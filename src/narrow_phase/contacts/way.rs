@@ -10,7 +10,7 @@ use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Category};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::Block;
-use crate::narrow_phase::collide::Input;
+use crate::narrow_phase::input::Input;
 use crate::shape::Kind;
 
 /// Which contacts may stay, and which new ones are taken in.

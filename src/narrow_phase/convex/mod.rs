@@ -8,6 +8,7 @@
 pub(crate) mod clip;
 pub(crate) mod cylinder;
 pub(crate) mod gjk;
+pub(crate) mod lane_support;
 pub(crate) mod polytope;
 mod polytopes;
 pub(crate) mod reduce;
