@@ -3,7 +3,8 @@
 //! - `content/`: bodies, shapes, joints and ragdolls; their mass and motion.
 //! - `step/`: the inputs of each stage, and everything around the stages.
 //! - `characters.rs`: characters that live in the world.
-//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`, `summary.rs`: events and reports of a step, hooks on it, and sleep.
+//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`, `summary.rs`: events and reports of a step, hooks on
+//!   it, and sleep.
 //! - `state.rs`: the list of what outlives a step.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
