@@ -54,8 +54,7 @@ struct Body<'a> {
     index: usize,
     pose: &'a mut Pose,
     velocity: &'a mut Record,
-    /// Its displacement; the pads tell whether it was touched, and whether its angular velocity was
-    /// integrated too.
+    /// Its displacement; the marks tell whether it was touched, and whether it is turned already.
     delta: &'a mut Record,
     /// Its colliders.
     own: &'a [u32],

@@ -211,7 +211,7 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
-    let turn = |c: u32| input.motion_of(c).turn_angle().min(2.0);
+    let turn = |c: u32| input.motion_of(c).turn_angle.min(2.0);
     let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
     let pose = |c: u32| &input.poses[c as usize];
     let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();

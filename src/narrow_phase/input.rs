@@ -69,9 +69,8 @@ impl Input<'_> {
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let swing = |collider: u32, motion: &Record| {
-            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn
-            // reaches nowhere.
-            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle());
+            // An endless plane on a body that doesn't turn reaches nowhere.
+            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle);
             if turn == 0.0 {
                 return 0.0;
             }
