@@ -1,5 +1,6 @@
 //! Bins of pairs with the same two shapes, and blocks of them.
 
+use super::pair_state::PackedState;
 use crate::memory::{Allowance, buffers};
 use crate::shape::{ColliderSummary, Kind};
 use crate::threads::per_block;
@@ -17,7 +18,8 @@ pub(super) const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
 /// than kinds.
 const MESHES: Bin = Bin(KINDS * KINDS + 2);
 /// One bin for each pair of kinds, the tapered ones, and those of meshes.
-const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
+pub(super) const BINS: u8 = MESHES.0 + 2 * KINDS;
+const COUNT: usize = BINS as usize;
 /// Pairs a block of one bin, a multiple of eight.
 pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
@@ -97,11 +99,11 @@ pub(crate) struct Bins {
 buffers! { Bins { each_and_missing(pairs: usize) { order(pairs), blocks(Self::most_blocks(pairs)) } } }
 
 impl Bins {
-    /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, allowance: &mut Allowance) {
+    /// Sorts the pairs by bin (counting sort); those without a bin are left out.
+    pub(crate) fn sort(&mut self, states: &[PackedState], allowance: &mut Allowance) {
         let mut starts = [0u32; COUNT + 1];
-        for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
-            starts[bin as usize + 1] += 1;
+        for bin in states.iter().filter_map(|state| state.bin()) {
+            starts[usize::from(bin.0) + 1] += 1;
         }
         for bin in 0..COUNT {
             starts[bin + 1] += starts[bin];
@@ -109,7 +111,7 @@ impl Bins {
         let total = starts[COUNT];
         // The broad phase takes in pairs only if there is memory for all of them here, so it must not be used
         // for anything else.
-        let place = if allowance.is_endless() { total as usize } else { bin_of.len() };
+        let place = if allowance.is_endless() { total as usize } else { states.len() };
         allowance.fit(&mut self.order, place);
         allowance.fit(&mut self.blocks, Self::most_blocks(place));
         self.order.clear();
@@ -122,8 +124,9 @@ impl Bins {
                 self.blocks.push(Block { bin: Bin(bin as u8), start, end, ..Block::default() });
             }
         }
-        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin < skip) {
-            let at = &mut starts[bin as usize];
+        let binned = states.iter().enumerate().filter_map(|(pair, state)| Some((pair, state.bin()?)));
+        for (pair, bin) in binned {
+            let at = &mut starts[usize::from(bin.0)];
             self.order[*at as usize] = pair as u32;
             *at += 1;
         }

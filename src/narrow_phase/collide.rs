@@ -7,15 +7,16 @@
 use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
 use super::input::Input;
+use super::pair_state::{PackedState, PairState};
 use super::relative::{Relative, lanes_of, relative_poses};
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::config::tuning::FACE_SINK;
 use crate::lanes::f32x8;
-use crate::memory::{Allowances, Category, Slab, buffers};
-use crate::narrow_phase::contacts::admit::RowSpace;
+use crate::memory::{Category, buffers};
+use crate::narrow_phase::contacts::admit::ContactMemory;
 use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
-use crate::narrow_phase::contacts::found::{CLEAR, CROWDED, EMPTIED, FoundContacts};
+use crate::narrow_phase::contacts::found::{FoundContacts, Places, Wave};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
 use crate::shape::Kind;
@@ -24,8 +25,8 @@ use crate::threads::{Shared, Workers, per_block};
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// The bin of each pair, or its state if it is in none.
-    bin_of: Vec<u8>,
+    /// Of each pair.
+    states: Vec<PackedState>,
     bins: Bins,
     found: FoundContacts,
 }
@@ -33,7 +34,7 @@ pub(crate) struct Scratch {
 buffers! {
     Scratch {
         /// For so many pairs, whatever their bins.
-        each_and_missing(pairs: usize) { bin_of(pairs), bins(pairs) }
+        each_and_missing(pairs: usize) { states(pairs), bins(pairs) }
         bytes { found }
     }
 }
@@ -42,8 +43,8 @@ impl Scratch {
     #[cfg(debug_assertions)]
     pub(crate) fn spoil(&mut self) {
         use crate::memory::spoil;
-        let Scratch { bin_of, bins: Bins { order, blocks }, found: _ } = self;
-        spoil(bin_of);
+        let Scratch { states, bins: Bins { order, blocks }, found: _ } = self;
+        spoil(states);
         spoil(order);
         spoil(blocks);
     }
@@ -56,7 +57,7 @@ impl Scratch {
     /// Whether the shapes of a continuous pair, given by its index, are surely apart all along the predicted
     /// path.
     pub(crate) fn is_clear(&self, pair: usize) -> bool {
-        matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
+        self.states.get(pair).is_some_and(|state| state.is(PairState::Far) || state.is(PairState::Clear))
     }
 }
 
@@ -72,10 +73,6 @@ pub(crate) struct NarrowStats {
     pub(crate) touching: bool,
 }
 
-/// In `bin_of`: the pair keeps its contact.
-const KEPT: u8 = u8::MAX;
-/// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
-const FAR: u8 = KEPT - 1;
 /// Pairs a block, a multiple of the lanes: with fewer, claiming blocks costs time; with more, threads end at
 /// different times.
 const BLOCK: usize = per_block(128, 8);
@@ -88,28 +85,30 @@ pub(crate) fn collide(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    (allowances, space): (&mut Allowances, &mut RowSpace),
+    mut memory: ContactMemory<'_>,
 ) -> NarrowStats {
+    let ContactMemory { allowances, space } = &mut memory;
     // The broad phase takes in pairs only if there is memory for this.
-    allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.bin_of, pairs.len()));
+    allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.states, pairs.len()));
     contacts.keep_rooms(!allowances.is_endless());
     place(workers, input, pairs, contacts, scratch);
-    let Scratch { bin_of, bins, found } = scratch;
-    allowances.within(Category::Scratch, |allowance| bins.sort(bin_of, EMPTIED, allowance));
+    let Scratch { states, bins, found } = scratch;
+    allowances.within(Category::Scratch, |allowance| bins.sort(states, allowance));
     let mut stats = NarrowStats {
-        recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
+        recycled: states.iter().filter(|state| state.is(PairState::Kept)).count() as u32,
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, (pairs, contacts), input, (allowances, &mut space.slab));
+    found.plan(bins, pairs, contacts, input, allowances, &mut space.slab);
     let (mut first, end) = (0, bins.blocks.len());
     loop {
+        let ContactMemory { allowances, space } = &mut memory;
         let last =
             allowances.within(Category::Scratch, |allowance| found.wave(&mut bins.blocks, first, allowance));
-        run_blocks(workers, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
-        stats.shed +=
-            found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (allowances, space));
-        first = bins.repeat(first..last, &|pair| bin_of[pair as usize] == CROWDED);
+        let mut wave = Wave { bins, blocks: first..last, states };
+        run_blocks(workers, input, &mut wave, pairs, contacts, found.places(&mut space.slab));
+        stats.shed += found.commit(&mut wave, pairs, contacts, input, &mut memory);
+        first = bins.repeat(first..last, &|pair| states[pair as usize].is(PairState::Crowded));
         if first == end {
             break;
         }
@@ -126,16 +125,16 @@ pub(crate) fn collide(
 fn run_blocks(
     workers: &Workers<'_>,
     input: &Input<'_>,
-    (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
+    wave: &mut Wave<'_>,
     pairs: &[Pair],
     contacts: &mut Contacts,
-    (found, slab): (&mut FoundContacts, &mut Slab),
+    places: Places<'_>,
 ) {
     let all = contacts.share();
-    let state = Shared::new(bin_of);
-    let Bins { order, blocks } = bins;
-    let blocks = &mut blocks[wave];
-    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places(slab));
+    let state = Shared::new(wave.states);
+    let Bins { order, blocks } = &mut *wave.bins;
+    let blocks = &mut blocks[wave.blocks.clone()];
+    let (count, blocks) = (blocks.len(), Shared::new(blocks));
     let order = &*order;
     workers.run(count, &|block| {
         // SAFETY: this is the only one that runs the block.
@@ -158,9 +157,9 @@ fn place(
     contacts: &mut Contacts,
     scratch: &mut Scratch,
 ) {
-    scratch.bin_of.clear();
-    scratch.bin_of.resize(pairs.len(), 0);
-    let bin_of = Shared::new(&mut scratch.bin_of);
+    scratch.states.clear();
+    scratch.states.resize(pairs.len(), PairState::Far.into());
+    let states = Shared::new(&mut scratch.states);
     let all = contacts.share();
     workers.run(pairs.len().div_ceil(BLOCK), &|block| {
         let end = ((block + 1) * BLOCK).min(pairs.len());
@@ -171,18 +170,19 @@ fn place(
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
                     let idle = pair.is_idle(input.summaries, input.dynamic);
-                    *bin_of.get(first + i) = if idle && pair.contact != NO_CONTACT {
-                        KEPT
+                    let state = if idle && pair.contact != NO_CONTACT {
+                        PairState::Kept
                     } else if idle {
-                        FAR
+                        PairState::Far
                     } else if recycle(input, pair, &now, &all) {
-                        KEPT
+                        PairState::Kept
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
-                        FAR
+                        PairState::Far
                     } else {
                         let kind = |c: u32| &input.summaries[c as usize];
-                        Bin::of(kind(pair.a), kind(pair.b)).0
+                        PairState::Binned(Bin::of(kind(pair.a), kind(pair.b)))
                     };
+                    *states.get(first + i) = state.into();
                 }
             }
         }

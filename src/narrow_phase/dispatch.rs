@@ -3,7 +3,7 @@
 use super::bins::{Bin, TAPERED_BOX, TAPERED_CAPSULES};
 use super::convex::collide_convex;
 use super::input::{Approach, Input};
-use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
+use super::pair_policy::{PairView, finish_convex, finish_mesh, margin_of};
 use super::relative::{lanes_of, relative_pose, relative_poses};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
@@ -65,8 +65,8 @@ pub(crate) fn run_bin(
             let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
             for (lane, &index) in eight.iter().enumerate() {
                 let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
-                let state = PairState { input, pair, index, rel, approach };
-                finish_convex(&state, manifolds.lane(lane), contacts, out);
+                let view = PairView { input, pair, index, rel, approach };
+                finish_convex(&view, manifolds.lane(lane), contacts, out);
             }
         }
         return;
@@ -76,12 +76,12 @@ pub(crate) fn run_bin(
         let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
         let rel = &relative_pose(pair, input.poses);
         let approach = &input.approach(pair);
-        let state = PairState { input, pair, index, rel, approach };
+        let view = PairView { input, pair, index, rel, approach };
         if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
-            finish_mesh(&state, contacts, out);
+            finish_mesh(&view, contacts, out);
         } else {
             let raw = collide_convex(a, b, rel, margin_of(input, approach));
-            finish_convex(&state, raw, contacts, out);
+            finish_convex(&view, raw, contacts, out);
         }
     }
 }
