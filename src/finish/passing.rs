@@ -205,3 +205,25 @@ impl Guard<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{BodyDesc, Geometry, Settings, ShapeDesc, World};
+    use glam::Vec3;
+
+    /// A ball that lies on a floor is touched in every substep, and nothing moves it aside. With two substeps
+    /// it was taken for moved: touches were counted where the mark was a number.
+    #[test]
+    fn a_body_that_two_substeps_touch_was_not_moved_aside() {
+        for substeps in 1..=4 {
+            let mut world = World::new(Settings::default().with_substeps(substeps)).unwrap();
+            world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
+            let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+            world.add_body(&BodyDesc::dynamic().at(0.5 * Vec3::Y).with_shape(ball)).unwrap();
+            world.step(1.0 / 60.0).unwrap();
+            let delta = &world.buffers.solver.delta[0];
+            assert!(delta.is_touched(), "{substeps} substeps");
+            assert!(!delta.was_moved_aside(), "{substeps} substeps");
+        }
+    }
+}

@@ -57,8 +57,7 @@ fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowan
     let marks = &mut rows.soft.marks;
     marks.clear();
     if input.soft {
-        let (bodies, found) = ((input.bodies, input.colliders), (input.pairs, input.contacts));
-        allowances.within(Category::Rows, |allowance| mark(marks, bodies, found, input.joints, allowance));
+        allowances.within(Category::Rows, |allowance| mark(marks, input, allowance));
     }
     !input.soft || marks.len() == input.bodies.dynamic()
 }

@@ -146,7 +146,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     // SAFETY: as above.
     if let Some(soft) = unsafe { pass.soft.find(batch.soft as usize) } {
         // SAFETY: by the contract.
-        return unsafe { solve_soft::<L, P, B, FRICTION>(batch, (friction, rolling), soft, motion, pass) };
+        return unsafe { solve_soft::<L, P, B, FRICTION>(batch, friction, rolling, soft, motion, pass) };
     }
     if !sweep::<L, P, B, FRICTION, _>(batch, friction, rolling, &mut v, pass, &mut Free) {
         return false;

@@ -298,7 +298,7 @@ fn sort(
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
         let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
         if contact.points().iter().any(deep) && !is_soft(input, contact) {
-            crowd.overlap((a, b), dynamic);
+            crowd.overlap(a, b, dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
         prepared.manifolds += 1;
@@ -345,7 +345,7 @@ fn sort(
     if !crowd.is_empty() {
         each_contact(input, |_, contact| {
             let body = |c: u32| input.summaries[c as usize].body as usize;
-            crowd.touch((body(contact.a), body(contact.b)), &input.bodies.velocity, movers);
+            crowd.touch(body(contact.a), body(contact.b), &input.bodies.velocity, movers);
         });
     }
     scratch.line_up(input, &mut allowance);

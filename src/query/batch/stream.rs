@@ -59,7 +59,7 @@ impl RayStream {
         }
         let all = u64::MAX >> (RAYS - rays.len());
         let skip = filter.skip_inside;
-        world.broad.together(world.current()?, filter.sorts(), (stream, walk), all, |index, here, stream| {
+        world.broad.together(world.current()?, filter.sorts(), stream, walk, all, |index, here, stream| {
             let shape = &world.colliders.all[index as usize];
             if !sees.sees(index, shape) {
                 return;

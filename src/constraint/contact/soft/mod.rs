@@ -35,7 +35,8 @@ const SWEEPS: usize = 3;
 #[inline(never)]
 pub(crate) unsafe fn solve_soft<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
     batch: &mut Batch<L, P, B>,
-    (friction, rolling): (Option<&mut FrictionRow<L, B>>, Option<&mut RollingRow>),
+    friction: Option<&mut FrictionRow<L, B>>,
+    rolling: Option<&mut RollingRow>,
     soft: &mut SoftRow,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
