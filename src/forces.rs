@@ -56,7 +56,7 @@ const BLOCK: usize = per_block(256, 1);
 /// Whether a step can begin with a motion: the velocity that it predicts is within [`MAX_LEFT_SPEED`].
 pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
     let (motion, pull) = (bytemuck::must_cast(*motion), bytemuck::must_cast(*pull));
-    // The pad of a motion is its angle of rotation, whatever the axis.
+    // The angle of a motion is that of its rotation, whatever the axis.
     is_within(motion, 2.0 * MAX_LEFT_SPEED * dt) && is_within(pull, MAX_LEFT_SPEED / dt)
 }
 

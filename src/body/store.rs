@@ -3,7 +3,7 @@
 //! static ones. Disabled movable bodies share the range of sleeping ones.
 
 use super::rare::{Damping, KeptMass, RareColumns, SpeedCap};
-use super::{BodyKind, ColliderList};
+use super::{BodyKind, ColliderList, Pose};
 use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
@@ -11,19 +11,6 @@ use crate::lanes::Record;
 use crate::math::Quat;
 use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use glam::{DVec3, Vec3};
-
-/// Pose of the centre of mass, in the principal axes of inertia.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pose {
-    pub(crate) position: DVec3,
-    pub(crate) rotation: Quat,
-}
-
-impl Pose {
-    pub(crate) fn is_finite(&self) -> bool {
-        self.position.is_finite() && self.rotation.is_finite()
-    }
-}
 
 /// Inverse mass, and principal moments of inertia with their inverses; zero where a body can't be moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

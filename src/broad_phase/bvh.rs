@@ -16,6 +16,9 @@ use bytemuck::{Pod, Zeroable};
 /// No place, no child; and a child with this bit is a leaf, and the rest is its collider.
 pub(super) use crate::shape::{LEAF, NONE};
 
+/// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
+pub(crate) const STACK: usize = 256;
+
 /// Four boxes and what is in them; 128 bytes, two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -107,7 +110,7 @@ pub(crate) struct Tree {
 buffers! {
     Tree {
         // A walk keeps three tasks a level, and one.
-        each(leaves: usize) { nodes(Self::nodes_for(leaves)), items(leaves), tasks(leaves.min(super::STACK)) }
+        each(leaves: usize) { nodes(Self::nodes_for(leaves)), items(leaves), tasks(leaves.min(STACK)) }
     }
 }
 

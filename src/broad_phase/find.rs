@@ -1,6 +1,6 @@
 //! Which pairs end and which begin, in blocks that any thread may work on.
 
-use super::bvh::Tree;
+use super::bvh::{STACK, Tree};
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4, ones};
 use crate::memory::{
@@ -39,9 +39,6 @@ pub(super) struct Block {
     allowance: Allowance,
     shed: u32,
 }
-
-/// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
-pub(crate) const STACK: usize = 256;
 
 /// Colliders leave this bit free, as they do for the trees.
 const FAST: u32 = super::bvh::LEAF;

@@ -16,6 +16,7 @@ mod build;
 mod bvh;
 mod find;
 mod look_up;
+mod mover;
 mod pairs;
 mod proxy;
 mod query_tree;
@@ -31,13 +32,15 @@ pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
 use crate::memory::{Allowance, Buffer, Category, buffers, bytes_of};
-use crate::shape::ColliderSummary;
 use crate::threads::Workers;
+pub(crate) use bvh::STACK;
 use bvh::{NONE, Tree};
 use find::{Block, Blocks, Change};
-pub(crate) use find::{PairMemory, Rules, STACK};
+pub(crate) use find::{PairMemory, Rules};
 use glam::Vec3;
 pub(crate) use look_up::{Places, SearchSet};
+pub(crate) use mover::Mover;
+pub(crate) use pairs::Pair;
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 pub(crate) use query_tree::{QueryIndex, QueryTree, Sorts, WorldView};
@@ -49,45 +52,6 @@ use segment::Path;
 pub(crate) mod kernels {
     pub(crate) use super::bvh::{Node, Tree};
     pub(crate) use super::segment::Path;
-}
-
-/// A collider that may move in this step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mover {
-    /// Stable index of the collider.
-    pub(crate) collider: u32,
-    /// Bounds at the start of the step.
-    pub(crate) aabb: Aabb,
-    /// Predicted displacement of the shape's origin within the step [m].
-    pub(crate) motion: Vec3,
-    /// How far any point of the shape may get from where pure translation takes it, by rotation [m].
-    pub(crate) spin: f32,
-    /// How it is kept from passing through others.
-    pub(crate) mode: Continuous,
-}
-
-/// Two colliders that may touch in this step; `a` has the lower kind, then the lower index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pair {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
-    /// The narrow phase's own: where it keeps the pair's contact. `u32::MAX`: none.
-    pub(crate) contact: u32,
-    /// Set while the relative motion of this step outruns the margin: the narrow phase casts.
-    pub(crate) fast: bool,
-    /// The listeners' own: the two touched in the last step.
-    pub(crate) touching: bool,
-}
-
-impl Pair {
-    /// Whether neither body can be pushed in this step: one sleeps beside a kinematic body, which would wake
-    /// it before anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its
-    /// contacts stay as they are, for the step in which the island wakes.
-    #[inline]
-    pub(crate) fn is_idle(&self, summaries: &[ColliderSummary], dynamic: usize) -> bool {
-        summaries[self.a as usize].body as usize >= dynamic
-            && summaries[self.b as usize].body as usize >= dynamic
-    }
 }
 
 /// Counts of one update.

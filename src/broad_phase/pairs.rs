@@ -5,8 +5,32 @@
 //! fixed hash, so that nothing here depends on a random seed, and a removal shifts later entries back instead
 //! of leaving a mark: a table that lives for hours doesn't silt up.
 
-use super::Pair;
 use crate::memory::{Allowance, buffers};
+use crate::shape::ColliderSummary;
+
+/// Two colliders that may touch in this step; `a` has the lower kind, then the lower index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pair {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    /// The narrow phase's own: where it keeps the pair's contact. `u32::MAX`: none.
+    pub(crate) contact: u32,
+    /// Set while the relative motion of this step outruns the margin: the narrow phase casts.
+    pub(crate) fast: bool,
+    /// The listeners' own: the two touched in the last step.
+    pub(crate) touching: bool,
+}
+
+impl Pair {
+    /// Whether neither body can be pushed in this step: one sleeps beside a kinematic body, which would wake
+    /// it before anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its
+    /// contacts stay as they are, for the step in which the island wakes.
+    #[inline]
+    pub(crate) fn is_idle(&self, summaries: &[ColliderSummary], dynamic: usize) -> bool {
+        summaries[self.a as usize].body as usize >= dynamic
+            && summaries[self.b as usize].body as usize >= dynamic
+    }
+}
 
 /// From two colliders, in any order, to their pair.
 ///

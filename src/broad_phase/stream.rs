@@ -25,7 +25,8 @@ impl BroadPhase {
         &self,
         current: &QueryTree,
         sorts: Sorts,
-        (stream, walk): (&mut Stream, &mut Walk),
+        stream: &mut Stream,
+        walk: &mut Walk,
         rays: u64,
         mut leaf: impl FnMut(u32, u64, &mut Stream),
     ) {

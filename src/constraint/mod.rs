@@ -13,11 +13,12 @@ pub(crate) use articulation::slots::{TreeRef, TreeSlot, TreeSlots};
 pub(crate) use contact::batch::Batch;
 pub(crate) use contact::expect::lend;
 pub(crate) use contact::friction::FrictionRow;
-pub(crate) use contact::impact_friction::solve_impact_friction;
-pub(crate) use contact::prepare::{PrepareInput, prepare};
+pub(crate) use contact::friction::impact::solve_impact_friction;
+pub(crate) use contact::input::{Beside, PrepareInput};
+pub(crate) use contact::prepare::prepare;
 #[cfg(feature = "observe")]
 pub(crate) use contact::readout::{ContactLane, FrictionLane};
-pub(crate) use contact::rows::{Beside, Rows, Views, with_batch};
+pub(crate) use contact::rows::{Rows, Views, with_batch};
 pub(crate) use contact::soft::bodies::move_by_mean;
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
 pub(crate) use joint::arrange::{JointInput, JointRows, JointStage, arranged_alike};

@@ -4,6 +4,7 @@
 //! afterwards by one thread: bodies off their predicted path ([`settle`]), bodies that meet each other
 //! ([`passing`]), and trees of joints of which a body was held ([`trees`]).
 
+mod beside;
 mod ends;
 mod free;
 mod guard;
@@ -13,6 +14,7 @@ mod settle;
 mod trees;
 mod turned;
 
+use beside::{Beside, mark_beside};
 pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
@@ -21,9 +23,10 @@ use moving::{FAR, Moving, Prediction};
 use passing::Movers;
 use settle::{Tools, settle_off_path};
 use trees::Trees;
+use turned::BLOCK;
 
 use crate::body::{Bodies, Colliders};
-use crate::broad_phase::{BroadPhase, Pair, STACK};
+use crate::broad_phase::{BroadPhase, STACK};
 use crate::config::tuning::{STRAY_DISTANCE, TOUCH_DISTANCE};
 use crate::config::{Continuous, Settings};
 use crate::constraint::{JointRows, Restitution, Rows, TreeSlot};
@@ -32,9 +35,8 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Made, bytes_of, sum_bytes};
 use crate::narrow_phase::Scratch;
-use crate::shape::ColliderSummary;
 use crate::solver::closing;
-use crate::threads::{Shared, Workers, per_block};
+use crate::threads::{Shared, Workers};
 use std::sync::{Mutex, PoisonError};
 
 /// Buffers of one step.
@@ -107,47 +109,6 @@ impl Buffers {
 fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
     Made { all, make: || Mutex::new(Vec::with_capacity(STACK)), holds: STACK * size_of::<u32>() }
 }
-
-/// Static geometry near a body's predicted path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Beside {
-    #[default]
-    Nothing,
-    /// There is some, which the narrow phase saw the body miss.
-    Missed,
-    /// There is some that it may touch.
-    Static,
-}
-
-/// Marks the dynamic bodies that have static geometry near their predicted paths. None if no body is fast:
-/// most slow bodies are known to be clear of it.
-fn mark_beside(
-    beside: &mut Vec<Beside>,
-    fast: u32,
-    movers: usize,
-    dynamic: usize,
-    pairs: &[Pair],
-    colliders: &[ColliderSummary],
-    missed: impl Fn(usize, usize) -> bool,
-) {
-    beside.clear();
-    if fast == 0 {
-        return;
-    }
-    beside.resize(dynamic, Beside::Nothing);
-    for (k, pair) in pairs.iter().enumerate() {
-        let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
-        let body = a.min(b);
-        if (a >= movers || b >= movers)
-            && let Some(mark) = beside.get_mut(body)
-        {
-            *mark = (*mark).max(if missed(k, body) { Beside::Missed } else { Beside::Static });
-        }
-    }
-}
-
-/// Bodies in a block of work.
-const BLOCK: usize = per_block(64, 1);
 
 /// Input of the end of a step, and the bodies that it moves.
 pub(crate) struct Input<'a> {

@@ -1,10 +1,10 @@
 //! Moves each body independently: turned and moved to the end of the step, as far as the guard allows.
 
+use super::beside::Beside;
 use super::ends::Crossing;
 use super::free::Clear;
 use super::guard::{Guard, Held};
-use super::turned::Turned;
-use super::{BLOCK, Beside};
+use super::turned::{BLOCK, Turned};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, carry_spin, exp_map};
 use crate::config::tuning::FREE_SPIN_IN_TOUCH;
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
@@ -54,8 +54,7 @@ struct Body<'a> {
     index: usize,
     pose: &'a mut Pose,
     velocity: &'a mut Record,
-    /// Its displacement; the pads tell whether it was touched, and whether its angular velocity was
-    /// integrated too.
+    /// Its displacement; the marks tell whether it was touched, and whether it is turned already.
     delta: &'a mut Record,
     /// Its colliders.
     own: &'a [u32],

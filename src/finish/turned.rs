@@ -1,9 +1,12 @@
 //! Rotations of the untouched bodies of a block.
 
-use super::BLOCK;
 use crate::body::{FREE, FreeTurn};
 use crate::math::Quat;
+use crate::threads::per_block;
 use glam::Vec3;
+
+/// Bodies in a block of work.
+pub(super) const BLOCK: usize = per_block(64, 1);
 
 /// Rotations and angular velocities at the end of the step, by a body's place in its block; `None` for other
 /// bodies.

@@ -499,3 +499,20 @@ pub(crate) const THRESHOLD: [&str; 2] = ["force threshold", "torque threshold"];
 pub(crate) fn check_loads(what: [&'static str; 2], loads: [f32; 2]) -> Result<(), Error> {
     what.into_iter().zip(loads).try_for_each(|(what, value)| limits::load(what, value))
 }
+
+pub(super) fn axes_code(axes: Axes) -> u32 {
+    match axes {
+        Axes::One(axis) => axis as u32,
+        Axes::Around(axis) => 3 + axis as u32,
+        Axes::All => 6,
+    }
+}
+
+pub(super) fn axes_of(code: u32) -> Option<Axes> {
+    match code {
+        axis @ 0..=2 => Some(Axes::One(Axis::ALL[axis as usize])),
+        axis @ 3..=5 => Some(Axes::Around(Axis::ALL[axis as usize - 3])),
+        6 => Some(Axes::All),
+        _ => None,
+    }
+}

@@ -1,7 +1,7 @@
 //! The two frames of a joint in the world, and how far apart they are.
 
 use super::desc::{Axes, Axis, Motion};
-use super::store::LockKind;
+use super::row::LockKind;
 use crate::body::Pose;
 use crate::lanes::Record;
 use crate::math::Quat;

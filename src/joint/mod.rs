@@ -8,6 +8,7 @@ mod coupling;
 mod desc;
 mod frames;
 mod ragdoll;
+mod row;
 mod save;
 mod store;
 
@@ -18,6 +19,7 @@ pub(crate) use desc::{STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};
 pub(crate) use ragdoll::Link;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
+pub(crate) use row::{Lock, LockKind, Row, RowKind};
 pub(crate) use save::{JointLists, JointRecords, SavedJoints, group_code, group_of};
 pub use store::JointEvent;
-pub(crate) use store::{Joint, JointAdditions, Joints, Lock, LockKind, Row, RowKind};
+pub(crate) use store::{Joint, JointAdditions, Joints};

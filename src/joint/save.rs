@@ -2,11 +2,10 @@
 //! seldom do.
 
 use super::coupling::{CouplingRecords, SavedCouplings};
-use super::desc::{Axes, Axis, Motion, Spring};
+use super::desc::{Axes, Axis, Motion, Spring, axes_code, axes_of};
 use super::frames::JointFrame;
-use super::store::{
-    COUPLING_ROWS, Joint, JointAdditions, Joints, Lock, LockKind, NONE, Row, RowKind, is_bound,
-};
+use super::row::{Lock, LockKind, NONE, Row, RowKind};
+use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, is_bound};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;
@@ -407,23 +406,6 @@ fn lock_of(code: u32) -> Result<Option<LockKind>, Error> {
         6..=8 => Some(LockKind::Hinge(Axis::ALL[code as usize - 6])),
         _ => return Err(broken("a lock")),
     })
-}
-
-pub(super) fn axes_code(axes: Axes) -> u32 {
-    match axes {
-        Axes::One(axis) => axis as u32,
-        Axes::Around(axis) => 3 + axis as u32,
-        Axes::All => 6,
-    }
-}
-
-pub(super) fn axes_of(code: u32) -> Option<Axes> {
-    match code {
-        axis @ 0..=2 => Some(Axes::One(Axis::ALL[axis as usize])),
-        axis @ 3..=5 => Some(Axes::Around(Axis::ALL[axis as usize - 3])),
-        6 => Some(Axes::All),
-        _ => None,
-    }
 }
 
 /// Without its ends, which are part of the state.

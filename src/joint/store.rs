@@ -1,8 +1,9 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::coupling::{Coupling, Couplings};
-use super::desc::{Axes, Drive, JointDesc, Limit, Motion, Spring};
+use super::desc::{Drive, JointDesc, Limit};
 use super::frames::JointFrame;
+use super::row::{Lock, NONE, Row, RowKind};
 use crate::body::Bodies;
 use crate::config::RowGroup;
 use crate::handle::{CouplingHandle, JointHandle, Slots};
@@ -26,9 +27,6 @@ pub struct JointEvent {
 /// Rows that a coupling may add to the batches of a step: its own, and drives of its motions, which go along.
 pub(super) const COUPLING_ROWS: usize = 3;
 
-/// End of a list of joints.
-pub(crate) const NONE: u32 = u32::MAX;
-
 /// A joint. Its slot is its index: it never moves.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
@@ -50,73 +48,6 @@ pub(crate) struct Joint {
     pub(super) next: [u32; 2],
     /// Its first lock and its first row; the others follow. Of a joint without any it says nothing.
     pub(super) start: [u32; 2],
-}
-
-/// What a lock keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LockKind {
-    /// Points together.
-    Point,
-    /// The second body's point on a line of the first.
-    Line(super::Axis),
-    /// All rotation.
-    Weld,
-    /// An axis.
-    Hinge(super::Axis),
-}
-
-/// A limit without width: rows without bounds, solved as a block.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lock {
-    pub(crate) joint: u32,
-    pub(crate) kind: LockKind,
-    /// It stands for locks of single axes.
-    pub(super) merged: bool,
-    /// Impulse of the last substep, in world axes [N s] or [N m s].
-    pub(crate) impulse: Vec3,
-    /// How much of it does not yield.
-    pub(crate) lasting_impulse: f32,
-    /// How much of it was there in the last step too.
-    pub(crate) steady: f32,
-    /// By how much the velocities of its tree are those of before [s]; below zero if it was in none yet.
-    pub(crate) lag: f32,
-}
-
-/// What a row of one direction does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum RowKind {
-    /// Rigid.
-    Limit {
-        min: f32,
-        max: f32,
-    },
-    /// Beyond its range a spring.
-    Yielding {
-        min: f32,
-        max: f32,
-        spring: Spring,
-    },
-    Drive {
-        position: f32,
-        velocity: f32,
-        spring: Spring,
-        max_force: f32,
-    },
-}
-
-/// A limit with a width, or a drive.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
-    pub(crate) joint: u32,
-    pub(crate) motion: Motion,
-    pub(crate) axes: Axes,
-    pub(crate) kind: RowKind,
-    /// What else the joint locks, which leaves the row less to move.
-    pub(crate) beside: [Option<LockKind>; 2],
-    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
-    pub(crate) impulse: [f32; 2],
-    /// The part of a lock's that does not yield.
-    pub(crate) lasting_impulse: f32,
 }
 
 /// How many joints, locks and rows are about to be added.

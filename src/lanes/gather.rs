@@ -3,85 +3,98 @@
 use super::{Lanes, Mask, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
-/// Two vectors of one body, in the layout that the solver gathers: linear xyz and a pad, angular xyz
-/// and a pad. The pads carry along whatever the stage puts there.
+/// Two vectors of one body, in the layout that the solver gathers: linear xyz and the marks, angular xyz and
+/// an angle. Only displacements have marks, and only predicted ones an angle; both are zero in all others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct Record {
     pub(crate) linear: glam::Vec3,
-    pub(crate) pad0: f32,
+    pub(crate) marks: Marks,
     pub(crate) angular: glam::Vec3,
-    pub(crate) pad1: f32,
+    /// Angle by which the body turns, in a predicted displacement [rad].
+    pub(crate) turn_angle: f32,
 }
 
-// Sentinel: in the first pad of a displacement, where rows and bounces leave numbers of at least zero.
-const OFF_PATH: f32 = -1.0;
-// Sentinel: as above; no other step of `finish` writes it.
-const MOVED_ASIDE: f32 = 2.0;
+/// What happened to a body within the step, a bit each.
+///
+/// The solver integrates whole records in float lanes, so the bits are those of an exponent: any set of them
+/// is a tiny normal float, which keeps its bits where zero is added to it, on every target, and is slow
+/// nowhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(crate) struct Marks(u32);
 
-/// What the pads say of a displacement.
+impl Marks {
+    /// Something acted on the body: it may not be where it was predicted.
+    const TOUCHED: u32 = 1 << 23;
+    /// Its displacement has turned it already, and its inertia with it.
+    const TURNED: u32 = 1 << 24;
+    /// Its motion crossed something or left the predicted path: it is settled once all others have moved.
+    const OFF_PATH: u32 = 1 << 25;
+    /// It was moved out of the way of another one.
+    const MOVED_ASIDE: u32 = 1 << 26;
+    /// All that leave the body elsewhere than predicted.
+    const ANY_TOUCH: u32 = Marks::TOUCHED | Marks::OFF_PATH | Marks::MOVED_ASIDE;
+
+    #[inline(always)]
+    fn has(self, mark: u32) -> bool {
+        self.0 & mark != 0
+    }
+}
+
+/// The marks of a displacement; see [`Marks`].
 impl Record {
-    /// Whether something acted on the body in the step: it may not be where it was predicted.
     #[inline(always)]
     pub(crate) fn is_touched(&self) -> bool {
-        self.pad0 != 0.0
+        self.marks.has(Marks::ANY_TOUCH)
     }
 
     #[inline(always)]
     pub(crate) fn set_touched(&mut self) {
-        self.pad0 = 1.0;
+        self.marks.0 |= Marks::TOUCHED;
     }
 
-    /// The body bounced, or stands where it did. Less than a touch, of which rows add one in each substep.
+    /// Lanes that mark a displacement as touched when they are joined to its own by `|`, or change nothing.
     #[inline(always)]
-    pub(crate) fn set_bounced(&mut self) {
-        self.pad0 = self.pad0.max(0.5);
+    pub(crate) fn touched_lanes(touched: bool) -> f32x8 {
+        let marks = Marks(if touched { Marks::TOUCHED } else { 0 });
+        bytemuck::must_cast(Record { marks, ..Record::default() })
     }
 
-    /// The motion crossed something or left the predicted path: the body is settled once all others have
-    /// moved.
-    #[inline(always)]
-    pub(crate) fn set_off_path(&mut self) {
-        self.pad0 = OFF_PATH;
-    }
-
-    #[inline(always)]
-    pub(crate) fn is_off_path(&self) -> bool {
-        self.pad0 == OFF_PATH
-    }
-
-    /// The body was moved out of the way of another one.
-    #[inline(always)]
-    pub(crate) fn set_moved_aside(&mut self) {
-        self.pad0 = MOVED_ASIDE;
-    }
-
-    #[inline(always)]
-    pub(crate) fn was_moved_aside(&self) -> bool {
-        self.pad0 == MOVED_ASIDE
-    }
-
-    /// Whether the body has been turned by its displacement already, and its inertia with it.
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
-        self.pad1 != 0.0
+        self.marks.has(Marks::TURNED)
     }
 
     #[inline(always)]
     pub(crate) fn set_turned(&mut self) {
-        self.pad1 = 1.0;
+        self.marks.0 |= Marks::TURNED;
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_off_path(&self) -> bool {
+        self.marks.has(Marks::OFF_PATH)
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_off_path(&mut self) {
+        self.marks.0 |= Marks::OFF_PATH;
+    }
+
+    #[inline(always)]
+    pub(crate) fn was_moved_aside(&self) -> bool {
+        self.marks.has(Marks::MOVED_ASIDE)
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_moved_aside(&mut self) {
+        self.marks.0 |= Marks::MOVED_ASIDE;
     }
 
     /// A predicted displacement, with the angle by which the body turns [rad]: it bounds how far points get.
     #[inline(always)]
-    pub(crate) fn predicted(linear: glam::Vec3, angular: glam::Vec3, angle: f32) -> Record {
-        Record { linear, angular, pad0: 0.0, pad1: angle }
-    }
-
-    /// Angle by which the body turns, in a predicted displacement [rad].
-    #[inline(always)]
-    pub(crate) fn turn_angle(&self) -> f32 {
-        self.pad1
+    pub(crate) fn predicted(linear: glam::Vec3, angular: glam::Vec3, turn_angle: f32) -> Record {
+        Record { linear, angular, turn_angle, ..Record::default() }
     }
 }
 
@@ -103,7 +116,7 @@ impl Record {
 pub(crate) trait GatherLanes: Lanes {
     /// Records by index, which `record` looks up.
     fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<Self>, Vec3<Self>);
-    /// The lanes as records, in order; pads are zero.
+    /// The lanes as records, in order; without marks and angles.
     fn records(linear: Vec3<Self>, angular: Vec3<Self>, out: &mut [Record]);
 }
 
@@ -130,7 +143,7 @@ impl GatherLanes for f32 {
     }
     #[inline(always)]
     fn records(linear: Vec3<f32>, angular: Vec3<f32>, out: &mut [Record]) {
-        out[0] = Record { linear: linear.lane(0), pad0: 0.0, angular: angular.lane(0), pad1: 0.0 };
+        out[0] = Record { linear: linear.lane(0), angular: angular.lane(0), ..Record::default() };
     }
 }
 
@@ -225,6 +238,33 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Marks pass through the float arithmetic of the solver's substeps: none comes, none goes, and touches
+    /// of any number of substeps are one mark.
+    #[test]
+    fn marks_are_bits_that_float_lanes_keep() {
+        let sets: [fn(&mut Record); 4] =
+            [Record::set_touched, Record::set_turned, Record::set_off_path, Record::set_moved_aside];
+        for chosen in 0..16u32 {
+            let mut record = Record::default();
+            (0..4).filter(|i| chosen >> i & 1 != 0).for_each(|i| sets[i](&mut record));
+            let before = record.marks;
+            for substep in 0..5 {
+                let moved = f32x8::new([0.5, -1.0, 2.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+                let touched = Record::touched_lanes(substep % 2 == 1 && record.marks.has(Marks::TOUCHED));
+                let lanes: f32x8 = bytemuck::must_cast(record);
+                record = bytemuck::must_cast((lanes + moved) | touched);
+                assert!(f32::from_bits(record.marks.0 | Marks::TOUCHED).is_normal());
+            }
+            assert_eq!(record.marks, before);
+            assert_eq!(record.linear, glam::vec3(2.5, -5.0, 10.0));
+            let [touched, turned, off_path, aside] = [0, 1, 2, 3].map(|i| chosen >> i & 1 != 0);
+            assert_eq!(record.is_touched(), touched || off_path || aside);
+            assert_eq!(record.is_turned(), turned);
+            assert_eq!(record.is_off_path(), off_path);
+            assert_eq!(record.was_moved_aside(), aside);
+        }
+    }
 
     #[test]
     fn eight_records_gathered_and_scattered_are_the_same_records() {

@@ -1,20 +1,7 @@
-//! Bins of pairs with the same two shapes, and the kernels that work through them in lanes.
+//! Bins of pairs with the same two shapes, and blocks of them.
 
-use super::collide::{Approach, Input, lanes_of, relative_pose, relative_poses};
-use super::convex::collide_convex;
-use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
-use crate::broad_phase::Pair;
-use crate::lanes::f32x8;
+use super::pair_state::PackedState;
 use crate::memory::{Allowance, buffers};
-use crate::narrow_phase::contacts::found::BlockOutput;
-use crate::narrow_phase::contacts::store::SharedContacts;
-use crate::narrow_phase::pairs::box_box::box_box;
-use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
-use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
-use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
-use crate::narrow_phase::pairs::sphere_box::sphere_box;
-use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
-use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::shape::{ColliderSummary, Kind};
 use crate::threads::per_block;
 
@@ -24,14 +11,15 @@ pub(crate) struct Bin(pub(crate) u8);
 
 const KINDS: u8 = 8;
 /// Tapered capsules have kernels, and so bins, of their own.
-const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
-const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
+pub(super) const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
+pub(super) const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
 /// The bins of meshes begin here, then those of height fields, by the kind of the other shape. They have no
 /// kernel in lanes, so a block may contain several of them: in a scene of few bodies there are fewer blocks
 /// than kinds.
 const MESHES: Bin = Bin(KINDS * KINDS + 2);
 /// One bin for each pair of kinds, the tapered ones, and those of meshes.
-const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
+pub(super) const BINS: u8 = MESHES.0 + 2 * KINDS;
+const COUNT: usize = BINS as usize;
 /// Pairs a block of one bin, a multiple of eight.
 pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
@@ -52,7 +40,7 @@ impl Bin {
         self.0 >= MESHES.0
     }
 
-    const fn pair(a: Kind, b: Kind) -> u8 {
+    pub(super) const fn pair(a: Kind, b: Kind) -> u8 {
         a as u8 * KINDS + b as u8
     }
 }
@@ -111,11 +99,11 @@ pub(crate) struct Bins {
 buffers! { Bins { each_and_missing(pairs: usize) { order(pairs), blocks(Self::most_blocks(pairs)) } } }
 
 impl Bins {
-    /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, allowance: &mut Allowance) {
+    /// Sorts the pairs by bin (counting sort); those without a bin are left out.
+    pub(crate) fn sort(&mut self, states: &[PackedState], allowance: &mut Allowance) {
         let mut starts = [0u32; COUNT + 1];
-        for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
-            starts[bin as usize + 1] += 1;
+        for bin in states.iter().filter_map(|state| state.bin()) {
+            starts[usize::from(bin.0) + 1] += 1;
         }
         for bin in 0..COUNT {
             starts[bin + 1] += starts[bin];
@@ -123,7 +111,7 @@ impl Bins {
         let total = starts[COUNT];
         // The broad phase takes in pairs only if there is memory for all of them here, so it must not be used
         // for anything else.
-        let place = if allowance.is_endless() { total as usize } else { bin_of.len() };
+        let place = if allowance.is_endless() { total as usize } else { states.len() };
         allowance.fit(&mut self.order, place);
         allowance.fit(&mut self.blocks, Self::most_blocks(place));
         self.order.clear();
@@ -136,8 +124,9 @@ impl Bins {
                 self.blocks.push(Block { bin: Bin(bin as u8), start, end, ..Block::default() });
             }
         }
-        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin < skip) {
-            let at = &mut starts[bin as usize];
+        let binned = states.iter().enumerate().filter_map(|(pair, state)| Some((pair, state.bin()?)));
+        for (pair, bin) in binned {
+            let at = &mut starts[usize::from(bin.0)];
             self.order[*at as usize] = pair as u32;
             *at += 1;
         }
@@ -172,73 +161,5 @@ impl Bins {
     /// Each bin may end with a block that is not full.
     fn most_blocks(pairs: usize) -> usize {
         pairs / BLOCK as usize + COUNT.min(pairs)
-    }
-}
-
-type Kernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
-
-/// The lane kernel of a bin, if it has one.
-fn kernel_of(bin: Bin) -> Option<Kernel> {
-    const SPHERES: u8 = Bin::pair(Kind::Sphere, Kind::Sphere);
-    const SPHERE_CAPSULE: u8 = Bin::pair(Kind::Sphere, Kind::Capsule);
-    const SPHERE_BOX: u8 = Bin::pair(Kind::Sphere, Kind::Box);
-    const CAPSULES: u8 = Bin::pair(Kind::Capsule, Kind::Capsule);
-    const CAPSULE_BOX: u8 = Bin::pair(Kind::Capsule, Kind::Box);
-    const BOXES: u8 = Bin::pair(Kind::Box, Kind::Box);
-    const TAPERED: u8 = TAPERED_CAPSULES.0;
-    const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
-    match bin.0 {
-        TAPERED => Some(tapered_capsule_capsule::<f32x8>),
-        TAPERED_ON_BOX => Some(tapered_capsule_box::<f32x8>),
-        SPHERES => Some(sphere_sphere::<f32x8>),
-        SPHERE_CAPSULE => Some(sphere_capsule::<f32x8>),
-        SPHERE_BOX => Some(sphere_box::<f32x8>),
-        CAPSULES => Some(capsule_capsule::<f32x8>),
-        CAPSULE_BOX => Some(capsule_box::<f32x8>),
-        BOXES => Some(box_box::<f32x8>),
-        _ => None,
-    }
-}
-
-/// Works through a block of pairs of one bin.
-pub(crate) fn run_bin(
-    bin: Bin,
-    order: &[u32],
-    input: &Input<'_>,
-    pairs: &[Pair],
-    contacts: &SharedContacts<'_>,
-    out: &mut BlockOutput<'_>,
-) {
-    if let Some(kernel) = kernel_of(bin) {
-        for eight in order.chunks(8) {
-            let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
-            let shape = |c: u32| input.summaries[c as usize].size;
-            let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
-            let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
-            let lanes = PairLanes::new(placed, |lane| {
-                let p = &pairs[pair(lane)];
-                (shape(p.a), shape(p.b), margin_of(input, &approach[lane]))
-            });
-            let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
-            for (lane, &index) in eight.iter().enumerate() {
-                let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
-                let state = PairState { input, pair, index, rel, approach };
-                finish_convex(&state, manifolds.lane(lane), contacts, out);
-            }
-        }
-        return;
-    }
-    for &index in order {
-        let pair = &pairs[index as usize];
-        let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-        let rel = &relative_pose(pair, input.poses);
-        let approach = &input.approach(pair);
-        let state = PairState { input, pair, index, rel, approach };
-        if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
-            finish_mesh(&state, contacts, out);
-        } else {
-            let raw = collide_convex(a, b, rel, margin_of(input, approach));
-            finish_convex(&state, raw, contacts, out);
-        }
     }
 }

@@ -4,141 +4,29 @@
 //! its contact was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in
 //! lanes. *Commit*, by one thread and in the order of the pairs: contacts come and go.
 
-use super::Relative;
-use super::bins::{Bin, Bins, run_bin};
-use crate::body::Pose;
+use super::bins::{Bin, Bins};
+use super::dispatch::run_bin;
+use super::input::Input;
+use super::pair_state::{PackedState, PairState};
+use super::relative::{Relative, lanes_of, relative_poses};
 use crate::broad_phase::Pair;
+use crate::config::Continuous;
 use crate::config::tuning::FACE_SINK;
-use crate::config::{Continuous, Start};
-use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Allowances, Category, Slab, buffers};
-use crate::narrow_phase::contacts::admit::RowSpace;
+use crate::lanes::f32x8;
+use crate::memory::{Category, buffers};
+use crate::narrow_phase::contacts::admit::ContactMemory;
 use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
-use crate::narrow_phase::contacts::found::{CLEAR, CROWDED, EMPTIED, FoundContacts};
-use crate::narrow_phase::contacts::manifold::{MAX_POINTS, most_points};
+use crate::narrow_phase::contacts::found::{FoundContacts, Places, Wave};
+use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
-use crate::narrow_phase::contacts::weight::Scale;
-use crate::shape::{Collider, ColliderSummary, Kind};
+use crate::shape::Kind;
 use crate::threads::{Shared, Workers, per_block};
-
-/// What the narrow phase reads.
-pub(crate) struct Input<'a> {
-    pub(crate) colliders: &'a [Collider],
-    pub(crate) summaries: &'a [ColliderSummary],
-    /// World pose of each collider at the start of the step.
-    pub(crate) poses: &'a [Pose],
-    /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
-    pub(crate) motion: &'a [Record],
-    /// What gravity adds to the displacement of a dynamic body within the step [m].
-    pub(crate) fall: glam::Vec3,
-    /// Bodies before this one are dynamic.
-    pub(crate) dynamic: usize,
-    /// Points nearer than this are always found [m].
-    pub(crate) margin: f32,
-    /// A separation up to this is a real contact [m].
-    pub(crate) touch_distance: f32,
-    /// The length unit [m].
-    pub(crate) unit: f32,
-    /// Relative motion in a step above which a pair that is apart counts as fast [m].
-    pub(crate) fast: f32,
-    /// How far a pair may move before its contact is computed anew [m]; negative: always.
-    pub(crate) recycle: f32,
-    /// The world's; a pair's is in [`Approach::mode`].
-    pub(crate) mode: Continuous,
-    pub(crate) start: Start,
-    /// Weights of contacts, for when there is not enough memory for all.
-    pub(crate) scale: Scale<'a>,
-    /// Whether a body has joints.
-    pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
-}
-
-impl Input<'_> {
-    /// Displacement and rotation vector of a collider's body within the step.
-    pub(crate) fn motion_of(&self, collider: u32) -> Record {
-        let body = self.summaries[collider as usize].body as usize;
-        self.motion.get(body).copied().unwrap_or_default()
-    }
-
-    /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
-    pub(crate) fn is_static(&self, pair: &Pair) -> bool {
-        let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
-        !(pushed(pair.a) && pushed(pair.b))
-    }
-
-    /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
-    /// may have later: what was admitted hardly ever asks for memory again.
-    pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
-        let kind = |c: u32| self.summaries[c as usize].kind;
-        if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }
-    }
-
-    /// Whether a pair only reports what is in a sensor.
-    fn is_sensor(&self, pair: &Pair) -> bool {
-        [pair.a, pair.b].iter().any(|&c| self.summaries[c as usize].is_sensor())
-    }
-
-    /// How a pair may approach within the step.
-    pub(crate) fn approach(&self, pair: &Pair) -> Approach {
-        let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
-        let swing = |collider: u32, motion: &Record| {
-            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn
-            // reaches nowhere.
-            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle());
-            if turn == 0.0 {
-                return 0.0;
-            }
-            // Turning a round shape about its axis does not change it.
-            let tilt = match c.kind {
-                Kind::Sphere => return turn * c.lever,
-                Kind::Capsule | Kind::Cylinder => {
-                    let axis = self.poses[collider as usize].rotation * glam::Vec3::Y;
-                    motion.angular.cross(axis).length()
-                }
-                _ => turn,
-            };
-            // A point of the shape can't move further than across it.
-            turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
-        };
-        let displacement = b.linear - a.linear;
-        let own = |c: u32| self.summaries[c as usize].mode;
-        let mode = self.mode.of(own(pair.a).max(own(pair.b)));
-        Approach {
-            displacement,
-            length: displacement.length(),
-            swing: swing(pair.a, &a) + swing(pair.b, &b),
-            mode,
-        }
-    }
-}
-
-/// How two shapes may approach each other within the step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Approach {
-    /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
-    pub(crate) displacement: glam::Vec3,
-    pub(crate) length: f32,
-    /// The furthest that rotation moves points of the two towards each other [m].
-    pub(crate) swing: f32,
-    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
-    pub(crate) mode: Continuous,
-}
-
-impl Approach {
-    pub(crate) fn is_continuous(&self) -> bool {
-        self.mode != Continuous::Discrete
-    }
-
-    /// The most that the distance of two points may shrink by [m].
-    pub(crate) fn max_closing(&self) -> f32 {
-        self.length + self.swing
-    }
-}
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// The bin of each pair, or its state if it is in none.
-    bin_of: Vec<u8>,
+    /// Of each pair.
+    states: Vec<PackedState>,
     bins: Bins,
     found: FoundContacts,
 }
@@ -146,7 +34,7 @@ pub(crate) struct Scratch {
 buffers! {
     Scratch {
         /// For so many pairs, whatever their bins.
-        each_and_missing(pairs: usize) { bin_of(pairs), bins(pairs) }
+        each_and_missing(pairs: usize) { states(pairs), bins(pairs) }
         bytes { found }
     }
 }
@@ -155,8 +43,8 @@ impl Scratch {
     #[cfg(debug_assertions)]
     pub(crate) fn spoil(&mut self) {
         use crate::memory::spoil;
-        let Scratch { bin_of, bins: Bins { order, blocks }, found: _ } = self;
-        spoil(bin_of);
+        let Scratch { states, bins: Bins { order, blocks }, found: _ } = self;
+        spoil(states);
         spoil(order);
         spoil(blocks);
     }
@@ -169,7 +57,7 @@ impl Scratch {
     /// Whether the shapes of a continuous pair, given by its index, are surely apart all along the predicted
     /// path.
     pub(crate) fn is_clear(&self, pair: usize) -> bool {
-        matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
+        self.states.get(pair).is_some_and(|state| state.is(PairState::Far) || state.is(PairState::Clear))
     }
 }
 
@@ -185,10 +73,6 @@ pub(crate) struct NarrowStats {
     pub(crate) touching: bool,
 }
 
-/// In `bin_of`: the pair keeps its contact.
-const KEPT: u8 = u8::MAX;
-/// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
-const FAR: u8 = KEPT - 1;
 /// Pairs a block, a multiple of the lanes: with fewer, claiming blocks costs time; with more, threads end at
 /// different times.
 const BLOCK: usize = per_block(128, 8);
@@ -201,28 +85,30 @@ pub(crate) fn collide(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    (allowances, space): (&mut Allowances, &mut RowSpace),
+    mut memory: ContactMemory<'_>,
 ) -> NarrowStats {
+    let ContactMemory { allowances, space } = &mut memory;
     // The broad phase takes in pairs only if there is memory for this.
-    allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.bin_of, pairs.len()));
+    allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.states, pairs.len()));
     contacts.keep_rooms(!allowances.is_endless());
     place(workers, input, pairs, contacts, scratch);
-    let Scratch { bin_of, bins, found } = scratch;
-    allowances.within(Category::Scratch, |allowance| bins.sort(bin_of, EMPTIED, allowance));
+    let Scratch { states, bins, found } = scratch;
+    allowances.within(Category::Scratch, |allowance| bins.sort(states, allowance));
     let mut stats = NarrowStats {
-        recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
+        recycled: states.iter().filter(|state| state.is(PairState::Kept)).count() as u32,
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, (pairs, contacts), input, (allowances, &mut space.slab));
+    found.plan(bins, pairs, contacts, input, allowances, &mut space.slab);
     let (mut first, end) = (0, bins.blocks.len());
     loop {
+        let ContactMemory { allowances, space } = &mut memory;
         let last =
             allowances.within(Category::Scratch, |allowance| found.wave(&mut bins.blocks, first, allowance));
-        run_blocks(workers, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
-        stats.shed +=
-            found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (allowances, space));
-        first = bins.repeat(first..last, &|pair| bin_of[pair as usize] == CROWDED);
+        let mut wave = Wave { bins, blocks: first..last, states };
+        run_blocks(workers, input, &mut wave, pairs, contacts, found.places(&mut space.slab));
+        stats.shed += found.commit(&mut wave, pairs, contacts, input, &mut memory);
+        first = bins.repeat(first..last, &|pair| states[pair as usize].is(PairState::Crowded));
         if first == end {
             break;
         }
@@ -239,16 +125,16 @@ pub(crate) fn collide(
 fn run_blocks(
     workers: &Workers<'_>,
     input: &Input<'_>,
-    (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
+    wave: &mut Wave<'_>,
     pairs: &[Pair],
     contacts: &mut Contacts,
-    (found, slab): (&mut FoundContacts, &mut Slab),
+    places: Places<'_>,
 ) {
     let all = contacts.share();
-    let state = Shared::new(bin_of);
-    let Bins { order, blocks } = bins;
-    let blocks = &mut blocks[wave];
-    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places(slab));
+    let state = Shared::new(wave.states);
+    let Bins { order, blocks } = &mut *wave.bins;
+    let blocks = &mut blocks[wave.blocks.clone()];
+    let (count, blocks) = (blocks.len(), Shared::new(blocks));
     let order = &*order;
     workers.run(count, &|block| {
         // SAFETY: this is the only one that runs the block.
@@ -271,9 +157,9 @@ fn place(
     contacts: &mut Contacts,
     scratch: &mut Scratch,
 ) {
-    scratch.bin_of.clear();
-    scratch.bin_of.resize(pairs.len(), 0);
-    let bin_of = Shared::new(&mut scratch.bin_of);
+    scratch.states.clear();
+    scratch.states.resize(pairs.len(), PairState::Far.into());
+    let states = Shared::new(&mut scratch.states);
     let all = contacts.share();
     workers.run(pairs.len().div_ceil(BLOCK), &|block| {
         let end = ((block + 1) * BLOCK).min(pairs.len());
@@ -284,18 +170,19 @@ fn place(
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
                     let idle = pair.is_idle(input.summaries, input.dynamic);
-                    *bin_of.get(first + i) = if idle && pair.contact != NO_CONTACT {
-                        KEPT
+                    let state = if idle && pair.contact != NO_CONTACT {
+                        PairState::Kept
                     } else if idle {
-                        FAR
+                        PairState::Far
                     } else if recycle(input, pair, &now, &all) {
-                        KEPT
+                        PairState::Kept
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
-                        FAR
+                        PairState::Far
                     } else {
                         let kind = |c: u32| &input.summaries[c as usize];
-                        Bin::of(kind(pair.a), kind(pair.b)).0
+                        PairState::Binned(Bin::of(kind(pair.a), kind(pair.b)))
                     };
+                    *states.get(first + i) = state.into();
                 }
             }
         }
@@ -324,44 +211,13 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
-    let turn = |c: u32| input.motion_of(c).turn_angle().min(2.0);
+    let turn = |c: u32| input.motion_of(c).turn_angle.min(2.0);
     let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
     let pose = |c: u32| &input.poses[c as usize];
     let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();
     let way = approach.displacement;
     let along = (-apart.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     (apart + way * along).length_squared() > near * near
-}
-
-/// Pose of `b` in `a` for `L::N` pairs: lane `i` of `pair(i)`.
-#[inline(always)]
-pub(crate) fn relative_poses<L: Lanes>(pair: &impl Fn(usize) -> Pair, poses: &[Pose]) -> (Vec3<L>, Quat<L>) {
-    let a = |i: usize| &poses[pair(i).a as usize];
-    let b = |i: usize| &poses[pair(i).b as usize];
-    let qa = Quat::<L>::from_fn(|i| a(i).rotation).conjugate();
-    let qb = Quat::<L>::from_fn(|i| b(i).rotation);
-    // The difference is taken in f64 and then rounded: exact for near pairs wherever in the world they are.
-    let position = qa.rotate(Vec3::from_fn(|i| (b(i).position - a(i).position).as_vec3()));
-    (position, qa.compose(qb))
-}
-
-/// The lanes, as single poses.
-#[inline(always)]
-pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Relative; 8] {
-    let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
-    let (i, j, k) = (rotation.v.x.to_array(), rotation.v.y.to_array(), rotation.v.z.to_array());
-    let w = rotation.w.to_array();
-    std::array::from_fn(|n| Relative {
-        position: glam::Vec3::new(x[n], y[n], z[n]),
-        rotation: crate::math::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
-    })
-}
-
-/// Pose of `b` in `a`.
-pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
-    let (position, rotation) = relative_poses::<f32>(&|_| *pair, poses);
-    let glam::Vec3 { x, y, z } = rotation.v.lane(0);
-    Relative { position: position.lane(0), rotation: crate::math::Quat::from_xyzw(x, y, z, rotation.w) }
 }
 
 /// Whether the pair keeps its contacts; moves their points with the bodies if so.
@@ -445,24 +301,4 @@ fn moved_past(contact: ContactRef<'_>, moved: &glam::Vec3, limit: f32) -> f32 {
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
     matches!(input.summaries[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
-}
-
-/// Limits that tell matching points and contacts from new ones.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MatchLimits {
-    /// Distance within which two points match [m].
-    pub(crate) near: f32,
-    /// A pair that moved further past each other since its contact was last found slides or rolls [m].
-    pub(crate) slides: f32,
-}
-
-impl MatchLimits {
-    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> MatchLimits {
-        let radius = |c: u32| input.summaries[c as usize].radius;
-        let near = 0.1 * radius(pair.a).min(radius(pair.b));
-        // A creeping pair is found anew once it has moved by `recycle`, and before it has moved by twice
-        // that.
-        let slides = if input.recycle > 0.0 { near.min(2.0 * input.recycle) } else { near };
-        MatchLimits { near, slides }
-    }
 }

@@ -5,20 +5,25 @@ mod cast;
 mod collide;
 pub(crate) mod contacts;
 mod convex;
+mod dispatch;
 #[cfg(any(test, feature = "internals"))]
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
+mod input;
 mod mesh;
 mod pair_policy;
+mod pair_state;
 pub(crate) mod pairs;
+mod relative;
 mod segment;
 
 pub(crate) use cast::ahead::out_by_the_centre;
-pub(crate) use cast::mesh::{CastResult, MeshCast, Triangles, cast_mesh, touches_mesh};
+pub(crate) use cast::mesh::{CastResult, Triangles, cast_mesh, touches_mesh};
+pub(crate) use cast::mesh_cast::MeshCast;
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
-pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
-pub(crate) use contacts::admit::{RowCost, RowSpace};
+pub(crate) use collide::{NarrowStats, Scratch, collide};
+pub(crate) use contacts::admit::{ContactMemory, RowCost, RowSpace};
 pub(crate) use contacts::contact::{Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint, most_points};
@@ -28,8 +33,10 @@ pub(crate) use convex::collide_convex;
 pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
+pub(crate) use input::Input;
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
+pub(crate) use relative::Relative;
 pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron, segment_hits};
 
 /// What `bench` times beside what other stages use.
@@ -43,11 +50,4 @@ pub(crate) mod kernels {
     pub(crate) use super::pairs::sphere_box::sphere_box;
     pub(crate) use super::pairs::sphere_capsule::sphere_capsule;
     pub(crate) use super::pairs::sphere_sphere::sphere_sphere;
-}
-
-/// Pose of shape `b` in the frame of shape `a`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Relative {
-    pub(crate) position: glam::Vec3,
-    pub(crate) rotation: crate::math::Quat,
 }

@@ -53,11 +53,11 @@ use super::cast::gates::{enter_mesh, gate, straight};
 use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
-use super::collide::{Approach, Input, MatchLimits};
 use super::contacts::contact::{FoundAt, NO_CONTACT};
 use super::contacts::found::{BlockOutput, Growth};
 use super::contacts::of_meshes::MeshBlock;
 use super::contacts::store::SharedContacts;
+use super::input::{Approach, Input};
 use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
@@ -70,7 +70,7 @@ use std::cell::OnceCell;
 
 /// A pair of the step, where its shapes are and how they move.
 #[derive(Clone, Copy)]
-pub(super) struct PairState<'a> {
+pub(super) struct PairView<'a> {
     pub(super) input: &'a Input<'a>,
     pub(super) pair: &'a Pair,
     /// Index of the pair in the step's list.
@@ -81,7 +81,7 @@ pub(super) struct PairState<'a> {
 }
 
 /// The predicates of both tables.
-impl PairState<'_> {
+impl PairView<'_> {
     fn shapes(&self) -> (&Collider, &Collider) {
         let colliders = self.input.colliders;
         (&colliders[self.pair.a as usize], &colliders[self.pair.b as usize])
@@ -112,7 +112,7 @@ impl PairState<'_> {
 
 /// The predicates of convex pairs. `raw`: the manifold of the start, `nearest` the least of its separations
 /// [m].
-impl PairState<'_> {
+impl PairView<'_> {
     fn is_fast(&self, nearest: f32) -> bool {
         nearest > self.input.touch_distance && self.approach.max_closing() > self.input.fast
     }
@@ -175,48 +175,48 @@ struct Chosen {
 /// Chooses the manifold of two convex shapes, or of one and a plane, by the first two tables. `raw`: that of
 /// the start.
 pub(super) fn finish_convex(
-    state: &PairState<'_>,
+    view: &PairView<'_>,
     raw: RawManifold,
     contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
-    let &PairState { input, pair, rel, .. } = state;
+    let &PairView { input, pair, rel, .. } = view;
     let (nearest, casts) = (raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation)), out.casts());
     let mut chosen = Chosen { raw, fraction: 0.0, missed: false };
-    if state.follows_motion() && nearest > 0.0 && raw.count > 0 {
-        choose_apart(state, nearest, &mut chosen, out);
+    if view.follows_motion() && nearest > 0.0 && raw.count > 0 {
+        choose_apart(view, nearest, &mut chosen, out);
     } else if nearest < 0.0
         && let Some(way_out) = right_way_out(input, pair, rel, &raw)
     {
         chosen.raw = way_out;
     }
     if chosen.raw.count > 0
-        && state.slides_far()
+        && view.slides_far()
         && let Some(later) = manifold_later_on_path(input, pair, &chosen.raw, chosen.fraction)
     {
         (chosen.raw, chosen.fraction) = later;
     }
-    if chosen.fraction == 0.0 && (1..3).contains(&chosen.raw.count) && state.contact_point_moves() {
+    if chosen.fraction == 0.0 && (1..3).contains(&chosen.raw.count) && view.contact_point_moves() {
         let middle = manifold_at_half_step(input, pair, input.margin);
         // Unless it would push where nothing is touched.
-        if middle.count > 0 && (nearest <= 0.0 || !state.would_push(&middle)) {
+        if middle.count > 0 && (nearest <= 0.0 || !view.would_push(&middle)) {
             (chosen.raw, chosen.fraction) = (middle, 0.5);
         }
     }
-    if !store(state, &chosen, nearest, contacts, out) {
+    if !store(view, &chosen, nearest, contacts, out) {
         out.set_casts(casts);
     }
 }
 
 /// Chooses for a pair that is apart by `nearest` at the start: the rest of the first table.
 #[inline(always)]
-fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &mut BlockOutput<'_>) {
-    let fast = state.is_fast(nearest);
-    let may_leave = nearest <= state.input.margin && state.may_leave_predicted_path();
-    if fast && !may_leave && state.stays_apart(&chosen.raw, nearest) {
+fn choose_apart(view: &PairView<'_>, nearest: f32, chosen: &mut Chosen, out: &mut BlockOutput<'_>) {
+    let fast = view.is_fast(nearest);
+    let may_leave = nearest <= view.input.margin && view.may_leave_predicted_path();
+    if fast && !may_leave && view.stays_apart(&chosen.raw, nearest) {
         (chosen.raw.count, chosen.missed) = (0, true);
-    } else if fast || state.would_push(&chosen.raw) {
-        let found = look_on_path(state, &chosen.raw, out);
+    } else if fast || view.would_push(&chosen.raw) {
+        let found = look_on_path(view, &chosen.raw, out);
         if found.is_some() || !may_leave {
             (chosen.raw, chosen.fraction) = found.unwrap_or_default();
         }
@@ -226,12 +226,12 @@ fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &
 
 /// The manifold of the first touch or, in mode `Volume`, of the closest pass, and the fraction of the step.
 fn look_on_path(
-    state: &PairState<'_>,
+    view: &PairView<'_>,
     raw: &RawManifold,
     out: &mut BlockOutput<'_>,
 ) -> Option<(RawManifold, f32)> {
-    let &PairState { input, pair, approach, .. } = state;
-    let hit = if state.is_gated() {
+    let &PairView { input, pair, approach, .. } = view;
+    let hit = if view.is_gated() {
         gate(input, pair, raw)
     } else {
         out.count_casts(1);
@@ -245,14 +245,14 @@ fn look_on_path(
 /// because the contact has no place for its points.
 #[inline(always)]
 fn store(
-    state: &PairState<'_>,
+    view: &PairView<'_>,
     chosen: &Chosen,
     nearest: f32,
     contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) -> bool {
-    let &PairState { input, pair, index, rel, .. } = state;
-    if !state.has_contact() {
+    let &PairView { input, pair, index, rel, .. } = view;
+    if !view.has_contact() {
         if chosen.raw.count > 0 {
             out.add(input, pair, index, chosen.raw, chosen.fraction);
         } else if chosen.missed {
@@ -277,14 +277,14 @@ fn store(
     } else if !matches!(growth, Some(Growth::Later)) {
         let frame = input.poses[pair.a as usize].rotation;
         let at = FoundAt { pose: *rel, frame, fraction: chosen.fraction };
-        contact.renew(&raw, at, MatchLimits::of(input, pair));
+        contact.renew(&raw, at, input.match_limits(pair));
     }
     true
 }
 
 /// A look at a convex shape and a mesh or height field.
 struct MeshLook<'a> {
-    state: &'a PairState<'a>,
+    view: &'a PairView<'a>,
     shape: &'a Collider,
     mesh: &'a Collider,
     /// Made when it is first asked for: what rests on the mesh may not need it.
@@ -302,13 +302,13 @@ struct Tally {
 }
 
 /// Finds the manifolds of a convex shape and a mesh or height field, by the third table.
-pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &SharedContacts<'_>, out: &mut BlockOutput<'_>) {
-    let &PairState { pair, index, .. } = state;
-    let look = MeshLook::new(state);
+pub(super) fn finish_mesh(view: &PairView<'_>, contacts: &SharedContacts<'_>, out: &mut BlockOutput<'_>) {
+    let &PairView { pair, index, .. } = view;
+    let look = MeshLook::new(view);
     let Some(block) = out.mesh.as_deref_mut() else {
         // No buffers were granted, and the contacts of the last step are out of date.
         out.count_shed(1);
-        if state.has_contact() {
+        if view.has_contact() {
             out.empty(index);
         }
         return;
@@ -317,7 +317,7 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &SharedContacts<'_>, 
     let start = block.count();
     block.mesh.nearby.forget();
     let flight = if look.is_in_flight() {
-        first_touch_in_flight(state.input, &look.moving(), &mut block.mesh)
+        first_touch_in_flight(view.input, &look.moving(), &mut block.mesh)
     } else {
         CastResult::Near
     };
@@ -332,57 +332,57 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &SharedContacts<'_>, 
         look.hit(touch, block);
     }
     let found = block.end(index, start);
-    out.count_casts(if state.is_gated() { 0 } else { tally.casts });
+    out.count_casts(if view.is_gated() { 0 } else { tally.casts });
     if let CastResult::Free = flight {
         out.clear(index);
     }
-    if state.has_contact() {
+    if view.has_contact() {
         // SAFETY: the contact is this pair's, and this block has the pair.
         let contact = unsafe { contacts.at(pair.contact) };
-        if contact.pushed && tally.nearest > GHOST_GAP * state.input.margin {
+        if contact.pushed && tally.nearest > GHOST_GAP * view.input.margin {
             out.count_ghost();
         }
     }
-    if !found && state.has_contact() {
+    if !found && view.has_contact() {
         out.empty(index);
     }
 }
 
 /// The predicates of the third table.
 impl<'a> MeshLook<'a> {
-    fn new(state: &'a PairState<'a>) -> MeshLook<'a> {
-        let &PairState { input, approach, .. } = state;
-        let ((shape, mesh), most) = (state.shapes(), approach.max_closing());
+    fn new(view: &'a PairView<'a>) -> MeshLook<'a> {
+        let &PairView { input, approach, .. } = view;
+        let ((shape, mesh), most) = (view.shapes(), approach.max_closing());
         // Within half the ball that fits into it a body can't get past a triangle, and planes at the start
         // will do.
         let fast =
-            state.follows_motion() && !rolls(state, shape) && most > input.fast.max(0.5 * shape.inner_radius);
+            view.follows_motion() && !rolls(view, shape) && most > input.fast.max(0.5 * shape.inner_radius);
         // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
         let reach = match (fast, approach.is_continuous()) {
             (true, _) => approach.swing.min(shape.radius),
             (false, true) => most,
             (false, false) => most.min(input.margin),
         };
-        MeshLook { state, shape, mesh, motion: OnceCell::new(), fast, margin: input.margin + reach }
+        MeshLook { view, shape, mesh, motion: OnceCell::new(), fast, margin: input.margin + reach }
     }
 
     /// Without a contact it is likely that nothing is near.
     fn is_in_flight(&self) -> bool {
-        self.fast && !self.state.is_gated() && !self.state.has_contact()
+        self.fast && !self.view.is_gated() && !self.view.has_contact()
     }
 
     /// What is slow reaches what it goes to: only what is near here or there matters, unless it strikes that.
     fn looks_along_motion(&self) -> bool {
-        let &PairState { input, approach, .. } = self.state;
+        let &PairView { input, approach, .. } = self.view;
         !self.fast && approach.mode == Continuous::Segment && approach.length > input.margin
     }
 
     /// Whether a manifold of the start is a guess: its planes would push, and neither is it near nor may the
     /// body leave its predicted path.
     fn is_guess(&self, raw: &RawManifold) -> bool {
-        let input = self.state.input;
+        let input = self.view.input;
         let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
-        would_push(input, self.motion(), raw) && !(near(raw) && self.state.may_leave_predicted_path())
+        would_push(input, self.motion(), raw) && !(near(raw) && self.view.may_leave_predicted_path())
     }
 
     fn shapes(&self) -> (&'a Collider, &'a Collider) {
@@ -390,20 +390,20 @@ impl<'a> MeshLook<'a> {
     }
 
     fn motion(&self) -> &Motion {
-        self.motion.get_or_init(|| motion_of(self.state.input, self.state.pair))
+        self.motion.get_or_init(|| motion_of(self.view.input, self.view.pair))
     }
 
     fn moving(&self) -> MeshPair<'_> {
-        let MeshLook { state, shape, mesh, .. } = *self;
-        MeshPair { shape, mesh, rel: state.rel, motion: self.motion() }
+        let MeshLook { view, shape, mesh, .. } = *self;
+        MeshPair { shape, mesh, rel: view.rel, motion: self.motion() }
     }
 }
 
 /// What rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may each be as
 /// long as the radius of the ball that fits into it.
-fn rolls(state: &PairState<'_>, shape: &Collider) -> bool {
-    let approach = state.approach;
-    state.has_contact()
+fn rolls(view: &PairView<'_>, shape: &Collider) -> bool {
+    let approach = view.approach;
+    view.has_contact()
         && approach.mode == Continuous::Segment
         && approach.length.max(approach.swing) < shape.inner_radius
 }
@@ -414,12 +414,12 @@ impl MeshLook<'_> {
     /// one touches first besides.
     #[inline(always)]
     fn look_at_start(&self, block: &mut MeshBlock, tally: &mut Tally) -> Option<Touch> {
-        let &PairState { input, .. } = self.state;
+        let &PairView { input, .. } = self.view;
         if self.fast {
             // The path will be asked for too.
             let motion = self.motion();
             let path = motion.a.rotation.conjugate() * motion.displacement;
-            block.mesh.nearby.expect(extent_of(self.shape, self.state.rel, self.margin, path));
+            block.mesh.nearby.expect(extent_of(self.shape, self.view.rel, self.margin, path));
         }
         self.collide(block);
         tally.nearest =
@@ -435,7 +435,7 @@ impl MeshLook<'_> {
         (0..block.raw.len()).for_each(|i| block.add(block.raw[i], 0.0));
         if !self.fast {
             None
-        } else if self.state.is_gated() {
+        } else if self.view.is_gated() {
             enter_mesh(input, &self.moving(), resting)
         } else {
             first_touch_with_mesh(input, &self.moving(), resting, &mut block.mesh)
@@ -445,7 +445,7 @@ impl MeshLook<'_> {
     /// Finds the manifolds of the start.
     #[inline(always)]
     fn collide(&self, block: &mut MeshBlock) {
-        let &PairState { input, pair, approach, rel, .. } = self.state;
+        let &PairView { input, pair, approach, rel, .. } = self.view;
         let (a, b) = self.shapes();
         block.raw.clear();
         // If it is fast, manifolds without a near point would be dropped.
@@ -467,14 +467,14 @@ impl MeshLook<'_> {
     /// the step.
     #[inline(always)]
     fn drop_guesses(&self, block: &mut MeshBlock, tally: &mut Tally) {
-        let &PairState { input, approach, .. } = self.state;
+        let &PairView { input, approach, .. } = self.view;
         let apart =
             tally.nearest > tolerance(self.shape, self.mesh, input.unit).max(NO_GAP * input.touch_distance);
-        if !(self.state.follows_motion() && apart && block.raw.iter().any(|m| self.is_guess(m))) {
+        if !(self.view.follows_motion() && apart && block.raw.iter().any(|m| self.is_guess(m))) {
             return;
         }
         tally.casts += 1;
-        let touches = if self.state.is_gated() {
+        let touches = if self.view.is_gated() {
             approach.swing > input.margin || enter_mesh(input, &self.moving(), 0.0).is_some()
         } else {
             touches_mesh(input.unit, &self.moving(), &mut block.mesh)
@@ -486,8 +486,8 @@ impl MeshLook<'_> {
 
     /// Adds the manifolds of the first touch, and of the second.
     fn hit(&self, touch: Touch, block: &mut MeshBlock) {
-        let &PairState { input, pair, .. } = self.state;
-        if self.state.is_gated() {
+        let &PairView { input, pair, .. } = self.view;
+        if self.view.is_gated() {
             add_manifolds_at_touch(input, pair, self.shapes(), &straight(self.motion()), touch, block);
         } else {
             add_manifolds_at_touch(input, pair, self.shapes(), self.motion(), touch, block);

@@ -1,5 +1,6 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
+use super::flags::{EVENTS, HOOKS, SENSOR, SOFT, STATICS};
 use super::{BaseMaterial, Filter, Geometry, Material};
 use crate::config::Continuous;
 use crate::config::tuning::SOFT_DEPTH;
@@ -56,22 +57,6 @@ pub(crate) struct ColliderSummary {
     pub(crate) mode: Continuous,
     pub(crate) flags: u8,
 }
-
-/// Bits of [`ColliderSummary::flags`]: a sensor; someone listens; hooks are asked; as a sensor it notices
-/// what is static, and surfaces.
-pub(crate) const SENSOR: u8 = 1;
-pub(crate) const EVENTS: u8 = 2;
-pub(crate) const HOOKS: u8 = 4;
-pub(crate) const STATICS: u8 = 32;
-/// Its material resists rolling or spinning; its surface moves. See
-/// [`RareMaterial`](super::RareMaterial).
-pub(crate) const ROLLS: u8 = 8;
-pub(crate) const BELT: u8 = 16;
-/// Its material is soft; or it is not, but has a damping ratio that would count if it were.
-pub(crate) const SOFT: u8 = 64;
-pub(crate) const IDLE_DAMPING: u8 = 128;
-/// Part of its material is in the column of rare ones.
-pub(crate) const RARE: u8 = ROLLS | BELT | SOFT | IDLE_DAMPING;
 
 impl ColliderSummary {
     #[inline]

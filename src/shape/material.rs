@@ -1,7 +1,7 @@
 //! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a
 //! column of its own.
 
-use super::collider::{BELT, IDLE_DAMPING, ROLLS, SOFT};
+use super::flags::{BELT, IDLE_DAMPING, ROLLS, SOFT};
 use crate::config::with_fields;
 use crate::error::{Error, within};
 use crate::limits;

@@ -8,6 +8,7 @@ mod baked;
 mod collider;
 mod corners;
 mod extent;
+mod flags;
 mod four_tree;
 mod height_field;
 mod hull;
@@ -21,10 +22,9 @@ mod stored;
 mod stream;
 mod surfaces;
 
-pub(crate) use collider::{
-    BELT, Collider, ColliderSummary, EVENTS, HOOKS, IDLE_DAMPING, Kind, RARE, ROLLS, SENSOR, SOFT, STATICS,
-};
+pub(crate) use collider::{Collider, ColliderSummary, Kind};
 pub(crate) use corners::Corners;
+pub(crate) use flags::{BELT, EVENTS, HOOKS, IDLE_DAMPING, RARE, ROLLS, SENSOR, SOFT, STATICS};
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
 pub(crate) use height_field::edit::{HolePatch, Patch};
@@ -46,6 +46,7 @@ use crate::config::with_fields;
 use crate::error::Error;
 use crate::limits::{self, length, length_or_zero, unit_quat};
 use glam::Vec3;
+use mesh::segment_triangle::SegmentTest;
 use std::sync::Arc;
 
 /// The form of a shape, in its own frame [m]. Lengths that are not zero lie in 1e-6..=1e6 ([`limits`]).
@@ -225,6 +226,43 @@ impl Geometry {
                 length("cylinder radius", radius_bottom.max(*radius_top))
             }
             Geometry::Hull(_) | Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => Ok(()),
+        }
+    }
+
+    /// The materials of its parts, beside that of the shape.
+    pub(crate) fn materials(&self) -> &[Material] {
+        match self {
+            Geometry::Mesh(mesh) => mesh.materials(),
+            Geometry::HeightField(field) => field.materials(),
+            _ => &[],
+        }
+    }
+
+    /// Whether any of them resists rolling or moves; see [`RareMaterial::flags`].
+    /// A part is asked itself whether it is soft.
+    pub(crate) fn rare_flags(&self) -> u8 {
+        self.materials().iter().fold(0, |flags, part| flags | part.rare().flags()) & (ROLLS | BELT)
+    }
+
+    /// Adds a ray by start and displacement [m], to be followed up to the fraction `most`.
+    pub(crate) fn put_ray(&self, rays: &mut TriangleRays, ray: usize, from: Vec3, path: Vec3, most: f32) {
+        // Without a length it meets no triangle.
+        let Some(test) = SegmentTest::along(from, path) else { return };
+        match self {
+            Geometry::Mesh(mesh) => rays.stream.put(ray, mesh.slabs(from, path), most),
+            Geometry::HeightField(field) => rays.paths[ray] = field.path(from, from + path, Vec3::ZERO),
+            _ => return,
+        }
+        (rays.tests[ray], rays.nearest[ray]) = (test, (most, u32::MAX));
+        rays.rays |= 1 << ray;
+    }
+
+    /// Looks for what they meet.
+    pub(crate) fn cast_rays(&self, rays: &mut TriangleRays) {
+        match self {
+            Geometry::Mesh(mesh) => mesh.rays(rays),
+            Geometry::HeightField(field) => field.rays(rays),
+            _ => {}
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Materials of the triangles of a mesh, or of the cells of a height field: a byte each, and a table.
 
-use super::collider::{BELT, ROLLS};
-use super::{Geometry, HeightField, Material, TriangleMesh};
+use super::Material;
 use crate::error::{self, Error, each, within};
 use crate::memory::{bytes_of, sum_bytes};
 
@@ -63,61 +62,5 @@ impl Surfaces {
             };
             this.parts.iter().map(|&part| part.into()).chain(this.table.iter().flat_map(numbers))
         })
-    }
-}
-
-impl HeightField {
-    /// The same field with materials of its cells, row by row: zero for that of the shape
-    /// ([`ShapeDesc::material`](crate::ShapeDesc::material)), `i` for `materials[i - 1]`. A contact has the
-    /// material of the cell that it is on. A byte a cell; the materials that it had are replaced.
-    ///
-    /// # Errors
-    /// The number of cells isn't that of `of_cells`, which have a column and a row less than the samples; a
-    /// number is beyond the table, which has at most 255 materials; or one of these is out of range.
-    pub fn with_materials(mut self, of_cells: &[u8], materials: &[Material]) -> Result<HeightField, Error> {
-        let cells = (self.columns - 1) * (self.rows - 1);
-        self.surfaces = Some(Surfaces::new(cells, of_cells.to_vec(), materials.to_vec())?);
-        Ok(self)
-    }
-
-    /// The table of materials; empty if all cells have that of the shape.
-    pub fn materials(&self) -> &[Material] {
-        Surfaces::table(&self.surfaces)
-    }
-
-    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
-    /// `materials()[i - 1]`.
-    pub fn material_of(&self, triangle: u32) -> u8 {
-        Surfaces::part(&self.surfaces, triangle as usize / 2)
-    }
-}
-
-impl TriangleMesh {
-    /// The table of materials; empty if all triangles have that of the shape.
-    pub fn materials(&self) -> &[Material] {
-        Surfaces::table(&self.surfaces)
-    }
-
-    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
-    /// `materials()[i - 1]`.
-    pub fn material_of(&self, triangle: u32) -> u8 {
-        Surfaces::part(&self.surfaces, triangle as usize)
-    }
-}
-
-impl Geometry {
-    /// The materials of its parts, beside that of the shape.
-    pub(crate) fn materials(&self) -> &[Material] {
-        match self {
-            Geometry::Mesh(mesh) => mesh.materials(),
-            Geometry::HeightField(field) => field.materials(),
-            _ => &[],
-        }
-    }
-
-    /// Whether any of them resists rolling or moves; see [`RareMaterial::flags`](super::RareMaterial::flags).
-    /// A part is asked itself whether it is soft.
-    pub(crate) fn rare_flags(&self) -> u8 {
-        self.materials().iter().fold(0, |flags, part| flags | part.rare().flags()) & (ROLLS | BELT)
     }
 }

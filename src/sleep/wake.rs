@@ -70,7 +70,7 @@ impl Islands<'_> {
         };
         let (motion, from) = (&motion[body], bounds(comer));
         let collider = &colliders[comer as usize];
-        let turned = motion.turn_angle() * (collider.position.length() + collider.radius);
+        let turned = motion.turn_angle * (collider.position.length() + collider.radius);
         let reach = Vec3::splat(turned + real);
         let swept = Aabb {
             min: from.min + motion.linear.min(Vec3::ZERO) - reach,

@@ -271,7 +271,8 @@ pub(super) struct SavedPairs<'a> {
 impl<'a> SavedPairs<'a> {
     pub(super) fn read(
         from: &mut Reader<'a>,
-        (count, words): (u32, u32),
+        count: u32,
+        words: u32,
         slots: usize,
     ) -> Result<SavedPairs<'a>, Error> {
         let narrow = is_narrow(slots);

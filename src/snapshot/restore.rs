@@ -122,7 +122,7 @@ fn brought<'a>(
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
         let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
-        let mut new = Replacement::new(bodies, colliders, (&records.joints, snapshot.joint_rows), geometries);
+        let mut new = Replacement::new(bodies, colliders, &records.joints, snapshot.joint_rows, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
             new.add(&record.body, kinds);

@@ -173,7 +173,7 @@ impl<'a> View<'a> {
             is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
             clear: from.table(counts.clear, BALL)?,
             broad: SavedBroad::read(&mut from, counts.broad)?,
-            pairs: SavedPairs::read(&mut from, (pairs, counts.contact_words), counts.slots as usize)?,
+            pairs: SavedPairs::read(&mut from, pairs, counts.contact_words, counts.slots as usize)?,
             sleep: SavedSleep::read(&mut from, counts.sleep)?,
             joints: SavedJoints::read(&mut from, counts.joints)?,
             characters: from.table(counts.characters, CHARACTER)?,

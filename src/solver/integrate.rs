@@ -12,11 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Bodies in a block of work.
 const BLOCK: usize = per_block(256, 1);
 
-/// Bits of the lanes of a record that hold the linear part, and those of both parts; and the lane of the
-/// first pad.
+/// Bits of the lanes of a record that hold the linear part, and those of both parts.
 const LINEAR: u32 = 0b0000_0111;
 const BOTH: u32 = 0b0111_0111;
-const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Velocities above which a body moves or turns further in a substep than the rows of joints account for.
 #[derive(Clone, Copy)]
@@ -118,10 +116,9 @@ impl Integrator<'_> {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
             }
-            // The pad tells `finish` whether the body was free in the whole step. It is added with the rest,
-            // in one wide store: a partial write would stall the next load of the record.
-            let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
-            *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
+            // A mark tells `finish` that the body was not free in the whole step. It is set along with the
+            // rest, in one wide store: a partial write would stall the next load of the record.
+            *d = record((lanes(*d) + moved) | Record::touched_lanes(same & BOTH != BOTH));
         });
         !out_of_range.into_inner()
     }

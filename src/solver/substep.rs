@@ -200,7 +200,7 @@ impl Substeps<'_> {
         if !marks.is_empty() {
             // SAFETY: between stages this thread is alone.
             let MotionSlices { velocity, base, delta } = unsafe { self.context.slices() };
-            move_by_mean(marks, (velocity, base, delta), acceleration, self.context.h);
+            move_by_mean(marks, velocity, base, delta, acceleration, self.context.h);
         }
         in_range
     }

@@ -33,8 +33,10 @@ impl Touch {
 /// When the shapes first touch, as a fraction of the paths. Shapes that touch at their beginning don't count:
 /// the contacts of the start of the step have handled them.
 pub(super) fn first_touch(
-    (a, path_a): (&Collider, &BodyPath),
-    (b, path_b): (&Collider, &BodyPath),
+    a: &Collider,
+    path_a: &BodyPath,
+    b: &Collider,
+    path_b: &BodyPath,
     search: Search,
 ) -> Option<Touch> {
     let motion = Motion::new(a, path_a, b, path_b);

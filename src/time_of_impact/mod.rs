@@ -389,7 +389,7 @@ impl View<'_> {
         let share = if self.rules.linear { IMPACT_TOLERANCE } else { tightness(turns) };
         let unit = self.on.settings.length_unit;
         let search = Search { share, unit, resting: TOUCH_DISTANCE * unit };
-        let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
+        let touch = first_touch(shape(a), &path(a), shape(b), &path(b), search);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }
 

@@ -3,7 +3,8 @@
 //! - `content/`: bodies, shapes, joints and ragdolls; their mass and motion.
 //! - `step/`: the inputs of each stage, and everything around the stages.
 //! - `characters.rs`: characters that live in the world.
-//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`: events and reports of a step, hooks on it, and sleep.
+//! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`, `summary.rs`: events and reports of a step, hooks on
+//!   it, and sleep.
 //! - `state.rs`: the list of what outlives a step.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
@@ -26,6 +27,8 @@ mod sleep;
 
 mod report;
 
+mod summary;
+
 mod memory;
 
 mod revisions;
@@ -38,7 +41,7 @@ pub(crate) use contacts::{Place, place_of, relative_now};
 pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
-pub(crate) use memory::{Brings, Demand, Needs, PartTimes, Replacement};
+pub(crate) use memory::{Brings, Demand, Needs, Replacement};
 pub use memory::{ContentForecast, Feature, Model, ModelPart, Plan};
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
@@ -48,7 +51,7 @@ pub(crate) use state::State;
 pub(crate) use step::Recorder;
 #[cfg(feature = "observe")]
 pub(crate) use step::StepMeter;
-pub(crate) use step::{Buffers, Change, Part, Stage};
+pub(crate) use step::{Buffers, Change, Part, PartTimes, Stage};
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair, QueryIndex};

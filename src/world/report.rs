@@ -1,6 +1,5 @@
-//! Reports: of a step, and of the state of the world.
+//! What a step reports.
 
-use super::World;
 use crate::broad_phase::BroadStats;
 use crate::constraint::Prepared;
 use crate::finish::Counts;
@@ -143,83 +142,5 @@ impl StepReport {
     /// Bodies that the guard held, by cut or lift.
     pub fn held(&self) -> u32 {
         self.cut + self.lifted
-    }
-
-    pub(crate) fn new(world: &World, times: StageTimes, did: &StepCounts) -> StepReport {
-        let StepCounts { broad, narrow, prepared, held, met, .. } = did;
-        StepReport {
-            times,
-            pairs: world.broad.pairs.len() as u32,
-            moved: broad.moved,
-            swept: broad.fast,
-            ghosts: narrow.ghosts + did.ghosts,
-            recycled: narrow.recycled,
-            casts: narrow.casts,
-            impacts: prepared.impacts,
-            manifolds: prepared.manifolds,
-            real: prepared.real,
-            potential: prepared.potential,
-            pushed: did.pushed,
-            cut: held.cut,
-            lifted: held.lifted,
-            settled: held.settled,
-            weighted_trees: world.buffers.joints.weighted_trees(),
-            damped_trees: world.buffers.joints.damped_trees(),
-            stopped: world.faults.stopped.len() as u32,
-            struck: met.struck,
-            stood: met.stood,
-            shed: did.shed() + met.shed,
-            asleep: world.bodies.sleepers() as u32,
-            slept: world.sleep.slept,
-            woke: world.sleep.woke,
-            events_lost: world.events.lost,
-            uncoloured: world.buffers.rows.uncoloured() as u32,
-            batches: world.buffers.rows.schedule.len() as u32,
-        }
-    }
-}
-
-impl World {
-    /// Times and counts of the last step.
-    pub fn report(&self) -> &StepReport {
-        &self.report
-    }
-
-    /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles, and of the world's
-    /// characters.
-    pub fn hash(&self) -> u64 {
-        let mut order: Vec<(u32, usize)> =
-            self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
-        order.sort_unstable();
-        let mut hash = 0xCBF2_9CE4_8422_2325u64;
-        let mut add = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x100_0000_01B3).rotate_left(5);
-        for (_, index) in order {
-            let (pose, v) = (&self.bodies.pose[index], &self.bodies.velocity[index]);
-            pose.position.to_array().iter().for_each(|x| add(x.to_bits()));
-            pose.rotation.to_array().iter().for_each(|x| add(x.to_bits().into()));
-            v.linear.to_array().iter().chain(&v.angular.to_array()).for_each(|x| add(x.to_bits().into()));
-        }
-        for (handle, resident) in self.characters.iter() {
-            add(handle.to_bits());
-            resident.words.iter().for_each(|&word| add(word.into()));
-        }
-        hash
-    }
-
-    /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to
-    /// the world's zero [J].
-    pub fn energy(&self) -> f64 {
-        self.bodies
-            .all_dynamic()
-            .map(|i| {
-                let (mass, pose, v) = (&self.bodies.mass[i], &self.bodies.pose[i], &self.bodies.velocity[i]);
-                let m = f64::from(self.bodies.details[i].mass);
-                let local = pose.rotation.conjugate() * v.angular;
-                let spin = 0.5 * f64::from(local.dot(mass.inertia * local));
-                let linear = 0.5 * m * v.linear.as_dvec3().length_squared();
-                let pull = f64::from(self.bodies.traits[i].gravity_scale) * self.settings.gravity.as_dvec3();
-                linear + spin - m * pull.dot(pose.position)
-            })
-            .sum()
     }
 }

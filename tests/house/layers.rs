@@ -256,7 +256,7 @@ pub(crate) fn cycles(arrows: &[Arrow]) -> Vec<String> {
     offences
 }
 
-fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeSet<&'a str>>, from: &str) -> BTreeSet<&'a str> {
+pub(crate) fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeSet<&'a str>>, from: &str) -> BTreeSet<&'a str> {
     let (mut found, mut open) = (BTreeSet::new(), Vec::from([from]));
     while let Some(module) = open.pop() {
         for &next in uses.get(module).into_iter().flatten() {

@@ -7,6 +7,7 @@
 //!   too. Only kernels of `src/narrow_phase/pairs/` may be: each is one thought.
 //! - Modules at the first level of `src` use those of layers below their own, in the order that `layers.rs`
 //!   states, and never each other in a circle. Unit tests may use all; `lib.rs` names all.
+//! - No more than three files know each other in a circle, as `circles.rs` finds it.
 //! - No line is longer than 110 columns; what is in strings doesn't count, nor a line with a URL in it.
 //! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in
 //!   `src/limits.rs`: elsewhere `const NAME: f32` and `f64` are no choices, and a comment above says which
@@ -16,6 +17,7 @@
 //!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests may.
 //! - Pages of the guide refer to each other and to sources so that the links hold in `docs/` and in rustdoc.
 
+mod circles;
 mod guide;
 mod layers;
 mod source;
@@ -31,6 +33,13 @@ const FILES: usize = 15;
 const LINES: usize = 600;
 const FUNCTION: usize = 80;
 const COLUMNS: usize = 110;
+/// Files that may know each other in a circle.
+const CIRCLE: usize = 3;
+/// Folders in which circles are not looked for: they are about to leave the library.
+const LEAVING: &[&str] = &["src/bench/", "src/lab/", "src/scene/"];
+/// Folders whose files may know each other in circles of any size until they are rebuilt.
+const KNOTTED: &[&str] = &["src/constraint/articulation/", "src/constraint/joint/"];
+
 /// Files and folders that may have float constants of any kind.
 const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs", "src/bench/", "src/observe/"];
 
@@ -40,6 +49,10 @@ const MARKS: &[&str] = &["// Rounding:", "// Sentinel:", "// Guard:"];
 /// Types of glam that are SIMD where the target has it, and sum in an order of its own. `Vec3A` is only
 /// compared.
 const SIMD_TYPES: &[&str] = &["Quat", "Vec4", "Mat2", "Mat3A", "Mat4", "Affine3A"];
+
+fn is_in(path: &str, folders: &[&str]) -> bool {
+    folders.iter().any(|folder| path.starts_with(folder))
+}
 
 /// Fails with all offences at once.
 #[track_caller]
@@ -172,6 +185,16 @@ fn no_module_uses_one_above_it() {
 #[test]
 fn no_modules_use_each_other() {
     none("cycles", &layers::cycles(&layers::arrows(&Source::all(LIBRARY))));
+}
+
+#[test]
+fn no_more_than_three_files_know_each_other_in_a_circle() {
+    let mut sources = Source::all(LIBRARY);
+    sources.retain(|source| !is_in(&source.path, LEAVING));
+    let circles = circles::circles(&circles::arrows(&sources), CIRCLE);
+    let offends = |circle: &&circles::Circle| !circle.files.iter().all(|file| is_in(file, KNOTTED));
+    let offences: Vec<String> = circles.iter().filter(offends).map(ToString::to_string).collect();
+    none("wide circles of files", &offences);
 }
 
 #[test]

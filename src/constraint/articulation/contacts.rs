@@ -14,7 +14,7 @@ use super::spatial::{Sym6, Twist};
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
-use crate::constraint::contact::impact_friction::potential_load;
+use crate::constraint::contact::friction::impact::potential_load;
 use crate::constraint::contact::row::{
     BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, relative, row, sweep,
 };

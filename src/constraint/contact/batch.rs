@@ -4,6 +4,10 @@ use crate::constraint::schedule::part::Part;
 use crate::lanes::{Lanes, Mask, Sym3, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
+// Rounding: of a mobility along locked axes.
+/// For bodies with locked axes: share of their mobility below which the rest is rounding.
+pub(crate) const GONE: f32 = 1e-6;
+
 /// One normal row per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]

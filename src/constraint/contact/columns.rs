@@ -1,7 +1,7 @@
 //! The data of contacts for a batch, looked up contact by contact and transposed for the lanes.
 
 use super::batch::lock_bits;
-use super::prepare::PrepareInput;
+use super::input::PrepareInput;
 use super::soft::bodies::moves_by_mean;
 use crate::config::tuning::THIN_SLOP;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};

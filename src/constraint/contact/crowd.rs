@@ -46,7 +46,7 @@ impl Crowd {
     }
 
     /// Records that two bodies overlap; `bodies`: number of dynamic bodies.
-    pub(crate) fn overlap(&mut self, (a, b): (usize, usize), bodies: usize) {
+    pub(crate) fn overlap(&mut self, a: usize, b: usize, bodies: usize) {
         if a < bodies && b < bodies {
             if self.overlaps.is_empty() {
                 self.overlaps.resize(bodies, 0);
@@ -58,7 +58,7 @@ impl Crowd {
 
     /// Records that two bodies touch or may touch; the first `movers` have velocities. Called after all
     /// overlaps.
-    pub(crate) fn touch(&mut self, (a, b): (usize, usize), velocity: &[Record], movers: usize) {
+    pub(crate) fn touch(&mut self, a: usize, b: usize, velocity: &[Record], movers: usize) {
         let crowded = |body: usize| self.overlaps.get(body).is_some_and(|&n| n > 0);
         if crowded(a) || crowded(b) {
             let speed = |body: usize| if body < movers { velocity[body].linear.length() } else { 0.0 };

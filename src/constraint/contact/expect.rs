@@ -1,7 +1,8 @@
 //! Memory that the rows of contacts will need, before there are any: contacts must leave room for it.
 
 use super::batch::BatchRef;
-use super::rows::{Beside, Rows};
+use super::input::Beside;
+use super::rows::Rows;
 use crate::config::FrictionModel;
 use crate::constraint::schedule::arrange::PrepareScratch;
 use crate::narrow_phase::{RowCost, RowSpace};

@@ -6,11 +6,12 @@ mod columns;
 pub(crate) mod crowd;
 pub(crate) mod expect;
 pub(crate) mod friction;
-pub(crate) mod friction_rows;
-pub(crate) mod impact_friction;
+pub(crate) mod input;
+pub(crate) mod pass;
 pub(crate) mod prepare;
 #[cfg(feature = "observe")]
 pub(crate) mod readout;
+mod response;
 pub(crate) mod row;
 pub(crate) mod rows;
 pub(crate) mod soft;

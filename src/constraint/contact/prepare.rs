@@ -1,93 +1,18 @@
 //! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
-use super::batch::{Batch, unlocked};
+use super::batch::{Batch, GONE, unlocked};
 use super::columns::{Columns, SpringColumns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow};
-use super::rows::{Beside, Rows, Surface, Views, with_batch};
+use super::input::PrepareInput;
+use super::rows::{Rows, Surface, Views, with_batch};
 use super::soft::{SoftRow, bodies::mark, fill_soft};
-use super::step_lengths::StepLengths;
-use crate::body::{Bodies, Pose};
-use crate::broad_phase::Pair;
-use crate::config::Order;
 use crate::config::tuning::LOCKED_YIELD;
-use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
-use crate::joint::Joints;
-use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
+use crate::lanes::{GatherLanes, Lanes, Mat3, Sym3, Vec3, gather};
 use crate::memory::{Allowances, Category};
-use crate::narrow_phase::{Contacts, Scale};
-use crate::shape::{Collider, ColliderSummary, Material, RareMaterial};
 use crate::threads::{Shared, Workers, per_block};
-
-/// Input of preparation.
-pub(crate) struct PrepareInput<'a> {
-    pub(crate) bodies: &'a Bodies,
-    pub(crate) colliders: &'a [Collider],
-    pub(crate) summaries: &'a [ColliderSummary],
-    pub(crate) poses: &'a [Pose],
-    pub(crate) contacts: &'a Contacts,
-    pub(crate) pairs: &'a [Pair],
-    /// Predicted displacement of each body that can move.
-    pub(crate) motion: &'a [Record],
-    /// World inverse inertia of each dynamic body.
-    pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// A point with a separation up to this touches [m].
-    pub(crate) real: f32,
-    /// Without continuous collision, nothing further apart than this is looked for [m].
-    pub(crate) near: f32,
-    /// Maximum bytes of contacts further apart than that, with their rows.
-    pub(crate) ahead: usize,
-    /// The substeps of this step and the last, by which impulses are scaled.
-    pub(crate) lengths: StepLengths,
-    /// Slip speed below which friction is static [m/s].
-    pub(crate) static_slip_speed: f32,
-    /// [m]
-    pub(crate) slop: f32,
-    /// The order in which groups of rows are solved.
-    pub(crate) order: Order,
-    /// Bodies whose contacts with static geometry are solved along with their trees of joints.
-    pub(crate) tree_slots: &'a TreeSlots,
-    /// What hooks changed about each contact; empty if there are none.
-    pub(crate) tweaks: &'a [Tweak],
-    /// Friction at every point: each point then is a manifold of its own.
-    pub(crate) per_point: bool,
-    /// Whether anything may have friction.
-    pub(crate) friction: bool,
-    /// Whether any surface moves, by its material or by a hook.
-    pub(crate) surfaces: bool,
-    /// Whether any shape resists rolling or spinning.
-    pub(crate) rolling: bool,
-    /// Whether any shape is soft.
-    pub(crate) soft: bool,
-    pub(crate) joints: &'a Joints,
-    /// Acceleration of each body that can move; may be empty.
-    pub(crate) acceleration: &'a [Record],
-    /// Marks of what holds dynamic bodies, for soft contacts; empty before they are made.
-    pub(crate) marks: &'a [u8],
-    /// What few shapes have of a material, as far as the column goes.
-    pub(crate) rare: &'a [RareMaterial],
-    /// Weights of contacts, in case memory does not suffice for all.
-    pub(crate) scale: Scale<'a>,
-}
-
-impl PrepareInput<'_> {
-    /// What few materials have, of a part of a shape: zero for the shape's own.
-    pub(super) fn rare_of(&self, collider: u32, part: u8) -> RareMaterial {
-        let own = self.rare.get(collider as usize).copied();
-        let of_part = self.colliders[collider as usize].part_material(part).map(Material::rare);
-        of_part.or(own).unwrap_or_default()
-    }
-
-    pub(crate) fn beside(&self) -> Beside {
-        Beside { surfaces: self.surfaces, rolling: self.rolling, soft: self.soft }
-    }
-}
-
-// Rounding: of a mobility along locked axes.
-/// For bodies with locked axes: share of their mobility below which the rest is rounding.
-pub(crate) const GONE: f32 = 1e-6;
 
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
@@ -132,8 +57,7 @@ fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowan
     let marks = &mut rows.soft.marks;
     marks.clear();
     if input.soft {
-        let (bodies, found) = ((input.bodies, input.colliders), (input.pairs, input.contacts));
-        allowances.within(Category::Rows, |allowance| mark(marks, bodies, found, input.joints, allowance));
+        allowances.within(Category::Rows, |allowance| mark(marks, input, allowance));
     }
     !input.soft || marks.len() == input.bodies.dynamic()
 }

@@ -2,41 +2,18 @@
 //! sequential impulses and for soft substeps.
 
 use super::batch::{Batch, PointRow};
+use super::friction::impact::potential_load;
+use super::friction::rows::{follow_load, solve_friction};
 use super::friction::{FrictionRow, RollingRow};
-use super::friction_rows::{follow_load, solve_friction};
-use super::impact_friction::potential_load;
-use super::rows::Surface;
-use super::soft::{SoftRow, solve_soft};
+use super::soft::solve_soft;
 use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3};
 use crate::threads::Shared;
 
 pub(crate) use super::body_pair::{BodyPair, Motion};
+pub(crate) use super::pass::Pass;
+pub(crate) use super::response::{Free, FrictionResponse, Response};
 pub(crate) use super::softness::Softness;
-
-/// What a pass over the rows uses.
-#[derive(Clone, Copy)]
-pub(crate) struct Pass<'a> {
-    /// 1 / substep [1/s].
-    pub(crate) inverse_h: f32,
-    pub(crate) softness: Softness,
-    /// Maximum speed at which overlap is pushed apart [m/s].
-    pub(crate) push_speed: f32,
-    /// Friction of an impact that changes the slip by more than this shifts loads [m/s].
-    pub(crate) load_shift_speed: f32,
-    /// A point with a separation up to this touches: its impulse bounds friction [m].
-    pub(crate) touch_distance: f32,
-    /// Friction as a box instead of a cone.
-    pub(crate) friction_box: bool,
-    /// Remove what pushing overlap apart added to the velocities.
-    pub(crate) relax: bool,
-    /// See [`Rows::surfaces`](crate::constraint::Rows::surfaces).
-    pub(crate) surfaces: &'a [Surface],
-    /// See [`Rows::rolling`](crate::constraint::Rows::rolling).
-    pub(crate) rolling: &'a Shared<'a, RollingRow>,
-    /// See [`Rows::soft`](crate::constraint::Rows::soft).
-    pub(crate) soft: &'a Shared<'a, SoftRow>,
-}
 
 /// Applies the impulses of the last step.
 ///
@@ -147,44 +124,6 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
     }
 }
 
-/// By how much impulses of a batch change the velocities of its bodies.
-pub(crate) trait Response<L: GatherLanes, const P: usize, const B: usize> {
-    /// Effective mass of a point's row [kg]; zero without a point.
-    #[inline(always)]
-    fn mass(&self, batch: &Batch<L, P, B>, i: usize) -> L {
-        batch.points[i].mass
-    }
-    /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
-    #[inline(always)]
-    fn stiffness(&self, batch: &Batch<L, P, B>, i: usize, k: usize) -> L {
-        if i == k { batch.points[i].stiffness } else { batch.coupling(i.min(k), i.max(k)) }
-    }
-    #[inline(always)]
-    fn friction(&self, f: &FrictionRow<L, B>) -> FrictionResponse<L> {
-        let FrictionRow { mass, slide_mass, twist_mass, twist_by, .. } = *f;
-        FrictionResponse { mass, slide_mass, twist_mass, twist_by }
-    }
-    /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
-    #[inline(always)]
-    fn apply(&mut self, batch: &Batch<L, P, B>, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
-        v.apply(batch, p, ta, tb);
-    }
-}
-
-/// The response of bodies to friction; see the fields of [`FrictionRow`].
-#[derive(Clone, Copy)]
-pub(crate) struct FrictionResponse<L> {
-    pub(crate) mass: [L; 3],
-    pub(crate) slide_mass: L,
-    pub(crate) twist_mass: L,
-    pub(crate) twist_by: [L; 2],
-}
-
-/// The response of two bodies that nothing else holds.
-pub(crate) struct Free;
-
-impl<L: GatherLanes, const P: usize, const B: usize> Response<L, P, B> for Free {}
-
 /// One Gauss-Seidel step over the rows of a batch. Returns whether potential points push.
 ///
 /// # Safety
@@ -207,7 +146,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     // SAFETY: as above.
     if let Some(soft) = unsafe { pass.soft.find(batch.soft as usize) } {
         // SAFETY: by the contract.
-        return unsafe { solve_soft::<L, P, B, FRICTION>(batch, (friction, rolling), soft, motion, pass) };
+        return unsafe { solve_soft::<L, P, B, FRICTION>(batch, friction, rolling, soft, motion, pass) };
     }
     if !sweep::<L, P, B, FRICTION, _>(batch, friction, rolling, &mut v, pass, &mut Free) {
         return false;

@@ -2,6 +2,7 @@
 
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView, ImpactRow, RollingRow};
+use super::input::Beside;
 use super::soft::SoftRow;
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
@@ -48,17 +49,6 @@ pub(crate) struct Rows {
     /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
     pub(crate) rolling: Vec<RollingRow>,
     pub(crate) soft: SoftRows,
-}
-
-/// What each batch of the schedule has besides its rows and friction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Beside {
-    /// Whether any surface moves.
-    pub(crate) surfaces: bool,
-    /// Whether any shape resists rolling or spinning.
-    pub(crate) rolling: bool,
-    /// Whether springs act at any shape.
-    pub(crate) soft: bool,
 }
 
 impl Beside {

@@ -110,7 +110,7 @@ impl<L: GatherLanes> Ends<L> {
         }
     }
 
-    /// Writes displacements, but keeps the pads of their records.
+    /// Writes displacements, but keeps the marks of their records.
     ///
     /// # Safety
     /// As for [`BodyPair::load`], of displacements.

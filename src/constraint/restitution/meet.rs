@@ -19,7 +19,7 @@
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
 use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
-use crate::constraint::contact::prepare::GONE;
+use crate::constraint::contact::batch::GONE;
 use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
 use crate::math::Quat;
@@ -198,7 +198,7 @@ impl Restitution {
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }
-            bodies.delta[i].set_bounced();
+            bodies.delta[i].set_touched();
             if struck.stands {
                 add(&mut struck.velocity_after, &change, 1.0);
                 continue;
@@ -242,7 +242,7 @@ impl Restitution {
             *own = Record::default();
             self.struck[i].pull = pull;
         }
-        bodies.delta[i].set_bounced();
+        bodies.delta[i].set_touched();
     }
 
     /// Gives held bodies their velocities back, at the end of the step.

@@ -10,7 +10,7 @@ use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::contact::prepare::PrepareInput;
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
@@ -298,7 +298,7 @@ fn sort(
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
         let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
         if contact.points().iter().any(deep) && !is_soft(input, contact) {
-            crowd.overlap((a, b), dynamic);
+            crowd.overlap(a, b, dynamic);
         }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
         prepared.manifolds += 1;
@@ -345,7 +345,7 @@ fn sort(
     if !crowd.is_empty() {
         each_contact(input, |_, contact| {
             let body = |c: u32| input.summaries[c as usize].body as usize;
-            crowd.touch((body(contact.a), body(contact.b)), &input.bodies.velocity, movers);
+            crowd.touch(body(contact.a), body(contact.b), &input.bodies.velocity, movers);
         });
     }
     scratch.line_up(input, &mut allowance);

@@ -3,7 +3,7 @@
 
 use super::arrange::{ahead_lanes, each_contact, group_of};
 use super::order::Group;
-use crate::constraint::contact::prepare::PrepareInput;
+use crate::constraint::contact::input::PrepareInput;
 use crate::narrow_phase::{ContactCount, ContactRef, Threshold, Weight};
 
 /// The savings where memory does not suffice for all, beginning with what is missed least. All savings of one

@@ -3,7 +3,7 @@
 mod store;
 
 use super::desc::{Axes, Axis, Motion};
-use super::store::NONE;
+use super::row::NONE;
 #[cfg(feature = "serde")]
 use crate::config::unbounded;
 use crate::error::Error;

@@ -1,7 +1,8 @@
 //! The locks and rows of joints: made out of limits and drives, found, changed, and read as they were given.
 
-use super::{Joints, Lock, LockKind, NONE, Row, RowKind};
+use super::Joints;
 use crate::joint::desc::{Axes, Axis, Drive, Limit, Motion};
+use crate::joint::row::{Lock, LockKind, NONE, Row, RowKind};
 use glam::Vec3;
 use std::ops::Range;
 

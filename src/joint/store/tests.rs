@@ -1,6 +1,6 @@
 use super::*;
 use crate::handle::BodyHandle;
-use crate::joint::{Axis, Frame};
+use crate::joint::{Axes, Axis, Frame, Motion};
 use crate::math::Quat;
 
 const HERE: [JointFrame; 2] = [JointFrame { position: Vec3::ZERO, rotation: Quat::IDENTITY }; 2];

@@ -5,7 +5,8 @@
 //! that nothing is pushed by what it never reaches; of a mesh only the first obstacle on the path counts.
 
 use super::gates::enter_mesh;
-use super::mesh::{CastResult, MeshCast, cast_mesh};
+use super::mesh::{CastResult, cast_mesh};
+use super::mesh_cast::MeshCast;
 use super::motion::{BodyPath, Motion};
 use super::{Touch, cast_convex, cast_plane, tolerance};
 use crate::body::exp_map;
@@ -13,11 +14,11 @@ use crate::broad_phase::Pair;
 use crate::config::Start;
 use crate::config::tuning::{NO_GAP, PLANE_TURN};
 use crate::math::Quat;
-use crate::narrow_phase::collide::Input;
 use crate::narrow_phase::contacts::of_meshes::MeshBlock;
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::support::Support;
+use crate::narrow_phase::input::Input;
 use crate::narrow_phase::mesh::reach::{Reach, extent_of};
 use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
 use crate::narrow_phase::{RawManifold, Relative};

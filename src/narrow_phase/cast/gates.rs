@@ -18,22 +18,22 @@
 //! motion.
 
 use super::ahead::{MeshPair, carry_back, closing, margin_at_touch, motion_of};
-use super::mesh::MeshCast;
+use super::mesh_cast::MeshCast;
 use super::motion::{Motion, Turn};
 use super::path::ShapePath;
-use super::sweep::reach;
 use super::{Touch, tolerance};
 use crate::broad_phase::Pair;
 use crate::config::tuning::SAME_AXIS_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
-use crate::narrow_phase::collide::Input;
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
+use crate::narrow_phase::convex::lane_support::reach;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::support::{Pose as Placed, Support};
-use crate::narrow_phase::mesh::Triangles;
+use crate::narrow_phase::input::Input;
 use crate::narrow_phase::mesh::nearby::{Eight, Ground};
 use crate::narrow_phase::mesh::reach::side_of;
+use crate::narrow_phase::mesh::triangles::Triangles;
 use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{DMat3, DVec3, Vec3};

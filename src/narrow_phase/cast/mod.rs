@@ -21,6 +21,7 @@
 pub(crate) mod ahead;
 pub(crate) mod gates;
 pub(crate) mod mesh;
+pub(crate) mod mesh_cast;
 pub(crate) mod motion;
 pub(crate) mod path;
 pub(crate) mod spin;

@@ -4,7 +4,7 @@
 //! rotation, and its height over a plane changes linearly, so two heights each exclude eight triangles, in
 //! the mesh's own frame. Only where that is not enough a search begins.
 
-use super::mesh::MeshCast;
+use super::mesh_cast::MeshCast;
 use super::motion::Motion;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;

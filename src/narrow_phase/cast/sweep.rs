@@ -6,68 +6,21 @@
 //! plane, at the start and at the end, bound all in between. Half an arc has a quarter of the sagitta, so a
 //! fast spin is examined in two or four parts.
 
-use super::mesh::MeshCast;
+use super::mesh_cast::MeshCast;
 use super::motion::{Motion, turn};
 use super::spin::Spin;
 use crate::config::tuning::SAGITTA_SHARE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
+use crate::narrow_phase::convex::lane_support::{reach, support};
 use crate::narrow_phase::convex::polytope::Pose;
-use crate::narrow_phase::mesh::Triangles;
 use crate::narrow_phase::mesh::nearby::Eight;
 use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::sphere::nearest;
-use crate::shape::{Collider, Geometry};
+use crate::narrow_phase::mesh::triangles::{Triangles, nearest_corner};
+use crate::shape::Collider;
 use glam::{DQuat, Mat3, Vec3};
 use std::cell::OnceCell;
-
-/// The points of a shape that are furthest along eight unit directions, in its frame.
-#[inline(always)]
-fn support(shape: &Collider, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
-    let [x, y, z, _] = shape.size.map(f32x8::splat);
-    let zero = f32x8::zero();
-    match &shape.geometry {
-        Geometry::Sphere { .. } => d * x,
-        Geometry::Capsule { .. } => {
-            let top = (x * d.y + z).gt(y - x * d.y);
-            let ball = d * Lanes::select(top, z, y);
-            LaneVec3::new(ball.x, ball.y + Lanes::select(top, x, -x), ball.z)
-        }
-        Geometry::Cylinder { .. } => {
-            let across = (d.x * d.x + d.z * d.z).sqrt();
-            let top = (x * d.y + z * across).gt(y * across - x * d.y);
-            let apart = across.gt(zero);
-            let r = Lanes::select(top, z, y) / Lanes::select(apart, across, f32x8::one());
-            LaneVec3::new(d.x * r, Lanes::select(top, x, -x), d.z * r)
-        }
-        Geometry::Box { .. } => LaneVec3::new(x * d.x.sign(), y * d.y.sign(), z * d.z.sign()),
-        Geometry::Hull(hull) => {
-            let mut most = f32x8::splat(f32::MIN);
-            let mut point = LaneVec3::zero();
-            for v in &hull.vertices {
-                let v = LaneVec3::<f32x8>::splat(*v);
-                let along = v.dot(d);
-                let further = along.gt(most);
-                most = Lanes::select(further, along, most);
-                point = LaneVec3::select(further, v, point);
-            }
-            point
-        }
-        _ => d * f32x8::splat(f32::MAX),
-    }
-}
-
-/// How far a shape reaches from its origin along eight unit directions [m].
-#[inline(always)]
-pub(crate) fn reach(shape: &Collider, d: LaneVec3<f32x8>) -> f32x8 {
-    match &shape.geometry {
-        Geometry::Hull(hull) => hull
-            .vertices
-            .iter()
-            .fold(f32x8::splat(f32::MIN), |most, v| Lanes::max(LaneVec3::<f32x8>::splat(*v).dot(d), most)),
-        _ => support(shape, d).dot(d),
-    }
-}
 
 /// A shape's motion against a mesh that doesn't turn, in the shape's frame at the start of the step.
 pub(crate) struct MeshSweep<'a> {
@@ -408,17 +361,6 @@ impl Kept {
 
 /// Directions that are tried.
 const ROUNDS: usize = 4;
-
-/// The corner of each triangle that is nearest along a direction, and how far that is [m].
-#[inline(always)]
-pub(crate) fn nearest_corner(triangles: &Triangles, u: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
-    let [a, b, c] = triangles.corners;
-    let (along_a, along_b, along_c) = (u.dot(a), u.dot(b), u.dot(c));
-    let b_first = along_b.lt(along_a);
-    let (point, along) = (LaneVec3::select(b_first, b, a), Lanes::select(b_first, along_b, along_a));
-    let c_first = along_c.lt(along);
-    (LaneVec3::select(c_first, c, point), Lanes::select(c_first, along_c, along))
-}
 
 impl Moments {
     fn ends(&self) -> impl Iterator<Item = &Moment> {

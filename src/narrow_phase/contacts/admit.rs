@@ -31,6 +31,14 @@ pub(crate) struct RowSpace {
     pub(crate) slab: Slab,
 }
 
+/// Memory that the contacts of a step and their rows may take.
+pub(crate) struct ContactMemory<'a> {
+    /// What each category may still grow by.
+    pub(crate) allowances: &'a mut Allowances,
+    /// The rows of the last step, which lend theirs.
+    pub(crate) space: &'a mut RowSpace,
+}
+
 /// What determines the memory of a contact's rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {

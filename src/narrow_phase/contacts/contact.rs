@@ -9,7 +9,6 @@ use crate::config::tuning::{KEPT_CONTACT_TURN, LOAD_BAND, LOAD_TIME, SPRING_GAP}
 use crate::limits::MAX_LOAD;
 use crate::math::Quat;
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::collide::MatchLimits;
 use glam::Vec3;
 use std::ops::{Deref, DerefMut};
 
@@ -182,6 +181,15 @@ impl Contact {
     pub(crate) fn as_mut(&mut self) -> ContactMut<'_> {
         ContactMut::new(&mut self.header, &mut self.points)
     }
+}
+
+/// Limits that tell matching points and contacts from new ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MatchLimits {
+    /// Distance within which two points match [m].
+    pub(crate) near: f32,
+    /// A pair that moved further past each other since its contact was last found slides or rolls [m].
+    pub(crate) slides: f32,
 }
 
 /// How a manifold was found.

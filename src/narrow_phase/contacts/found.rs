@@ -4,19 +4,22 @@
 //! if its pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks.
 //! If the budget leaves too little memory, contacts with static geometry are kept longest.
 
-use super::admit::RowSpace;
+use super::admit::ContactMemory;
 use super::contact::{Contact, FoundAt, NO_CONTACT};
-use super::of_meshes::{MeshBlock, commit_meshes};
+use super::of_meshes::{Exchange, MeshBlock};
 use super::store::{ContactCount, Contacts};
 use super::way::{Way, make_way, reserve};
 use super::weight::Weight;
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
-use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
+use crate::narrow_phase::input::Input;
+use crate::narrow_phase::pair_state::{PackedState, PairState};
+use crate::narrow_phase::relative::relative_pose;
 use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 /// A new contact, of a pair that had none; or a manifold of more points than its contact has place for.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -46,7 +49,7 @@ pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
     pairs: &'a [Pair],
     block: &'a mut Block,
-    state: &'a Shared<'a, u8>,
+    state: &'a Shared<'a, PackedState>,
     /// Whether it may have to look at pairs again.
     repeats: bool,
     pub(crate) mesh: Option<&'a mut MeshBlock>,
@@ -103,7 +106,7 @@ impl BlockOutput<'_> {
             return Growth::Cut;
         }
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = CROWDED };
+        unsafe { *self.state.get(index as usize) = PairState::Crowded.into() };
         block.crowded += 1;
         Growth::Again
     }
@@ -111,7 +114,7 @@ impl BlockOutput<'_> {
     /// Removes a pair's contacts.
     pub(crate) fn empty(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = EMPTIED };
+        unsafe { *self.state.get(index as usize) = PairState::Emptied.into() };
         self.block.emptied += 1;
     }
 
@@ -119,7 +122,7 @@ impl BlockOutput<'_> {
     /// start.
     pub(crate) fn clear(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = CLEAR };
+        unsafe { *self.state.get(index as usize) = PairState::Clear.into() };
     }
 
     pub(crate) fn count_casts(&mut self, casts: u32) {
@@ -155,7 +158,7 @@ impl Places<'_> {
     pub(crate) unsafe fn of<'a>(
         &'a self,
         block: &'a mut Block,
-        state: &'a Shared<'a, u8>,
+        state: &'a Shared<'a, PackedState>,
         pairs: &'a [Pair],
     ) -> BlockOutput<'a> {
         let (start, own) = (block.fresh as usize, block.mesh as usize);
@@ -169,12 +172,22 @@ impl Places<'_> {
     }
 }
 
-/// State of a pair whose contacts are removed. No bin has this number or a higher one.
-pub(crate) const EMPTIED: u8 = u8::MAX - 2;
-/// State of a pair that was found to be clear: see [`BlockOutput::clear`]. No bin has this number.
-pub(crate) const CLEAR: u8 = u8::MAX - 3;
-/// State of a pair that its block has to look at again: see [`BlockOutput::grow`]. No bin has this number.
-pub(crate) const CROWDED: u8 = u8::MAX - 4;
+/// Blocks that run before what they found is committed.
+pub(crate) struct Wave<'a> {
+    pub(crate) bins: &'a mut Bins,
+    /// Range of the blocks.
+    pub(crate) blocks: Range<usize>,
+    /// Of each pair of the step.
+    pub(crate) states: &'a mut [PackedState],
+}
+
+/// Blocks, for what they found.
+#[derive(Clone, Copy)]
+pub(super) struct FoundBy<'a> {
+    pub(super) blocks: &'a [Block],
+    /// Capacity for new contacts in the memory of the last step's rows; zero if there is no budget.
+    pub(super) place: usize,
+}
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -213,9 +226,11 @@ impl FoundContacts {
     pub(crate) fn plan(
         &mut self,
         bins: &mut Bins,
-        (pairs, contacts): (&[Pair], &Contacts),
+        pairs: &[Pair],
+        contacts: &Contacts,
         input: &Input<'_>,
-        (allowances, slab): (&mut Allowances, &mut Slab),
+        allowances: &mut Allowances,
+        slab: &mut Slab,
     ) {
         let endless = allowances.is_endless();
         let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
@@ -320,51 +335,53 @@ impl FoundContacts {
     /// the number of points that got none.
     pub(crate) fn commit(
         &mut self,
-        (bins, wave, state): (&mut Bins, std::ops::Range<usize>, &[u8]),
+        wave: &mut Wave<'_>,
         pairs: &mut [Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        (allowances, space): (&mut Allowances, &mut RowSpace),
+        memory: &mut ContactMemory<'_>,
     ) -> u32 {
-        let last = wave.end == bins.blocks.len();
+        let Wave { bins, blocks, states } = wave;
+        let last = blocks.end == bins.blocks.len();
         if self.place > 0 {
-            self.place = close_up(&mut bins.blocks, space.slab.alone(self.place));
+            self.place = close_up(&mut bins.blocks, memory.space.slab.alone(self.place));
         }
-        let blocks = &bins.blocks[wave];
+        let blocks = &bins.blocks[blocks.clone()];
         let mut shed = 0;
         for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
-            for &index in order.iter().filter(|&&i| state[i as usize] == EMPTIED) {
+            for &index in order.iter().filter(|&&i| states[i as usize].is(PairState::Emptied)) {
                 let slot = std::mem::replace(&mut pairs[index as usize].contact, NO_CONTACT);
                 contacts.remove_chain(slot);
             }
         }
         if blocks.iter().any(|block| block.grown > 0) {
-            let found = (blocks, self.place, &mut self.fresh);
-            shed += renew_grown(found, pairs, contacts, input, (allowances, space));
+            let found = FoundBy { blocks, place: self.place };
+            shed += found.renew_grown(&mut self.fresh, pairs, contacts, input, memory);
         }
         let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
         let mut of_meshes = ContactCount::default();
         for block in &mut *meshes {
             of_meshes = of_meshes + block.count_more(pairs, contacts);
             let used = self.share.left() - block.mesh.allowance.left();
-            allowances.within(Category::Scratch, |allowance| allowance.take(used));
+            memory.allowances.within(Category::Scratch, |allowance| allowance.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let mut way = Way::FREE;
-        if allowances.is_endless() {
+        if memory.allowances.is_endless() {
             let more = count(found_by(blocks, &self.fresh), |_| 0) + of_meshes;
-            allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
+            memory.allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
         } else {
-            let found = (blocks, self.place, &*meshes);
-            way = make_way(found, of_meshes, pairs, contacts, input, (allowances, space));
+            let found = FoundBy { blocks, place: self.place };
+            way = make_way(found, meshes, of_meshes, pairs, contacts, input, memory);
             shed += way.shed;
         }
+        let ContactMemory { allowances, space } = memory;
         for block in meshes {
             shed += allowances.within(Category::Scratch, |allowance| {
-                let found = (&mut self.chain, &mut self.touching);
-                commit_meshes(block, pairs, (contacts, way.most), found, input, allowance)
+                let (chain, touching) = (&mut self.chain, &mut self.touching);
+                Exchange { contacts, most: way.most, chain, touching, input, allowance }.run(block, pairs)
             });
         }
         let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
@@ -394,42 +411,48 @@ impl FoundContacts {
     }
 }
 
-/// Gives the contacts of some blocks places for the manifolds that they had none for, and then these. What
-/// was found about them is done with. Returns the number of points that got no place.
-fn renew_grown(
-    (blocks, place, fresh): (&[Block], usize, &mut Vec<Fresh>),
-    pairs: &[Pair],
-    contacts: &mut Contacts,
-    input: &Input<'_>,
-    (allowances, space): (&mut Allowances, &mut RowSpace),
-) -> u32 {
-    let bounded = !allowances.is_endless();
-    let grown = |fresh: &[Fresh]| {
-        let grown = found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
-        let points = grown.map(|found| {
-            let pair = &pairs[found.pair as usize];
-            input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
-        });
-        ContactCount { contacts: 0, points: points.sum() }
-    };
-    let more = grown(if place > 0 { space.slab.alone(place) } else { fresh });
-    reserve(more, contacts, (place * FRESH_BYTES, 0), (allowances, space));
-    let fresh = if place > 0 { space.slab.alone(place) } else { fresh.as_mut_slice() };
-    let mut shed = 0;
-    for block in blocks.iter().filter(|block| block.grown > 0) {
-        for found in &mut fresh[block.fresh as usize..][..block.found()] {
-            let pair = &pairs[found.pair as usize];
-            if pair.contact != NO_CONTACT {
-                let wanted = input.room(pair, bounded).max(found.raw.count as usize);
-                let room = contacts.grow(pair.contact, wanted);
-                shed += found.raw.keep(room);
-                let at = FoundAt::of(pair, input, found.fraction);
-                contacts.at_mut(pair.contact).renew(&found.raw, at, MatchLimits::of(input, pair));
-                found.raw.count = 0;
+impl FoundBy<'_> {
+    /// Gives the contacts of the blocks places for the manifolds that they had none for, and then these. What
+    /// was found about them is done with. Returns the number of points that got no place. `fresh`: what was
+    /// found, if there is no budget.
+    fn renew_grown(
+        self,
+        fresh: &mut [Fresh],
+        pairs: &[Pair],
+        contacts: &mut Contacts,
+        input: &Input<'_>,
+        memory: &mut ContactMemory<'_>,
+    ) -> u32 {
+        let FoundBy { blocks, place } = self;
+        let bounded = !memory.allowances.is_endless();
+        let grown = |fresh: &[Fresh]| {
+            let grown =
+                found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
+            let points = grown.map(|found| {
+                let pair = &pairs[found.pair as usize];
+                input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
+            });
+            ContactCount { contacts: 0, points: points.sum() }
+        };
+        let more = grown(if place > 0 { memory.space.slab.alone(place) } else { fresh });
+        reserve(more, contacts, place * FRESH_BYTES, 0, memory);
+        let fresh = if place > 0 { memory.space.slab.alone(place) } else { fresh };
+        let mut shed = 0;
+        for block in blocks.iter().filter(|block| block.grown > 0) {
+            for found in &mut fresh[block.fresh as usize..][..block.found()] {
+                let pair = &pairs[found.pair as usize];
+                if pair.contact != NO_CONTACT {
+                    let wanted = input.room(pair, bounded).max(found.raw.count as usize);
+                    let room = contacts.grow(pair.contact, wanted);
+                    shed += found.raw.keep(room);
+                    let at = FoundAt::of(pair, input, found.fraction);
+                    contacts.at_mut(pair.contact).renew(&found.raw, at, input.match_limits(pair));
+                    found.raw.count = 0;
+                }
             }
         }
+        shed
     }
-    shed
 }
 
 /// So many contacts, and the points of their places: of those that they have, but not fewer than `room` says.

@@ -5,7 +5,7 @@ use super::store::{ContactCount, Contacts};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Buffer, Buffers, bytes_of};
 use crate::narrow_phase::RawManifold;
-use crate::narrow_phase::collide::{Input, MatchLimits};
+use crate::narrow_phase::input::Input;
 use crate::narrow_phase::mesh::MeshScratch;
 
 /// A pair of a mesh that has manifolds, and their range among those of its block.
@@ -104,52 +104,63 @@ impl Buffers for MeshBlock {
 }
 
 /// Exchanges the contacts of mesh pairs for new ones, which inherit what the old ones bore.
-pub(super) fn commit_meshes(
-    block: &mut MeshBlock,
-    pairs: &mut [Pair],
-    (contacts, most): (&mut Contacts, usize),
-    (chain, touching): (&mut Vec<Contact>, &mut bool),
-    input: &Input<'_>,
-    allowance: &mut Allowance,
-) -> u32 {
-    let mut shed = 0;
-    for &Looked { pair, start, end } in &block.looked {
-        let pair = &mut pairs[pair as usize];
-        let now = FoundAt::of(pair, input, 0.0);
-        chain.clear();
-        for contact in contacts.chain(pair.contact) {
-            // The worst case is an impulse that is not inherited.
-            allowance.push(chain, contact.to_owned());
-        }
-        let rolling = contacts.rolling_of_chain(pair.contact);
-        contacts.remove_chain(pair.contact);
-        pair.contact = NO_CONTACT;
-        let mut last = NO_CONTACT;
-        for &OfMesh { ref raw, fraction } in &block.many[start as usize..end as usize] {
-            let mut contact = Contact::found(pair.a, pair.b, raw, FoundAt { fraction, ..now });
-            // The manifold of the last step on the same material whose normal is nearest.
-            let same = chain.iter().filter(|old| u16::from(old.material) == raw.material);
-            let nearest = same.max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
-            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.as_mut().inherit(old.as_ref(), MatchLimits::of(input, pair));
-                (contact.friction, contact.twist) = (old.friction, old.twist);
-                contact.mean_friction = old.mean_friction;
+pub(super) struct Exchange<'a> {
+    pub(super) contacts: &'a mut Contacts,
+    /// The most contacts that there may be.
+    pub(super) most: usize,
+    /// Buffer for the old contacts of a pair.
+    pub(super) chain: &'a mut Vec<Contact>,
+    /// Set if a new contact touches.
+    pub(super) touching: &'a mut bool,
+    pub(super) input: &'a Input<'a>,
+    /// What the buffer may still grow by.
+    pub(super) allowance: &'a mut Allowance,
+}
+
+impl Exchange<'_> {
+    /// Exchanges those of a block. Returns the number of points that got no place.
+    pub(super) fn run(self, block: &mut MeshBlock, pairs: &mut [Pair]) -> u32 {
+        let Exchange { contacts, most, chain, touching, input, allowance } = self;
+        let mut shed = 0;
+        for &Looked { pair, start, end } in &block.looked {
+            let pair = &mut pairs[pair as usize];
+            let now = FoundAt::of(pair, input, 0.0);
+            chain.clear();
+            for contact in contacts.chain(pair.contact) {
+                // The worst case is an impulse that is not inherited.
+                allowance.push(chain, contact.to_owned());
             }
-            *touching |= contact.as_ref().touches_anew(input.touch_distance);
-            let slot = contacts.insert_within(&contact, 0, most);
-            if slot == NO_CONTACT {
-                shed += raw.size();
-            } else if last == NO_CONTACT {
-                // The first one has all of it; the passes over the rows share it out.
-                contacts.set_rolling(slot, rolling, allowance);
-                pair.contact = slot;
-            } else {
-                contacts.at_mut(last).next = slot;
+            let rolling = contacts.rolling_of_chain(pair.contact);
+            contacts.remove_chain(pair.contact);
+            pair.contact = NO_CONTACT;
+            let mut last = NO_CONTACT;
+            for &OfMesh { ref raw, fraction } in &block.many[start as usize..end as usize] {
+                let mut contact = Contact::found(pair.a, pair.b, raw, FoundAt { fraction, ..now });
+                // The manifold of the last step on the same material whose normal is nearest.
+                let same = chain.iter().filter(|old| u16::from(old.material) == raw.material);
+                let nearest =
+                    same.max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
+                if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
+                    contact.as_mut().inherit(old.as_ref(), input.match_limits(pair));
+                    (contact.friction, contact.twist) = (old.friction, old.twist);
+                    contact.mean_friction = old.mean_friction;
+                }
+                *touching |= contact.as_ref().touches_anew(input.touch_distance);
+                let slot = contacts.insert_within(&contact, 0, most);
+                if slot == NO_CONTACT {
+                    shed += raw.size();
+                } else if last == NO_CONTACT {
+                    // The first one has all of it; the passes over the rows share it out.
+                    contacts.set_rolling(slot, rolling, allowance);
+                    pair.contact = slot;
+                } else {
+                    contacts.at_mut(last).next = slot;
+                }
+                last = if slot == NO_CONTACT { last } else { slot };
             }
-            last = if slot == NO_CONTACT { last } else { slot };
         }
+        block.looked.clear();
+        block.many.clear();
+        shed
     }
-    block.looked.clear();
-    block.many.clear();
-    shed
 }

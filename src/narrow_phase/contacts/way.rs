@@ -1,16 +1,15 @@
 //! Makes way for new contacts where memory is short: weighs them and the old ones, and sheds the lightest.
 
-use super::admit::{Census, Kind as Taken, Means, RowSpace};
+use super::admit::{Census, ContactMemory, Kind as Taken, Means};
 use super::contact::NO_CONTACT;
-use super::found::{FRESH_BYTES, Fresh, count, found_by};
+use super::found::{FRESH_BYTES, FoundBy, Fresh, count, found_by};
 use super::of_meshes::MeshBlock;
 use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Category};
 use crate::narrow_phase::RawManifold;
-use crate::narrow_phase::bins::Block;
-use crate::narrow_phase::collide::Input;
+use crate::narrow_phase::input::Input;
 use crate::shape::Kind;
 
 /// Which contacts may stay, and which new ones are taken in.
@@ -32,13 +31,15 @@ impl Way {
 /// Weighs existing contacts and those that blocks found, sheds those that are too light, and reserves slots
 /// for the others.
 pub(super) fn make_way(
-    (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
+    FoundBy { blocks, place }: FoundBy<'_>,
+    meshes: &[MeshBlock],
     of_meshes: ContactCount,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
-    (allowances, space): (&mut Allowances, &mut RowSpace),
+    memory: &mut ContactMemory<'_>,
 ) -> Way {
+    let ContactMemory { allowances, space } = &mut *memory;
     let cost = space.cost;
     let mut census = Census::new();
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
@@ -75,7 +76,7 @@ pub(super) fn make_way(
     let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
     // Rows have more memory than they will need, because there were fewer contacts, or these had more points.
     let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
-    let place = reserve(more, contacts, (needed, of_rows), (allowances, space));
+    let place = reserve(more, contacts, needed, of_rows, memory);
     Way { most: contacts.live() + more.contacts.min(place), floor, of_rows, shed }
 }
 
@@ -84,9 +85,11 @@ pub(super) fn make_way(
 pub(super) fn reserve(
     more: ContactCount,
     contacts: &mut Contacts,
-    (needed, of_rows): (usize, usize),
-    (allowances, space): (&mut Allowances, &mut RowSpace),
+    needed: usize,
+    of_rows: usize,
+    memory: &mut ContactMemory<'_>,
 ) -> usize {
+    let ContactMemory { allowances, space } = memory;
     let left = |allowances: &Allowances| {
         allowances.own(Category::Manifolds).min(allowances.whole().saturating_sub(of_rows))
     };

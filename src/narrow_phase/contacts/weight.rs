@@ -83,7 +83,7 @@ impl Scale<'_> {
         };
         let (of_a, of_b) = (motion(a), motion(b));
         let closing =
-            normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.turn_angle()) + spin(b, of_b.turn_angle());
+            normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.turn_angle) + spin(b, of_b.turn_angle);
         let both = pushed(a) && pushed(b);
         let apart = if both && separation < 0.0 { OVERLAP_WEIGHT * separation } else { separation };
         let held = LASTING_LOAD_WEIGHT * load * self.gain * (inverse(a) + inverse(b));

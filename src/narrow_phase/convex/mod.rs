@@ -8,6 +8,7 @@
 pub(crate) mod clip;
 pub(crate) mod cylinder;
 pub(crate) mod gjk;
+pub(crate) mod lane_support;
 pub(crate) mod polytope;
 mod polytopes;
 pub(crate) mod reduce;
@@ -120,7 +121,7 @@ fn half_space(a: &Collider, pose: &Pose, margin: f32) -> RawManifold {
     }
     if let Some(f) = cylinder::Frustum::of(a) {
         let plane = (normal, normal.dot(pose.position));
-        cylinder::on_half_space(&f, plane, (margin, a.radius), &mut cloud);
+        cylinder::on_half_space(&f, plane, margin, a.radius, &mut cloud);
         return manifold_of(&cloud, normal);
     }
     let Some(solid) = Solid::of(a) else { return RawManifold::default() };

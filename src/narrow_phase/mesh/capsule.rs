@@ -3,12 +3,12 @@
 //! The part of the core that is over a triangle, seen along the normal, yields two points. Where another part
 //! of the core is nearer, that part is nearest to an edge.
 
-use super::Triangles;
 use super::boxes::key;
 use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
 use super::triangle_contact::TriangleContact;
+use super::triangles::Triangles;
 use crate::config::tuning::ALONG_SINE_SQUARED;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;

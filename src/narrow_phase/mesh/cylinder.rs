@@ -4,20 +4,20 @@
 //! Over a triangle the argument for hulls holds ([`hull`](super::hull)): no way out is shorter than along the
 //! triangle's normal.
 
-use super::Triangles;
 use super::hull::inside;
 use super::nearby::Ground;
 use super::patch::{Patches, Verdict};
 use super::reach::Bounds;
 use super::sphere::nearest;
 use super::triangle_contact::{TriangleContact, named, outline};
+use super::triangles::{Triangles, nearest_corner};
 use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::RawPoint;
-use crate::narrow_phase::cast::sweep::{nearest_corner, reach};
 use crate::narrow_phase::convex::clip::Cloud;
 use crate::narrow_phase::convex::collide_triangle;
 use crate::narrow_phase::convex::cylinder::over_triangle;
+use crate::narrow_phase::convex::lane_support::reach;
 use crate::shape::Collider;
 
 /// Adds a patch for every triangle that is nearer than its margin.

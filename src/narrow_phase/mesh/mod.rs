@@ -14,8 +14,6 @@ pub(crate) mod boxes;
 pub(crate) mod capsule;
 pub(crate) mod cylinder;
 pub(crate) mod hull;
-pub(crate) mod hull_face;
-pub(crate) mod hull_triangle;
 pub(crate) mod merge;
 pub(crate) mod nearby;
 pub(crate) mod patch;
@@ -23,9 +21,10 @@ pub(crate) mod reach;
 pub(crate) mod sphere;
 pub(crate) mod touched;
 pub(crate) mod triangle_contact;
+pub(crate) mod triangles;
 
 use super::{RawManifold, RawPoint, Relative};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::f32x8;
 use crate::memory::{Allowance, Buffer, Buffers, sum_bytes};
 use crate::narrow_phase::convex::clip::CLOUD;
 use crate::narrow_phase::convex::gjk::distance;
@@ -36,100 +35,13 @@ use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 use merge::{MAX_MANIFOLDS, Merge};
 use nearby::{Eight, Extent, Ground, Nearby};
-use patch::{Patches, Touch};
+use patch::Patches;
 use reach::{Bounds, Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
+use triangles::Triangles;
 
 /// Feature in a triangle's key: the deepest point of the shape, wherever it is.
 const DEEPEST: u32 = 0x7f;
-
-/// Eight triangles in the shape's frame.
-pub(super) struct Triangles {
-    pub(super) corners: [LaneVec3<f32x8>; 3],
-    /// Unit normal, to the side on which the shape belongs.
-    pub(super) front: LaneVec3<f32x8>,
-    /// Height of the shape's origin over the plane [m].
-    pub(super) height: f32x8,
-    /// Lanes in which the winding's own front is away from the shape.
-    behind: u32,
-    /// Lanes that hold a triangle whose normal is known.
-    pub(super) valid: u32,
-    index: [u32; 8],
-}
-
-impl Triangles {
-    /// `side`: the point of the shape that tells on which side it belongs.
-    #[inline(always)]
-    pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, side: Vec3) -> Triangles {
-        let m = &pose.axes;
-        // Written out: arrays that are mapped or iterated over by value do not stay in registers.
-        let (x_axis, y_axis, z_axis) =
-            (LaneVec3::<f32x8>::splat(m.x_axis), LaneVec3::splat(m.y_axis), LaneVec3::splat(m.z_axis));
-        let position = LaneVec3::splat(pose.position);
-        let corner = |k: usize| {
-            let at = eight.corners.corner(k);
-            x_axis * at.x + y_axis * at.y + z_axis * at.z + position
-        };
-        let corners = [corner(0), corner(1), corner(2)];
-        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let squared = cross.length_squared();
-        let valid = squared.gt(f32x8::splat(f32::MIN_POSITIVE));
-        let length = Lanes::select(valid, squared, f32x8::one()).sqrt();
-        let before = cross.dot(LaneVec3::splat(side) - corners[0]);
-        let behind = before.lt(f32x8::zero());
-        let scale = before.sign() / length;
-        Triangles {
-            corners,
-            front: cross * scale,
-            height: -cross.dot(corners[0]) * scale,
-            behind: behind.bits(),
-            valid: valid.bits() & lanes,
-            index: eight.index,
-        }
-    }
-
-    /// One of them.
-    #[inline]
-    pub(super) fn touch(&self, lane: usize, ground: &Ground) -> Touch {
-        let behind = self.behind >> lane & 1 != 0;
-        Touch {
-            corners: [self.corners[0].lane(lane), self.corners[1].lane(lane), self.corners[2].lane(lane)],
-            front: self.front.lane(lane),
-            behind,
-            edges: ground.edges(self.index[lane]).seen(behind),
-            index: self.index[lane],
-        }
-    }
-
-    /// Separations of a box from each triangle: along the triangles' normals, and the largest along the box's
-    /// own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
-    ///
-    /// An axis that would push the box out through the back of a triangle it overlaps does not count.
-    #[inline(always)]
-    pub(super) fn separate(&self, centre: Vec3, half: Vec3) -> (f32x8, f32x8, f32x8) {
-        let [a, b, c] = self.corners;
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let face = self.height - self.front.abs().dot(LaneVec3::splat(half));
-        let mut best = f32x8::splat(f32::MIN);
-        let mut axis = f32x8::zero();
-        let zero = f32x8::zero();
-        let mut try_axis = |name: usize, apart: f32x8, through: f32x8| {
-            let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
-            let better = apart.gt(best) & !wrong;
-            best = Lanes::select(better, apart, best);
-            axis = Lanes::select(better, f32x8::splat(name as f32), axis);
-        };
-        let f = self.front;
-        let (c, h) = (LaneVec3::<f32x8>::splat(centre), LaneVec3::<f32x8>::splat(half));
-        try_axis(0, low.x - c.x - h.x, f.x);
-        try_axis(1, low.y - c.y - h.y, f.y);
-        try_axis(2, low.z - c.z - h.z, f.z);
-        try_axis(3, c.x - high.x - h.x, -f.x);
-        try_axis(4, c.y - high.y - h.y, -f.y);
-        try_axis(5, c.z - high.z - h.z, -f.z);
-        (face, best, axis)
-    }
-}
 
 /// Buffers of [`collide_mesh`], kept from call to call.
 #[derive(Default)]

@@ -4,12 +4,12 @@
 //! If only near contacts count, few triangles do: the near ones, and those further away that are level with a
 //! near one, because their points belong to the same manifold.
 
-use super::Triangles;
 use super::nearby::Extent;
+use super::triangles::Triangles;
 use crate::config::tuning::{ONE_MANIFOLD_COSINE, ONE_MANIFOLD_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::cast::sweep::reach;
+use crate::narrow_phase::convex::lane_support::reach;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;

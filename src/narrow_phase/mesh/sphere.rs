@@ -1,8 +1,8 @@
 //! A sphere against triangles: nearest points, eight triangles at a time.
 
-use super::Triangles;
 use super::nearby::Ground;
 use super::patch::{Patch, Patches, Touch};
+use super::triangles::Triangles;
 use crate::config::tuning::FLAT_EDGE_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;

@@ -59,7 +59,7 @@ impl RayStream {
         }
         let all = u64::MAX >> (RAYS - rays.len());
         let skip = filter.skip_inside;
-        world.broad.together(world.current()?, filter.sorts(), (stream, walk), all, |index, here, stream| {
+        world.broad.together(world.current()?, filter.sorts(), stream, walk, all, |index, here, stream| {
             let shape = &world.colliders.all[index as usize];
             if !sees.sees(index, shape) {
                 return;
@@ -116,11 +116,11 @@ impl Among {
             let start = candidate.local(rays[i].from);
             let path = turn_back(candidate.place.rotation, rays[i].path.as_dvec3());
             if let Some(way) = Way::new(geometry, start, path, stream.most[i]) {
-                self.rays.put(i, geometry, way.from, way.path, way.most);
+                geometry.put_ray(&mut self.rays, i, way.from, way.path, way.most);
                 self.ways[i] = (way, start, path);
             }
         }
-        self.rays.cast(geometry);
+        geometry.cast_rays(&mut self.rays);
         for i in ones(self.rays.rays()) {
             if let Some((t, index)) = self.rays.first(i) {
                 let (way, start, path) = &self.ways[i];

@@ -10,11 +10,11 @@ use crate::error::{self, Error, each, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::limits::{self, MAX_COORDINATE};
 use crate::memory::{bytes_of, sum_bytes};
-use crate::shape::Surfaces;
 use crate::shape::mesh::bvh::Path;
 use crate::shape::mesh::edges::{Edges, Fold};
 use crate::shape::mesh::rays::take;
 use crate::shape::mesh::segment_triangle::SegmentTest;
+use crate::shape::{Material, Surfaces};
 use glam::{Vec2, Vec3};
 
 /// Cells, or boxes of the level below, along a side of a box of the pyramid.
@@ -485,6 +485,30 @@ impl HeightField {
     /// there is no such triangle.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         ((triangle as usize) < self.triangle_count()).then(|| self.triangle(triangle))
+    }
+
+    /// The same field with materials of its cells, row by row: zero for that of the shape
+    /// ([`ShapeDesc::material`](crate::ShapeDesc::material)), `i` for `materials[i - 1]`. A contact has the
+    /// material of the cell that it is on. A byte a cell; the materials that it had are replaced.
+    ///
+    /// # Errors
+    /// The number of cells isn't that of `of_cells`, which have a column and a row less than the samples; a
+    /// number is beyond the table, which has at most 255 materials; or one of these is out of range.
+    pub fn with_materials(mut self, of_cells: &[u8], materials: &[Material]) -> Result<HeightField, Error> {
+        let cells = (self.columns - 1) * (self.rows - 1);
+        self.surfaces = Some(Surfaces::new(cells, of_cells.to_vec(), materials.to_vec())?);
+        Ok(self)
+    }
+
+    /// The table of materials; empty if all cells have that of the shape.
+    pub fn materials(&self) -> &[Material] {
+        Surfaces::table(&self.surfaces)
+    }
+
+    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
+    /// `materials()[i - 1]`.
+    pub fn material_of(&self, triangle: u32) -> u8 {
+        Surfaces::part(&self.surfaces, triangle as usize / 2)
     }
 }
 

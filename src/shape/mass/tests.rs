@@ -1,3 +1,4 @@
+use super::moments::outer;
 use super::*;
 use crate::random::Random;
 use crate::shape::ConvexHull;

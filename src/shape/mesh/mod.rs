@@ -365,6 +365,17 @@ impl TriangleMesh {
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         ((triangle as usize) < self.triangles.len()).then(|| self.triangle(triangle))
     }
+
+    /// The table of materials; empty if all triangles have that of the shape.
+    pub fn materials(&self) -> &[Material] {
+        Surfaces::table(&self.surfaces)
+    }
+
+    /// Which material a triangle has, by the index that queries report: zero for that of the shape, `i` for
+    /// `materials()[i - 1]`.
+    pub fn material_of(&self, triangle: u32) -> u8 {
+        Surfaces::part(&self.surfaces, triangle as usize)
+    }
 }
 
 /// Up to eight triangles.

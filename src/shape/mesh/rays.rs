@@ -2,9 +2,7 @@
 
 use super::bvh::Path;
 use super::segment_triangle::SegmentTest;
-use crate::shape::Geometry;
 use crate::shape::stream::{RAYS, Stream, Walk};
-use glam::Vec3;
 
 /// Up to [`RAYS`] rays in the frame of a shape, and what each met first.
 #[derive(Debug)]
@@ -37,28 +35,6 @@ impl TriangleRays {
         self.rays = 0;
     }
 
-    /// Adds a ray by start and displacement [m], to be followed up to the fraction `most`.
-    pub(crate) fn put(&mut self, ray: usize, geometry: &Geometry, from: Vec3, path: Vec3, most: f32) {
-        // Without a length it meets no triangle.
-        let Some(test) = SegmentTest::along(from, path) else { return };
-        match geometry {
-            Geometry::Mesh(mesh) => self.stream.put(ray, mesh.slabs(from, path), most),
-            Geometry::HeightField(field) => self.paths[ray] = field.path(from, from + path, Vec3::ZERO),
-            _ => return,
-        }
-        (self.tests[ray], self.nearest[ray]) = (test, (most, u32::MAX));
-        self.rays |= 1 << ray;
-    }
-
-    /// Looks for what they meet.
-    pub(crate) fn cast(&mut self, geometry: &Geometry) {
-        match geometry {
-            Geometry::Mesh(mesh) => mesh.rays(self),
-            Geometry::HeightField(field) => field.rays(self),
-            _ => {}
-        }
-    }
-
     /// One bit for each ray that was added and has a length.
     pub(crate) fn rays(&self) -> u64 {
         self.rays
@@ -87,7 +63,8 @@ mod tests {
     use crate::lanes::{Mask, f32x8};
     use crate::random::Random;
     use crate::shape::mesh::testing::{bumpy, terrain};
-    use crate::shape::{Corners, HeightField};
+    use crate::shape::{Corners, Geometry, HeightField};
+    use glam::Vec3;
     use std::sync::Arc;
 
     /// Fans and rays from anywhere to anywhere, through the vertices half of the time.
@@ -129,9 +106,9 @@ mod tests {
             let most = if i % 5 == 0 { 0.6 } else { 1.0 };
             together.clear();
             for (ray, &(from, path)) in rays.iter().enumerate() {
-                together.put(ray, &shape, from, if ray % 9 == 8 { Vec3::ZERO } else { path }, most);
+                shape.put_ray(&mut together, ray, from, if ray % 9 == 8 { Vec3::ZERO } else { path }, most);
             }
-            together.cast(&shape);
+            shape.cast_rays(&mut together);
             for ray in ones(together.rays()) {
                 let (from, path) = rays[ray];
                 let alone = match &shape {

@@ -186,7 +186,7 @@ impl World {
         rotation: glam::Quat,
         dt: f32,
     ) -> Result<(), Error> {
-        self.aim(body, (position, rotation), dt, AfterTarget::MoveOn)
+        self.aim(body, position, rotation, dt, AfterTarget::MoveOn)
     }
 
     /// Moves a kinematic body to a pose of its origin within the next step, as [`World::move_kinematic`]
@@ -203,14 +203,15 @@ impl World {
         rotation: glam::Quat,
         dt: f32,
     ) -> Result<(), Error> {
-        self.aim(body, (position, rotation), dt, AfterTarget::Stop)
+        self.aim(body, position, rotation, dt, AfterTarget::Stop)
     }
 
     /// Gives a body the velocity that leads to a pose of its origin in `dt` seconds.
     fn aim(
         &mut self,
         body: BodyHandle,
-        (position, rotation): (DVec3, glam::Quat),
+        position: DVec3,
+        rotation: glam::Quat,
         dt: f32,
         after: AfterTarget,
     ) -> Result<(), Error> {

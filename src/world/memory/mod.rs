@@ -2,13 +2,13 @@
 
 mod assets;
 mod budget;
+mod demand;
 mod model;
 mod needs;
 mod plan;
 mod restoring;
 
 pub(in crate::world) use assets::Assets;
-pub(crate) use model::PartTimes;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use needs::{Demand, Needs};
 pub use plan::{ContentForecast, Plan};

@@ -244,17 +244,6 @@ impl fmt::Display for Model {
     }
 }
 
-/// Times of parts in the last step [us]; zero for parts that were not needed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PartTimes {
-    pub(crate) restitution: f32,
-    pub(crate) joints: f32,
-    pub(crate) sleeping: f32,
-    pub(crate) events: f32,
-    pub(crate) sensors: f32,
-    pub(crate) hooks: f32,
-}
-
 /// Bytes of a kinematic body in buffers of steps: its motion, and its velocities and displacement in the
 /// solver.
 const OF_A_MOVER: usize = 4 * size_of::<Record>();

@@ -73,7 +73,8 @@ impl<'a> Replacement<'a> {
     pub(crate) fn new(
         bodies: usize,
         shapes: usize,
-        (joints, joint_rows): (&'a JointRecords, Option<usize>),
+        joints: &'a JointRecords,
+        joint_rows: Option<usize>,
         geometry: impl Iterator<Item = &'a Geometry>,
     ) -> Replacement<'a> {
         let (once, assets) = Assets::default().cost(geometry);

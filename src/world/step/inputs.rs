@@ -14,7 +14,7 @@ use crate::constraint::{
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
 use crate::memory::{Allowances, Category};
-use crate::narrow_phase::{Input, NarrowStats, Scale, collide};
+use crate::narrow_phase::{ContactMemory, Input, NarrowStats, Scale, collide};
 use crate::solver::SolverInput;
 use crate::statics::Structure;
 use crate::threads::Workers;
@@ -101,7 +101,8 @@ impl World {
         }
         let mut space = lend(rows, prepare, friction, model, beside, lists);
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
-        let stats = collide(workers, &input, pairs, contacts, narrow, (&mut allowances, &mut space));
+        let memory = ContactMemory { allowances: &mut allowances, space: &mut space };
+        let stats = collide(workers, &input, pairs, contacts, narrow, memory);
         rows.take_back(space.slab);
         stats
     }

@@ -2,6 +2,7 @@
 //! stopped.
 
 mod buffers;
+mod clock;
 mod faults;
 mod inputs;
 mod observers;
@@ -13,4 +14,4 @@ pub(crate) use observers::Change;
 pub(crate) use observers::Recorder;
 #[cfg(feature = "observe")]
 pub(crate) use observers::StepMeter;
-pub(crate) use stage::{Part, Stage};
+pub(crate) use stage::{Part, PartTimes, Stage};

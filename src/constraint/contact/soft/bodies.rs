@@ -5,26 +5,18 @@
 //! half of what it stopped. So bodies move by the mean where every contact that they have is soft, and no
 //! joint holds them. At rest both are the same.
 
-use crate::body::Bodies;
-use crate::broad_phase::Pair;
-use crate::joint::Joints;
+use crate::constraint::contact::input::PrepareInput;
 use crate::lanes::Record;
 use crate::memory::Allowance;
-use crate::narrow_phase::{Contacts, NO_CONTACT};
-use crate::shape::Collider;
+use crate::narrow_phase::NO_CONTACT;
 
 /// Bits of a body's mark: it has a soft contact; something else holds it.
 const YIELDS: u8 = 1;
 const HELD: u8 = 2;
 
 /// Marks the dynamic bodies by what holds them in this step. Without memory for that, none is marked.
-pub(crate) fn mark(
-    marks: &mut Vec<u8>,
-    (bodies, colliders): (&Bodies, &[Collider]),
-    (pairs, contacts): (&[Pair], &Contacts),
-    joints: &Joints,
-    allowance: &mut Allowance,
-) {
+pub(crate) fn mark(marks: &mut Vec<u8>, input: &PrepareInput<'_>, allowance: &mut Allowance) {
+    let &PrepareInput { bodies, colliders, pairs, contacts, joints, .. } = input;
     marks.clear();
     let dynamic = bodies.dynamic();
     if allowance.fit(marks, dynamic) < dynamic {
@@ -65,7 +57,9 @@ pub(crate) fn moves_by_mean(marks: &[u8], body: u32, dynamic: usize) -> bool {
 /// part of a velocity that no row changed is not corrected: its displacement takes acceleration into account.
 pub(crate) fn move_by_mean(
     marks: &[u8],
-    (velocity, base, delta): (&[Record], &[Record], &mut [Record]),
+    velocity: &[Record],
+    base: &[Record],
+    delta: &mut [Record],
     acceleration: &[Record],
     h: f32,
 ) {

@@ -15,9 +15,9 @@ mod row;
 mod spring;
 
 use super::batch::Batch;
+use super::friction::impact::potential_load;
+use super::friction::rows::{follow_load, solve_friction};
 use super::friction::{FrictionRow, RollingRow};
-use super::friction_rows::{follow_load, solve_friction};
-use super::impact_friction::potential_load;
 use super::row::{BodyPair, Free, ImpulseChange, Motion, NormalRows, Pass, relative, row as spin};
 use crate::lanes::{GatherLanes, Mask};
 pub(crate) use row::SoftRow;
@@ -35,7 +35,8 @@ const SWEEPS: usize = 3;
 #[inline(never)]
 pub(crate) unsafe fn solve_soft<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
     batch: &mut Batch<L, P, B>,
-    (friction, rolling): (Option<&mut FrictionRow<L, B>>, Option<&mut RollingRow>),
+    friction: Option<&mut FrictionRow<L, B>>,
+    rolling: Option<&mut RollingRow>,
     soft: &mut SoftRow,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,

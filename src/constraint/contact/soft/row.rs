@@ -1,8 +1,8 @@
 //! What soft lanes of a batch need besides their normal rows.
 
 use super::super::batch::Batch;
+use super::super::batch::GONE;
 use super::super::columns::{SpringColumns, vec3};
-use super::super::prepare::GONE;
 use crate::config::tuning::{LEAST_SOFT_DAMPING, SOFT_TURN};
 use crate::lanes::{Lanes, Vec3};
 

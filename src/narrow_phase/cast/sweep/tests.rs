@@ -3,6 +3,7 @@ use crate::narrow_phase::cast::{Other, Sweep, tolerance};
 use crate::narrow_phase::convex::support::Support;
 use crate::narrow_phase::fixtures::{CONVEX, collider};
 use crate::random::Random;
+use crate::shape::Geometry;
 
 /// No triangle is left out that the exact search finds to be touched, and none is touched before the fraction
 /// that is given for it.

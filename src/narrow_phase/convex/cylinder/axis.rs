@@ -182,7 +182,7 @@ impl Both<'_> {
     pub(super) fn best(&self, supports: (&Support, &Support), from: Axis, size: f32) -> (Axis, [Vec3; 2]) {
         // Seen from the wrong side what is apart may seem deep.
         if from.separation < -CYLINDER_DEEP * size {
-            let gap = self.gap(supports, (from.normal, 0.0), 1e-6 * size);
+            let gap = self.gap(supports, from.normal, 0.0, 1e-6 * size);
             if !gap.overlap && gap.upper > 0.0 {
                 let normal = gap.normal.as_vec3();
                 let axis = Axis { normal, separation: self.separation(normal), face: None };
@@ -201,18 +201,18 @@ impl Both<'_> {
     }
 
     /// The gap of the two with `b` moved by so much along a unit vector, from which the search begins.
-    fn gap(&self, (a, b): (&Support, &Support), (along, by): (Vec3, f32), accuracy: f32) -> CoreGap {
+    fn gap(&self, supports: (&Support, &Support), along: Vec3, by: f32, accuracy: f32) -> CoreGap {
         let axes = [self.pose.axes.x_axis, self.pose.axes.y_axis, self.pose.axes.z_axis];
         let [x, y, z] = axes.map(Vec3::as_dvec3);
         let position = (self.pose.position + along * by).as_dvec3();
         let pose = ExactPose { rotation: DMat3::from_cols(x, y, z), position };
-        gap_from(a, b, &pose, along.as_dvec3().normalize(), f64::from(accuracy))
+        gap_from(supports.0, supports.1, &pose, along.as_dvec3().normalize(), f64::from(accuracy))
     }
 
     /// `hopeless`: once one round has not led beyond this separation it ends [m].
     fn refine(
         &self,
-        (a, b): (&Support, &Support),
+        supports: (&Support, &Support),
         from: Axis,
         size: f32,
         hopeless: f32,
@@ -229,7 +229,7 @@ impl Both<'_> {
             };
             let shift = best.normal * open;
             let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 4e-3 * open };
-            let gap = self.gap((a, b), (best.normal, open), accuracy);
+            let gap = self.gap(supports, best.normal, open, accuracy);
             if gap.overlap {
                 break;
             }

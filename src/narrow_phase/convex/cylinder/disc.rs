@@ -36,7 +36,8 @@ pub(super) struct Face<'a> {
 impl<'a> Face<'a> {
     /// `None` where the plane stands on edge. `on_b`: whose disc it is.
     pub(super) fn new(
-        (disc, on_b): (&'a Disc, bool),
+        disc: &'a Disc,
+        on_b: bool,
         (plane, offset): (Vec3, f32),
         normal: Vec3,
         margin: f32,

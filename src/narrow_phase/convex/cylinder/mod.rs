@@ -150,15 +150,15 @@ impl<'a> Contact<'a> {
                 let disc = f.cap(up, own);
                 if g.shows_cap(out) {
                     let cap = g.cap(out.y > 0.0, other);
-                    let face = Face::new((&disc, on_b), cap.plane(), n, margin);
-                    let facing = Face::new((&cap, !on_b), disc.plane(), n, margin);
+                    let face = Face::new(&disc, on_b, cap.plane(), n, margin);
+                    let facing = Face::new(&cap, !on_b, disc.plane(), n, margin);
                     if let Some((face, facing)) = face.zip(facing) {
                         face.disc(&facing, self.tolerance, cloud);
                     }
                 } else {
                     let ends = g.line(out, other);
                     let side = other.direction(g.side_normal(out));
-                    if let Some(face) = Face::new((&disc, on_b), (side, side.dot(ends[0])), n, margin) {
+                    if let Some(face) = Face::new(&disc, on_b, (side, side.dot(ends[0])), n, margin) {
                         face.line(ends, cloud);
                     }
                 }
@@ -169,7 +169,7 @@ impl<'a> Contact<'a> {
                 let (normal, offset) = p.planes[facing];
                 let normal = other.direction(normal);
                 let plane = (normal, offset + normal.dot(other.position));
-                if let Some(face) = Face::new((&disc, on_b), plane, n, margin) {
+                if let Some(face) = Face::new(&disc, on_b, plane, n, margin) {
                     face.polygon(&Loop::new(p.vertices, p.face(facing), other), self.tolerance, cloud);
                 }
             }
@@ -178,7 +178,9 @@ impl<'a> Contact<'a> {
                 let normal = own.direction(normal);
                 let plane = (normal, offset + normal.dot(own.position));
                 let polygon = Loop::new(p.vertices, p.face(index), own);
-                round_on_polygon((f, other), out, (&polygon, plane, !on_b), (margin, self.tolerance), cloud);
+                let tolerance = self.tolerance;
+                FacingPolygon { polygon: &polygon, plane, on_b: !on_b, margin, tolerance }
+                    .add_points(f, other, out, cloud);
             }
             _ => {}
         }
@@ -205,26 +207,34 @@ impl<'a> Contact<'a> {
     }
 }
 
-/// The points of a frustum at `pose` that are over a polygon: of the cap or of the line of the side,
-/// whichever faces along `out`, in the frustum's own frame.
-///
-/// `on_b`: whether the frustum is b.
-fn round_on_polygon(
-    (f, pose): (&Frustum, &Pose),
-    out: Vec3,
-    (polygon, plane, on_b): (&Loop, (Vec3, f32), bool),
-    (margin, tolerance): (f32, f32),
-    cloud: &mut Cloud,
-) {
-    if f.shows_cap(out) {
-        let disc = f.cap(out.y > 0.0, pose);
-        let n = if on_b { plane.0 } else { -plane.0 };
-        if let Some(face) = Face::new((&disc, on_b), plane, n, margin) {
-            face.polygon(polygon, tolerance, cloud);
+/// A polygon of the other shape that a frustum faces.
+struct FacingPolygon<'a> {
+    polygon: &'a Loop,
+    /// Its normal, and its offset along that [m].
+    plane: (Vec3, f32),
+    /// Whether the frustum is `b`.
+    on_b: bool,
+    /// Points nearer than this are added [m].
+    margin: f32,
+    /// Points this far outside of the polygon count as over it [m].
+    tolerance: f32,
+}
+
+impl FacingPolygon<'_> {
+    /// Adds the points of a frustum at `pose` that are over the polygon: of the cap or of the line of the
+    /// side, whichever faces along `out`, in the frustum's own frame.
+    fn add_points(&self, f: &Frustum, pose: &Pose, out: Vec3, cloud: &mut Cloud) {
+        let &FacingPolygon { polygon, plane, on_b, margin, tolerance } = self;
+        if f.shows_cap(out) {
+            let disc = f.cap(out.y > 0.0, pose);
+            let n = if on_b { plane.0 } else { -plane.0 };
+            if let Some(face) = Face::new(&disc, on_b, plane, n, margin) {
+                face.polygon(polygon, tolerance, cloud);
+            }
+        } else {
+            let line = Loop::new(&f.line(out, pose), &[0, 1], &Pose::IDENTITY);
+            clip_face(polygon, plane, &line, plane, margin, tolerance, cloud);
         }
-    } else {
-        let line = Loop::new(&f.line(out, pose), &[0, 1], &Pose::IDENTITY);
-        clip_face(polygon, plane, &line, plane, margin, tolerance, cloud);
     }
 }
 
@@ -235,7 +245,12 @@ pub(crate) fn over_triangle(a: &Collider, triangle: &Loop, front: Vec3, margin: 
     let Some(corner) = corners.first() else { return };
     let plane = (front, front.dot(*corner));
     let tolerance = 1e-4 * a.radius;
-    round_on_polygon((&f, &Pose::IDENTITY), -front, (triangle, plane, false), (margin, tolerance), cloud);
+    FacingPolygon { polygon: triangle, plane, on_b: false, margin, tolerance }.add_points(
+        &f,
+        &Pose::IDENTITY,
+        -front,
+        cloud,
+    );
 }
 
 /// A cylinder and the half-space whose outward normal is `-normal` and whose border is at `offset` along
@@ -243,12 +258,13 @@ pub(crate) fn over_triangle(a: &Collider, triangle: &Loop, front: Vec3, margin: 
 pub(crate) fn on_half_space(
     f: &Frustum,
     (normal, offset): (Vec3, f32),
-    (margin, size): (f32, f32),
+    margin: f32,
+    size: f32,
     cloud: &mut Cloud,
 ) {
     if f.shows_cap(normal) {
         let disc = f.cap(normal.y > 0.0, &Pose::IDENTITY);
-        if let Some(face) = Face::new((&disc, false), (-normal, -offset), normal, margin) {
+        if let Some(face) = Face::new(&disc, false, (-normal, -offset), normal, margin) {
             face.endless(CYLINDER_AXIS_TOLERANCE * size, cloud);
         }
         return;

@@ -1,8 +1,9 @@
 //! Friction of impacts, for potential points that pushed before they touched.
 
-use super::batch::{Batch, BatchRef};
-use super::friction::FrictionView;
-use super::row::{BodyPair, Motion, Pass};
+use super::super::batch::{Batch, BatchRef};
+use super::super::body_pair::{BodyPair, Motion};
+use super::super::pass::Pass;
+use super::FrictionView;
 use crate::constraint::schedule::order::Group;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 

@@ -3,10 +3,10 @@
 //! The face is clipped to the triangle's three sides, one after the other (Sutherland and Hodgman, 1974), on
 //! what each corner knows: how far it is beyond each side and over the plane, which are linear along an edge.
 
-use super::boxes::key;
-use super::patch::Touch;
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::polytope::Polytope;
+use crate::narrow_phase::mesh::boxes::key;
+use crate::narrow_phase::mesh::patch::Touch;
 use glam::Vec3;
 
 /// Most corners of a face that are used; if it has more, evenly chosen ones.

@@ -6,13 +6,14 @@
 //! sin θ, with the depth d and the distance r from the border, which is least at one of its ends. No other
 //! axis has to be tried.
 
-use super::Triangles;
-use super::hull_face::over_face;
-use super::hull_triangle::{ContactAxis, Deepest, face_axis};
+mod face;
+mod triangle;
+
 use super::nearby::Ground;
 use super::patch::{Patches, Touch};
 use super::reach::Bounds;
 use super::triangle_contact::{TriangleContact, named};
+use super::triangles::Triangles;
 use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
@@ -20,6 +21,8 @@ use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
 use crate::narrow_phase::convex::sat::in_lanes;
 use crate::shape::ConvexHull;
+use face::over_face;
+use triangle::{ContactAxis, Deepest, face_axis};
 
 /// The vertex of a hull that is furthest along each of eight directions, and how far [m].
 #[inline(always)]

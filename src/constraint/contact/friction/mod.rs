@@ -1,6 +1,9 @@
 //! Friction of batches. Kept in buffers of its own, so that scenes without friction pay nothing, and passes
 //! over normal rows do not read it.
 
+pub(crate) mod impact;
+pub(super) mod rows;
+
 use super::batch::BatchRef;
 use crate::constraint::schedule::order::Group;
 use crate::lanes::{Lanes, Vec3};

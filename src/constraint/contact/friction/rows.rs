@@ -1,17 +1,23 @@
 //! Friction of a manifold that touches: two rows along the surface, one against twist, and two against
 //! rolling where the material resists it.
 
-use super::batch::Batch;
-use super::body_pair::BodyPair;
-use super::friction::{FrictionRow, RollingRow};
-use super::row::{FrictionResponse, Pass, Response};
+use super::super::batch::Batch;
+use super::super::body_pair::BodyPair;
+use super::super::pass::Pass;
+use super::super::response::{FrictionResponse, Response};
+use super::{FrictionRow, RollingRow};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// During relaxation friction was bounded by the load before it, part of which pushed overlap apart and is
 /// removed again. Friction follows the load that is left: down to its bound, and where it slides also up, as
 /// long as the surfaces still slide.
 #[inline(always)]
-pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+pub(in crate::constraint::contact) fn follow_load<
+    L: GatherLanes,
+    const P: usize,
+    const B: usize,
+    R: Response<L, P, B>,
+>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     Slid { slides, spins, extra }: Slid<L>,
@@ -120,7 +126,7 @@ fn load_of_points<L: GatherLanes, const P: usize, const B: usize>(
 }
 
 /// Which friction is at its bound.
-pub(super) struct Slid<L: Lanes> {
+pub(in crate::constraint::contact) struct Slid<L: Lanes> {
     slides: L::Mask,
     spins: L::Mask,
     /// Lever arm of spinning friction [m], if any material of the batch has it.
@@ -129,7 +135,12 @@ pub(super) struct Slid<L: Lanes> {
 
 /// The rows along the surface, and against twist.
 #[inline(always)]
-pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+pub(in crate::constraint::contact) fn solve_friction<
+    L: GatherLanes,
+    const P: usize,
+    const B: usize,
+    R: Response<L, P, B>,
+>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     rolling: Option<&mut RollingRow>,

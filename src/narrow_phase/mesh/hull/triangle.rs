@@ -3,14 +3,14 @@
 //! The same method as for any two polytopes ([`convex`](crate::narrow_phase::convex)), but a triangle has
 //! three edges and one face, which makes the choice among features simpler.
 
-use super::patch::Touch;
-use super::triangle_contact::{named, outline};
 use crate::config::tuning::FACE_PREFERENCE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose};
 use crate::narrow_phase::convex::sat::{PARALLEL, nearest_on_segments};
+use crate::narrow_phase::mesh::patch::Touch;
+use crate::narrow_phase::mesh::triangle_contact::{named, outline};
 use crate::shape::{ConvexHull, HullEdge};
 use glam::Vec3;
 

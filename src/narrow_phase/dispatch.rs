@@ -1,0 +1,87 @@
+//! The kernels of bins: which works through the pairs of a bin in lanes, and what the others go through.
+
+use super::bins::{Bin, TAPERED_BOX, TAPERED_CAPSULES};
+use super::convex::collide_convex;
+use super::input::{Approach, Input};
+use super::pair_policy::{PairView, finish_convex, finish_mesh, margin_of};
+use super::relative::{lanes_of, relative_pose, relative_poses};
+use crate::broad_phase::Pair;
+use crate::lanes::f32x8;
+use crate::narrow_phase::contacts::found::BlockOutput;
+use crate::narrow_phase::contacts::store::SharedContacts;
+use crate::narrow_phase::pairs::box_box::box_box;
+use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
+use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
+use crate::narrow_phase::pairs::sphere_box::sphere_box;
+use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
+use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
+use crate::shape::Kind;
+
+type Kernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
+
+/// The lane kernel of a bin, if it has one.
+fn kernel_of(bin: Bin) -> Option<Kernel> {
+    const SPHERES: u8 = Bin::pair(Kind::Sphere, Kind::Sphere);
+    const SPHERE_CAPSULE: u8 = Bin::pair(Kind::Sphere, Kind::Capsule);
+    const SPHERE_BOX: u8 = Bin::pair(Kind::Sphere, Kind::Box);
+    const CAPSULES: u8 = Bin::pair(Kind::Capsule, Kind::Capsule);
+    const CAPSULE_BOX: u8 = Bin::pair(Kind::Capsule, Kind::Box);
+    const BOXES: u8 = Bin::pair(Kind::Box, Kind::Box);
+    const TAPERED: u8 = TAPERED_CAPSULES.0;
+    const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
+    match bin.0 {
+        TAPERED => Some(tapered_capsule_capsule::<f32x8>),
+        TAPERED_ON_BOX => Some(tapered_capsule_box::<f32x8>),
+        SPHERES => Some(sphere_sphere::<f32x8>),
+        SPHERE_CAPSULE => Some(sphere_capsule::<f32x8>),
+        SPHERE_BOX => Some(sphere_box::<f32x8>),
+        CAPSULES => Some(capsule_capsule::<f32x8>),
+        CAPSULE_BOX => Some(capsule_box::<f32x8>),
+        BOXES => Some(box_box::<f32x8>),
+        _ => None,
+    }
+}
+
+/// Works through a block of pairs of one bin.
+pub(crate) fn run_bin(
+    bin: Bin,
+    order: &[u32],
+    input: &Input<'_>,
+    pairs: &[Pair],
+    contacts: &SharedContacts<'_>,
+    out: &mut BlockOutput<'_>,
+) {
+    if let Some(kernel) = kernel_of(bin) {
+        for eight in order.chunks(8) {
+            let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
+            let shape = |c: u32| input.summaries[c as usize].size;
+            let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
+            let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
+            let lanes = PairLanes::new(placed, |lane| {
+                let p = &pairs[pair(lane)];
+                (shape(p.a), shape(p.b), margin_of(input, &approach[lane]))
+            });
+            let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
+            for (lane, &index) in eight.iter().enumerate() {
+                let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
+                let view = PairView { input, pair, index, rel, approach };
+                finish_convex(&view, manifolds.lane(lane), contacts, out);
+            }
+        }
+        return;
+    }
+    for &index in order {
+        let pair = &pairs[index as usize];
+        let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+        let rel = &relative_pose(pair, input.poses);
+        let approach = &input.approach(pair);
+        let view = PairView { input, pair, index, rel, approach };
+        if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
+            finish_mesh(&view, contacts, out);
+        } else {
+            let raw = collide_convex(a, b, rel, margin_of(input, approach));
+            finish_convex(&view, raw, contacts, out);
+        }
+    }
+}

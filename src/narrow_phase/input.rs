@@ -1,0 +1,132 @@
+//! What the narrow phase of a step reads, and how pairs approach each other within it.
+
+use super::contacts::contact::MatchLimits;
+use super::contacts::manifold::most_points;
+use super::contacts::weight::Scale;
+use crate::body::Pose;
+use crate::broad_phase::Pair;
+use crate::config::{Continuous, Start};
+use crate::lanes::Record;
+use crate::shape::{Collider, ColliderSummary, Kind};
+
+/// What the narrow phase reads.
+pub(crate) struct Input<'a> {
+    pub(crate) colliders: &'a [Collider],
+    pub(crate) summaries: &'a [ColliderSummary],
+    /// World pose of each collider at the start of the step.
+    pub(crate) poses: &'a [Pose],
+    /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
+    pub(crate) motion: &'a [Record],
+    /// What gravity adds to the displacement of a dynamic body within the step [m].
+    pub(crate) fall: glam::Vec3,
+    /// Bodies before this one are dynamic.
+    pub(crate) dynamic: usize,
+    /// Points nearer than this are always found [m].
+    pub(crate) margin: f32,
+    /// A separation up to this is a real contact [m].
+    pub(crate) touch_distance: f32,
+    /// The length unit [m].
+    pub(crate) unit: f32,
+    /// Relative motion in a step above which a pair that is apart counts as fast [m].
+    pub(crate) fast: f32,
+    /// How far a pair may move before its contact is computed anew [m]; negative: always.
+    pub(crate) recycle: f32,
+    /// The world's; a pair's is in [`Approach::mode`].
+    pub(crate) mode: Continuous,
+    pub(crate) start: Start,
+    /// Weights of contacts, for when there is not enough memory for all.
+    pub(crate) scale: Scale<'a>,
+    /// Whether a body has joints.
+    pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
+}
+
+impl Input<'_> {
+    /// Displacement and rotation vector of a collider's body within the step.
+    pub(crate) fn motion_of(&self, collider: u32) -> Record {
+        let body = self.summaries[collider as usize].body as usize;
+        self.motion.get(body).copied().unwrap_or_default()
+    }
+
+    /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
+    pub(crate) fn is_static(&self, pair: &Pair) -> bool {
+        let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
+        !(pushed(pair.a) && pushed(pair.b))
+    }
+
+    /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
+    /// may have later: what was admitted hardly ever asks for memory again.
+    pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
+        let kind = |c: u32| self.summaries[c as usize].kind;
+        if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }
+    }
+
+    /// Whether a pair only reports what is in a sensor.
+    pub(super) fn is_sensor(&self, pair: &Pair) -> bool {
+        [pair.a, pair.b].iter().any(|&c| self.summaries[c as usize].is_sensor())
+    }
+
+    /// How a pair may approach within the step.
+    pub(crate) fn approach(&self, pair: &Pair) -> Approach {
+        let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
+        let swing = |collider: u32, motion: &Record| {
+            // An endless plane on a body that doesn't turn reaches nowhere.
+            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle);
+            if turn == 0.0 {
+                return 0.0;
+            }
+            // Turning a round shape about its axis does not change it.
+            let tilt = match c.kind {
+                Kind::Sphere => return turn * c.lever,
+                Kind::Capsule | Kind::Cylinder => {
+                    let axis = self.poses[collider as usize].rotation * glam::Vec3::Y;
+                    motion.angular.cross(axis).length()
+                }
+                _ => turn,
+            };
+            // A point of the shape can't move further than across it.
+            turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
+        };
+        let displacement = b.linear - a.linear;
+        let own = |c: u32| self.summaries[c as usize].mode;
+        let mode = self.mode.of(own(pair.a).max(own(pair.b)));
+        Approach {
+            displacement,
+            length: displacement.length(),
+            swing: swing(pair.a, &a) + swing(pair.b, &b),
+            mode,
+        }
+    }
+
+    /// Limits within which the points of a pair's contact last.
+    pub(crate) fn match_limits(&self, pair: &Pair) -> MatchLimits {
+        let radius = |c: u32| self.summaries[c as usize].radius;
+        let near = 0.1 * radius(pair.a).min(radius(pair.b));
+        // A creeping pair is found anew once it has moved by `recycle`, and before it has moved by twice
+        // that.
+        let slides = if self.recycle > 0.0 { near.min(2.0 * self.recycle) } else { near };
+        MatchLimits { near, slides }
+    }
+}
+
+/// How two shapes may approach each other within the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
+    pub(crate) displacement: glam::Vec3,
+    pub(crate) length: f32,
+    /// The furthest that rotation moves points of the two towards each other [m].
+    pub(crate) swing: f32,
+    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
+    pub(crate) mode: Continuous,
+}
+
+impl Approach {
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.mode != Continuous::Discrete
+    }
+
+    /// The most that the distance of two points may shrink by [m].
+    pub(crate) fn max_closing(&self) -> f32 {
+        self.length + self.swing
+    }
+}

@@ -1,0 +1,106 @@
+//! Eight triangles of a mesh or a height field at a time, in the frame of the shape that may touch them.
+
+use super::nearby::{Eight, Ground};
+use super::patch::Touch;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::convex::polytope::Pose;
+use glam::Vec3;
+
+/// Eight triangles in the shape's frame.
+pub(in crate::narrow_phase) struct Triangles {
+    pub(in crate::narrow_phase) corners: [LaneVec3<f32x8>; 3],
+    /// Unit normal, to the side on which the shape belongs.
+    pub(in crate::narrow_phase) front: LaneVec3<f32x8>,
+    /// Height of the shape's origin over the plane [m].
+    pub(in crate::narrow_phase) height: f32x8,
+    /// Lanes in which the winding's own front is away from the shape.
+    behind: u32,
+    /// Lanes that hold a triangle whose normal is known.
+    pub(in crate::narrow_phase) valid: u32,
+    index: [u32; 8],
+}
+
+impl Triangles {
+    /// `side`: the point of the shape that tells on which side it belongs.
+    #[inline(always)]
+    pub(in crate::narrow_phase) fn new(eight: &Eight, lanes: u32, pose: &Pose, side: Vec3) -> Triangles {
+        let m = &pose.axes;
+        // Written out: arrays that are mapped or iterated over by value do not stay in registers.
+        let (x_axis, y_axis, z_axis) =
+            (LaneVec3::<f32x8>::splat(m.x_axis), LaneVec3::splat(m.y_axis), LaneVec3::splat(m.z_axis));
+        let position = LaneVec3::splat(pose.position);
+        let corner = |k: usize| {
+            let at = eight.corners.corner(k);
+            x_axis * at.x + y_axis * at.y + z_axis * at.z + position
+        };
+        let corners = [corner(0), corner(1), corner(2)];
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let squared = cross.length_squared();
+        let valid = squared.gt(f32x8::splat(f32::MIN_POSITIVE));
+        let length = Lanes::select(valid, squared, f32x8::one()).sqrt();
+        let before = cross.dot(LaneVec3::splat(side) - corners[0]);
+        let behind = before.lt(f32x8::zero());
+        let scale = before.sign() / length;
+        Triangles {
+            corners,
+            front: cross * scale,
+            height: -cross.dot(corners[0]) * scale,
+            behind: behind.bits(),
+            valid: valid.bits() & lanes,
+            index: eight.index,
+        }
+    }
+
+    /// One of them.
+    #[inline]
+    pub(in crate::narrow_phase) fn touch(&self, lane: usize, ground: &Ground) -> Touch {
+        let behind = self.behind >> lane & 1 != 0;
+        Touch {
+            corners: [self.corners[0].lane(lane), self.corners[1].lane(lane), self.corners[2].lane(lane)],
+            front: self.front.lane(lane),
+            behind,
+            edges: ground.edges(self.index[lane]).seen(behind),
+            index: self.index[lane],
+        }
+    }
+
+    /// Separations of a box from each triangle: along the triangles' normals, and the largest along the box's
+    /// own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
+    ///
+    /// An axis that would push the box out through the back of a triangle it overlaps does not count.
+    #[inline(always)]
+    pub(in crate::narrow_phase) fn separate(&self, centre: Vec3, half: Vec3) -> (f32x8, f32x8, f32x8) {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let face = self.height - self.front.abs().dot(LaneVec3::splat(half));
+        let mut best = f32x8::splat(f32::MIN);
+        let mut axis = f32x8::zero();
+        let zero = f32x8::zero();
+        let mut try_axis = |name: usize, apart: f32x8, through: f32x8| {
+            let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
+            let better = apart.gt(best) & !wrong;
+            best = Lanes::select(better, apart, best);
+            axis = Lanes::select(better, f32x8::splat(name as f32), axis);
+        };
+        let f = self.front;
+        let (c, h) = (LaneVec3::<f32x8>::splat(centre), LaneVec3::<f32x8>::splat(half));
+        try_axis(0, low.x - c.x - h.x, f.x);
+        try_axis(1, low.y - c.y - h.y, f.y);
+        try_axis(2, low.z - c.z - h.z, f.z);
+        try_axis(3, c.x - high.x - h.x, -f.x);
+        try_axis(4, c.y - high.y - h.y, -f.y);
+        try_axis(5, c.z - high.z - h.z, -f.z);
+        (face, best, axis)
+    }
+}
+
+/// The corner of each triangle that is nearest along a direction, and how far that is [m].
+#[inline(always)]
+pub(crate) fn nearest_corner(triangles: &Triangles, u: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
+    let [a, b, c] = triangles.corners;
+    let (along_a, along_b, along_c) = (u.dot(a), u.dot(b), u.dot(c));
+    let b_first = along_b.lt(along_a);
+    let (point, along) = (LaneVec3::select(b_first, b, a), Lanes::select(b_first, along_b, along_a));
+    let c_first = along_c.lt(along);
+    (LaneVec3::select(c_first, c, point), Lanes::select(c_first, along_c, along))
+}

@@ -1,0 +1,73 @@
+//! What the narrow phase of a step does with each pair.
+
+use super::bins::{BINS, Bin};
+use bytemuck::{Pod, Zeroable};
+
+/// What becomes of a pair in the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PairState {
+    /// The blocks of its bin look at it.
+    Binned(Bin),
+    /// Its block has to look at it again: its manifold needs a place first.
+    Crowded,
+    /// It has no contact: nothing is touched on the whole predicted path, nor near at its start.
+    Clear,
+    /// Its contacts are removed.
+    Emptied,
+    /// It gets no contact: it is too far apart, has nothing that could be pushed, or only reports what is in
+    /// a sensor.
+    Far,
+    /// It keeps its contact.
+    Kept,
+}
+
+/// A [`PairState`] in a byte: there is one for each pair of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(crate) struct PackedState(u8);
+
+impl PackedState {
+    #[inline(always)]
+    pub(crate) fn is(self, state: PairState) -> bool {
+        self == state.into()
+    }
+
+    /// The bin of a pair that a block looks at.
+    #[inline(always)]
+    pub(crate) fn bin(self) -> Option<Bin> {
+        (self.0 < BINS).then_some(Bin(self.0))
+    }
+}
+
+impl From<PairState> for PackedState {
+    #[inline(always)]
+    fn from(state: PairState) -> PackedState {
+        PackedState(match state {
+            PairState::Binned(Bin(bin)) => bin,
+            PairState::Crowded => BINS,
+            PairState::Clear => BINS + 1,
+            PairState::Emptied => BINS + 2,
+            PairState::Far => BINS + 3,
+            PairState::Kept => BINS + 4,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_state_has_a_byte_of_its_own() {
+        use PairState::{Clear, Crowded, Emptied, Far, Kept};
+        let states =
+            (0..BINS).map(|bin| PairState::Binned(Bin(bin))).chain([Crowded, Clear, Emptied, Far, Kept]);
+        let states: Vec<(PairState, PackedState)> = states.map(|state| (state, state.into())).collect();
+        for (i, &(state, packed)) in states.iter().enumerate() {
+            assert_eq!(packed.bin(), if let PairState::Binned(bin) = state { Some(bin) } else { None });
+            for (k, &(other, _)) in states.iter().enumerate() {
+                assert_eq!(packed.is(other), i == k, "{state:?} {other:?}");
+            }
+        }
+    }
+}
