@@ -34,7 +34,8 @@ impl Continuous {
 }
 
 /// Method that keeps bodies that are not [`Continuous::Discrete`] from passing through others. All but the
-/// first exist for comparison; `docs/continuous.md` says how each works, its cost and what it misses.
+/// first exist for comparison, and all but the first two only in builds with the feature `methods`;
+/// `docs/continuous.md` says how each works, its cost and what it misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
@@ -63,9 +64,25 @@ pub enum ContinuousMethod {
 }
 
 impl ContinuousMethod {
+    /// Whether this build has the methods that exist for comparison only and have code of their own. Where it
+    /// has not, settings that choose one are refused, and no step carries their code.
+    pub(crate) const COMPARED: bool = cfg!(any(test, feature = "methods"));
+
     /// Whether impacts are solved one by one, each at its time.
     pub(crate) fn meets_impacts(self) -> bool {
-        matches!(self, ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement)
+        use ContinuousMethod::{ConservativeAdvancement, LinearCast};
+        ContinuousMethod::COMPARED && matches!(self, LinearCast | ConservativeAdvancement)
+    }
+
+    /// Whether what is apart at the start of a step is left to planes behind gates.
+    pub(crate) fn is_gated(self) -> bool {
+        ContinuousMethod::COMPARED && self == ContinuousMethod::Talk
+    }
+
+    /// Whether this build has it.
+    fn is_there(self) -> bool {
+        use ContinuousMethod::{OnePass, Speculative};
+        ContinuousMethod::COMPARED || matches!(self, OnePass | Speculative)
     }
 
     /// Whether bodies that leave their paths are settled.
@@ -279,7 +296,7 @@ impl Settings {
     pub(crate) fn start(&self) -> Start {
         match self.method {
             ContinuousMethod::Speculative => Start::Speculative,
-            ContinuousMethod::Talk => Start::Gated,
+            method if method.is_gated() => Start::Gated,
             _ => Start::Cast,
         }
     }
@@ -293,6 +310,9 @@ impl Settings {
         within("substeps", self.substeps as f32, 1.0, 64.0, "in 1..=64")?;
         within("iterations", self.iterations as f32, 1.0, 256.0, "in 1..=256")?;
         within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
+        if !self.method.is_there() {
+            return Err(Error::Incomplete { what: "a build with this method", expected: "the feature `methods`" });
+        }
         limits::length("length_unit", self.length_unit)?;
         within("restitution_threshold", self.restitution_threshold, 0.0, limits::MAX_SPEED, "in 0..=1e6")?;
         limits::share("slop", self.slop)?;

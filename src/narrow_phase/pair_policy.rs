@@ -62,7 +62,7 @@ use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
+use crate::config::{Continuous, ContinuousMethod};
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
 use crate::shape::{Collider, Kind};
@@ -98,7 +98,7 @@ impl PairView<'_> {
     }
 
     fn is_gated(&self) -> bool {
-        self.input.start == Start::Gated
+        ContinuousMethod::COMPARED && self.input.start == Start::Gated
     }
 
     /// Whether a pair is of something static and a body that joints may pull off its predicted path. That

@@ -6,7 +6,7 @@ use crate::broad_phase::PairMemory;
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
 };
-use crate::config::{FrictionModel, Settings};
+use crate::config::{ContinuousMethod, FrictionModel, Settings};
 use crate::constraint::{
     Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend,
     prepare,
@@ -398,7 +398,8 @@ impl World {
 
     /// Solves impacts one by one, if the method asks for that.
     pub(crate) fn meet_impacts(&mut self, workers: &Workers<'_>, dt: f32) -> Impacts {
-        if !meets_impacts(&self.settings) {
+        // Without these methods nothing below is compiled.
+        if !ContinuousMethod::COMPARED || !meets_impacts(&self.settings) {
             return Impacts::default();
         }
         let allowance = self.allowance(Category::Continuous);
