@@ -1479,12 +1479,15 @@ typedef struct BsModelPart {
 #define BS_METHOD_SPECULATIVE 1
 
 // Sweeps after discrete contacts, straight ahead.
+// Only in builds with the feature `methods`.
 #define BS_METHOD_LINEAR_CAST 2
 
 // The same with rotation, by conservative advancement.
+// Only in builds with the feature `methods`.
 #define BS_METHOD_CONSERVATIVE_ADVANCEMENT 3
 
 // Speculative contacts behind two gates (Vincent Robert, GDC 2012).
+// Only in builds with the feature `methods`.
 #define BS_METHOD_TALK 4
 
 // Coulomb's circular cone: the same friction in every direction.

@@ -30,10 +30,13 @@ pub const BS_METHOD_ONE_PASS: BsMethod = 0;
 /// Speculative contacts.
 pub const BS_METHOD_SPECULATIVE: BsMethod = 1;
 /// Sweeps after discrete contacts, straight ahead.
+/// Only in builds with the feature `methods`.
 pub const BS_METHOD_LINEAR_CAST: BsMethod = 2;
 /// The same with rotation, by conservative advancement.
+/// Only in builds with the feature `methods`.
 pub const BS_METHOD_CONSERVATIVE_ADVANCEMENT: BsMethod = 3;
 /// Speculative contacts behind two gates (Vincent Robert, GDC 2012).
+/// Only in builds with the feature `methods`.
 pub const BS_METHOD_TALK: BsMethod = 4;
 
 codes! { "method of continuous collision", read_method, write_method, ContinuousMethod {
