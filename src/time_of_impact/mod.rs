@@ -46,7 +46,7 @@ pub(crate) struct Impacts {
     pub(crate) struck: u32,
     /// Number of bodies that lost the rest of the step.
     pub(crate) stood: u32,
-    /// Number of touches beyond the capacity.
+    /// Number of touches beyond the capacity, and of triangles or points of impacts with meshes.
     pub(crate) shed: u32,
 }
 
@@ -84,6 +84,7 @@ pub(crate) struct Buffers {
     stack: Vec<u32>,
     /// Colliders near a path.
     near: Vec<u32>,
+    /// Points of an impact with a mesh or height field.
     manifolds: Vec<RawManifold>,
     mesh: MeshScratch,
 }

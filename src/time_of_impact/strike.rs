@@ -42,12 +42,10 @@ impl Run<'_, '_> {
                 self.on.bodies.pose[body] = self.buffers.tracks[track].way.at(time);
             }
         }
-        let (points, count) = self.points(hit, [i, k]);
+        let (points, count, part) = self.points(hit, [i, k]);
         let mut a = self.struck(i, tracks[0], time, &ends[0]);
         let mut b = self.struck(k, tracks[1], time, &ends[1]);
         let before = [a.velocity.angular, b.velocity.angular];
-        // That of the deepest manifold.
-        let part = self.buffers.manifolds.first().map_or(0, |raw| raw.material as u8);
         let [x, y] = [hit.a, hit.b].map(|c| &self.on.colliders.all[c as usize]);
         let (x, y) = (&x.material, &y.surface(part));
         let law = Law {
@@ -154,8 +152,9 @@ impl Run<'_, '_> {
         (record.linear, record.angular) = (velocity.linear, velocity.angular);
     }
 
-    /// Contact points of two colliders, with their bodies at their current poses.
-    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MAX_POINTS], usize) {
+    /// Contact points of two colliders, with their bodies at their current poses; their number; and the
+    /// material that the second one has at the deepest.
+    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MAX_POINTS], usize, u8) {
         let on = &*self.on;
         let [a, b] = [hit.a, hit.b].map(|c| &on.colliders.all[c as usize]);
         let [pose_a, pose_b] = bodies.map(|i| on.bodies.pose[i]);
@@ -167,17 +166,20 @@ impl Run<'_, '_> {
         };
         let margin = TOUCH_DISTANCE * on.settings.length_unit;
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
-        manifolds.clear();
-        if matches!(b.kind, Kind::Mesh | Kind::HeightField) {
+        let one: [RawManifold; 1];
+        let manifolds = if matches!(b.kind, Kind::Mesh | Kind::HeightField) {
+            manifolds.clear();
             mesh.allowance = self.allowance;
             mesh.nearby.forget();
             collide_mesh(a, b, &rel, Reach::new(margin), mesh, manifolds);
             self.allowance = mesh.allowance;
             mesh.allowance = crate::memory::Allowance::ENDLESS;
+            self.impacts.shed += std::mem::take(&mut mesh.shed);
+            &manifolds[..]
         } else {
-            let raw: RawManifold = collide_convex(a, b, &rel, margin);
-            self.allowance.push(manifolds, raw);
-        }
+            one = [collide_convex(a, b, &rel, margin)];
+            &one
+        };
         let mut points = [Point::default(); impulse::MAX_POINTS];
         let mut count = 0;
         let from_centre = (at_a.position - pose_a.position).as_vec3();
@@ -203,7 +205,7 @@ impl Run<'_, '_> {
             });
             add(normal, tip);
         }
-        (points, count)
+        (points, count, manifolds.first().map_or(0, |raw| raw.material as u8))
     }
 }
 

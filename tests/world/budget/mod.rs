@@ -1,6 +1,7 @@
 //! Memory: what a world takes, what it will take, and how it keeps to a budget.
 
 mod add;
+mod impacts;
 mod keeps;
 mod later;
 mod model;
