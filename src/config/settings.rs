@@ -311,7 +311,10 @@ impl Settings {
         within("iterations", self.iterations as f32, 1.0, 256.0, "in 1..=256")?;
         within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
         if !self.method.is_there() {
-            return Err(Error::Incomplete { what: "a build with this method", expected: "the feature `methods`" });
+            return Err(Error::Incomplete {
+                what: "a build with this method",
+                expected: "the feature `methods`",
+            });
         }
         limits::length("length_unit", self.length_unit)?;
         within("restitution_threshold", self.restitution_threshold, 0.0, limits::MAX_SPEED, "in 0..=1e6")?;

@@ -62,9 +62,9 @@ use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
-use crate::config::{Continuous, ContinuousMethod};
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
+use crate::config::{Continuous, ContinuousMethod};
 use crate::shape::{Collider, Kind};
 use std::cell::OnceCell;
 

@@ -118,7 +118,7 @@ impl StateLayout {
     }
 
     /// Number of variables.
-    pub fn len(&self) -> usize {
+    pub fn variables(&self) -> usize {
         self.end
     }
 
@@ -178,7 +178,7 @@ impl StateLayout {
 
     /// The difference of `plus` and `minus`, and how many points are loaded in only one of a world and rest.
     pub fn difference(&self, plus: &mut World, minus: &mut World) -> (Vec<f64>, usize) {
-        let mut out = Vec::with_capacity(self.len());
+        let mut out = Vec::with_capacity(self.variables());
         for i in 0..self.bodies {
             let [p, m] = [&*plus, &*minus].map(|world| (&world.bodies.pose[i], &world.bodies.velocity[i]));
             let turned = |q: Quat| q.as_dquat().normalize();
@@ -194,7 +194,7 @@ impl StateLayout {
                 out.extend(three.to_array());
             }
         }
-        out.resize(self.len(), 0.0);
+        out.resize(self.variables(), 0.0);
         let mut changed = 0;
         for (world, sign) in [(plus, 1.0), (minus, -1.0)] {
             changed +=

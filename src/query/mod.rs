@@ -1,8 +1,9 @@
 //! Queries: rays, moving shapes, overlaps, nearest points. They change nothing.
 //!
-//! Every query searches two trees, of static and of moving shapes (`broad_phase/query_tree.rs`), nearest boxes
-//! first, and tests each shape exactly, in the shape's own frame: by a difference of two `f64` positions, so
-//! it is as exact far from the origin as near it. The result depends on the shapes alone, not on the trees.
+//! Every query searches two trees, of static and of moving shapes (`broad_phase/query_tree.rs`), nearest
+//! boxes first, and tests each shape exactly, in the shape's own frame: by a difference of two `f64`
+//! positions, so it is as exact far from the origin as near it. The result depends on the shapes alone, not
+//! on the trees.
 
 mod advance;
 mod batch;

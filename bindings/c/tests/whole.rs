@@ -43,8 +43,8 @@ const TWINS: [(&str, &str); 29] = [
 ];
 
 /// Methods without a twin: hooks are code in the middle of a step, on its threads; the bytes that a budget
-/// promises to rows of joints are for tests of budgets; scenes, which ask for all of their contents at once, are
-/// not in C.
+/// promises to rows of joints are for tests of budgets; scenes, which ask for all of their contents at once,
+/// are not in C.
 const WITHOUT: [&str; 4] = ["allow", "step_with", "listens_to_hooks", "memory_promised"];
 
 /// Words of a name in order: `set_joint_drive` and `joint_set_drive` are the same.

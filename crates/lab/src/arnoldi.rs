@@ -26,7 +26,7 @@ pub(super) fn norm(v: &[f64]) -> f64 {
 /// Random numbers in -1..=1.
 pub(super) fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut rng = Rng::new(seed);
-    move || rng.next() as i64 as f64 / i64::MAX as f64
+    move || rng.bits() as i64 as f64 / i64::MAX as f64
 }
 
 /// Arnoldi's method (*The principle of minimized iterations*, 1951) with modified Gram-Schmidt, done twice:

@@ -28,7 +28,7 @@ pub fn growth(world: &World, probe: &Probe, seconds: f32) -> Result<f64, Error> 
     other.restore(&now)?;
     let layout = StateLayout::of(&mut one, probe.dt / world.settings().substeps as f32);
     let mut random = noise(probe.seed);
-    let mut apart: Vec<f64> = (0..layout.len()).map(|_| random()).collect();
+    let mut apart: Vec<f64> = (0..layout.variables()).map(|_| random()).collect();
     let steps = (EVERY / probe.dt).round().max(1.0) as u32;
     let rounds = (seconds / EVERY).ceil() as u32;
     let (mut sum, mut time) = (0.0, 0.0);

@@ -43,7 +43,7 @@ impl StepMap {
     }
 
     pub(super) fn unknowns(&self) -> usize {
-        self.layout.len()
+        self.layout.variables()
     }
 
     pub(super) fn changed(&self) -> usize {

@@ -259,12 +259,12 @@ pub struct Flights {
 
 /// The generator of a shot: the states of different shots are far apart, whatever the seed.
 fn generator(seed: u64, number: u64) -> Rng {
-    Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95)).next())
+    Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95)).bits())
 }
 
 /// Lengths of steps, all the same in half of the cases, and their mean [s].
 fn step_lengths(rng: &mut Rng, most: usize) -> (Vec<f32>, f32) {
-    let varying = rng.next() & 1 == 0;
+    let varying = rng.bits() & 1 == 0;
     let fixed = STEPS[pick(rng, STEPS.len())];
     let steps = (0..most).map(|_| if varying { STEPS[pick(rng, STEPS.len())] } else { fixed }).collect();
     (steps, if varying { MEAN_STEP } else { fixed })
@@ -282,7 +282,7 @@ fn until(mut steps: Vec<f32>, time: f32) -> Vec<f32> {
 }
 
 fn pick(rng: &mut Rng, count: usize) -> usize {
-    (rng.next() >> 33) as usize % count
+    (rng.bits() >> 33) as usize % count
 }
 
 /// Uniform in the logarithm.

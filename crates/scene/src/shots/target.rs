@@ -102,7 +102,7 @@ impl Targets {
     /// A point to aim at, and the normal there. On corners mostly close to an edge.
     pub(super) fn aim(&self, target: usize, rng: &mut Rng) -> (Vec3, Vec3) {
         if Self::is_corner(target) {
-            let axis = (rng.next() >> 33) as usize % 3;
+            let axis = (rng.bits() >> 33) as usize % 3;
             let (mut aim, mut normal) = (Vec3::ZERO, Vec3::ZERO);
             for i in 0..3 {
                 aim[i] = log_range(rng, 0.001, 20.0);
