@@ -76,7 +76,7 @@ fn pictures_as_text_are_the_pictures() {
 }
 
 /// All pages of the repository, but what a build made.
-fn all_pages() -> Vec<(PathBuf, String)> {
+pub(crate) fn all_pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut folders, mut found) = (vec![PathBuf::from("docs"), PathBuf::from("bindings")], Vec::new());
     found.extend(["README.md", "CONTRIBUTING.md"].map(PathBuf::from));
