@@ -192,7 +192,7 @@ fn commands_of_cargo_name_what_there_is() {
             let path = root.join(member).join(folder).join(name);
             path.with_extension("rs").exists() || path.join("main.rs").exists()
         };
-        name == "NAME" || MEMBERS.iter().any(|member| of(member))
+        name == "NAME" || MEMBERS.iter().any(of)
     };
     let mut found = Vec::new();
     for (path, page) in all_pages() {
