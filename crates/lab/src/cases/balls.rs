@@ -1,8 +1,8 @@
 //! Balls in a row: which laws of impact hold between more than two bodies, and whether their impacts come to
 //! an end.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{Rig, dynamic, shape, smooth};
-use super::{Case, Outcome, Setting};
 use crate::WorldMethod;
 use backstop::BodyDesc;
 use backstop::BodyHandle;

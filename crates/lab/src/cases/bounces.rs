@@ -1,7 +1,7 @@
 //! Balls that bounce on a floor.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, dynamic, surface};
-use super::{Case, Outcome, Setting};
 use backstop::BodyHandle;
 use backstop::Error;
 use backstop::Geometry;

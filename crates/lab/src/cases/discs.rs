@@ -1,8 +1,8 @@
 //! Discs that spin and roll on the floor.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, dynamic, lump, shape, surface, tilted};
 use super::watch::Turns;
-use super::{Case, Outcome, Setting};
 use backstop::Error;
 use backstop::Geometry;
 use glam::{DVec3, Vec3};

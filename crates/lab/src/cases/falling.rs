@@ -1,8 +1,8 @@
 //! What falls: freely, about its end, or as a chain.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, lump, rod, shape, smooth, tilted};
 use super::watch::threshold;
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

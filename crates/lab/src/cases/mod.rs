@@ -18,6 +18,7 @@
 
 mod balls;
 mod bounces;
+mod case;
 mod discs;
 mod falling;
 mod pendulums;
@@ -30,29 +31,7 @@ mod structures;
 mod tops;
 mod watch;
 
-use crate::LabWorld;
-use crate::{WorldMethod, WorldSolver};
-use backstop::Error;
-use backstop::World;
-use backstop::{FrictionModel, Settings};
-use glam::Vec3;
-
-/// One case: what is built, the exact answer, and the error that is accepted.
-#[derive(Clone, Copy, Debug)]
-pub struct Case {
-    /// Lower case, with hyphens.
-    pub name: &'static str,
-    /// What happens and what is measured.
-    pub about: &'static str,
-    /// The exact answer as a formula.
-    pub formula: &'static str,
-    /// Unit of the measured number.
-    pub unit: &'static str,
-    /// The greatest error that a good engine has at 60 Hz with 4 to 8 substeps, relative to the exact answer;
-    /// if that is zero, in `unit`.
-    pub bar: f64,
-    measure: fn(&Setting) -> Result<Outcome, Error>,
-}
+pub use case::{Case, Outcome, Setting};
 
 impl Case {
     /// All of them, subject by subject.
@@ -77,112 +56,5 @@ impl Case {
     /// The case of this name.
     pub fn by_name(name: &str) -> Option<&'static Case> {
         Case::all().find(|case| case.name == name)
-    }
-
-    /// Runs it.
-    ///
-    /// # Errors
-    /// If the world refuses a setting, or a step fails.
-    pub fn run(&self, setting: &Setting) -> Result<Outcome, Error> {
-        (self.measure)(setting)
-    }
-}
-
-/// How the world of a case is stepped.
-#[derive(Clone, Copy, Debug)]
-pub struct Setting {
-    /// Length of a step [s].
-    pub dt: f32,
-    /// Substeps of the engine's solver; methods of the lab solve a step as one.
-    pub substeps: u32,
-    /// Iterations of each substep.
-    pub iterations: u32,
-    /// Where friction acts.
-    pub friction: FrictionModel,
-    /// What solves the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
-    pub method: Option<WorldMethod>,
-}
-
-impl Setting {
-    /// The setting for which the bars hold: 60 Hz, and the defaults of [`Settings`].
-    pub const REFERENCE: Setting =
-        Setting { dt: 1.0 / 60.0, substeps: 4, iterations: 1, friction: FrictionModel::Patch, method: None };
-
-    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice.
-    /// Methods of the lab know no substeps.
-    pub fn usual(method: Option<WorldMethod>) -> Vec<Setting> {
-        let reference = Setting { method, ..Setting::REFERENCE };
-        let mut settings = vec![
-            reference,
-            Setting { dt: 1.0 / 120.0, ..reference },
-            Setting { dt: 1.0 / 240.0, ..reference },
-            Setting { friction: FrictionModel::Point, ..reference },
-        ];
-        if method.is_none() {
-            settings.push(Setting { substeps: 16, ..reference });
-            settings.push(Setting { substeps: 1, iterations: 8, ..reference });
-        }
-        settings
-    }
-
-    /// Name of the method: `backstop` is the engine's own solver.
-    pub fn method_name(&self) -> &'static str {
-        self.method.map_or("backstop", |method| method.name())
-    }
-
-    /// Rate, and substeps and iterations of the engine's solver, as `60 Hz 4x1`; with `point` if friction
-    /// acts at points.
-    pub fn name(&self) -> String {
-        let passes = if self.method.is_none() {
-            format!(" {}x{}", self.substeps, self.iterations)
-        } else {
-            String::new()
-        };
-        let point = if self.friction == FrictionModel::Point { " point" } else { "" };
-        format!("{:.0} Hz{passes}{point}", 1.0 / self.dt)
-    }
-
-    /// An empty world with these settings.
-    fn world(&self, settings: Settings) -> Result<World, Error> {
-        let Setting { substeps, iterations, friction: friction_model, .. } = *self;
-        let mut world = World::new(
-            settings.with_substeps(substeps).with_iterations(iterations).with_friction_model(friction_model),
-        )?;
-        world.solve_with(self.method.map(WorldSolver::new));
-        Ok(world)
-    }
-
-    /// The defaults with this gravity [m/s²].
-    fn settings(gravity: Vec3) -> Settings {
-        Settings::default().with_gravity(gravity)
-    }
-}
-
-/// The exact answer and the measured one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
-    /// The formula's value for what was actually built.
-    pub expected: f64,
-    /// NaN if what was to be measured never happened.
-    pub measured: f64,
-    /// The divisor of the difference.
-    pub scale: f64,
-}
-
-impl Outcome {
-    /// An outcome whose error is relative to the exact answer.
-    fn of(expected: f64, measured: f64) -> Outcome {
-        Outcome { expected, measured, scale: expected.abs() }
-    }
-
-    /// The exact answer is zero: the error is what was measured.
-    fn zero(measured: f64) -> Outcome {
-        Outcome { expected: 0.0, measured, scale: 1.0 }
-    }
-
-    /// The error of the measured answer; infinite if there is none.
-    pub fn error(&self) -> f64 {
-        let error = (self.measured - self.expected).abs() / self.scale;
-        if error.is_nan() { f64::INFINITY } else { error }
     }
 }

@@ -1,8 +1,8 @@
 //! A mass on a massless rod.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, lump, stretch, turned};
 use super::watch::Passages;
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

@@ -1,6 +1,6 @@
 //! A world with a clock, and what many cases build in it.
 
-use super::Setting;
+use super::case::Setting;
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

@@ -1,8 +1,8 @@
 //! Free rods that are struck. The shape is a small sphere at the point of impact, so that the impulse passes
 //! through that very point.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{Rig, dynamic, rod, shape, smooth, tilted};
-use super::{Case, Outcome, Setting};
 use backstop::BodyHandle;
 use backstop::Error;
 use backstop::Geometry;

@@ -1,8 +1,8 @@
 //! Bodies that roll, or begin to.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, dynamic, shape, smooth, stretch, surface, tilted};
 use super::watch::{Passages, Turns, threshold};
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

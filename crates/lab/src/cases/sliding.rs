@@ -1,8 +1,8 @@
 //! Bodies that slide on a floor or a slope.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, dynamic, rod, shape, surface, tilted};
 use super::watch::threshold;
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

@@ -1,8 +1,8 @@
 //! Structures that hold up to a certain friction or height.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, dynamic, shape, smooth, surface, tilted};
 use super::watch::threshold;
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::Error;
 use backstop::{ConvexHull, Geometry};

@@ -1,8 +1,8 @@
 //! Blocks on blocks: what stands, what falls, and how fast a row of them does.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, Rig, dynamic, shape, surface, tilted};
 use super::watch::threshold;
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

@@ -1,8 +1,8 @@
 //! Free rotation of tumbling bodies, and tops on their points.
 
+use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, elliptic_k, lump, turned};
 use super::watch::{Passages, Turns, threshold};
-use super::{Case, Outcome, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

@@ -1,14 +1,45 @@
 //! Judges each method's step by the same measures.
 
+use super::entrant::Entrant;
 use super::measure::{Moving, apart, joints_of, moving, opening};
+use super::method::{METHODS, REFERENCE};
 use super::truth::Truth;
-use super::{DT, Entrant, METHODS, REFERENCE, Scene, Verdict};
 use backstop::BodyKind;
 use backstop::observe::paths::ghosts;
+use backstop_scene::Scene;
+use backstop_scene::builtin::continuous::DT;
 use glam::Vec3;
 
 /// A change of momentum or spin by more than this share is an impact.
 const IMPACT: f64 = 0.01;
+
+/// The results of a method on a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Verdict {
+    /// Bodies that got through something, or that nothing stopped where something was.
+    pub tunnelled: u32,
+    /// Contacts that pushed in a step although the two bodies were never within 5 mm of each other, neither
+    /// on their free paths nor on those that they took.
+    pub ghosts: u32,
+    /// Share of its kinetic energy that a body, or joined bodies together, had lost one step after their
+    /// first impact; the mean.
+    pub energy_lost: f64,
+    /// The mean absolute difference of that from the reference's.
+    pub energy_error: f64,
+    /// For bodies that did not get through, the mean distance of the furthest point from the reference's, at
+    /// the end of the step of the first impact [m]; 0 if all got through.
+    pub distance_lost: f64,
+    /// The worst of those [m].
+    pub distance_worst: f64,
+    /// The greatest opening of a joint at the end of a step [m].
+    pub joint_opening: f64,
+    /// First impacts that energy and distance are the means of.
+    pub impacts: u32,
+    /// The most bytes reserved at any time; `continuous_bytes` is the part of continuous collision.
+    pub bytes: usize,
+    /// See `bytes`.
+    pub continuous_bytes: usize,
+}
 
 /// Watches all worlds of a contest.
 #[derive(Debug)]

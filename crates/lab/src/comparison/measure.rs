@@ -1,8 +1,9 @@
 //! Measures of a world: openings of joints, and the motion of groups of bodies.
 
-use super::{Entrant, Scene};
+use super::entrant::Entrant;
 use backstop::observe::BodyState;
 use backstop::observe::paths::reach;
+use backstop_scene::Scene;
 use glam::{DVec3, Vec3};
 
 /// The greatest distance between the two anchors of a joint [m].

@@ -1,11 +1,12 @@
 //! Ground truth of a scene: which bodies have got through.
 
-use super::{DT, Entrant, Scene, builtin};
+use super::entrant::Entrant;
 use backstop::Geometry;
 use backstop::observe::BodyState;
 use backstop::observe::paths::got_through;
-use backstop_scene::builtin::continuous::{RAGDOLL_WALL, blade_times};
-use backstop_scene::{SceneBody, Terrain};
+use backstop_scene::builtin;
+use backstop_scene::builtin::continuous::{DT, RAGDOLL_WALL, blade_times};
+use backstop_scene::{Scene, SceneBody, Terrain};
 use glam::{DVec3, Vec3};
 
 /// The criterion by which a body got through.

@@ -2,7 +2,7 @@
 //! <https://github.com/leggedrobotics/SimBenchmark> (September 2021), which its pages show as plots. Measured
 //! there on an Intel Core i7-7700HQ.
 
-use super::Test;
+use super::test::Test;
 
 /// What an engine reached.
 #[derive(Clone, Copy, Debug, PartialEq)]

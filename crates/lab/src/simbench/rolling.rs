@@ -12,7 +12,7 @@
 //! With SimBenchmark's numbers a = 0.7385 m/s². A pyramid of friction along the axes can bear F: its
 //! components, 75 N and 130 N, are both below mu1 (M + n m) g = 137.3 N, and nothing moves.
 
-use super::{Outcome, Run, Setting, sphere_density};
+use super::run::{Outcome, Run, Setting, sphere_density};
 use backstop::BodyDesc;
 use backstop::Error;
 use backstop::{Combine, Geometry, Material, ShapeDesc};

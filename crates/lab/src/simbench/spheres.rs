@@ -3,7 +3,7 @@
 //! sum of squared overlaps over all pairs, and over balls and the ground. SimBenchmark's random numbers are
 //! those of its own generator, so individual balls take other paths here.
 
-use super::{Outcome, Run, Setting, sphere_density};
+use super::run::{Outcome, Run, Setting, sphere_density};
 use crate::arnoldi::noise;
 use backstop::BodyDesc;
 use backstop::Error;

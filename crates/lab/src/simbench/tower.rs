@@ -3,7 +3,7 @@
 //! only, and the outermost beams are held by what lies on them. It counts as fallen when the last brick is
 //! below where the storey under it began.
 
-use super::{Outcome, Run, Setting};
+use super::run::{Outcome, Run, Setting};
 use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;

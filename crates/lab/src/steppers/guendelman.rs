@@ -11,7 +11,7 @@
 use super::blocks::Block;
 use super::moving::Moving;
 use super::sequential::{approach, bounce, bounces, give, joints_of, offsets, resolution};
-use super::{Resolution, Step};
+use super::step::{Resolution, Step};
 use crate::methods::Effort;
 use crate::system::System;
 use glam::DVec3;

@@ -15,7 +15,7 @@
 use super::blocks::Block;
 use super::moving::Moving;
 use super::sequential::{resolution, settle};
-use super::{Resolution, Step};
+use super::step::{Resolution, Step};
 use crate::methods::{Effort, Status, gs_cone};
 use crate::problem::{Law, Matrix, Problem};
 use crate::system::with_points;

@@ -8,7 +8,7 @@
 
 use super::moving::Moving;
 use super::sequential::resolution;
-use super::{Resolution, Step};
+use super::step::{Resolution, Step};
 use crate::methods::{Effort, Solution, Status, gs_cone};
 use crate::problem::{Law, Matrix, Problem, project_disc};
 use crate::system::System;

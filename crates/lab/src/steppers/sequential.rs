@@ -13,7 +13,7 @@
 
 use super::blocks::{Block, rows_of, solve_block};
 use super::moving::Moving;
-use super::{Resolution, Step};
+use super::step::{Resolution, Step};
 use crate::methods::{Effort, Solution, Status};
 use crate::system::target;
 use crate::system::{System, SystemLaw};

@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::LabWorld;
+use crate::methods::Effort;
 use crate::system::SystemLaw;
 use crate::system::SystemProblems;
+use crate::system::{Stabilisation, System, Velocity};
 use backstop::BodyDesc;
 use backstop::Settings;
 use backstop::World;

@@ -10,6 +10,7 @@ mod obj;
 mod resolve;
 #[cfg(test)]
 mod testing;
+mod whole;
 
 pub use atomic::{AtomicFile, refuse_input, write_file};
 pub use error::SceneError;
@@ -17,10 +18,9 @@ pub use gltf_out::{write_animation, write_animation_with, write_scene};
 pub use resolve::{Resolver, scene_folder};
 
 use super::{Scene, builtin};
-use backstop::{Count, LoadLimits, Tally};
-use std::fs::File;
-use std::io::Read;
+use backstop::{LoadLimits, Tally};
 use std::path::Path;
+use whole::read_file;
 
 /// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh. What a glTF file
 /// refers to by `uri` must be a regular file in its own folder or below, see [`scene_folder`].
@@ -103,16 +103,4 @@ pub fn open_limited(name: &str, limits: &LoadLimits) -> Result<Scene, SceneError
         Some(scene) => Ok(scene),
         None => load_limited(name, limits),
     }
-}
-
-/// Reads a whole file, unless it exceeds its limit.
-fn read_file(path: &Path, bytes: &mut Count) -> Result<Vec<u8>, SceneError> {
-    let failed = |source| SceneError::Read { file: path.into(), source };
-    let file = File::open(path).map_err(failed)?;
-    let mut content = Vec::new();
-    // One byte more than allowed, to notice an excess.
-    let most = bytes.left().saturating_add(1);
-    file.take(most).read_to_end(&mut content).map_err(failed)?;
-    bytes.take(content.len()).map_err(|source| SceneError::Limit { file: path.into(), source })?;
-    Ok(content)
 }

@@ -2,7 +2,7 @@
 
 use super::super::builtin::pebble;
 use super::super::rng::Rng;
-use super::{log_range, pick};
+use super::draw::{log_range, pick};
 use backstop::{Geometry, ShapeDesc};
 use glam::Vec3;
 

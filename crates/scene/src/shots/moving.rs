@@ -1,7 +1,8 @@
 //! Seeded shots at bodies that can move themselves, where no static geometry is: free plates, doors, stacks
 //! and crowds.
 
-use super::{MODES, generator, log_range, pick, step_lengths, until};
+use super::draw::{generator, log_range, pick, step_lengths, until};
+use super::shot::MODES;
 use crate::rng::Rng;
 use backstop::BodyHandle;
 use backstop::Error;

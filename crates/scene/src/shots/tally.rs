@@ -1,6 +1,8 @@
 //! Counts over many shots.
 
-use super::{Flight, Flights, GAIN, MODES, Outcome, SHAPES, Shot, TARGETS};
+use super::body::SHAPES;
+use super::shot::{Flight, Flights, GAIN, MODES, Outcome, Shot};
+use super::target::TARGETS;
 
 /// Shots, and how many got through (or were lost) under each of [`MODES`].
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,7 +3,7 @@
 use super::super::rng::Rng;
 use super::super::weld::Welded;
 use super::super::{Terrain, builtin::fixed};
-use super::log_range;
+use super::draw::log_range;
 use backstop::BodyDesc;
 use backstop::Error;
 use backstop::{Geometry, TriangleMesh};

@@ -1,5 +1,7 @@
 //! Tests of shots.
 
+use super::shot::MAX_STEPS;
+use super::target::Side;
 use super::*;
 
 #[test]

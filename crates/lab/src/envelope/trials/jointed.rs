@@ -2,7 +2,7 @@
 
 use super::super::conditions::Conditions;
 use super::super::measures::{Gauge, Measure, mass_of};
-use super::{Setup, floor, weight};
+use super::setup::{Setup, floor, weight};
 use backstop::Geometry;
 use backstop::math::Quat;
 use backstop::{JointDesc, Skeleton};

@@ -2,15 +2,14 @@
 
 mod jointed;
 mod moving;
+mod setup;
 mod standing;
 
+pub(super) use setup::Setup;
+
 use super::conditions::{Axis, Conditions};
-use super::measures::{Boundary, Gauge};
-use backstop::BodyDesc;
-use backstop::Geometry;
 use backstop_scene::Scene;
-use backstop_scene::builtin::fixed;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Typical contents of games, each a small scene of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -136,26 +135,4 @@ impl Trial {
         setup.boundaries.iter_mut().for_each(|boundary| boundary.point += away);
         setup
     }
-}
-
-/// A scene and its measures.
-#[derive(Clone, Debug)]
-pub(super) struct Setup {
-    pub(super) scene: Scene,
-    pub(super) boundaries: Vec<Boundary>,
-    pub(super) gauges: Vec<Gauge>,
-}
-
-/// Adds a floor whose top is at height 0. `half`: half its side length; `size`: the length unit.
-fn floor(scene: &mut Scene, half: f32, size: f32) -> Vec<Boundary> {
-    // If it were as thick as it is long, rounding of the heights of its faces would be as large as what the
-    // ball trial measures.
-    let thick = half.min(1e3 * size).max(0.01 * half);
-    scene.add("floor", fixed(Geometry::cuboid(half, thick, half), Vec3::new(0.0, -thick, 0.0)));
-    vec![Boundary { point: DVec3::ZERO, normal: Vec3::Y }]
-}
-
-/// Makes a body so many times heavier.
-fn weight(body: &mut BodyDesc, ratio: f32) {
-    body.shapes.iter_mut().for_each(|shape| shape.density *= ratio);
 }

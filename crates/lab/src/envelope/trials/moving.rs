@@ -2,7 +2,7 @@
 
 use super::super::conditions::{Conditions, Flaw};
 use super::super::measures::{Boundary, Gauge, Measure};
-use super::{Setup, floor, weight};
+use super::setup::{Setup, floor, weight};
 use backstop::BodyDesc;
 use backstop::{ConvexHull, Geometry, TriangleMesh};
 use backstop_scene::Rng;

@@ -2,7 +2,7 @@
 
 use super::super::conditions::Conditions;
 use super::super::measures::{Gauge, Measure};
-use super::{Setup, floor, weight};
+use super::setup::{Setup, floor, weight};
 use backstop::{ConvexHull, Geometry};
 use backstop_scene::Scene;
 use backstop_scene::builtin::dynamic;

@@ -1,7 +1,8 @@
 //! Couplings of joints.
 
 use super::extension::{self, CoupledMotion};
-use super::{Loader, joints};
+use super::joints;
+use super::loader::Loader;
 use crate::{SceneCoupling, SceneError};
 use backstop::JointHandle;
 use backstop::{Axes, Motion};

@@ -3,6 +3,7 @@
 
 use crate::SceneError;
 use crate::files::resolve::{Resolver, find, folder_of};
+use crate::files::whole::read_file;
 use backstop::{LimitExceeded, Tally};
 use base64::Engine;
 use serde_json::Value;
@@ -25,7 +26,7 @@ const KNOWN: &[&str] = &[super::extension::RIGID_BODIES, super::extension::SHAPE
 
 impl Parts {
     pub(crate) fn read(path: &Path, resolve: &Resolver<'_>, tally: &mut Tally) -> Result<Parts, SceneError> {
-        let bytes = crate::files::read_file(path, &mut tally.bytes)?;
+        let bytes = read_file(path, &mut tally.bytes)?;
         Self::parse(path, &bytes, resolve, tally)
     }
 

@@ -1,8 +1,9 @@
 //! Joints: what they limit and drive, and where they sit.
 
 use super::extension::{self, NodeJoint};
-use super::{Loader, Problem, problem};
-use crate::files::gltf_in::file::Parts;
+use super::file::Parts;
+use super::loader::Loader;
+use super::problem::{Problem, problem};
 use crate::{SceneError, SceneJoint};
 use backstop::Error;
 use backstop::limits::finite3;

@@ -9,10 +9,10 @@ use super::super::assets;
 use super::accessor::{self, Positions};
 use super::extension;
 use super::file::Parts;
+use super::problem::{Problem, text};
 use crate::weld::Welded;
-use backstop::Error;
 use backstop::Geometry;
-use backstop::{Count, LimitExceeded, Tally};
+use backstop::{Count, Tally};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use gltf::mesh::Mode;
 use std::f64::consts::{PI, TAU};
@@ -25,29 +25,6 @@ pub(super) struct Placed {
     pub(super) offset: Vec3,
     /// What was approximated, as the rest of a sentence.
     pub(super) note: Option<&'static str>,
-}
-
-/// What is wrong with a geometry.
-pub(super) enum Problem {
-    Text(String),
-    Engine(Error),
-    Limit(LimitExceeded),
-}
-
-impl From<Error> for Problem {
-    fn from(e: Error) -> Self {
-        Problem::Engine(e)
-    }
-}
-
-impl From<LimitExceeded> for Problem {
-    fn from(e: LimitExceeded) -> Self {
-        Problem::Limit(e)
-    }
-}
-
-fn text<T>(what: impl Into<String>) -> Result<T, Problem> {
-    Err(Problem::Text(what.into()))
 }
 
 impl From<Geometry> for Placed {
