@@ -2,7 +2,8 @@
 //! deep bodies overlap, and whether energy and momentum are balanced.
 //!
 //! ```
-//! use backstop::{BodyDesc, Geometry, ShapeDesc, World, Settings};
+//! use backstop::{BodyDesc, Geometry, Settings, ShapeDesc, World};
+//! use backstop_lab::LabWorld;
 //! use backstop::glam::DVec3;
 //!
 //! # fn main() -> Result<(), backstop::Error> {
