@@ -24,9 +24,10 @@ buffers! {
 }
 
 impl Colliders {
-    /// Makes place for so many more.
+    /// Makes place for so many more, beside the places that are free.
     pub(crate) fn reserve(&mut self, more: usize) {
-        let (mut allowance, len) = (Allowance::ENDLESS, self.all.len() + more);
+        let (mut allowance, len) =
+            (Allowance::ENDLESS, self.all.len() + more.saturating_sub(self.slots.spare()));
         allowance.fit(&mut self.all, len);
         allowance.fit(&mut self.summaries, len);
         allowance.fit(&mut self.poses, len);

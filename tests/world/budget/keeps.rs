@@ -163,3 +163,22 @@ fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
     assert!(shed > 0);
     assert!(world.memory().category(Category::Manifolds).reserved > 0);
 }
+
+/// Expected: bodies that take the places of removed ones need nothing more. Added at once, they had made place
+/// beside the free ones, without asking.
+#[test]
+fn bodies_in_the_places_of_removed_ones_take_no_more_memory() {
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
+    let body = |i: u32| BodyDesc::dynamic().at(DVec3::Y * f64::from(i)).with_shape(ball.clone());
+    let mut world = World::new(settings(Some(1 << 20), 1)).unwrap();
+    let bodies: Vec<_> = (0..16).map(|i| world.add_body(&body(i)).unwrap()).collect();
+    for &body in &bodies[4..] {
+        world.remove_body(body).unwrap();
+    }
+    world.step(DT).unwrap();
+    let held = world.memory().total();
+    world.set_settings(settings(Some(held), 1)).unwrap();
+    let again: Vec<BodyDesc> = (4..16).map(body).collect();
+    world.add_bodies(&again).unwrap();
+    assert_eq!(world.memory().total(), held);
+}
