@@ -135,7 +135,8 @@ pub struct SystemIsland {
     pub laws: Vec<usize>,
 }
 
-/// All rows of a step. See the [module](self) for what they are.
+/// All rows of a step: those of contacts as the solver has them, those of joints measured anew in `f64`. Its
+/// unknowns are the impulses of the whole step, and `u` is the velocity at its end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct System {
     /// Length of the step [s].
