@@ -164,8 +164,8 @@ fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
     assert!(world.memory().category(Category::Manifolds).reserved > 0);
 }
 
-/// Expected: bodies that take the places of removed ones need nothing more. Added at once, they had made place
-/// beside the free ones, without asking.
+/// Expected: bodies that take the places of removed ones need nothing more. Added at once, they had made
+/// place beside the free ones, without asking.
 #[test]
 fn bodies_in_the_places_of_removed_ones_take_no_more_memory() {
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
