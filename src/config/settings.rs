@@ -70,13 +70,7 @@ impl ContinuousMethod {
 
     /// Whether impacts are solved one by one, each at its time.
     pub(crate) fn meets_impacts(self) -> bool {
-        use ContinuousMethod::{ConservativeAdvancement, LinearCast};
-        ContinuousMethod::COMPARED && matches!(self, LinearCast | ConservativeAdvancement)
-    }
-
-    /// Whether what is apart at the start of a step is left to planes behind gates.
-    pub(crate) fn is_gated(self) -> bool {
-        ContinuousMethod::COMPARED && self == ContinuousMethod::Talk
+        matches!(self, ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement)
     }
 
     /// Whether this build has it.
@@ -109,6 +103,13 @@ pub(crate) enum Start {
     Speculative,
     /// It stays if the predicted motion crosses it within its faces (`narrow_phase/cast/gates.rs`).
     Gated,
+}
+
+impl Start {
+    /// Known while compiling where no method has gates.
+    pub(crate) fn is_gated(self) -> bool {
+        ContinuousMethod::COMPARED && self == Start::Gated
+    }
 }
 
 /// Bound on friction in two directions.
@@ -296,7 +297,7 @@ impl Settings {
     pub(crate) fn start(&self) -> Start {
         match self.method {
             ContinuousMethod::Speculative => Start::Speculative,
-            method if method.is_gated() => Start::Gated,
+            ContinuousMethod::Talk => Start::Gated,
             _ => Start::Cast,
         }
     }

@@ -62,9 +62,9 @@ use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
+use crate::config::Continuous;
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
-use crate::config::{Continuous, ContinuousMethod};
 use crate::shape::{Collider, Kind};
 use std::cell::OnceCell;
 
@@ -98,7 +98,7 @@ impl PairView<'_> {
     }
 
     fn is_gated(&self) -> bool {
-        ContinuousMethod::COMPARED && self.input.start == Start::Gated
+        self.input.start.is_gated()
     }
 
     /// Whether a pair is of something static and a body that joints may pull off its predicted path. That

@@ -25,7 +25,7 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// Of a body of a world.
+    /// The state of a body of a world.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -33,7 +33,7 @@ impl BodyState {
         Ok(BodyState::at(world, world.index(body)?))
     }
 
-    /// Of each dynamic body that is awake, in the order of
+    /// The states of the dynamic bodies that are awake, in the order of
     /// [`System::bodies`](crate::observe::System::bodies).
     pub fn of_awake(world: &World) -> Vec<BodyState> {
         (0..world.bodies.dynamic()).map(|i| BodyState::at(world, i)).collect()

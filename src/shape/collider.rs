@@ -1,7 +1,7 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
 use super::flags::{EVENTS, HOOKS, SENSOR, SOFT, STATICS};
-use super::{BaseMaterial, Filter, Geometry, Material};
+use super::{BaseMaterial, Filter, Geometry, Material, ShapeDesc};
 use crate::config::Continuous;
 use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
@@ -79,6 +79,27 @@ impl Collider {
     pub(crate) fn thickness(&self) -> f32 {
         if self.inner_radius > 0.0 { self.inner_radius } else { f32::INFINITY }
     }
+    /// A shape on a body of its own, whose frame is that of the body.
+    pub(crate) fn of(shape: &ShapeDesc) -> Collider {
+        let geometry = &shape.geometry;
+        Collider {
+            kind: Kind::of(geometry),
+            body: 0,
+            place: 0,
+            size: geometry.size(),
+            position: shape.position,
+            rotation: Quat::from(shape.rotation).normalize(),
+            radius: geometry.radius(),
+            inner_radius: geometry.inner_radius(),
+            geometry: geometry.clone(),
+            material: shape.material.base(),
+            filter: shape.filter,
+            density: shape.density,
+            flags: shape.flags(),
+            user_data: shape.user_data,
+        }
+    }
+
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
     }

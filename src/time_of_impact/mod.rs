@@ -63,7 +63,6 @@ impl Rules {
     fn of(settings: &Settings) -> Option<Rules> {
         match settings.method {
             _ if settings.continuous == Continuous::Discrete => None,
-            _ if !settings.method.meets_impacts() => None,
             // As many as in Box2D.
             ContinuousMethod::LinearCast => Some(Rules { linear: true, most: 8 }),
             ContinuousMethod::ConservativeAdvancement => Some(Rules { linear: false, most: 64 }),

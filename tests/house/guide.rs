@@ -4,6 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// The pages whose code is compiled.
+const COMPILED: &str = include_str!("../lib.rs");
 const GUIDE: &str = include_str!("../../src/guide.rs");
 
 /// A page's file, and the sources that `src/guide.rs` says it refers to.
@@ -120,7 +122,7 @@ fn blocks(page: &str) -> Vec<(&str, String)> {
     found
 }
 
-/// Rust is compiled as documentation (`src/guide.rs`, and the README of the plugin), C by
+/// Rust is compiled as documentation (`tests/lib.rs`, and the README of the plugin), C by
 /// `scripts/bindings-c`, commands are parsed by `crates/command/src/args/documented.rs` and here. Text is no
 /// code.
 #[test]
@@ -128,8 +130,7 @@ fn each_block_of_code_is_checked_by_something() {
     let mut found = Vec::new();
     for (path, page) in all_pages() {
         let name = path.display();
-        let is_guide = pages().iter().any(|(file, _)| path == Path::new("docs").join(file));
-        let is_compiled = is_guide || path == Path::new("README.md") || path.starts_with("bindings/bevy");
+        let is_compiled = COMPILED.contains(&format!("\"{name}\"")) || path.starts_with("bindings/bevy");
         for (language, text) in blocks(&page) {
             match language {
                 "rust" | "rust,no_run" if is_compiled => {}
@@ -170,9 +171,11 @@ fn own_name(page: &Path) -> &'static str {
     if page.starts_with("bindings/bevy") { "backstop-bevy" } else { "backstop" }
 }
 
-/// The packages of the workspace whose tests, benches, examples and features commands may name; those of
-/// `tests/Cargo.toml` lie in folders of the first.
-const MEMBERS: &[&str] = &["", "crates/command", "crates/lab", "crates/scene", "tests"];
+/// The packages whose tests, benches, examples and features commands may name; files of the last lie in
+/// folders of the first.
+fn members() -> impl Iterator<Item = &'static str> {
+    crate::PACKAGES.iter().copied().chain(["tests"])
+}
 
 fn features_of(member: &Path) -> Vec<String> {
     let manifest = std::fs::read_to_string(member.join("Cargo.toml")).expect("a manifest");
@@ -185,14 +188,13 @@ fn features_of(member: &Path) -> Vec<String> {
 #[test]
 fn commands_of_cargo_name_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let features: BTreeSet<String> =
-        MEMBERS.iter().flat_map(|member| features_of(&root.join(member))).collect();
+    let features: BTreeSet<String> = members().flat_map(|member| features_of(&root.join(member))).collect();
     let exists = |folder: &str, name: &str| {
-        let of = |member: &&str| {
+        let of = |member: &str| {
             let path = root.join(member).join(folder).join(name);
             path.with_extension("rs").exists() || path.join("main.rs").exists()
         };
-        name == "NAME" || MEMBERS.iter().any(of)
+        name == "NAME" || members().any(of)
     };
     let mut found = Vec::new();
     for (path, page) in all_pages() {

@@ -8,9 +8,9 @@
 
 use super::Scene;
 use backstop::{
-    BodyDesc, BodyHandle, BodyKind, ContentForecast, Continuous, Geometry, Plan, Settings, ShapeDesc,
+    Aabb, BodyDesc, BodyHandle, BodyKind, ContentForecast, Continuous, Geometry, Plan, Settings, ShapeDesc,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Pairs and contacts of each body with others in a pile that has come down (builtin scene `pile`: 10.9 and
 /// 2.6 with the ground's).
@@ -31,19 +31,6 @@ const AHEAD: f32 = 0.5;
 const STEP: f32 = 1.0 / 60.0;
 /// Buffers that grow on demand end about this factor larger than needed.
 const SLACK: f32 = 1.12;
-
-/// A box along the axes of the world [m].
-#[derive(Clone, Copy)]
-struct Bounds {
-    min: Vec3,
-    max: Vec3,
-}
-
-impl Bounds {
-    fn overlaps(&self, other: &Bounds) -> bool {
-        (self.min.cmple(other.max) & self.max.cmpge(other.min)).all()
-    }
-}
 
 /// What a shape's contacts look like.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,7 +57,7 @@ impl Kind {
 /// A shape that may move.
 struct Shape {
     body: usize,
-    bounds: Bounds,
+    bounds: Aabb,
     kind: Kind,
     dynamic: bool,
     moves: bool,
@@ -115,8 +102,7 @@ fn shapes(scene: &Scene) -> Vec<Shape> {
     let of_body = |(body, desc): (usize, &BodyDesc)| {
         let (dynamic, moves) = (desc.kind == BodyKind::Dynamic, desc.kind != BodyKind::Static);
         let shape = move |shape: &ShapeDesc| {
-            let own = shape.aabb(desc.position, desc.rotation);
-            let bounds = Bounds { min: own.min.as_vec3(), max: own.max.as_vec3() };
+            let bounds = shape.aabb(desc.position, desc.rotation);
             Shape { body, bounds, kind: Kind::of(&shape.geometry), dynamic, moves }
         };
         desc.shapes.iter().map(shape).collect::<Vec<_>>()
@@ -146,16 +132,16 @@ fn at_start(scene: &Scene, settings: &Settings) -> ContentForecast {
     // Along the axis on which boxes are apart most.
     let axis = widest(&all);
     all.sort_by(|a, b| a.bounds.min[axis].total_cmp(&b.bounds.min[axis]));
-    let (fat, close) = (FAT * settings.length_unit, CLOSE * settings.length_unit);
+    let [fat, close] = [FAT, CLOSE].map(|gap| f64::from(gap * settings.length_unit));
     let mut crowd = ContentForecast::default();
     let mut open: Vec<usize> = Vec::new();
     for i in 0..all.len() {
         let a = &all[i];
         open.retain(|&k| all[k].bounds.max[axis] + fat >= a.bounds.min[axis]);
         for b in open.iter().map(|&k| &all[k]) {
-            let meet = |gap: f32| {
-                let gap = Vec3::splat(gap);
-                Bounds { min: a.bounds.min - gap, max: a.bounds.max + gap }.overlaps(&b.bounds)
+            let meet = |gap: f64| {
+                let gap = DVec3::splat(gap);
+                Aabb { min: a.bounds.min - gap, max: a.bounds.max + gap }.overlaps(&b.bounds)
             };
             let bodies = [a.body.min(b.body), a.body.max(b.body)];
             if a.body == b.body
@@ -181,8 +167,8 @@ fn at_start(scene: &Scene, settings: &Settings) -> ContentForecast {
 
 fn widest(all: &[Shape]) -> usize {
     let finite = all.iter().map(|s| s.bounds.min).filter(|v| v.is_finite());
-    let low = finite.clone().fold(Vec3::INFINITY, Vec3::min);
-    let size = finite.fold(Vec3::NEG_INFINITY, Vec3::max) - low;
+    let low = finite.clone().fold(DVec3::INFINITY, DVec3::min);
+    let size = finite.fold(DVec3::NEG_INFINITY, DVec3::max) - low;
     (0..3).fold(0, |a, b| if size[b] > size[a] { b } else { a })
 }
 
@@ -195,10 +181,10 @@ fn once_down(scene: &Scene, settings: &Settings) -> ContentForecast {
     let (mut footprints, mut falling) = (0.0, 0.0);
     // Spheres, capsules, others.
     let mut kinds = [0.0f32; 3];
-    let mut ground: Option<Bounds> = None;
+    let mut ground: Option<Aabb> = None;
     let (mut of_meshes, mut bumpy, mut endless) = (false, false, false);
     for shape in shapes(scene) {
-        let size = shape.bounds.max - shape.bounds.min;
+        let size = (shape.bounds.max - shape.bounds.min).as_vec3();
         match scene.bodies[shape.body].desc.kind {
             BodyKind::Dynamic if !hangs[shape.body] => {
                 footprints += size.x * size.z;
@@ -212,7 +198,7 @@ fn once_down(scene: &Scene, settings: &Settings) -> ContentForecast {
             BodyKind::Static if !size.is_finite() => endless = true,
             BodyKind::Static => {
                 let all = ground.get_or_insert(shape.bounds);
-                *all = Bounds { min: all.min.min(shape.bounds.min), max: all.max.max(shape.bounds.max) };
+                *all = Aabb { min: all.min.min(shape.bounds.min), max: all.max.max(shape.bounds.max) };
                 if shape.kind == Kind::Mesh {
                     of_meshes = true;
                     bumpy |= size.y > 0.01 * size.x.max(size.z);
@@ -224,7 +210,7 @@ fn once_down(scene: &Scene, settings: &Settings) -> ContentForecast {
     let area = match ground {
         _ if endless => f32::INFINITY,
         Some(box_of_all) => {
-            let size = box_of_all.max - box_of_all.min;
+            let size = (box_of_all.max - box_of_all.min).as_vec3();
             size.x * size.z
         }
         None => return ContentForecast::default(),

@@ -11,7 +11,6 @@ use super::motion::{BodyPath, Motion};
 use super::{Touch, cast_convex, cast_plane, tolerance};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
-use crate::config::Start;
 use crate::config::tuning::{NO_GAP, PLANE_TURN};
 use crate::math::Quat;
 use crate::narrow_phase::contacts::of_meshes::MeshBlock;
@@ -160,9 +159,10 @@ pub(crate) fn add_manifolds_at_touch(
         return;
     }
     let moving = MeshPair { shape: a, mesh: b, rel: &rel, motion: &then };
-    let second = match input.start {
-        Start::Gated => enter_mesh(input, &moving, input.touch_distance),
-        _ => first_touch_with_mesh(input, &moving, input.touch_distance, &mut out.mesh),
+    let second = if input.start.is_gated() {
+        enter_mesh(input, &moving, input.touch_distance)
+    } else {
+        first_touch_with_mesh(input, &moving, input.touch_distance, &mut out.mesh)
     };
     let Some(Touch { fraction: further, .. }) = second else {
         return;

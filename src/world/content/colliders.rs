@@ -13,21 +13,13 @@ impl World {
         let details = &self.bodies.details[body];
         let to_axes = details.axes.conjugate();
         let geometry = &shape.geometry;
+        let own = Collider::of(shape);
         let collider = Collider {
-            kind: Kind::of(geometry),
             body: body as u32,
             place: self.bodies.colliders[body].as_slice().len() as u32,
-            size: geometry.size(),
             position: to_axes * (shape.position - details.centre),
-            rotation: (to_axes * Quat::from(shape.rotation).normalize()).normalize(),
-            radius: geometry.radius(),
-            inner_radius: geometry.inner_radius(),
-            geometry: geometry.clone(),
-            material: shape.material.base(),
-            filter: shape.filter,
-            density: shape.density,
-            flags: shape.flags(),
-            user_data: shape.user_data,
+            rotation: (to_axes * own.rotation).normalize(),
+            ..own
         };
         let mode = self.bodies.mode(body);
         self.assets.add(geometry);

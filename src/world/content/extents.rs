@@ -3,8 +3,7 @@
 use crate::broad_phase::{self, aabb_of};
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::math::Quat;
-use crate::shape::{Collider, Kind, ShapeDesc};
+use crate::shape::{Collider, ShapeDesc};
 use crate::world::World;
 use glam::DVec3;
 
@@ -53,24 +52,7 @@ impl ShapeDesc {
     /// The box around it on a body that is at `position` [m] with `rotation`, to within rounding.
     /// That of a plane is infinite.
     pub fn aabb(&self, position: DVec3, rotation: glam::Quat) -> Aabb {
-        let geometry = &self.geometry;
-        let collider = Collider {
-            kind: Kind::of(geometry),
-            body: 0,
-            place: 0,
-            size: geometry.size(),
-            position: self.position,
-            rotation: Quat::from(self.rotation).normalize(),
-            radius: geometry.radius(),
-            inner_radius: geometry.inner_radius(),
-            geometry: geometry.clone(),
-            material: self.material.base(),
-            filter: self.filter,
-            density: self.density,
-            flags: self.flags(),
-            user_data: 0,
-        };
-        Aabb::around(position, aabb_of(&collider, DVec3::ZERO, rotation.into()))
+        Aabb::around(position, aabb_of(&Collider::of(self), DVec3::ZERO, rotation.into()))
     }
 }
 

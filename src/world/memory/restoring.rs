@@ -241,9 +241,6 @@ impl World {
         f(Category::Scratch, &mut self.buffers.finish.clear, brings.guarded);
         f(Category::BroadPhase, self.sleep.pair_buffer(), brings.sleeping_pairs);
         f(Category::Bodies, self.character_buffer(), brings.characters);
-        // The pairs that are there have what the next step would ask for them anyway.
-        if brings.pairs > self.broad.pairs.len() {
-            self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
-        }
+        self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
     }
 }

@@ -23,13 +23,7 @@ pub struct Reduction {
 /// Eigenvalues below this share of the greatest one belong to redundant directions of joints.
 const GONE: f64 = 1e-10;
 
-/// The problem of the step with contacts only. Friction of a patch is Coulomb's at each of its points,
-/// with the patch's coefficient and without its row against twist, which the points resist by their arms;
-/// points that do not touch yet have no friction. Joints are eliminated (a Schur complement, exact for
-/// what is locked and for springs): `W - W_cj W_jj⁻¹ W_jc`.
-///
-/// # Errors
-/// If a number is not finite.
+/// See [`SystemProblems::contact_problem`].
 pub(crate) fn contact_problem(system: &System) -> Result<(Problem, Reduction), Error> {
     let mut points = System {
         dt: system.dt,

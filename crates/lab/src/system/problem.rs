@@ -23,22 +23,13 @@ pub enum Stabilisation {
     },
 }
 
-/// The problem of the whole step, with q for a method to solve: velocities with gravity and forces
-/// applied, plus for open gaps the speed that would close them within the step, for approaches above the
-/// threshold the speed after the bounce, and the pull of springs.
-///
-/// # Errors
-/// If a number is not finite.
+/// See [`SystemProblems::problem`].
 pub(crate) fn problem(system: &System, stabilisation: Stabilisation) -> Result<Problem, Error> {
     let all: Vec<usize> = (0..system.laws.len()).collect();
     problem_of(system, &all, stabilisation)
 }
 
-/// The problem of some laws, in ascending order: those of an island for instance. Other rows are left
-/// out.
-///
-/// # Errors
-/// If a number is not finite, or a patch is among the laws without its normals.
+/// See [`SystemProblems::problem_of`].
 pub(crate) fn problem_of(
     system: &System,
     laws: &[usize],
