@@ -72,13 +72,36 @@ impl Integrator<'_> {
             }
             let warm = match warm_start {
                 WarmStart::ByRows => f32x8::ZERO,
-                WarmStart::ByDifference => now - lanes(*b),
+                WarmStart::ByDifference => {
+                    self.mark_touched(i, v, b);
+                    now - lanes(*b)
+                }
             };
             let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
         any_fast.into_inner()
+    }
+
+    /// Marks bodies that rows changed after they had moved, when velocities were relaxed: what `finish` takes
+    /// for free would turn as it did at the start of the step.
+    pub(super) fn mark_relaxed(&self) {
+        let motion = self.motion;
+        self.each_body(|i| {
+            // SAFETY: each body is in one block.
+            let (v, b) = unsafe { (motion.velocity.get(i), motion.base.get(i)) };
+            self.mark_touched(i, v, b);
+        });
+    }
+
+    /// Marks a body whose velocity rows changed.
+    #[inline(always)]
+    fn mark_touched(&self, i: usize, now: &Record, before: &Record) {
+        if lanes(*now).eq(lanes(*before)).bits() & BOTH != BOTH {
+            // SAFETY: each body is in one block.
+            unsafe { self.motion.delta.get(i) }.set_touched();
+        }
     }
 
     /// Whether any body is fast.

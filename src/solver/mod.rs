@@ -173,6 +173,7 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         }
         substeps.end(check);
     }
+    integrator.mark_relaxed();
     substeps.release_standing_bodies();
     joints.nets = nets;
     joints.stages = joint_stages;

@@ -13,7 +13,9 @@
 use super::node::Turns;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
+use crate::constraint::joint::row::before_stops;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
@@ -33,6 +35,8 @@ pub(crate) struct Motor<L> {
     pub(crate) node: u32,
     /// Angle less the target angle, at the start of the step [rad].
     pub(crate) off: L,
+    /// Where the joint's own range stops it, beside `off` [rad].
+    pub(crate) stops: [L; 2],
     /// As in [`RowBatch`](crate::constraint::joint::row::RowBatch).
     pub(crate) pull: L,
     pub(crate) speed: L,
@@ -52,6 +56,7 @@ impl<L: Lanes> Motor<L> {
             owner,
             node,
             off: zero,
+            stops: [f32::NEG_INFINITY, f32::INFINITY].map(L::splat),
             pull: zero,
             speed: zero,
             give: zero,
@@ -265,6 +270,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
         }
         if extra.drives != Drives::None {
+            let over = L::splat(1.0 / self.h);
             for (motor, row) in extra.motors.iter().zip(cut..) {
                 let (node, direction) = (&self.nodes[motor.node as usize], &extra.directions[row]);
                 let above = self.nodes.get(node.parent as usize);
@@ -273,7 +279,9 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let speed = axis.dot(node.velocity.angular - turns) + self.change_along(direction);
                 let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
                 let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
-                rest[row] = speed - (motor.speed - off * motor.pull) + motor.give * motor.impulse;
+                let requested =
+                    before_stops(motor.speed, off, &motor.stops, over, [over, L::splat(JOINT_PUSH_SPEED)]);
+                rest[row] = speed - (requested - off * motor.pull) + motor.give * motor.impulse;
             }
         }
         let push = extra.solve(&rest, cut);

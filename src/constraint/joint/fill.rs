@@ -12,7 +12,7 @@ use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind, SpringCoefficients};
+use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, Row, RowKind, SpringCoefficients};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
 
@@ -160,14 +160,11 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         put(&mut batch.arm[1], lane, at.arm[1]);
         placed[lane] = Some(at);
         if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
-            // Whole turns don't matter: takes the angle that is nearest to the target.
             let middle = match row.kind {
                 RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
                 RowKind::Drive { position, .. } => position,
             };
-            if middle.is_finite() {
-                value -= TAU * ((value - middle) / TAU).round();
-            }
+            value = nearest_turn(value, middle);
         }
         batch.value.set_lane(lane, value);
     }
@@ -201,6 +198,10 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
             }
         };
         let drive = matches!(row.kind, RowKind::Drive { .. });
+        if let Some([low, high]) = stops(row, batch.value.lane(lane), input) {
+            batch.stops[0].set_lane(lane, low);
+            batch.stops[1].set_lane(lane, high);
+        }
         if let Some(spring) = spring {
             let spring = spring.coefficients().with_mobility(mobility);
             let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
@@ -220,6 +221,34 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         }
     }
     batch.resume();
+}
+
+/// An angle with the whole turns that bring it nearest to another [rad]: they don't matter.
+fn nearest_turn(angle: f32, to: f32) -> f32 {
+    if to.is_finite() { angle - TAU * ((angle - to) / TAU).round() } else { angle }
+}
+
+/// Where rigid ends of a range of its joint stop a motor that does not yield, beside its own displacement.
+fn stops(row: &Row, value: f32, input: &JointInput<'_>) -> Option<[f32; 2]> {
+    let RowKind::Drive { spring, .. } = row.kind else { return None };
+    if spring.coefficients().damping != f32::INFINITY {
+        return None;
+    }
+    let (joints, mut stops) = (input.joints, None);
+    for other in &joints.rows[joints.row_range(row.joint)] {
+        let RowKind::Limit { min, max } = other.kind else { continue };
+        if (other.motion, other.axes) != (row.motion, row.axes) {
+            continue;
+        }
+        // The limit takes the whole turns that bring the angle nearest to the middle of its range.
+        let turns = match row.motion {
+            Motion::Angular => nearest_turn(value, 0.5 * (min + max)) - value,
+            Motion::Linear => 0.0,
+        };
+        let [low, high] = stops.unwrap_or([f32::NEG_INFINITY, f32::INFINITY]);
+        stops = Some([(min - turns).max(low), (max - turns).min(high)]);
+    }
+    stops
 }
 
 /// The force and torque that the locks of a joint add to an impulse of one of its rows so that it moves
@@ -385,8 +414,12 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
         let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);
         let Axes::One(axis) = row.axes else { continue };
         let off = at.twist(axis) - position;
-        // Whole turns don't matter.
-        let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
+        let off = if off.is_finite() { nearest_turn(off, 0.0) } else { 0.0 };
+        if let Some(ends) = stops(row, position + off, input) {
+            let [low, high] = ends.map(|end| (end - position) * sign);
+            motor.stops[0].set_lane(lane, low.min(high));
+            motor.stops[1].set_lane(lane, low.max(high));
+        }
         // Without spring and damper it does nothing.
         let some = implicit(&spring.coefficients(), velocity, input.h);
         let [pull, give, speed] = some.unwrap_or_default();

@@ -14,6 +14,27 @@ use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
+/// The stops of a motor that has none.
+const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+
+/// The speed that a motor may have at a displacement, so that it does not pass its stops within a substep; beyond
+/// one it goes back as the stop asks, at `rate` and at most at `push`. Two rows that both must have their way would
+/// push each other ever harder.
+#[inline(always)]
+pub(crate) fn before_stops<L: Lanes>(
+    speed: L,
+    now: L,
+    stops: &[L; 2],
+    inverse_h: L,
+    [rate, push]: [L; 2],
+) -> L {
+    let [low, high] = stops.map(|stop| stop - now);
+    let zero = L::zero();
+    let low = low.min(zero) * inverse_h + (low.max(zero) * rate).min(push);
+    let high = high.max(zero) * inverse_h + (high.min(zero) * rate).max(-push);
+    speed.max(low).min(high)
+}
+
 /// Up to eight rows.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -35,6 +56,8 @@ pub(crate) struct RowBatch<L, M> {
     /// Range; for a drive both ends are its target.
     pub(crate) min: L,
     pub(crate) max: L,
+    /// Where rigid ends of the joint's own range stop a motor; infinite for all other rows.
+    pub(crate) stops: [L; 2],
     /// Requested speed per displacement beyond the range [1/s], requested speed beside that, and yield per
     /// impulse; all zero for rigid rows.
     pub(crate) pull: L,
@@ -71,6 +94,7 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
             now: zero,
             min: L::splat(f32::NEG_INFINITY),
             max: L::splat(f32::INFINITY),
+            stops: ENDLESS.map(L::splat),
             pull: zero,
             speed: zero,
             give: zero,
@@ -155,8 +179,9 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         if !pass.relax {
             speed += self.measure.bend(v, &self.lever, pass.ahead());
         }
-        // Springs act once per substep.
-        let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
+        // Springs act once per substep; a motor that stops has its speed when velocities relax, too.
+        let stops = self.stops[1].lt(L::splat(f32::INFINITY)) | self.stops[0].gt(none);
+        let waits = if pass.relax { (drives & !stops) | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
         let (rate, scale, yields) = pass.numbers::<L>();
         let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
@@ -181,8 +206,9 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         // A range has one loaded end; one without width may bear either way.
         let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
+        let requested = before_stops(self.speed, self.now, &self.stops, inverse_h, [rate, push]);
         let new =
-            one(finite(self.now - self.min), speed, self.speed, (self.impulse[0], lower), (lowest, highest));
+            one(finite(self.now - self.min), speed, requested, (self.impulse[0], lower), (lowest, highest));
         let change = new - self.impulse[0];
         self.impulse[0] = new;
         pushed += change;
