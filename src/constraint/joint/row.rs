@@ -17,9 +17,9 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 /// The stops of a motor that has none.
 const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
-/// The speed that a motor may have at a displacement, so that it does not pass its stops within a substep; beyond
-/// one it goes back as the stop asks, at `rate` and at most at `push`. Two rows that both must have their way would
-/// push each other ever harder.
+/// The speed that a motor may have at a displacement, so that it does not pass its stops within a substep;
+/// beyond one it goes back as the stop asks, at `rate` and at most at `push`. Two rows that both must have
+/// their way would push each other ever harder.
 #[inline(always)]
 pub(crate) fn before_stops<L: Lanes>(
     speed: L,
