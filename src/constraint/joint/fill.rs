@@ -230,8 +230,9 @@ fn nearest_turn(angle: f32, to: f32) -> f32 {
 
 /// Where rigid ends of a range of its joint stop a motor that does not yield, beside its own displacement.
 fn stops(row: &Row, value: f32, input: &JointInput<'_>) -> Option<[f32; 2]> {
-    let RowKind::Drive { spring, .. } = row.kind else { return None };
-    if spring.coefficients().damping != f32::INFINITY {
+    let RowKind::Drive { velocity, spring, .. } = row.kind else { return None };
+    // Friction goes nowhere.
+    if velocity == 0.0 || spring.coefficients().damping != f32::INFINITY {
         return None;
     }
     let (joints, mut stops) = (input.joints, None);
