@@ -15,7 +15,7 @@ use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
-use crate::constraint::joint::row::before_stops;
+use crate::constraint::joint::row::{ENDLESS, before_stops};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
@@ -56,7 +56,7 @@ impl<L: Lanes> Motor<L> {
             owner,
             node,
             off: zero,
-            stops: [f32::NEG_INFINITY, f32::INFINITY].map(L::splat),
+            stops: ENDLESS.map(L::splat),
             pull: zero,
             speed: zero,
             give: zero,
@@ -271,6 +271,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         if extra.drives != Drives::None {
             let over = L::splat(1.0 / self.h);
+            // Where velocities relax, nothing is taken back.
+            let rate = if extra.drives == Drives::All { over } else { L::zero() };
             for (motor, row) in extra.motors.iter().zip(cut..) {
                 let (node, direction) = (&self.nodes[motor.node as usize], &extra.directions[row]);
                 let above = self.nodes.get(node.parent as usize);
@@ -280,7 +282,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
                 let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
                 let requested =
-                    before_stops(motor.speed, off, &motor.stops, over, [over, L::splat(JOINT_PUSH_SPEED)]);
+                    before_stops(motor.speed, off, &motor.stops, over, [rate, L::splat(JOINT_PUSH_SPEED)]);
                 rest[row] = speed - (requested - off * motor.pull) + motor.give * motor.impulse;
             }
         }

@@ -6,7 +6,7 @@ use super::ends::{Ends, Lever, NONE, across, inverse};
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch, mobility};
 use super::measure::Measure;
-use super::row::RowBatch;
+use super::row::{ENDLESS, RowBatch};
 use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
 use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
@@ -246,7 +246,7 @@ fn stops(row: &Row, value: f32, input: &JointInput<'_>) -> Option<[f32; 2]> {
             Motion::Angular => nearest_turn(value, 0.5 * (min + max)) - value,
             Motion::Linear => 0.0,
         };
-        let [low, high] = stops.unwrap_or([f32::NEG_INFINITY, f32::INFINITY]);
+        let [low, high] = stops.unwrap_or(ENDLESS);
         stops = Some([(min - turns).max(low), (max - turns).min(high)]);
     }
     stops

@@ -15,7 +15,7 @@ use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// The stops of a motor that has none.
-const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+pub(crate) const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
 /// The speed that a motor may have at a displacement, so that it does not pass its stops within a substep;
 /// beyond one it goes back as the stop asks, at `rate` and at most at `push`. Two rows that both must have
@@ -180,8 +180,12 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
             speed += self.measure.bend(v, &self.lever, pass.ahead());
         }
         // Springs act once per substep; a motor that stops has its speed when velocities relax, too.
-        let stops = self.stops[1].lt(L::splat(f32::INFINITY)) | self.stops[0].gt(none);
-        let waits = if pass.relax { (drives & !stops) | springs } else { zero.gt(zero) };
+        let waits = if pass.relax {
+            let stops = self.stops[1].lt(L::splat(f32::INFINITY)) | self.stops[0].gt(none);
+            (drives & !stops) | springs
+        } else {
+            zero.gt(zero)
+        };
         let inverse_h = L::splat(pass.inverse_h);
         let (rate, scale, yields) = pass.numbers::<L>();
         let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
@@ -206,7 +210,11 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         // A range has one loaded end; one without width may bear either way.
         let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
-        let requested = before_stops(self.speed, self.now, &self.stops, inverse_h, [rate, push]);
+        let requested = if self.drives == 0 {
+            self.speed
+        } else {
+            before_stops(self.speed, self.now, &self.stops, inverse_h, [rate, push])
+        };
         let new =
             one(finite(self.now - self.min), speed, requested, (self.impulse[0], lower), (lowest, highest));
         let change = new - self.impulse[0];
