@@ -10,7 +10,7 @@ const PINNED: [(&str, usize, u64); 5] = [
     ("bullets", 60, 0x0461_A14E_0EC9_C504),
     ("large_pyramid", 60, 0x45F8_983F_88D7_91AC),
     ("joint_grid", 60, 0xD624_D63D_D7AA_DFB6),
-    ("ragdolls", 300, 0xBF38_36E7_FFA2_7DF8),
+    ("ragdolls", 300, 0xB48E_E993_F428_CFF4),
 ];
 
 fn hash(name: &str, steps: usize) -> Result<u64, Error> {
