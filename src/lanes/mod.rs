@@ -306,7 +306,12 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-                mask.0.select(yes, no)
+                // With plain SSE2 that of `wide` is a call.
+                if cfg!(all(target_arch = "x86_64", not(target_feature = "sse4.1"))) {
+                    no ^ ((no ^ yes) & mask.0)
+                } else {
+                    mask.0.select(yes, no)
+                }
             }
         }
     };
