@@ -63,7 +63,7 @@ impl Joints {
         }
         for row in rows {
             let ([low, high], [a, b]) = (row.impulse, row.kind.ends());
-            out.extend_from_slice(&words::<5>([low, high, row.lasting_impulse, a, b]));
+            out.extend_from_slice(&words::<6>([low, high, row.lasting_impulse, row.turned, a, b]));
         }
         JointLists {
             joints: all.len() as u32,
@@ -83,9 +83,9 @@ impl Joints {
             (lock.impulse, lock.lasting_impulse) = (Vec3::new(x, y, z), lasting_impulse);
             (lock.steady, lock.lag) = (steady, lag);
         }
-        for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<5>().0) {
-            let [low, high, lasting_impulse, a, b]: [f32; 5] = record::<_, 5>(words);
-            (row.impulse, row.lasting_impulse) = ([low, high], lasting_impulse);
+        for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<6>().0) {
+            let [low, high, lasting_impulse, turned, a, b]: [f32; 6] = record::<_, 6>(words);
+            (row.impulse, row.lasting_impulse, row.turned) = ([low, high], lasting_impulse, turned);
             row.kind = row.kind.with_ends([a, b]);
         }
         self.couplings.restore(&saved.couplings);
@@ -166,7 +166,7 @@ impl<'a> SavedJoints<'a> {
             lists,
             joints: from.table(lists.joints, 6)?,
             locks: from.table(lists.locks, 6)?,
-            rows: from.table(lists.rows, 5)?,
+            rows: from.table(lists.rows, 6)?,
             couplings: SavedCouplings::read(from, lists.couplings)?,
         })
     }
@@ -176,9 +176,13 @@ impl<'a> SavedJoints<'a> {
     pub(crate) fn check(&self, records: &JointRecords) -> Result<(), Error> {
         let [joints, locks, rows] = [records.all.len(), records.locks.len(), records.rows.len()];
         [self.joints, self.locks].into_iter().try_for_each(all_loads)?;
-        for (row, words) in records.rows.iter().zip(self.rows.as_chunks::<5>().0) {
-            let [loads @ .., a, b] = words;
+        for (row, words) in records.rows.iter().zip(self.rows.as_chunks::<6>().0) {
+            let [loads @ .., turned, a, b] = words;
             all_loads(loads)?;
+            let turned = f32::from_bits(*turned);
+            if !(turned.is_finite() && row.counts_turns() || turned == f32::INFINITY) {
+                return Err(broken("an angle"));
+            }
             let kind = row.kind.with_ends([*a, *b].map(f32::from_bits));
             let row = Row { kind, ..*row };
             row.limit().map_or(Ok(()), |limit| limit.validate())?;
@@ -454,5 +458,14 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         _ => return Err(no()),
     };
     let beside = [lock_of(part(4))?, lock_of(part(5))?];
-    Ok(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], lasting_impulse: 0.0 })
+    Ok(Row {
+        joint,
+        motion,
+        axes,
+        kind,
+        beside,
+        impulse: [0.0; 2],
+        lasting_impulse: 0.0,
+        turned: f32::INFINITY,
+    })
 }

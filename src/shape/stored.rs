@@ -317,9 +317,7 @@ impl HeightField {
     }
 
     pub(crate) fn from_stored(stored: StoredField) -> Result<HeightField, Error> {
-        let StoredField { columns, rows, cell, mut heights, mut folds, materials } = stored;
-        heights.shrink_to_fit();
-        folds.shrink_to_fit();
+        let StoredField { columns, rows, cell, heights, folds, materials } = stored;
         let mut field = HeightField::with_folds(columns as usize, rows as usize, cell, heights, folds)?;
         field.surfaces = StoredMaterials::surfaces(materials, field.triangle_count() / 2)?;
         Ok(field)

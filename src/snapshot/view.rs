@@ -15,7 +15,7 @@ use crate::words::{Reader, broken};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 8;
+pub(super) const VERSION: u32 = 9;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 

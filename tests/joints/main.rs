@@ -15,4 +15,5 @@ mod motors;
 mod physics;
 mod poses;
 mod ragdolls;
+mod turns;
 mod vehicle;

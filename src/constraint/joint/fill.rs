@@ -12,9 +12,8 @@ use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, Row, RowKind, SpringCoefficients};
+use crate::joint::{Axes, Axis, Joint, Joints, LockKind, Motion, Placed, Row, RowKind, SpringCoefficients};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
-use std::f32::consts::TAU;
 
 pub(crate) fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
     v.x.set_lane(lane, value.x);
@@ -160,11 +159,7 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
         put(&mut batch.arm[1], lane, at.arm[1]);
         placed[lane] = Some(at);
         if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
-            let middle = match row.kind {
-                RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
-                RowKind::Drive { position, .. } => position,
-            };
-            value = nearest_turn(value, middle);
+            value = with_turns(row, value, input.joints);
         }
         batch.value.set_lane(lane, value);
     }
@@ -223,9 +218,11 @@ pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
     batch.resume();
 }
 
-/// An angle with the whole turns that bring it nearest to another [rad]: they don't matter.
-fn nearest_turn(angle: f32, to: f32) -> f32 {
-    if to.is_finite() { angle - TAU * ((angle - to) / TAU).round() } else { angle }
+/// An angle of a row with its whole turns: a drive has those that the limit of its hinge knows.
+fn with_turns(row: &Row, angle: f32, joints: &Joints) -> f32 {
+    let drive = matches!(row.kind, RowKind::Drive { .. });
+    let known = if drive { joints.with_turns(row.joint, row.axes, angle) } else { None };
+    known.unwrap_or_else(|| row.with_turns(angle))
 }
 
 /// Where rigid ends of a range of its joint stop a motor that does not yield, beside its own displacement.
@@ -241,9 +238,9 @@ fn stops(row: &Row, value: f32, input: &JointInput<'_>) -> Option<[f32; 2]> {
         if (other.motion, other.axes) != (row.motion, row.axes) {
             continue;
         }
-        // The limit takes the whole turns that bring the angle nearest to the middle of its range.
+        // The limit may count other turns than the motor.
         let turns = match row.motion {
-            Motion::Angular => nearest_turn(value, 0.5 * (min + max)) - value,
+            Motion::Angular => other.with_turns(value) - value,
             Motion::Linear => 0.0,
         };
         let [low, high] = stops.unwrap_or(ENDLESS);
@@ -414,8 +411,8 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
         let dense = joint.bodies.map(|slot| input.bodies.slots.dense(slot) as usize);
         let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);
         let Axes::One(axis) = row.axes else { continue };
-        let off = at.twist(axis) - position;
-        let off = if off.is_finite() { nearest_turn(off, 0.0) } else { 0.0 };
+        let off = with_turns(row, at.twist(axis), input.joints) - position;
+        let off = if off.is_finite() { off } else { 0.0 };
         if let Some(ends) = stops(row, position + off, input) {
             let [low, high] = ends.map(|end| (end - position) * sign);
             motor.stops[0].set_lane(lane, low.min(high));

@@ -242,6 +242,6 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
     fn report(&self, lane: usize, to: &mut impl Report) {
         let ends = self.impulse.map(|p| p.lane(lane));
         let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
-        to.row(self.ends.owner[lane], RowImpulse { ends, force, torque });
+        to.row(self.ends.owner[lane], RowImpulse { ends, force, torque, now: Some(self.now.lane(lane)) });
     }
 }

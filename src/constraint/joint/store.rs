@@ -25,6 +25,8 @@ pub(crate) struct RowImpulse {
     /// Directions of force and torque on the second body at its point.
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
+    /// The displacement after it, if the row measures one [m] or [rad].
+    pub(crate) now: Option<f32>,
 }
 
 /// Writes impulses to the joints of a world.
@@ -56,8 +58,11 @@ impl Report for Store<'_> {
         }
     }
 
-    fn row(&mut self, owner: u32, RowImpulse { ends, force, torque }: RowImpulse) {
+    fn row(&mut self, owner: u32, RowImpulse { ends, force, torque, now }: RowImpulse) {
         let row = &mut self.rows[owner as usize];
+        if let Some(angle) = now.filter(|angle| angle.is_finite() && row.counts_turns()) {
+            row.turned = angle;
+        }
         let impulse = ends.map(|one| if one.is_finite() { one } else { 0.0 });
         row.impulse = impulse;
         row.lasting_impulse = lasting(row.lasting_impulse, impulse, self.hold);
@@ -130,7 +135,7 @@ pub(crate) fn report_motors<L: Lanes>(batch: &TreeBatch<L>, to: &mut impl Report
         let sign = if node.side == 1 { 1.0 } else { -1.0 };
         for (lane, owner) in motor.owner.into_iter().enumerate().filter(|(_, owner)| *owner != NONE) {
             let (impulse, torque) = (motor.impulse.lane(lane) * sign, node.axis_now[0].lane(lane));
-            to.row(owner, RowImpulse { ends: [impulse, 0.0], force: Vec3::ZERO, torque });
+            to.row(owner, RowImpulse { ends: [impulse, 0.0], force: Vec3::ZERO, torque, now: None });
         }
     }
 }

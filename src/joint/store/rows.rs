@@ -99,7 +99,16 @@ impl Lock {
 
 impl Row {
     fn new(joint: u32, motion: Motion, axes: Axes, kind: RowKind, beside: [Option<LockKind>; 2]) -> Row {
-        Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], lasting_impulse: 0.0 }
+        Row {
+            joint,
+            motion,
+            axes,
+            kind,
+            beside,
+            impulse: [0.0; 2],
+            lasting_impulse: 0.0,
+            turned: f32::INFINITY,
+        }
     }
 
     /// The limit that it is.
@@ -197,6 +206,7 @@ impl Joints {
             let old = rows.iter().position(alike).map(|i| rows.remove(i));
             if let Some(old) = old {
                 (new.impulse, new.lasting_impulse) = (old.impulse, old.lasting_impulse);
+                new.turned = if new.counts_turns() { old.turned } else { f32::INFINITY };
             }
         }
         // A joint that is left without any is not asked any more what it bears.
@@ -235,6 +245,19 @@ impl Joints {
         let start = self.all[joint as usize].start[1] as usize;
         let own = self.rows.iter().skip(start).take_while(|row| row.joint == joint).count();
         if own == 0 { 0..0 } else { start..start + own }
+    }
+
+    /// Forgets in which turn a joint is.
+    pub(crate) fn forget_turns(&mut self, joint: u32) {
+        let own = self.row_range(joint);
+        self.rows[own].iter_mut().for_each(|row| row.turned = f32::INFINITY);
+    }
+
+    /// An angle about an axis of a joint with the whole turns that the limit of its hinge knows.
+    pub(crate) fn with_turns(&self, joint: u32, axes: Axes, angle: f32) -> Option<f32> {
+        let rows = &self.rows[self.row_range(joint)];
+        let limit = rows.iter().find(|row| row.counts_turns() && row.axes == axes)?;
+        Some(limit.with_turns(angle))
     }
 
     /// The limits of a joint: locks of more than one direction, then the others, each as they were given.

@@ -288,7 +288,7 @@ impl Witness for Sums {
             });
             joints.each_impulse(
                 &mut |owner, impulse| self.locks[owner as usize] += impulse.as_dvec3(),
-                &mut |owner, RowImpulse { ends: impulse, force, torque }| {
+                &mut |owner, RowImpulse { ends: impulse, force, torque, .. }| {
                     let (ends, acted) = &mut self.rows[owner as usize];
                     for k in 0..2 {
                         ends[k] += f64::from(impulse[k]);

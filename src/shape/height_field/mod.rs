@@ -114,6 +114,10 @@ impl HeightField {
             field.folds = field.find_folds();
         }
         field.levels = field.find_levels();
+        // However it was made, it takes the same memory: a replay keeps to the same budget.
+        field.heights.shrink_to_fit();
+        field.folds.shrink_to_fit();
+        field.levels.shrink_to_fit();
         Ok(field)
     }
 

@@ -22,6 +22,21 @@ fn a_field_refuses_bad_numbers() {
     assert_eq!(flat.aabb(), (Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)));
 }
 
+/// Expected: no spare place, of heights that had some, of a copy and of what was stored.
+#[test]
+fn a_field_takes_the_same_memory_however_it_was_made() {
+    for (columns, rows) in [(2, 2), (9, 9), (18, 70)] {
+        let mut heights = Vec::with_capacity(4 * columns * rows);
+        heights.resize(columns * rows, 1.0);
+        let field = HeightField::new(columns, rows, Vec2::ONE, heights).unwrap();
+        let (live, reserved) = field.bytes();
+        assert_eq!(reserved, live, "{columns} x {rows}");
+        assert_eq!(field.clone().bytes(), field.bytes());
+        #[cfg(feature = "serde")]
+        assert_eq!(HeightField::from_stored(field.stored()).unwrap().bytes(), field.bytes());
+    }
+}
+
 #[test]
 fn boxes_and_paths_find_what_a_search_of_all_finds() {
     let mut random = Random(5);

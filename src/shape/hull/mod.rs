@@ -124,7 +124,7 @@ impl ConvexHull {
     }
 
     pub(super) fn of_parts(
-        vertices: Vec<Vec3>,
+        mut vertices: Vec<Vec3>,
         faces: Vec<Vec<u16>>,
         normals: Vec<Vec3>,
         mut edges: Vec<HullEdge>,
@@ -145,6 +145,7 @@ impl ConvexHull {
             face_start.push(face_vertices.len() as u16);
         }
         // However it was made, it takes the same memory: a replay keeps to the same budget.
+        vertices.shrink_to_fit();
         edges.shrink_to_fit();
         face_start.shrink_to_fit();
         face_vertices.shrink_to_fit();

@@ -66,6 +66,18 @@ impl Level {
     }
 }
 
+/// Expected: lists of a text, whose length is not known before its end, hold no spare place.
+#[test]
+fn shapes_out_of_json_take_the_memory_of_built_ones() {
+    fn read<T: serde::Serialize + serde::de::DeserializeOwned>(shape: &T) -> T {
+        serde_json::from_str(&serde_json::to_string(shape).unwrap()).unwrap()
+    }
+    let Level { rock, hills, field } = Level::built(40);
+    assert_eq!(read(&rock).bytes(), rock.bytes());
+    assert_eq!(read(&hills).bytes(), hills.bytes());
+    assert_eq!(read(&field).bytes(), field.bytes());
+}
+
 /// Expected: not a bit differs in ten seconds, on one thread and on two, and no byte of memory.
 #[test]
 fn a_world_with_loaded_shapes_has_the_bits_of_one_with_built_ones() {

@@ -9,7 +9,7 @@ use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Character, CharacterSettings, ContactHook,
+    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Category, Character, CharacterSettings, ContactHook,
     ContactHooks, Continuous, ConvexHull, Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc,
     JointHandle, Limit, MassProperties, Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings,
     ShapeDesc, ShapeHandle, Skeleton, Snapshot, TriangleMesh, World,

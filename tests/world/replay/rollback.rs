@@ -114,6 +114,31 @@ fn what_was_saved_elsewhere_is_restored_in_the_replay_too() {
     assert_eq!(played.calls["restore"], 4);
 }
 
+/// Expected: the replay counts what the run did. A field that was edited while somebody else held it is a
+/// copy; the snapshot holds that copy, and the recording writes its content.
+#[test]
+fn what_was_edited_and_restored_takes_the_same_memory_in_the_replay() {
+    let (mut world, buffer) = recorded(Settings::default().with_budget(Budget::total(10_000_000)));
+    let shared = Arc::new(HeightField::new(9, 9, Vec2::ONE, vec![0.0; 81]).unwrap());
+    let ground = BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::HeightField(shared.clone())));
+    let ground = world.add_body(&ground).unwrap();
+    let shape = world.shapes(ground).unwrap().next().unwrap();
+    world.set_heights(shape, [3, 3], [1, 1], &[0.5]).unwrap();
+    world.step(DT).unwrap();
+    let mut saved = Snapshot::new();
+    world.snapshot(&mut saved);
+    world.remove_body(ground).unwrap();
+    world.restore(&saved).unwrap();
+    world.step(DT).unwrap();
+    let reserved = |world: &World| world.memory().category(Category::Meshes).reserved;
+    world.stop_recording().unwrap();
+    plays_again(&buffer.bytes(), world.hash());
+    let bytes = buffer.bytes();
+    let mut replay = Replay::open(&bytes[..]).unwrap();
+    replay.run().unwrap();
+    assert_eq!(reserved(replay.world()), reserved(&world));
+}
+
 /// Hooks that panic at their hundredth contact.
 struct Panics(AtomicU32);
 

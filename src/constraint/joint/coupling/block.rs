@@ -123,7 +123,7 @@ impl CouplingBlock {
             if let Owner::Drive(owner) = row.owner {
                 let lever = &row.motions[0].lever;
                 let (force, torque) = (lever.force.lane(0), lever.torque.lane(0));
-                to.row(owner, RowImpulse { ends: [row.impulse[0], 0.0], force, torque });
+                to.row(owner, RowImpulse { ends: [row.impulse[0], 0.0], force, torque, now: None });
             }
         }
     }

@@ -174,6 +174,7 @@ impl World {
         self.revisions.moving += 1;
         let bodies = self.dense_bodies(&self.joints.all[slot as usize]);
         self.joints.all[slot as usize].frames = self.own_frames(bodies, &frames);
+        self.joints.forget_turns(slot);
         Ok(())
     }
 

@@ -35,13 +35,18 @@ impl World {
     }
 
     /// How far the second frame of a joint is from the first: what a limit of the same motion and axes
-    /// restricts [m] or [rad]. The twist about one axis is in `-pi..=pi`; limits and drives take it with the
-    /// whole turns that bring it nearest to the middle of the range or to the target.
+    /// restricts [m] or [rad]. The angle of a hinge with a limit has its whole turns, counted from the first
+    /// step on. Any other twist about one axis is in `-pi..=pi`; limits and drives take it with the whole
+    /// turns that bring it nearest to the middle of the range or to the target.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn joint_displacement(&self, joint: JointHandle, motion: Motion, axes: Axes) -> Result<f32, Error> {
-        Ok(self.placed(self.joint_of(joint)?).displacement(motion, axes))
+        let slot = self.joint(joint)?;
+        let displacement = self.placed(self.joint_of(joint)?).displacement(motion, axes);
+        let turns = motion == Motion::Angular && matches!(axes, Axes::One(_));
+        let known = if turns { self.joints.with_turns(slot, axes, displacement) } else { None };
+        Ok(known.unwrap_or(displacement))
     }
 
     /// How fast the displacement along an axis, or the twist about it, grows [m/s] or [rad/s]: what a drive
