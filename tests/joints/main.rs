@@ -15,5 +15,6 @@ mod motors;
 mod physics;
 mod poses;
 mod ragdolls;
+mod touching;
 mod turns;
 mod vehicle;

@@ -300,15 +300,17 @@ fn hanging(scene: &Scene) -> Vec<bool> {
 fn branches(scene: &Scene) -> usize {
     let of = islands(scene);
     let (mut bodies, mut joints) = (vec![0usize; of.len()], vec![0usize; of.len()]);
+    let mut collides = vec![false; of.len()];
     of.iter().for_each(|&root| bodies[root] += 1);
-    for [a, b] in scene.joints.iter().map(|joint| joint.bodies) {
+    for (joint, [a, b]) in scene.joints.iter().map(|joint| (joint, joint.bodies)) {
         let dynamic = [a, b]
             .into_iter()
             .find(|&i| scene.bodies.get(i).is_some_and(|body| body.desc.kind == BodyKind::Dynamic));
         dynamic.into_iter().for_each(|i| joints[of[i]] += 1);
+        dynamic.into_iter().for_each(|i| collides[of[i]] |= joint.collide);
     }
-    // No loop, and attached to one fixed body at most.
-    let is_tree = |&i: &usize| joints[i] > 0 && joints[i] <= bodies[i];
+    // No loop, attached to one fixed body at most, and no bodies that are joined and collide.
+    let is_tree = |&i: &usize| joints[i] > 0 && joints[i] <= bodies[i] && !collides[i];
     let sizes: Vec<usize> = (0..of.len()).filter(is_tree).map(|i| bodies[i]).collect();
     let alone = |&&size: &&usize| sizes.iter().filter(|&&other| other == size).count() == 1;
     if sizes.len() > MANY { 0 } else { sizes.iter().filter(alone).sum() }

@@ -41,9 +41,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[TreeContacts],
         mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
-        if self.loops {
-            return;
-        }
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         for _ in 0..ROUNDS {
             // SAFETY: by the contract.

@@ -384,7 +384,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { self.advance(motion) };
-        if !self.loops && self.is_open(closing.tolerance) {
+        if self.is_open(closing.tolerance) {
             // SAFETY: by the contract.
             unsafe {
                 self.shift(motion, self.exact);

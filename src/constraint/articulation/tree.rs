@@ -53,9 +53,6 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) late: L,
     /// Half a substep where only joints and external forces act on the tree, else zero [s].
     pub(crate) lag: L,
-    /// A joint lets its bodies collide: their contact closes a loop of which the tree knows nothing. Contacts
-    /// are not solved along with the tree, and open joints are left to the velocities.
-    pub(crate) loops: bool,
     /// Its place in the order of all rows.
     pub(crate) place: Place,
     /// Contacts that are solved along with the trees: their range among all such.
@@ -85,10 +82,10 @@ impl<L> TreeBatch<L> {
 impl<L: GatherLanes> TreeBatch<L> {
     /// Forgets the last step: what outlives it is in the joints, and a restored world has nothing else.
     pub(crate) fn forget(&mut self) {
-        let TreeBatch { mut nodes, mut extra, real, loops, place, .. } = std::mem::take(self);
+        let TreeBatch { mut nodes, mut extra, real, place, .. } = std::mem::take(self);
         nodes.iter_mut().for_each(Node::forget);
         extra.forget();
-        *self = TreeBatch { nodes, extra, real, loops, place, ..TreeBatch::default() };
+        *self = TreeBatch { nodes, extra, real, place, ..TreeBatch::default() };
     }
 
     /// A node and its parent, which precedes it.

@@ -22,15 +22,13 @@ pub(crate) struct Branch {
     pub(crate) lock: u32,
     /// Lock of its rotation.
     pub(crate) turn: u32,
-    /// The joint lets the two collide.
-    pub(crate) collides: bool,
     /// For a joint that closes a loop, the index of its body; otherwise none.
     pub(crate) own: u32,
 }
 
 impl Branch {
     fn shape(&self) -> Shape {
-        (self.parent, self.side, self.jointed, self.turns, self.collides, self.own)
+        (self.parent, self.side, self.jointed, self.turns, self.own)
     }
 }
 
@@ -58,12 +56,12 @@ impl Tree {
 
     /// What trees must have in common to share lanes; sorted by this, they come one after another.
     fn shape(&self) -> impl Iterator<Item = Shape> + '_ {
-        let motors = self.motors.iter().map(|&(at, _)| (at, 0, false, Turns::Freely, false, NONE));
+        let motors = self.motors.iter().map(|&(at, _)| (at, 0, false, Turns::Freely, NONE));
         self.branches.iter().map(Branch::shape).chain(motors)
     }
 }
 
-type Shape = (u32, u8, bool, Turns, bool, u32);
+type Shape = (u32, u8, bool, Turns, u32);
 
 /// Groups of at most eight trees of the same shape, and which locks and rows are in them.
 pub(crate) struct Found {
@@ -83,7 +81,9 @@ impl Found {
 /// Finds trees of point joints, with the locks of their rotation. `place_of`: where a joint is solved;
 /// `motor_of`: where a row is, if it drives a hinge.
 ///
-/// Bodies with a locked axis and groups with many loops form no tree.
+/// Bodies with a locked axis and groups with many loops form no tree, nor do those of which a joint lets its
+/// own bodies collide: their contact closes a loop of which the tree would know nothing, and the two, each
+/// solved exactly against the other, threw light bodies apart at any speed.
 ///
 /// Bodies are identified by their slots here: a restored world finds the same trees again, though its bodies
 /// may be at other dense indices than when the trees were last searched for.
@@ -192,9 +192,9 @@ impl<'a> Graph<'a> {
         self.turn_of[self.joint_of(lock) as usize]
     }
 
-    /// Whether the bodies that a lock joins collide.
-    fn collides(&self, lock: u32) -> bool {
-        self.joints.all[self.joint_of(lock) as usize].collide
+    /// Whether any two bodies that are joined at a body collide.
+    fn collides(&self, body: usize) -> bool {
+        self.locks_of(body).any(|lock| self.joints.all[self.joint_of(lock) as usize].collide)
     }
 
     /// The points of a body, in the order of their locks.
@@ -213,7 +213,7 @@ impl<'a> Graph<'a> {
                 continue;
             }
             let Component { bodies, anchor, loops, free } = self.component(first as usize, &mut seen);
-            if !free || 3 * loops > MAX_ROWS {
+            if !free || 3 * loops > MAX_ROWS || bodies.iter().any(|&body| self.collides(body)) {
                 continue;
             }
             let most = |&body: &usize| (self.locks_of(body).count(), std::cmp::Reverse(body));
@@ -319,7 +319,6 @@ impl<'a> Graph<'a> {
             turns: Turns::Freely,
             lock,
             turn: NONE,
-            collides: anchor.is_some_and(|lock| self.collides(lock)),
             own: NONE,
         }];
         let mut cuts: Vec<Branch> = Vec::new();
@@ -340,8 +339,7 @@ impl<'a> Graph<'a> {
         while let Some((lock, body, parent)) = open.pop() {
             let child = self.ends_of(lock)[usize::from(self.side_of(lock, body) == 0)];
             let (turns, turn) = self.turn_of(lock);
-            let collides = self.collides(lock);
-            let branch = Branch { parent, side: 0, jointed: true, turns, lock, turn, collides, own: NONE };
+            let branch = Branch { parent, side: 0, jointed: true, turns, lock, turn, own: NONE };
             let is_body = self.is_dynamic(child);
             if is_body && places[child] == NONE {
                 let branch = Branch { side: self.side_of(lock, child), ..branch };

@@ -304,11 +304,11 @@ impl JointRows {
         workers.run(count, &|i| fill_tree(unsafe { trees.get(i) }, input, inertia, touching));
         self.single_trees.iter_mut().for_each(|batch| fill_tree(batch, input, inertia, touching));
         let (slots, dynamic) = (&mut self.tree_slots, input.bodies.dynamic());
-        let mut put = |loops: bool, place: Place, slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
+        let mut put = |cut: bool, place: Place, slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
             let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].solved_after);
             let first = of_body(RowGroup::StaticContacts).min(of_body(RowGroup::PotentialStaticContacts));
-            if first > place && !loops {
+            if first > place && !cut {
                 if slots.is_empty() {
                     slots.reset(dynamic);
                 }
@@ -362,7 +362,7 @@ fn each_body<L: Lanes>(
     for (i, node) in batch.of_bodies().iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
             f(
-                batch.loops || batch.is_cut(),
+                batch.is_cut(),
                 batch.place,
                 TreeSlot::new(tree, i, lane),
                 node.body[lane],
@@ -405,7 +405,6 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         }
         node
     };
-    let loops = first.iter().any(|branch| branch.collides);
     let motors = group[0].motors.iter().enumerate().map(|(k, &(at, _))| {
         let mut motor = Motor::new(at);
         let own = group.iter().map(|tree| tree.motors[k].1);
@@ -416,7 +415,6 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         nodes: (0..first.len()).map(node).collect(),
         real: group[0].bodies(),
         extra: Extra::new(motors.collect(), group[0].rows() + group[0].motors.len()),
-        loops,
         place,
         ..TreeBatch::default()
     }

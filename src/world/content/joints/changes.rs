@@ -192,7 +192,7 @@ impl World {
         self.wake_joined(bodies);
         self.revisions.moving += 1;
         self.joints.all[slot as usize].collide = collide;
-        // Whether its tree takes contacts along depends on it.
+        // Whether it is in a tree depends on it.
         self.joints.changed = true;
         self.look_up_pairs_of(self.bodies.slots.dense(bodies[0]) as usize);
         Ok(())
