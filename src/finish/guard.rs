@@ -280,7 +280,8 @@ impl Guard<'_> {
             let Some(stop) = stop(reach, length, keep, hit.fraction, hit.normal) else { continue };
             held += 1;
             let at = bodies.pose[i].position;
-            let to = new.position + (new.rotation * (start + reach * stop)).as_dvec3();
+            let to = new.position
+                + (new.rotation * slid_along(wall, start, reach * stop, moved, hit.normal)).as_dvec3();
             // At least as fast as the body that carries it.
             let normal = new.rotation * hit.normal;
             let carried = ((to - from) / f64::from(dt)).as_vec3();
@@ -312,6 +313,15 @@ impl Guard<'_> {
         let (c, pose) = (&self.colliders[collider as usize], &self.poses[collider as usize]);
         pose.rotation * c.rotation.conjugate()
     }
+}
+
+/// Where a centre that was cut off after `way` of its motion from `start` gets to if it slides on along the
+/// surface, with what is left of the motion. What turns passes its surface on below a body within a step: one
+/// that stayed where it was cut would be cut there again in each step, and gain speed by it without end.
+fn slid_along(wall: &Collider, start: Vec3, way: Vec3, moved: Vec3, normal: Vec3) -> Vec3 {
+    let at = start + way;
+    let along = (moved - way).reject_from_normalized(normal);
+    if segment_hits(wall, at, at + along).is_none() { at + along } else { at }
 }
 
 /// Share of `reach`, which is `length + keep`, that a centre may go if it would enter a surface at

@@ -160,8 +160,9 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
             passes.run(PassKind::WarmStart);
         }
         passes.predict_trees();
-        for _ in 0..settings.iterations {
-            passes.run(PassKind::Solve);
+        for iteration in 0..settings.iterations {
+            let first = iteration == 0 && substep > 0;
+            passes.run(if first { PassKind::FirstSolve } else { PassKind::Solve });
         }
         let check = substeps.hold_back(check);
         in_range &= substeps.integrate_displacements();
@@ -184,6 +185,8 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PassKind {
     WarmStart,
+    /// Solves for the first time in a substep after the first.
+    FirstSolve,
     Solve,
     Relax,
     /// Solves the friction of contacts that pushed before they touched.
@@ -265,6 +268,7 @@ impl Passes<'_> {
             touch_distance: parameters.touch_distance,
             friction_box: parameters.friction_box,
             relax: kind == PassKind::Relax,
+            follows: kind == PassKind::FirstSolve,
             surfaces: self.contacts.surfaces,
             rolling: &self.contacts.rolling,
             soft: &self.contacts.soft,

@@ -6,6 +6,7 @@ mod common;
 mod contact;
 mod continuous;
 mod damping;
+mod ground;
 mod kinematic;
 mod rotation;
 mod speed_caps;

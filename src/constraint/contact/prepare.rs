@@ -212,6 +212,12 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         }
         FrictionToFill::Touching(f) => {
             (f.arm_a, f.arm_b) = (fa, [fb; B]);
+            let ground = u32::from(batch.write_a & !batch.write_b);
+            if B > 0 && ground != 0 {
+                let (_, turn) = gather::<L>(|i| input.bodies.velocity[i], &batch.b[0].index);
+                f.carry(ground, turn, L::splat(0.5 * input.lengths.now()));
+            }
+            let fb = f.arm_b.first().copied().unwrap_or(fb);
             let arms = points.arms_a.iter().zip(&points.present);
             f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
             fill_friction(f, &geometry, fb);

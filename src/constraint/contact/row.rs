@@ -131,7 +131,7 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
 #[inline(always)]
 pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
     batch: &mut Batch<L, P, B>,
-    friction: Option<&mut FrictionRow<L, B>>,
+    mut friction: Option<&mut FrictionRow<L, B>>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -140,6 +140,12 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, B>(batch, motion) };
+    }
+    if FRICTION
+        && pass.follows
+        && let Some(f) = &mut friction
+    {
+        f.carry(u32::from(batch.write_a & !batch.write_b), v.wb, L::splat(1.0 / pass.inverse_h));
     }
     // SAFETY: by the contract: each batch has a row of its own.
     let rolling = if FRICTION { unsafe { pass.rolling.find(batch.rolling as usize) } } else { None };
@@ -266,9 +272,13 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             let s = point.now;
             rows.u[i] = speed + row::<L, B>(v, &point);
             rows.impulse[i] = point.impulse;
+            let sag = ease * point.lasting * point.stiffness;
+            // A load explains as much overlap as its spring yields by, and a little more. What is deeper is
+            // no place to rest at.
+            let rest = L::select(reach.gt(L::zero()), rest.max(-(reach + sag)), rest);
             // Apart: only the velocity that would close the gap within this substep is removed, and rigidly
             // so. Springs end where they would pull.
-            let apart = s.ge(rest + (ease * point.lasting * point.stiffness).min(reach));
+            let apart = s.ge(rest + sag.min(reach));
             let speculative = (s * L::splat(pass.inverse_h)).max(L::zero());
             rows.bias[i] = L::select(apart, speculative, ((s - rest) * rate).max(push_speed));
             rows.mass[i] = response.mass(batch, i) * L::select(apart, L::one(), mass_scale);

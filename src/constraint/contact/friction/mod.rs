@@ -6,7 +6,7 @@ pub(super) mod rows;
 
 use super::batch::BatchRef;
 use crate::constraint::schedule::order::Group;
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Mask, Vec3};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
@@ -86,6 +86,31 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
             along: normal.dot(self.arm_a),
             to_b: self.arm_b.map(|arm_b| arm_b - self.arm_a),
             coefficient: self.coefficient,
+        }
+    }
+}
+
+/// Turns an arm by a rotation vector of less than a turn: to the third order, and its length exactly
+/// (Cayley).
+#[inline(always)]
+fn carried<L: Lanes>(arm: Vec3<L>, by: Vec3<L>) -> Vec3<L> {
+    let half = by * L::splat(0.5);
+    let once = half.cross(arm);
+    let over = L::splat(2.0) / (L::one() + half.length_squared());
+    arm + (once + half.cross(once)) * over
+}
+
+impl<L: Lanes, const B: usize> FrictionRow<L, B> {
+    /// Takes the arms of bodies `b` that can't be pushed, those of `lanes`, on by a time, as these turn
+    /// [rad/s], [s]. The direction in which ground carries turns within a step, and what it carries has to
+    /// follow. Rows are solved for the middle of a substep, in which the body moves along the chord of its
+    /// circle.
+    #[inline(always)]
+    pub(crate) fn carry(&mut self, lanes: u32, turn: Vec3<L>, time: L) {
+        if B > 0 && lanes != 0 {
+            let lanes = L::Mask::from_bits(lanes);
+            let arm = self.arm_b[0];
+            self.arm_b[0] = Vec3::select(lanes, carried(arm, turn * time), arm);
         }
     }
 }
