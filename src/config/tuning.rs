@@ -127,11 +127,12 @@ pub(crate) const AXIS_BIAS: f32 = 1e-3;
 /// Share of the depth by which face axes, and those of `a`, are preferred.
 pub(crate) const AXIS_DEPTH_BIAS: f32 = 1e-2;
 
-/// Cosine of the angle up to which faces of equal depth are better than edges: 3.6 degrees.
-pub(crate) const FLAT_FACE_COSINE: f32 = 0.998;
+/// Cosine of the angle up to which faces of equal depth are better than edges: 14 degrees. In a heap of thin
+/// planks on each other they lean by some.
+pub(crate) const FLAT_FACE_COSINE: f32 = 0.97;
 
 /// Share of the least half extent by which a face's lowest vertex may reach beyond the edge where clipping
-/// drops it.
+/// drops it, of boxes that are apart.
 pub(crate) const FLAT_FACE_BIAS: f32 = 5e-2;
 
 /// Share of the least half extent by which side planes lie further out. Flush boxes (walls, pyramids) then

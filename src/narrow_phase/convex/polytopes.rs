@@ -6,7 +6,7 @@ use super::polytope::{Polytope, Pose};
 use super::sat::{
     EdgeAxis, EdgeSet, FaceAxis, Nearest, Slab, edge_axis, edges_in_reach, face_axis, nearest_edges,
 };
-use crate::config::tuning::FACE_PREFERENCE;
+use crate::config::tuning::{FACE_PREFERENCE, FLAT_FACE_COSINE};
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use glam::Vec3;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -132,6 +132,20 @@ impl<'a> FacePair<'a> {
         edges_in_reach(self.a, self.b, self.pose, &self.back, reach, &self.slab())
     }
 
+    /// The manifold of the face instead of that of two edges, if the face is nearly across their axis and its
+    /// points are as deep: it has several, to rest on, and what leans a little does not go from one manifold
+    /// to the other and back. Not where some normals don't count.
+    fn by_flat_face(&self, edges: &EdgeAxis, cloud: &mut Cloud) -> Option<RawManifold> {
+        if self.against != Vec3::ZERO {
+            return None;
+        }
+        let manifold = self.by_face(cloud);
+        let off = (cloud.least() - edges.separation).abs();
+        let allowed = self.tolerance - edges.separation * (1.0 - FACE_PREFERENCE.0);
+        let flat = manifold.normal.dot(edges.normal) > FLAT_FACE_COSINE;
+        (manifold.count > 1 && flat && off <= allowed).then_some(manifold)
+    }
+
     /// The manifold of two that overlap by all of their faces: of the face, or of two edges on whose axis
     /// they overlap by clearly less. If the edges show that they are apart: their axis.
     #[inline(always)]
@@ -146,7 +160,10 @@ impl<'a> FacePair<'a> {
             Some(e) if e.separation > margin => Break(RawManifold::default()),
             Some(e) if e.separation > 0.0 => Continue(edges),
             Some(e) if e.separation > clearly(self.face.separation, self.tolerance) => {
-                Break(self.by_edges(e.edges, e.normal, cloud))
+                Break(self.by_flat_face(&e, cloud).unwrap_or_else(|| {
+                    *cloud = Cloud::new();
+                    self.by_edges(e.edges, e.normal, cloud)
+                }))
             }
             _ => {
                 let manifold = self.by_face(cloud);
