@@ -1,5 +1,6 @@
 //! What stands: rest, stability, and which rows are obeyed best.
 
+mod heaps;
 mod order;
 mod rest;
 mod stability;
