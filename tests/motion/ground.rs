@@ -1,5 +1,5 @@
-//! Ground that turns, strikes, or is in the way: what it carries goes with it, what it hits gets no faster than
-//! it can make it, and what begins in it comes out.
+//! Ground that turns, strikes, or is in the way: what it carries goes with it, what it hits gets no faster
+//! than it can make it, and what begins in it comes out.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -19,9 +19,10 @@ fn radius(world: &World, body: BodyHandle) -> f64 {
     at.x.hypot(at.z)
 }
 
-/// A box on a disc that turns stays where it is as long as friction can hold it: it needs w² r, of which it has
-/// up to nine tenths here. Expected: after two minutes the same distance from the axis to half a percent, and to
-/// a tenth at one substep of one iteration, whose rows don't agree on what holds the box upright. Before, a box that needed a sixth of its friction crept outwards by 1.7 m.
+/// A box on a disc that turns stays where it is as long as friction can hold it: it needs w² r, of which it
+/// has up to nine tenths here. Expected: after two minutes the same distance from the axis to half a percent,
+/// and to a tenth at one substep of one iteration, whose rows don't agree on what holds the box upright.
+/// Before, a box that needed a sixth of its friction crept outwards by 1.7 m.
 #[test]
 fn what_lies_on_a_disc_that_turns_stays_there() {
     let mut random = Random(3);

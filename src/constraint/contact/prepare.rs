@@ -211,13 +211,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
             (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
         }
         FrictionToFill::Touching(f) => {
-            (f.arm_a, f.arm_b) = (fa, [fb; B]);
-            let ground = u32::from(batch.write_a & !batch.write_b);
-            if B > 0 && ground != 0 {
-                let (_, turn) = gather::<L>(|i| input.bodies.velocity[i], &batch.b[0].index);
-                f.carry(ground, turn, L::splat(0.5 * input.lengths.now()));
-            }
-            let fb = f.arm_b.first().copied().unwrap_or(fb);
+            let fb = set_arms(f, batch, [fa, fb], input);
             let arms = points.arms_a.iter().zip(&points.present);
             f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
             fill_friction(f, &geometry, fb);
@@ -228,6 +222,24 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
             choose_coefficient(batch, f, &geometry, fb, input);
         }
     }
+}
+
+/// Sets the arms of friction: to ground that turns, in the middle of the first substep. Returns that of body
+/// `b`.
+#[inline(always)]
+fn set_arms<L: GatherLanes, const P: usize, const B: usize>(
+    f: &mut FrictionRow<L, B>,
+    batch: &Batch<L, P, B>,
+    [arm_a, arm_b]: [Vec3<L>; 2],
+    input: &PrepareInput<'_>,
+) -> Vec3<L> {
+    (f.arm_a, f.arm_b) = (arm_a, [arm_b; B]);
+    let ground = u32::from(batch.write_a & !batch.write_b);
+    if B > 0 && ground != 0 {
+        let (_, turn) = gather::<L>(|i| input.bodies.velocity[i], &batch.b[0].index);
+        f.carry(ground, turn, L::splat(0.5 * input.lengths.now()));
+    }
+    f.arm_b.first().copied().unwrap_or(arm_b)
 }
 
 /// Fills the normal rows, and the couplings of their points. Returns the points.
