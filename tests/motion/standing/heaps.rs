@@ -54,8 +54,8 @@ fn planks(count: usize, half: f32, hull: bool, hz: f32, seed: u64) -> f32 {
     (sum / (hz * count as f32)).sqrt()
 }
 
-/// Heaps of 10 and 20 planks of 2 and 4 cm, boxes and hulls, at three rates, fourteen seconds after they
-/// fell. Expected: below 1 mm/s, which is rest, in all but one of eight heaps, and none above 2 cm/s. Before, thin
+/// Heaps of 10 and 20 planks of 2 and 4 cm, boxes and hulls, at three rates, in the sixteenth second.
+/// Expected: below 1 mm/s, which is rest, in all but one of eight heaps, and none above 2 cm/s. Before, thin
 /// planks that lay across each other went from a face to a pair of edges and back for ever: most heaps of 10
 /// stayed at 2 cm/s, those of 20 at 3, and larger ones at 5.
 #[test]
