@@ -10,7 +10,7 @@ const PINNED: [(&str, usize, u64); 5] = [
     ("bullets", 60, 0x575C_E8AC_ACE0_645C),
     ("large_pyramid", 60, 0x45F8_983F_88D7_91AC),
     ("joint_grid", 60, 0xD624_D63D_D7AA_DFB6),
-    ("ragdolls", 300, 0x20C6_00C3_1383_55F5),
+    ("ragdolls", 300, 0x20C6_00C3_1385_35F5),
 ];
 
 fn hash(name: &str, steps: usize) -> Result<u64, Error> {
