@@ -11,7 +11,7 @@ mod math;
 
 pub(crate) use bits::ones;
 pub(crate) use gather::{GatherLanes, Record, gather, is_within, scatter};
-pub(crate) use math::{Mat3, Quat, Sym3, Vec3};
+pub(crate) use math::{Mat3, Quat, Sym3, Vec3, turned};
 pub(crate) use wide::{f32x4, f32x8, f64x4};
 
 use std::fmt::Debug;

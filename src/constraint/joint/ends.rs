@@ -3,9 +3,8 @@
 use crate::constraint::contact::batch::unlocked;
 use crate::constraint::contact::body_pair::Written;
 use crate::constraint::contact::row::{BodyPair, Motion, Softness};
-use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
+use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
-use std::f32::consts::PI;
 
 /// Maximum speeds at which errors of joints are corrected.
 #[derive(Clone, Copy, Debug, Default)]
@@ -256,41 +255,6 @@ pub(crate) fn swerve<L: Lanes>(w: Vec3<L>, axis: Vec3<L>, h: L) -> Vec3<L> {
     axis.cross(w) * (axis.dot(w) * mean_of(w, h).1)
 }
 
-/// Rotates a vector by a rotation vector.
-#[inline(always)]
-pub(crate) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
-    // Twice by half the angle, with series for its sine and cosine that are good for half a turn.
-    let mut half = by * L::splat(0.5);
-    if half.length_squared().gt(L::splat(10.0)).any() {
-        half = without_whole_turns(half);
-    }
-    let x = half.length_squared();
-    let sine =
-        half * series(x, [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0]);
-    let less = [0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
-    let cosine = L::one() - x * series(x, less);
-    let once = sine.cross(v);
-    let once = once + once;
-    v + once * cosine + sine.cross(once)
-}
-
-/// Half of a rotation vector, without whole turns.
-#[cold]
-fn without_whole_turns<L: Lanes>(half: Vec3<L>) -> Vec3<L> {
-    let length = half.length();
-    let length = L::select(length.gt(L::zero()), length, L::one());
-    // Adding this rounds to an integer in `f32`.
-    let whole = L::splat(1.5 * (1 << 23) as f32);
-    let turns = (length * L::splat(1.0 / PI) + whole) - whole;
-    half * (L::one() - turns * L::splat(PI) / length)
-}
-
-#[inline(always)]
-fn series<L: Lanes>(x: L, [c0, c1, c2, c3, c4, c5]: [f32; 6]) -> L {
-    let rest = L::splat(c2) + x * (L::splat(c3) + x * (L::splat(c4) + x * L::splat(c5)));
-    L::splat(c0) + x * (L::splat(c1) + x * rest)
-}
-
 impl JointPass {
     /// The time over which motion is predicted: none when relaxing, which is for velocities at the current
     /// positions.
@@ -377,6 +341,3 @@ pub(crate) fn across<L: Lanes>(m: &Sym3<L>, axis: Vec3<L>) -> Sym3<L> {
 /// Share of the trace of a matrix that is added to its diagonal: makes one with missing directions
 /// invertible, and changes no other.
 pub(crate) const TINY: f32 = 1e-6;
-
-#[cfg(test)]
-mod tests;

@@ -2,13 +2,13 @@
 //! directions are solved together, and turn with the first body.
 
 use super::arrange::JointInput;
-use super::ends::{Ends, JointPass, Recovery, across, seen, turned};
+use super::ends::{Ends, JointPass, Recovery, across, seen};
 use super::fill::fill_line;
 use super::lock::{PointBatch, mobility};
 use super::store::Report;
 use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
-use crate::lanes::{GatherLanes, Lanes, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Vec3, turned};
 
 /// Points on lines.
 #[derive(Clone, Copy, Debug)]

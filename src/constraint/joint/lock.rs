@@ -5,12 +5,12 @@
 //! turn with the bodies, and so does the effective mass.
 
 use super::arrange::JointInput;
-use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve, turned};
+use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve};
 use super::fill::{fill_point, fill_turn};
 use super::store::Report;
 use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
-use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, turned};
 
 /// Points that stay together.
 #[derive(Clone, Copy, Debug)]

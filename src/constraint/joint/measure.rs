@@ -1,11 +1,11 @@
 //! What rows of joints measure: a displacement along an axis, a distance, or an angle; and the direction in
 //! which an impulse changes it. Both follow the bodies within a step.
 
-use super::ends::{Lever, mean, seen, turned};
+use super::ends::{Lever, mean, seen};
 use super::fill::put;
 use crate::constraint::contact::row::BodyPair;
 use crate::joint::{Axes, Axis, Placed};
-use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Record, Vec3, turned};
 
 /// A measure of a row. The lever's arms are set before it is called.
 pub(crate) trait Measure<L: Lanes>: Copy + Default {

@@ -6,13 +6,13 @@
 //! the impulse.
 
 use super::arrange::JointInput;
-use super::ends::{Ends, JointPass, Lever, turned};
+use super::ends::{Ends, JointPass, Lever};
 use super::fill::fill_row;
 use super::measure::Measure;
 use super::store::{Report, RowImpulse};
 use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
-use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, turned};
 
 /// The stops of a motor that has none.
 pub(crate) const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];

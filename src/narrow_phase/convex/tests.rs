@@ -30,10 +30,19 @@ fn check(pair: &Pair) -> RawManifold {
     assert!((n.length() - 1.0).abs() < 1e-5, "normal: {what}");
     let along = pair.along(n);
     let least = f64::from(manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min));
-    // A nearly flat face may stand for edges: it is as deep as they are, though parts beside it reach below.
+    // A nearly flat face may stand for edges: parts beside it reach below it, but it is as deep as they are,
+    // and moved out along its normal by that depth the shapes are apart.
     let solid = |kind| matches!(kind, Kind::Box | Kind::Hull);
     let by_flat_face = solid(pair.a.kind) && solid(pair.b.kind) && manifold.count > 1 && distance < 0.0;
-    let depth = if by_flat_face && along < distance - tolerance { distance } else { along };
+    let depth = if by_flat_face && along < distance - tolerance {
+        let mut rel = pair.rel;
+        rel.position -= manifold.normal * distance as f32;
+        let left = Pair { a: pair.a, b: pair.b, rel }.signed_distance();
+        assert!(left > -tolerance, "{left} left, along the normal: {what}");
+        distance
+    } else {
+        along
+    };
     assert!(depth > distance - tolerance, "not the way out, {along}: {what}");
     assert!((least - depth).abs() < tolerance, "depth {least} but {along} along the normal: {what}");
     let rotation = pair.rel.rotation.as_dquat().normalize();

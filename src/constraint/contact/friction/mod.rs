@@ -6,7 +6,7 @@ pub(super) mod rows;
 
 use super::batch::BatchRef;
 use crate::constraint::schedule::order::Group;
-use crate::lanes::{Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Mask, Vec3, turned};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
@@ -90,16 +90,6 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
     }
 }
 
-/// Turns an arm by a rotation vector of less than a turn: to the third order, and its length exactly
-/// (Cayley).
-#[inline(always)]
-fn carried<L: Lanes>(arm: Vec3<L>, by: Vec3<L>) -> Vec3<L> {
-    let half = by * L::splat(0.5);
-    let once = half.cross(arm);
-    let over = L::splat(2.0) / (L::one() + half.length_squared());
-    arm + (once + half.cross(once)) * over
-}
-
 impl<L: Lanes, const B: usize> FrictionRow<L, B> {
     /// Takes the arms of bodies `b` that can't be pushed, those of `lanes`, on by a time, as these turn
     /// [rad/s], [s]. The direction in which ground carries turns within a step, and what it carries has to
@@ -110,7 +100,7 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
         if B > 0 && lanes != 0 {
             let lanes = L::Mask::from_bits(lanes);
             let arm = self.arm_b[0];
-            self.arm_b[0] = Vec3::select(lanes, carried(arm, turn * time), arm);
+            self.arm_b[0] = Vec3::select(lanes, turned(turn * time, arm), arm);
         }
     }
 }

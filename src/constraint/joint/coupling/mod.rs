@@ -17,11 +17,11 @@ pub(super) mod block;
 mod fill;
 pub(super) mod plan;
 
-use super::ends::{Ends, JointPass, Lever, Recovery, turned};
+use super::ends::{Ends, JointPass, Lever, Recovery};
 use super::measure::{Distance, Measure, Slide, Twist};
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::joint::MAX_DISPLACEMENT;
-use crate::lanes::{Record, Vec3};
+use crate::lanes::{Record, Vec3, turned};
 use crate::limits::MAX_LEFT_SPEED;
 use std::f32::consts::TAU;
 

@@ -102,16 +102,21 @@ fn check(found: &[RawManifold], pairs: &[Pair]) -> [u32; 3] {
         };
         seen[(truth > 0.0) as usize + (truth > 0.0 && m.count <= 2) as usize] += 1;
         let along = slow.along(m.normal.as_dvec3());
-        // A nearly flat face may stand for the edges in it: what of the other box reaches below it beside the
-        // face is no overlap, and the depth of the points, below, is that of the edges.
+        // A nearly flat face may stand for the edges in it.
         let by_face = m.points().iter().all(|p| p.key >= 4096);
-        let lean = match (by_face, truth < 0.0) {
-            (true, true) => f64::INFINITY,
-            (true, false) => FLAT_FACE_BIAS as f64 * slow.least,
-            (false, _) => 0.0,
-        };
-        assert!(along < truth + tolerance, "normal: {along} {truth} {pair:?}");
-        assert!(along > truth - tolerance - lean, "normal: {along} {truth} {pair:?}");
+        if by_face && truth < 0.0 {
+            // What of the other box reaches below the face beside it is no overlap: moved out along the normal
+            // by the depth, the boxes are apart, but for the angle between the normal and the edges' axis.
+            assert!(along < truth + tolerance, "normal: {along} {truth} {pair:?}");
+            let mut out = *pair;
+            out.0.position -= m.normal * truth as f32;
+            let left = Slow::new(&out).greatest();
+            let lean = (1.0 - FLAT_FACE_COSINE as f64) * -truth;
+            assert!(left > -(tolerance + lean), "not the way out: {left} {truth} {pair:?}");
+        } else {
+            let lean = if by_face { FLAT_FACE_BIAS as f64 * slow.least } else { 0.0 };
+            assert!((along - truth).abs() < tolerance + lean, "normal: {along} {truth} {pair:?}");
+        }
         if truth > pair.3 as f64 + tolerance {
             assert_eq!(m.count, 0);
         }
