@@ -70,7 +70,6 @@ fn pass<const FRICTION: bool>(name: &str, mut world: World, relax: bool) -> Kern
             touch_distance: crate::config::tuning::TOUCH_DISTANCE,
             friction_box: false,
             relax,
-            follows: false,
             surfaces: &[],
             rolling: &rolling,
             soft: &soft,

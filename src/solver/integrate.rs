@@ -58,6 +58,13 @@ pub(super) struct Integrator<'a> {
 }
 
 impl Integrator<'_> {
+    /// Whether a body turns that can't be pushed; what it carries has to turn along.
+    pub(super) fn ground_turns(&self) -> bool {
+        // SAFETY: between stages this thread is alone.
+        let turns = |i| unsafe { self.motion.velocity.read(i) }.angular != glam::Vec3::ZERO;
+        (self.dynamic..self.movers).any(turns)
+    }
+
     /// Adds gravity, forces and the warm start to velocities. Returns whether a body was fast before.
     #[inline(always)]
     pub(super) fn velocities(&self, warm_start: WarmStart, acceleration: &[Record]) -> bool {

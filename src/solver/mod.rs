@@ -14,7 +14,8 @@ mod substep;
 use crate::body::Bodies;
 use crate::config::Settings;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::contact::row::{Motion, Pass, solve as solve_batch, warm_start};
+use crate::constraint::contact::row::{Motion, Pass, carry, solve as solve_batch, warm_start};
+use crate::constraint::schedule::order::Stage;
 use crate::constraint::{
     Group, JointRows, JointViews, Restitution, Rows, TouchInput, Views, guard, solve_impact_friction,
     usual_substep, with_batch,
@@ -152,17 +153,19 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         impulses: input.impulses,
         witness: input.witness.map(|witness| witness as &mut dyn Witness),
     };
+    let ground_turns = passes.has_friction && integrator.ground_turns();
     let mut in_range = true;
     for substep in 0..settings.substeps {
         substeps.solve_impacts(substep);
         let check = substeps.integrate_velocities(substep);
         if substep == 0 {
             passes.run(PassKind::WarmStart);
+        } else if ground_turns {
+            passes.carry();
         }
         passes.predict_trees();
-        for iteration in 0..settings.iterations {
-            let first = iteration == 0 && substep > 0;
-            passes.run(if first { PassKind::FirstSolve } else { PassKind::Solve });
+        for _ in 0..settings.iterations {
+            passes.run(PassKind::Solve);
         }
         let check = substeps.hold_back(check);
         in_range &= substeps.integrate_displacements();
@@ -185,8 +188,6 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PassKind {
     WarmStart,
-    /// Solves for the first time in a substep after the first.
-    FirstSolve,
     Solve,
     Relax,
     /// Solves the friction of contacts that pushed before they touched.
@@ -258,6 +259,26 @@ impl Passes<'_> {
         found.into_inner()
     }
 
+    /// Turns the arms of friction to ground that turns on by a substep. Apart from the kernels, whose code would
+    /// grow by it in all scenes.
+    #[cold]
+    fn carry(&self) {
+        let batches = &self.contacts;
+        let moving = |stage: &&Stage| !stage.group.is_static() && !stage.group.is_potential();
+        for stage in batches.stages.iter().filter(moving) {
+            for &of in &batches.schedule[stage.start as usize..stage.end as usize] {
+                // SAFETY: between stages this thread is alone.
+                unsafe {
+                    with_batch!(batches, stage.group, of, |batch, friction| {
+                        if let Some(f) = friction.touching(of) {
+                            carry(batch, f, self.motion.velocity, 1.0 / self.parameters.inverse_h);
+                        }
+                    });
+                }
+            }
+        }
+    }
+
     fn contact_pass(&self, group: Group, kind: PassKind) -> Pass<'_> {
         let parameters = &self.parameters;
         Pass {
@@ -268,7 +289,6 @@ impl Passes<'_> {
             touch_distance: parameters.touch_distance,
             friction_box: parameters.friction_box,
             relax: kind == PassKind::Relax,
-            follows: kind == PassKind::FirstSolve,
             surfaces: self.contacts.surfaces,
             rolling: &self.contacts.rolling,
             soft: &self.contacts.soft,

@@ -22,8 +22,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) friction_box: bool,
     /// Remove what pushing overlap apart added to the velocities.
     pub(crate) relax: bool,
-    /// The first of a substep that is not the first of its step: what turns under a body has turned on.
-    pub(crate) follows: bool,
     /// See [`Rows::surfaces`](crate::constraint::Rows::surfaces).
     pub(crate) surfaces: &'a [Surface],
     /// See [`Rows::rolling`](crate::constraint::Rows::rolling).

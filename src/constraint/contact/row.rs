@@ -124,6 +124,24 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
     }
 }
 
+/// Turns the arms of friction to ground that turns on by a substep of `h` seconds.
+///
+/// # Safety
+/// No other thread works on the batch or writes velocities.
+pub(crate) unsafe fn carry<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    friction: &mut FrictionRow<L, B>,
+    velocity: &Shared<'_, Record>,
+    h: f32,
+) {
+    let ground = u32::from(batch.write_a & !batch.write_b);
+    if B > 0 && ground != 0 {
+        // SAFETY: by the contract.
+        let v = unsafe { BodyPair::<L>::load(batch, velocity) };
+        friction.carry(ground, v.wb, L::splat(h));
+    }
+}
+
 /// One Gauss-Seidel step over the rows of a batch. Returns whether potential points push.
 ///
 /// # Safety
@@ -131,7 +149,7 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
 #[inline(always)]
 pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
     batch: &mut Batch<L, P, B>,
-    mut friction: Option<&mut FrictionRow<L, B>>,
+    friction: Option<&mut FrictionRow<L, B>>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -140,12 +158,6 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, B>(batch, motion) };
-    }
-    if FRICTION
-        && pass.follows
-        && let Some(f) = &mut friction
-    {
-        f.carry(u32::from(batch.write_a & !batch.write_b), v.wb, L::splat(1.0 / pass.inverse_h));
     }
     // SAFETY: by the contract: each batch has a row of its own.
     let rolling = if FRICTION { unsafe { pass.rolling.find(batch.rolling as usize) } } else { None };

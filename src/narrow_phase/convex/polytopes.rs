@@ -134,12 +134,11 @@ impl<'a> FacePair<'a> {
 
     /// The manifold of the face instead of that of two edges, if the face is nearly across their axis and its
     /// points are as deep: it has several, to rest on, and what leans a little does not go from one manifold
-    /// to the other and back. Not where some normals don't count.
-    fn by_flat_face(&self, edges: &EdgeAxis, cloud: &mut Cloud) -> Option<RawManifold> {
-        if self.against != Vec3::ZERO {
-            return None;
-        }
-        let manifold = self.by_face(cloud);
+    /// to the other and back.
+    #[inline(never)]
+    fn by_flat_face(&self, edges: &EdgeAxis) -> Option<RawManifold> {
+        let mut cloud = Cloud::new();
+        let manifold = self.by_face(&mut cloud);
         let off = (cloud.least() - edges.separation).abs();
         let allowed = self.tolerance - edges.separation * (1.0 - FACE_PREFERENCE.0);
         let flat = manifold.normal.dot(edges.normal) > FLAT_FACE_COSINE;
@@ -160,10 +159,9 @@ impl<'a> FacePair<'a> {
             Some(e) if e.separation > margin => Break(RawManifold::default()),
             Some(e) if e.separation > 0.0 => Continue(edges),
             Some(e) if e.separation > clearly(self.face.separation, self.tolerance) => {
-                Break(self.by_flat_face(&e, cloud).unwrap_or_else(|| {
-                    *cloud = Cloud::new();
-                    self.by_edges(e.edges, e.normal, cloud)
-                }))
+                // Not where some normals don't count.
+                let flat = if against == Vec3::ZERO { self.by_flat_face(&e) } else { None };
+                Break(flat.unwrap_or_else(|| self.by_edges(e.edges, e.normal, cloud)))
             }
             _ => {
                 let manifold = self.by_face(cloud);

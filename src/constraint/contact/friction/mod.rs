@@ -95,7 +95,8 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
     /// [rad/s], [s]. The direction in which ground carries turns within a step, and what it carries has to
     /// follow. Rows are solved for the middle of a substep, in which the body moves along the chord of its
     /// circle.
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     pub(crate) fn carry(&mut self, lanes: u32, turn: Vec3<L>, time: L) {
         if B > 0 && lanes != 0 {
             let lanes = L::Mask::from_bits(lanes);
