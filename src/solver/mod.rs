@@ -153,16 +153,14 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         impulses: input.impulses,
         witness: input.witness.map(|witness| witness as &mut dyn Witness),
     };
-    let ground_turns = passes.has_friction && integrator.ground_turns();
     let mut in_range = true;
     for substep in 0..settings.substeps {
         substeps.solve_impacts(substep);
         let check = substeps.integrate_velocities(substep);
         if substep == 0 {
             passes.run(PassKind::WarmStart);
-        } else if ground_turns {
-            passes.carry();
         }
+        substeps.carry(substep);
         passes.predict_trees();
         for _ in 0..settings.iterations {
             passes.run(PassKind::Solve);
@@ -259,8 +257,8 @@ impl Passes<'_> {
         found.into_inner()
     }
 
-    /// Turns the arms of friction to ground that turns on by a substep. Apart from the kernels, whose code would
-    /// grow by it in all scenes.
+    /// Turns the arms of friction to ground that turns on by a substep. Apart from the kernels, whose code
+    /// would grow by it in all scenes.
     #[cold]
     fn carry(&self) {
         let batches = &self.contacts;

@@ -168,6 +168,15 @@ impl Substeps<'_> {
         NetCheck::Off
     }
 
+    /// Lets friction follow ground that has turned since the substep before.
+    #[inline(always)]
+    pub(super) fn carry(&self, substep: u32) {
+        let Context { passes, integrator, .. } = &self.context;
+        if substep > 0 && passes.has_friction && integrator.ground_turns() {
+            passes.carry();
+        }
+    }
+
     /// Limits the speed of bodies that overlap several others, and the energy with which nets of joints
     /// move. Returns whether they are checked: bodies may have
     /// become fast by others, or by a spring.
