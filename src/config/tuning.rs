@@ -81,6 +81,10 @@ pub(crate) const FLAT_EDGE_SINE: f32 = 0.087_155_74;
 /// Cosine of the same angle.
 pub(crate) const FLAT_EDGE_COSINE: f32 = 0.996_194_7;
 
+/// Sine of the angle by which a way out of an overlap with a triangle may lead through it: the angle of a
+/// flat edge. Less: what leans a little as it slides over the edge of a wall finds no way but along the wall.
+pub(crate) const THROUGH_SINE: f32 = FLAT_EDGE_SINE;
+
 /// Cosine of the angle under which the normals of two patches of a mesh are one: 2.5 degrees, half the angle
 /// of a flat edge.
 pub(crate) const SAME_NORMAL_COSINE: f32 = 0.999;

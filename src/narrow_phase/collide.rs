@@ -1,13 +1,15 @@
 //! The narrow phase of a step: pairs in, contacts out.
 //!
-//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since
+//! Three passes, and a fourth where ground has seams. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since
 //! its contact was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in
-//! lanes. *Commit*, by one thread and in the order of the pairs: contacts come and go.
+//! lanes. *Commit*, by one thread and in the order of the pairs: contacts come and go. Last, what touches ground
+//! of several pieces is judged against all of it ([`seams`](super::seams)).
 
 use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
 use super::input::Input;
 use super::pair_state::{PackedState, PairState};
+use super::seams::Seams;
 use super::relative::{Relative, lanes_of, relative_poses};
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
@@ -29,13 +31,14 @@ pub(crate) struct Scratch {
     states: Vec<PackedState>,
     bins: Bins,
     found: FoundContacts,
+    seams: Seams,
 }
 
 buffers! {
     Scratch {
         /// For so many pairs, whatever their bins.
         each_and_missing(pairs: usize) { states(pairs), bins(pairs) }
-        bytes { found }
+        bytes { found, seams }
     }
 }
 
@@ -43,10 +46,11 @@ impl Scratch {
     #[cfg(debug_assertions)]
     pub(crate) fn spoil(&mut self) {
         use crate::memory::spoil;
-        let Scratch { states, bins: Bins { order, blocks }, found: _ } = self;
+        let Scratch { states, bins: Bins { order, blocks }, found: _, seams } = self;
         spoil(states);
         spoil(order);
         spoil(blocks);
+        seams.spoil();
     }
 
     /// Bytes missing to work on so many pairs of meshes in one step.
@@ -92,7 +96,7 @@ pub(crate) fn collide(
     allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.states, pairs.len()));
     contacts.keep_rooms(!allowances.is_endless());
     place(workers, input, pairs, contacts, scratch);
-    let Scratch { states, bins, found } = scratch;
+    let Scratch { states, bins, found, seams } = scratch;
     allowances.within(Category::Scratch, |allowance| bins.sort(states, allowance));
     let mut stats = NarrowStats {
         recycled: states.iter().filter(|state| state.is(PairState::Kept)).count() as u32,
@@ -113,6 +117,9 @@ pub(crate) fn collide(
             break;
         }
     }
+    memory.allowances.within(Category::Scratch, |allowance| {
+        seams.judge(workers, input, pairs, states, contacts, allowance);
+    });
     stats.touching = found.touching;
     for block in &bins.blocks {
         stats.casts += block.casts;
@@ -182,7 +189,8 @@ fn place(
                         let kind = |c: u32| &input.summaries[c as usize];
                         PairState::Binned(Bin::of(kind(pair.a), kind(pair.b)))
                     };
-                    *states.get(first + i) = state.into();
+                    let ground = state != PairState::Far && !idle && input.is_static(pair);
+                    *states.get(first + i) = PackedState::from(state).of_ground(ground);
                 }
             }
         }

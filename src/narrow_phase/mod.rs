@@ -15,6 +15,7 @@ mod pair_policy;
 mod pair_state;
 pub(crate) mod pairs;
 mod relative;
+mod seams;
 mod segment;
 
 pub(crate) use cast::ahead::out_by_the_centre;

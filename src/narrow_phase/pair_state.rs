@@ -21,21 +21,37 @@ pub(crate) enum PairState {
     Kept,
 }
 
-/// A [`PairState`] in a byte: there is one for each pair of a step.
+/// A [`PairState`] in a byte: there is one for each pair of a step. The highest bit says whether one of the
+/// two is ground: it cannot be pushed, and the other one can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct PackedState(u8);
 
+const OF_GROUND: u8 = 0x80;
+const _: () = assert!(BINS + 4 < OF_GROUND);
+
 impl PackedState {
     #[inline(always)]
     pub(crate) fn is(self, state: PairState) -> bool {
-        self == state.into()
+        self.0 & !OF_GROUND == PackedState::from(state).0
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_of_ground(self) -> bool {
+        self.0 & OF_GROUND != 0
+    }
+
+    /// The same of a pair with ground.
+    #[inline(always)]
+    pub(crate) fn of_ground(self, ground: bool) -> PackedState {
+        PackedState(self.0 | if ground { OF_GROUND } else { 0 })
     }
 
     /// The bin of a pair that a block looks at.
     #[inline(always)]
     pub(crate) fn bin(self) -> Option<Bin> {
-        (self.0 < BINS).then_some(Bin(self.0))
+        let state = self.0 & !OF_GROUND;
+        (state < BINS).then_some(Bin(state))
     }
 }
 

@@ -169,10 +169,11 @@ pub(crate) fn add_manifolds_at_touch(
     };
     out.raw.clear();
     collide_mesh(a, b, &then.relative(further), Reach::new(input.margin), &mut out.mesh, &mut out.raw);
+    let whole = fraction + further * (1.0 - fraction);
     for i in 0..out.raw.len() {
         let first = carry_back(&out.raw[i], &then, further, 0.0);
         // What touches on the way there touches at the first place too.
-        out.add(carry_back(&first, motion, fraction, 0.0), fraction);
+        out.add(carry_back(&first, motion, fraction, 0.0), whole);
     }
 }
 

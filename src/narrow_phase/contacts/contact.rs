@@ -334,6 +334,11 @@ impl<'a> ContactMut<'a> {
         self.inherit(old.as_ref(), same);
     }
 
+    /// Leaves it without points, to be [removed](super::store::Contacts::remove_empty).
+    pub(crate) fn empty(&mut self) {
+        self.count = 0;
+    }
+
     /// Sets the points without impulses.
     fn take(&mut self, raw: &RawManifold, FoundAt { pose, frame, fraction }: FoundAt) {
         (self.count, self.material) = (raw.count as u8, raw.material as u8);

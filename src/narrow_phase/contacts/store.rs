@@ -276,6 +276,28 @@ impl Contacts {
         }
     }
 
+    /// Frees the contacts of a chain that have no points; returns the first of those that are left.
+    pub(crate) fn remove_empty(&mut self, first: u32) -> u32 {
+        let (mut slot, mut left, mut last) = (first, NO_CONTACT, NO_CONTACT);
+        while slot != NO_CONTACT {
+            let Header { next, count, .. } = self.slots[slot as usize].header;
+            if count == 0 {
+                self.slots[slot as usize].header.next = NO_CONTACT;
+                self.remove_chain(slot);
+            } else if last == NO_CONTACT {
+                (left, last) = (slot, slot);
+            } else {
+                self.slots[last as usize].header.next = slot;
+                last = slot;
+            }
+            slot = next;
+        }
+        if last != NO_CONTACT {
+            self.slots[last as usize].header.next = NO_CONTACT;
+        }
+        left
+    }
+
     /// Removes all contacts.
     pub(crate) fn clear(&mut self) {
         self.slots.clear();

@@ -7,6 +7,7 @@
 //! best face normal.
 
 use super::polytope::{Polytope, Pose};
+use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
@@ -52,7 +53,7 @@ pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32, 
             low = Lanes::min(x * f32x8::splat(v.x) + y * f32x8::splat(v.y) + z * f32x8::splat(v.z), low);
         }
         let separation = low + n.dot(position) - load(offset);
-        let wrong = n.dot(against).gt(f32x8::splat(1e-3)) & separation.lt(f32x8::zero());
+        let wrong = n.dot(against).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(f32x8::zero());
         let separation = Lanes::select(wrong, f32x8::splat(NEVER), separation);
         if separation.gt(f32x8::splat(best.separation)).any() {
             for (i, &s) in separation.to_array().iter().enumerate() {
@@ -246,7 +247,7 @@ pub(crate) fn edge_axis(
             let scale = outward.sign() / squared.sqrt();
             let normal = cross * scale;
             let separation = normal.dot(lanes.start - LaneVec3::splat(v0));
-            let wrong = normal.dot(LaneVec3::splat(against)).gt(f32x8::splat(1e-3)) & separation.lt(zero);
+            let wrong = normal.dot(LaneVec3::splat(against)).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(zero);
             let better = valid & !wrong & separation.gt(f32x8::splat(most));
             let bits = better.bits();
             if bits == 0 {

@@ -6,6 +6,7 @@
 use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use super::triangles::Triangles;
+use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::sat::nearest_on_segments;
@@ -104,7 +105,7 @@ fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
             let reach = cross.abs().dot(half) * scale;
             let through = cross.dot(triangles.front) * scale;
             let mut try_axis = |k: usize, apart: f32x8, through: f32x8| {
-                let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
+                let wrong = through.gt(f32x8::splat(THROUGH_SINE)) & apart.lt(zero);
                 let better = valid & apart.gt(best) & !wrong;
                 best = Lanes::select(better, apart, best);
                 name = Lanes::select(better, f32x8::splat((3 * axis + e + k) as f32), name);

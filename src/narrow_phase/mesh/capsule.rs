@@ -9,7 +9,7 @@ use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
 use super::triangle_contact::TriangleContact;
 use super::triangles::Triangles;
-use crate::config::tuning::ALONG_SINE_SQUARED;
+use crate::config::tuning::{ALONG_SINE_SQUARED, THROUGH_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
@@ -126,7 +126,7 @@ pub(crate) fn touch(
         let normal = if apart > 1e-6 * size { (q - c) / apart } else { -touch.front };
         let slope = -normal.dot(touch.front);
         // Seen through the triangle.
-        let verdict = if slope < -1e-3 && distance < 0.0 {
+        let verdict = if slope < -THROUGH_SINE && distance < 0.0 {
             Verdict::Face(f32::MIN)
         } else {
             touch.judge(normal, distance, face, size)

@@ -11,7 +11,7 @@ use super::reach::Bounds;
 use super::sphere::nearest;
 use super::triangle_contact::{TriangleContact, named, outline};
 use super::triangles::{Triangles, nearest_corner};
-use crate::config::tuning::FACE_PREFERENCE;
+use crate::config::tuning::{FACE_PREFERENCE, THROUGH_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Cloud;
@@ -72,7 +72,7 @@ pub(crate) fn touch(
         }
         let apart = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
         // A direction through the triangle is no way out.
-        let verdict = if manifold.normal.dot(front) > 1e-3 && apart < 0.0 {
+        let verdict = if manifold.normal.dot(front) > THROUGH_SINE && apart < 0.0 {
             Verdict::Face(f32::MIN)
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)

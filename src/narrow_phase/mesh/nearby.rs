@@ -34,7 +34,7 @@ impl<'a> Ground<'a> {
             Ground::Field(field) => field.material_of(i),
         }
     }
-    fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
+    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
         match self {
             Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
             Ground::Field(field) => field.visit_box(min, max, f),

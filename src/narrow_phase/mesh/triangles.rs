@@ -2,6 +2,7 @@
 
 use super::nearby::{Eight, Ground};
 use super::patch::Touch;
+use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::polytope::Pose;
 use glam::Vec3;
@@ -77,7 +78,7 @@ impl Triangles {
         let mut axis = f32x8::zero();
         let zero = f32x8::zero();
         let mut try_axis = |name: usize, apart: f32x8, through: f32x8| {
-            let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
+            let wrong = through.gt(f32x8::splat(THROUGH_SINE)) & apart.lt(zero);
             let better = apart.gt(best) & !wrong;
             best = Lanes::select(better, apart, best);
             axis = Lanes::select(better, f32x8::splat(name as f32), axis);

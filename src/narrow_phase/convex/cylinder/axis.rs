@@ -12,7 +12,7 @@
 
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
-use crate::config::tuning::{CYLINDER_DEEP, CYLINDER_GAP, CYLINDER_TOO_DEEP};
+use crate::config::tuning::{CYLINDER_DEEP, CYLINDER_GAP, CYLINDER_TOO_DEEP, THROUGH_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::gjk::{CoreGap, gap_from};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose, Solid};
@@ -127,7 +127,7 @@ impl Both<'_> {
     }
 
     fn allowed(&self, axis: &Axis) -> bool {
-        axis.separation >= 0.0 || axis.normal.dot(self.against) <= 1e-3
+        axis.separation >= 0.0 || axis.normal.dot(self.against) <= THROUGH_SINE
     }
 
     /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle

@@ -2,6 +2,7 @@
 //! faces.
 
 use super::axis::{Body, Both};
+use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
@@ -41,7 +42,7 @@ pub(super) fn best_of_many(both: &Both, known: Vec3) -> (Vec3, f32) {
         let separation = n.dot(LaneVec3::splat(pose.position))
             - extents(&both.bodies[0], n)
             - extents(&both.bodies[1], back);
-        let wrong = n.dot(against).gt(f32x8::splat(1e-3)) | n.dot(known).gt(f32x8::splat(0.8));
+        let wrong = n.dot(against).gt(f32x8::splat(THROUGH_SINE)) | n.dot(known).gt(f32x8::splat(0.8));
         let separation = Lanes::select(wrong, f32x8::splat(f32::MIN), separation);
         if separation.gt(f32x8::splat(best)).any() {
             for (i, &s) in separation.to_array().iter().enumerate() {

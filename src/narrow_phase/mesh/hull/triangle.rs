@@ -3,7 +3,7 @@
 //! The same method as for any two polytopes ([`convex`](crate::narrow_phase::convex)), but a triangle has
 //! three edges and one face, which makes the choice among features simpler.
 
-use crate::config::tuning::FACE_PREFERENCE;
+use crate::config::tuning::{FACE_PREFERENCE, THROUGH_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
@@ -13,10 +13,6 @@ use crate::narrow_phase::mesh::patch::Touch;
 use crate::narrow_phase::mesh::triangle_contact::{named, outline};
 use crate::shape::{ConvexHull, HullEdge};
 use glam::Vec3;
-
-// Rounding: of a normal along a face.
-/// A normal this far along the triangle's front would push the hull through it.
-const THROUGH: f32 = 1e-3;
 
 /// How a hull and a triangle are nearest or overlap least.
 pub(crate) struct ContactAxis {
@@ -169,7 +165,7 @@ pub(crate) fn face_axis(hull: &ConvexHull, touch: &Touch) -> (f32, usize) {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let low = Lanes::min(Lanes::min(n.dot(a), n.dot(b)), n.dot(c)) - f32x8::new(*offset);
         // The hull must not leave through the back.
-        let wrong = n.dot(front).gt(f32x8::splat(THROUGH)) & low.lt(f32x8::zero());
+        let wrong = n.dot(front).gt(f32x8::splat(THROUGH_SINE)) & low.lt(f32x8::zero());
         let better = low.gt(best) & !wrong;
         best = Lanes::select(better, low, best);
         chunk = Lanes::select(better, f32x8::splat(k as f32), chunk);
@@ -249,7 +245,7 @@ fn edge_axis(hull: &ConvexHull, touch: &Touch) -> (f32, [usize; 2]) {
             let meets = meets & length.gt(squared * f32x8::splat(PARALLEL * side.length_squared()));
             let normal = cross * (cross.dot(one + other).sign() / length.sqrt());
             let apart = normal.dot(LaneVec3::splat(from) - start);
-            let wrong = normal.dot(front).gt(f32x8::splat(THROUGH)) & apart.lt(zero);
+            let wrong = normal.dot(front).gt(f32x8::splat(THROUGH_SINE)) & apart.lt(zero);
             let better = meets & !wrong & apart.gt(best);
             best = Lanes::select(better, apart, best);
             name = Lanes::select(better, f32x8::splat((3 * k + e) as f32), name);

@@ -1,0 +1,303 @@
+//! One surface of many pieces: what a shape touches of ground that is built of several colliders.
+//!
+//! Kernels see a pair at a time, so each seam between two pieces of a floor is an edge to them, and the side
+//! of the next tile is a wall that a body in the least overlap strikes. Here the manifolds that a shape has
+//! with all pieces of what cannot be pushed are judged together, real and potential ones alike, and those
+//! that the surface as a whole does not have are dropped:
+//!
+//! 1. The piece lies wholly behind the plane of a face of another piece that holds the shape, and would push
+//!    along another direction: the side of the next tile of a floor. A manifold that leans by little may bear
+//!    what spans a gap, so it stays, unless it comes from an edge that a further piece covers.
+//! 2. The normal leans from an edge over another piece, which has the same points and is nearer: the edge of
+//!    a mesh that goes on in the next one, level or rising.
+//!
+//! Gaps and steps up to the distance that counts as touching are none. A shape that has only one piece near
+//! it costs nothing but the count of its pieces.
+
+mod piece;
+
+use super::{MAX_POINTS, Relative};
+use super::contacts::contact::{ContactRef, NO_CONTACT};
+use super::contacts::store::{Contacts, SharedContacts};
+use super::convex::polytope::Pose;
+use super::input::Input;
+use super::pair_state::PackedState;
+use crate::broad_phase::Pair;
+use crate::config::tuning::FLAT_EDGE_COSINE;
+use crate::memory::{Allowance, buffers};
+use crate::threads::{Workers, per_block};
+use glam::Vec3;
+use piece::{Piece, Places};
+
+/// Shapes a block.
+const BLOCK: usize = per_block(32, 1);
+/// The most manifolds and pieces of a shape that are judged together. A shape that has more meets the others
+/// as they are.
+const MOST: usize = 32;
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Seams {
+    /// Of each collider the end of its part of `pairs`.
+    ends: Vec<u32>,
+    /// Pairs with ground, in the order of what lies on it.
+    pairs: Vec<u32>,
+    /// Ranges of these that belong to a shape with several pieces.
+    groups: Vec<[u32; 2]>,
+}
+
+buffers! { Seams { bytes { ends, pairs, groups } } }
+
+impl Seams {
+    #[cfg(debug_assertions)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::memory::spoil;
+        let Seams { ends, pairs, groups } = self;
+        spoil(ends);
+        spoil(pairs);
+        spoil(groups);
+    }
+
+    /// Drops the manifolds of the step that a surface of several pieces does not have. Without memory for it
+    /// all stay.
+    pub(crate) fn judge(
+        &mut self,
+        workers: &Workers<'_>,
+        input: &Input<'_>,
+        pairs: &mut [Pair],
+        states: &[PackedState],
+        contacts: &mut Contacts,
+        allowance: &mut Allowance,
+    ) {
+        if !self.group(input, pairs, states, allowance) {
+            return;
+        }
+        let Seams { pairs: order, groups, .. } = self;
+        let (all, view) = (contacts.share(), &*pairs);
+        workers.run(groups.len().div_ceil(BLOCK), &|block| {
+            let end = groups.len().min((block + 1) * BLOCK);
+            for &[first, last] in &groups[block * BLOCK..end] {
+                let own = &order[first as usize..last as usize];
+                // SAFETY: a pair is in one group, and this is the only one that runs the block.
+                unsafe { judge(input, view, own, &all) };
+            }
+        });
+        for &index in order.iter() {
+            let pair = &mut pairs[index as usize];
+            if pair.contact != NO_CONTACT {
+                pair.contact = contacts.remove_empty(pair.contact);
+            }
+        }
+    }
+
+    /// Finds the shapes that are near several pieces. Returns whether there are any.
+    fn group(
+        &mut self,
+        input: &Input<'_>,
+        pairs: &[Pair],
+        states: &[PackedState],
+        allowance: &mut Allowance,
+    ) -> bool {
+        let Seams { ends, pairs: order, groups } = self;
+        (order.clear(), groups.clear(), ends.clear());
+        let count = states.iter().filter(|state| state.is_of_ground()).count();
+        let colliders = input.colliders.len();
+        if count < 2
+            || allowance.fit(ends, colliders) < colliders
+            || allowance.fit(order, count) < count
+            || allowance.fit(groups, count / 2) < count / 2
+        {
+            return false;
+        }
+        ends.resize(colliders, 0);
+        let of_ground = || (0..).zip(states).filter(|(_, state)| state.is_of_ground()).map(|(i, _)| i as u32);
+        for index in of_ground() {
+            ends[lying(input, &pairs[index as usize]) as usize] += 1;
+        }
+        let mut start = 0;
+        for end in ends.iter_mut() {
+            let own = *end;
+            *end = if own > 1 { start } else { u32::MAX };
+            if own > 1 {
+                groups.push([start, start + own]);
+                start += own;
+            }
+        }
+        order.resize(start as usize, 0);
+        for index in of_ground() {
+            let at = &mut ends[lying(input, &pairs[index as usize]) as usize];
+            if *at != u32::MAX {
+                order[*at as usize] = index;
+                *at += 1;
+            }
+        }
+        !groups.is_empty()
+    }
+}
+
+/// The collider of a pair with ground that can be pushed.
+fn lying(input: &Input<'_>, pair: &Pair) -> u32 {
+    let pushed = (input.summaries[pair.a as usize].body as usize) < input.dynamic;
+    if pushed { pair.a } else { pair.b }
+}
+
+/// A manifold of a shape with a piece.
+#[derive(Clone, Copy)]
+struct Side {
+    slot: u32,
+    /// Index of its piece.
+    piece: usize,
+    /// Unit, out of the piece.
+    normal: Vec3,
+    places: Places,
+    /// The normal of the face of the piece that it comes from, if any.
+    face: Option<Vec3>,
+    is_edge: bool,
+    /// Least separation of its points [m].
+    nearest: f32,
+    /// Where the shape is when it touches the piece [m].
+    shape_at: Vec3,
+    dropped: bool,
+}
+
+/// Judges the manifolds of the pairs of one shape; those that are dropped are left without points.
+///
+/// # Safety
+/// No other thread may access the contacts of these pairs.
+unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &[u32], contacts: &SharedContacts<'_>) {
+    if own.iter().filter(|&&index| pairs[index as usize].contact != NO_CONTACT).count() == 0 {
+        return;
+    }
+    let own = &own[..own.len().min(MOST)];
+    let mut pieces = [None::<Piece<'_>>; MOST];
+    let mut sides = [None::<Side>; MOST];
+    let mut count = 0;
+    for (i, &index) in own.iter().enumerate() {
+        let pair = &pairs[index as usize];
+        let piece = piece_of(input, pair);
+        pieces[i] = Some(piece);
+        let mut slot = pair.contact;
+        while slot != NO_CONTACT && count < MOST {
+            // SAFETY: by the contract.
+            let contact = unsafe { contacts.at(slot) };
+            sides[count] = side(input, pair, contact.as_ref(), &piece).map(|side| Side { slot, piece: i, ..side });
+            count += usize::from(sides[count].is_some());
+            slot = contact.next;
+        }
+    }
+    let mut sides: [Side; MOST] = match sides[0] {
+        Some(first) => sides.map(|side| side.unwrap_or(first)),
+        None => return,
+    };
+    let sides = &mut sides[..count];
+    let lies = lying(input, &pairs[own[0] as usize]) as usize;
+    let pose = Pose::new(Vec3::ZERO, input.poses[lies].rotation);
+    let shape = Piece { collider: &input.colliders[lies], pose };
+    // The nearest first; they are judged from the last, so a nearer one stays for those behind it.
+    sides.sort_unstable_by(|x, y| x.nearest.total_cmp(&y.nearest).then(x.piece.cmp(&y.piece)));
+    if std::env::var("SEAMS").is_ok() {
+        for i in (0..count).rev() {
+            let o = &sides[i];
+            eprintln!("  side piece {} n {:?} {:?} {} near {:.5} frac {} at {:?} over {} hid {} cov {}", o.piece, o.normal, o.face, o.is_edge, o.nearest, unsafe { contacts.at(o.slot) }.as_ref().fraction, o.places.each(),
+                is_over_others(input, &pieces, o), is_hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
+        }
+    }
+    for i in (0..count).rev() {
+        if is_hidden(input, &shape, &pieces, sides, i) || is_covered(input, &pieces, sides, i) {
+            sides[i].dropped = true;
+            // SAFETY: by the contract.
+            unsafe { contacts.at(sides[i].slot) }.empty();
+        }
+    }
+}
+
+/// The ground of a pair, seen from what lies on it.
+fn piece_of<'a>(input: &Input<'a>, pair: &Pair) -> Piece<'a> {
+    let lies = lying(input, pair);
+    let ground = if lies == pair.a { pair.b } else { pair.a };
+    let (pose, from) = (&input.poses[ground as usize], &input.poses[lies as usize]);
+    let position = (pose.position - from.position).as_vec3();
+    Piece { collider: &input.colliders[ground as usize], pose: Pose::new(position, pose.rotation) }
+}
+
+/// A manifold as a side of a piece.
+fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'_>) -> Option<Side> {
+    let lies_first = lying(input, pair) == pair.a;
+    // From a to b, in the world.
+    let normal = contact.frame * contact.normal;
+    let [a, b] = [pair.a, pair.b].map(|c| input.motion_of(c).linear);
+    let moved = (a - b) * contact.fraction;
+    let Relative { position, rotation } = contact.found_at;
+    let mut places = Places::default();
+    for point in contact.points() {
+        // Midway between the surfaces where it was found.
+        let apart = 0.5 * (point.found - normal.dot(moved).max(0.0));
+        places.at[places.count] = if lies_first {
+            let local = rotation.conjugate() * (point.position - position);
+            piece.pose.point(local) + moved + normal * apart
+        } else {
+            piece.pose.point(point.position) - normal * apart
+        };
+        places.count += 1;
+    }
+    let out = if lies_first { -normal } else { normal };
+    let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+    let face = piece.face(out, &places, input.touch_distance);
+    let is_edge = piece.is_edge(out, face);
+    let shape_at = if lies_first { moved } else { -moved };
+    let side = Side { slot: 0, piece: 0, normal: out, places, face, is_edge, nearest, shape_at, dropped: false };
+    (places.count > 0).then_some(side)
+}
+
+/// The first rule. `own`: the shape.
+fn is_hidden(
+    input: &Input<'_>,
+    shape: &Piece<'_>,
+    pieces: &[Option<Piece<'_>>],
+    sides: &[Side],
+    i: usize,
+) -> bool {
+    let own = &sides[i];
+    let Some(piece) = &pieces[own.piece] else { return false };
+    sides.iter().any(|other| {
+        let Some(face) = other.face.filter(|_| !other.dropped && other.piece != own.piece) else { return false };
+        let leans = own.normal.dot(face) < FLAT_EDGE_COSINE;
+        if !leans && !own.is_edge {
+            return false;
+        }
+        // A place that was carried along a path may not be found again: then all counts that is near the shape.
+        let around = Places { at: [own.shape_at; MAX_POINTS], count: 1 };
+        let high = piece
+            .reach(face, &own.places, input.touch_distance)
+            .or_else(|| piece.reach(face, &around, shape.collider.radius));
+        let (Some(low), Some(high)) = (shape.reach(-face, &own.places, 0.0), high) else { return false };
+        high + low <= input.touch_distance - other.nearest.min(0.0) && (leans || is_over_others(input, pieces, own))
+    })
+}
+
+/// Whether the points of a manifold lie on other pieces that go on beyond its plane.
+fn is_over_others(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side) -> bool {
+    let over = |at: Vec3| {
+        let others = pieces.iter().enumerate().filter(|(k, _)| *k != own.piece);
+        others.filter_map(|(_, piece)| piece.as_ref()).any(|piece| {
+            piece.goes_on(at, own.normal, input.touch_distance)
+        })
+    };
+    own.places.each().iter().all(|&at| over(at))
+}
+
+/// The second rule.
+fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i: usize) -> bool {
+    let own = &sides[i];
+    if !own.is_edge {
+        return false;
+    }
+    own.places.each().iter().all(|&at| {
+        sides[..i].iter().any(|other| {
+            other.piece != own.piece
+                && pieces[other.piece]
+                    .as_ref()
+                    .is_some_and(|piece| piece.goes_on(at, own.normal, input.touch_distance))
+        })
+    })
+}

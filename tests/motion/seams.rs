@@ -1,0 +1,230 @@
+//! Ground of many pieces is one surface: what slides or rolls over its seams goes on as on a plane, and what
+//! is no seam (a step, a wall, a gap) is felt.
+
+use crate::common::G;
+use crate::common::random::Random;
+use backstop::glam::{DVec3, Quat, Vec2, Vec3};
+use backstop::{
+    BodyDesc, BodyHandle, ConvexHull, Geometry, HeightField, Settings, ShapeDesc, TriangleMesh, World,
+};
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// What a floor is laid with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tile {
+    /// Boxes, each a body.
+    Boxes,
+    /// Boxes on one body.
+    Compound,
+    /// Hulls of boxes.
+    Hulls,
+    /// Meshes of flat quads, some to a side.
+    Chunks,
+    /// Closed meshes of boxes.
+    Slabs,
+    Fields,
+    /// Each of these at random.
+    Mixed,
+}
+
+const TILES: [Tile; 7] =
+    [Tile::Boxes, Tile::Compound, Tile::Hulls, Tile::Chunks, Tile::Slabs, Tile::Fields, Tile::Mixed];
+
+/// A floor of tiles with its top at y = 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Floor {
+    pub tile: Tile,
+    /// Edge of a tile, and its thickness [m].
+    pub cell: f32,
+    pub depth: f32,
+    /// Turn of the grid against the way [rad].
+    pub yaw: f32,
+    /// Between tiles [m].
+    pub gap: f32,
+    /// Tiles lie lower by up to this [m].
+    pub step: f32,
+    /// Whether every other row is shifted by half a tile.
+    pub staggered: bool,
+}
+
+fn smooth(geometry: Geometry) -> ShapeDesc {
+    let mut shape = ShapeDesc::new(geometry);
+    (shape.material.static_friction, shape.material.dynamic_friction) = (0.0, 0.0);
+    shape
+}
+
+fn corners(half: Vec3) -> Vec<Vec3> {
+    (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect()
+}
+
+fn sign(bit: usize) -> f32 {
+    if bit & 1 == 0 { -1.0 } else { 1.0 }
+}
+
+/// The faces of a box, each two triangles that wind counter-clockwise, as seen from outside.
+fn box_mesh(half: Vec3) -> TriangleMesh {
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    TriangleMesh::new(corners(half), triangles).unwrap()
+}
+
+/// A flat mesh of so many quads to a side.
+fn quads(half: f32, count: usize) -> TriangleMesh {
+    let at = |i: usize| (2.0 * i as f32 / count as f32 - 1.0) * half;
+    let vertices =
+        (0..=count).flat_map(|k| (0..=count).map(move |i| Vec3::new(at(i), 0.0, at(k)))).collect();
+    let mut triangles = Vec::new();
+    for k in 0..count {
+        for i in 0..count {
+            let a = (k * (count + 1) + i) as u32;
+            let (b, c) = (a + 1, a + count as u32 + 1);
+            triangles.extend([[a, c, b], [b, c, c + 1]]);
+        }
+    }
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
+impl Floor {
+    /// The shape of a tile with the middle of its top at the origin.
+    fn shape(&self, random: &mut Random) -> ShapeDesc {
+        let half = Vec3::new(0.5 * (self.cell - self.gap), 0.5 * self.depth, 0.5 * (self.cell - self.gap));
+        let below = Vec3::NEG_Y * half.y;
+        let tile = match self.tile {
+            Tile::Mixed => random.of(&TILES[..6]),
+            tile => tile,
+        };
+        let count = 1 + random.below(5);
+        match tile {
+            Tile::Chunks => smooth(Geometry::mesh(quads(half.x, count))),
+            Tile::Slabs => smooth(Geometry::mesh(box_mesh(half))).with_position(below),
+            Tile::Hulls => {
+                smooth(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())).with_position(below)
+            }
+            Tile::Fields => {
+                let cells = Vec2::splat(2.0 * half.x / count as f32);
+                let field = HeightField::new(count + 1, count + 1, cells, vec![0.0; (count + 1) * (count + 1)]);
+                smooth(Geometry::height_field(field.unwrap())).with_position(Vec3::new(-half.x, 0.0, -half.x))
+            }
+            _ => smooth(Geometry::cuboid(half.x, half.y, half.z)).with_position(below),
+        }
+    }
+
+    /// Lays the floor along x, from -3 m to `length`, 3 m to each side.
+    pub fn lay(&self, world: &mut World, length: f32, random: &mut Random) {
+        let turn = Quat::from_rotation_y(self.yaw);
+        let reach = (length + 8.0) / self.cell;
+        let most = reach as i32 + 2;
+        let mut parts = Vec::new();
+        for row in -most..=most {
+            for column in -most..=most {
+                let shift = if self.staggered && row % 2 != 0 { 0.5 } else { 0.0 };
+                let local = Vec3::new((column as f32 + shift) * self.cell, 0.0, row as f32 * self.cell);
+                let at = turn * local;
+                let side = 0.71 * self.cell + 1.5;
+                if at.x < -1.5 - side || at.x > length + side || at.z.abs() > side {
+                    continue;
+                }
+                let at = at - Vec3::Y * random.range(0.0, self.step);
+                let shape = self.shape(random);
+                if self.tile == Tile::Compound {
+                    let place = shape.position;
+                    parts.push(shape.with_position(at + turn * place).with_rotation(turn));
+                } else {
+                    let body = BodyDesc::fixed().at(at.as_dvec3()).rotated(turn).with_shape(shape);
+                    world.add_body(&body).unwrap();
+                }
+            }
+        }
+        if !parts.is_empty() {
+            world.add_body(&BodyDesc::fixed().with_shapes(parts)).unwrap();
+        }
+    }
+}
+
+/// A shape that rests on its bottom, how it is turned, and the height of its centre [m].
+fn slider(kind: usize, size: f32, random: &mut Random) -> (&'static str, Geometry, Quat, f32) {
+    let yaw = Quat::from_rotation_y(random.range(0.0, TAU));
+    let lying = yaw * Quat::from_rotation_x(FRAC_PI_2);
+    match kind {
+        0 => ("box", Geometry::cuboid(size, 0.8 * size, 0.7 * size), yaw, 0.8 * size),
+        1 => ("ball", Geometry::sphere(size), yaw, size),
+        2 => ("capsule that lies", Geometry::capsule(size, 0.7 * size), lying, 0.7 * size),
+        3 => ("capsule that stands", Geometry::capsule(0.6 * size, 0.7 * size), Quat::IDENTITY, 1.3 * size),
+        4 => ("cylinder that stands", Geometry::cylinder(0.7 * size, size), yaw, 0.7 * size),
+        5 => ("cylinder that lies", Geometry::cylinder(size, 0.8 * size), lying, 0.8 * size),
+        6 => ("cone", Geometry::cone(0.5 * size, size), yaw, 0.5 * size),
+        _ => {
+            let n = 5 + random.below(8);
+            let ring = |i: usize, y: f32| {
+                let angle = TAU * i as f32 / n as f32;
+                Vec3::new(size * libm::cosf(angle), y, size * libm::sinf(angle))
+            };
+            let points: Vec<Vec3> = (0..n).flat_map(|i| [ring(i, -0.6 * size), ring(i, 0.6 * size)]).collect();
+            ("hull", Geometry::hull(ConvexHull::new(&points).unwrap()), yaw, 0.6 * size)
+        }
+    }
+}
+
+/// What a slide over a floor came to: speed that was kept, how far it went off its way [rad], and the highest
+/// and the lowest that its centre was above where it lies [m].
+#[derive(Clone, Copy, Debug)]
+struct Slide {
+    kept: f32,
+    aside: f32,
+    rise: f64,
+    sink: f64,
+}
+
+fn slide(world: &mut World, body: BodyHandle, height: f32, speed: f32, seconds: f32, hz: f32) -> Slide {
+    let (mut rise, mut sink) = (f64::MIN, f64::MAX);
+    for _ in 0..(seconds * hz) as usize {
+        world.step(1.0 / hz).unwrap();
+        let y = world.position(body).unwrap().y - f64::from(height);
+        (rise, sink) = (rise.max(y), sink.min(y));
+        if std::env::var("SEAMS").is_ok() {
+            eprintln!("at {:?} v {:?} w {:?}", world.position(body).unwrap(), world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap());
+        }
+    }
+    let velocity = world.linear_velocity(body).unwrap();
+    Slide { kept: velocity.x / speed, aside: velocity.z / speed, rise, sink }
+}
+
+/// So many random slides; says how many were not as on a plane.
+pub fn wide(seed: u64, count: usize, only: bool) -> usize {
+    let mut bad = 0;
+    for case in 0..count {
+        let mut random = Random(seed + case as u64);
+        let hz = random.of(&[30.0, 60.0, 120.0]);
+        let speed = libm::powf(10.0, random.range(0.0, 2.0));
+        let length = (speed * 4.0).min(60.0);
+        let floor = Floor {
+            tile: random.of(&TILES),
+            cell: random.range(0.3, 4.0).max(length / 80.0),
+            depth: random.range(0.1, 1.0),
+            yaw: if random.chance(0.4) { 0.0 } else { random.range(0.0, TAU) },
+            gap: if random.chance(0.5) { 0.0 } else { random.range(0.0, 1e-3) },
+            step: if random.chance(0.5) { 0.0 } else { random.range(0.0, 1e-3) },
+            staggered: random.chance(0.3),
+        };
+        let kind = random.below(8);
+        let size = random.range(0.1, 0.6);
+        let (name, geometry, rotation, height) = slider(kind, size, &mut random);
+        let mut world = World::new(Settings::default()).unwrap();
+        floor.lay(&mut world, length + 2.0, &mut random);
+        let at = DVec3::new(0.0, f64::from(height), f64::from(random.range(-0.2, 0.2)));
+        let body = BodyDesc::dynamic().at(at).rotated(rotation).moving(Vec3::X * speed, Vec3::ZERO);
+        let body = world.add_body(&body.with_shape(smooth(geometry))).unwrap();
+        let went = slide(&mut world, body, height, speed, length / speed, hz);
+        // Steps down and up give and take energy.
+        let most = 1e-3 + G as f32 * floor.step / (speed * speed);
+        let even = (went.kept - 1.0).abs() < most && went.aside.abs() < most;
+        if !even || went.rise > 1e-3 || went.sink < -2e-3 - f64::from(floor.step) {
+            bad += 1;
+            println!("seed {} {name} {size:.2}, {speed:.1} m/s, {hz} Hz, {floor:?}: {went:?}", seed + case as u64);
+        } else if only {
+            println!("seed {} {name} good {went:?}", seed + case as u64);
+        }
+    }
+    println!("{bad} of {count}");
+    bad
+}
