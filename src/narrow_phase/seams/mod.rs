@@ -11,13 +11,16 @@
 //! 2. The normal leans from an edge over another piece, which has the same points and is nearer: the edge of
 //!    a mesh that goes on in the next one, level or rising.
 //!
+//! A third rule mends what is left: points of a face that another piece continues act along the normal of the
+//! face, not along that of a shape which leans on its border.
+//!
 //! Gaps and steps up to the distance that counts as touching are none. A shape that has only one piece near
 //! it costs nothing but the count of its pieces.
 
 mod piece;
 
 use super::{MAX_POINTS, Relative};
-use super::contacts::contact::{ContactRef, NO_CONTACT};
+use super::contacts::contact::{ContactMut, ContactRef, NO_CONTACT};
 use super::contacts::store::{Contacts, SharedContacts};
 use super::convex::polytope::Pose;
 use super::input::Input;
@@ -199,14 +202,20 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &[u32], contacts: &Share
         for i in (0..count).rev() {
             let o = &sides[i];
             eprintln!("  side piece {} n {:?} {:?} {} near {:.5} frac {} at {:?} over {} hid {} cov {}", o.piece, o.normal, o.face, o.is_edge, o.nearest, unsafe { contacts.at(o.slot) }.as_ref().fraction, o.places.each(),
-                is_over_others(input, &pieces, o), is_hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
+                o.places.each().iter().any(|&at| is_over_another(input, &pieces, o, at)), is_hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
         }
     }
     for i in (0..count).rev() {
+        // SAFETY: by the contract.
+        let mut contact = unsafe { contacts.at(sides[i].slot) };
         if is_hidden(input, &shape, &pieces, sides, i) || is_covered(input, &pieces, sides, i) {
             sides[i].dropped = true;
-            // SAFETY: by the contract.
-            unsafe { contacts.at(sides[i].slot) }.empty();
+            contact.empty();
+        } else if sides[i].is_edge
+            && let Some(face) = sides[i].face
+            && sides[i].places.each().iter().any(|&at| is_over_another(input, &pieces, &sides[i], at))
+        {
+            level(input, &pairs[own[sides[i].piece] as usize], &mut contact, &sides[i], face);
         }
     }
 }
@@ -271,19 +280,42 @@ fn is_hidden(
             .reach(face, &own.places, input.touch_distance)
             .or_else(|| piece.reach(face, &around, shape.collider.radius));
         let (Some(low), Some(high)) = (shape.reach(-face, &own.places, 0.0), high) else { return false };
-        high + low <= input.touch_distance - other.nearest.min(0.0) && (leans || is_over_others(input, pieces, own))
+        high + low <= input.touch_distance - other.nearest.min(0.0) && (leans || own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at)))
     })
 }
 
-/// Whether the points of a manifold lie on other pieces that go on beyond its plane.
-fn is_over_others(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side) -> bool {
-    let over = |at: Vec3| {
-        let others = pieces.iter().enumerate().filter(|(k, _)| *k != own.piece);
-        others.filter_map(|(_, piece)| piece.as_ref()).any(|piece| {
-            piece.goes_on(at, own.normal, input.touch_distance)
-        })
-    };
-    own.places.each().iter().all(|&at| over(at))
+/// Whether a place of a manifold lies on another piece, which goes on beyond its plane.
+fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, at: Vec3) -> bool {
+    let others = pieces.iter().enumerate().filter(|(k, _)| *k != own.piece);
+    others.filter_map(|(_, piece)| piece.as_ref()).any(|piece| piece.goes_on(at, own.normal, input.touch_distance))
+}
+
+/// The third rule: the points of a manifold on the face that it is of.
+fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Side, face: Vec3) {
+    let lies = lying(input, pair);
+    let ground = &input.poses[if lies == pair.a { pair.b } else { pair.a } as usize];
+    let shape = &input.colliders[lies as usize];
+    let pose = &input.poses[lies as usize];
+    let turn = pose.rotation * shape.rotation.conjugate();
+    let (lever, spin) = (turn * shape.position, input.motion_of(lies).angular * contact.fraction);
+    let offset = own.places.each().iter().map(|at| at.dot(face)).fold(f32::MIN, f32::max);
+    let frame = contact.frame.conjugate();
+    contact.normal = frame * if lies == pair.a { -face } else { face };
+    for (point, &at) in contact.points_mut().iter_mut().zip(own.places.each()) {
+        let apart = point.found - own.shape_at.dot(-own.normal).max(0.0);
+        // On the shape, where it touches.
+        let on_shape = at + own.normal * apart;
+        let height = on_shape.dot(face) - offset;
+        let closed = -face.dot(own.shape_at + spin.cross(lever + on_shape - own.shape_at));
+        let middle = on_shape - face * (0.5 * height);
+        point.position = if lies == pair.a {
+            frame * (middle - own.shape_at)
+        } else {
+            frame * (middle - (ground.position - pose.position).as_vec3())
+        };
+        point.separation = height + closed.max(0.0);
+        point.found = point.separation;
+    }
 }
 
 /// The second rule.
