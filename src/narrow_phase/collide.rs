@@ -117,9 +117,7 @@ pub(crate) fn collide(
             break;
         }
     }
-    memory.allowances.within(Category::Scratch, |allowance| {
-        seams.judge(workers, input, pairs, states, contacts, allowance);
-    });
+    stats.shed += seams.judge(workers, input, pairs, states, contacts, &mut memory);
     stats.touching = found.touching;
     for block in &bins.blocks {
         stats.casts += block.casts;

@@ -466,7 +466,7 @@ pub(super) fn count<'a>(
 
 impl FoundAt {
     /// At the poses of the start of the step, for a manifold of a fraction of it.
-    pub(super) fn of(pair: &Pair, input: &Input<'_>, fraction: f32) -> FoundAt {
+    pub(in crate::narrow_phase) fn of(pair: &Pair, input: &Input<'_>, fraction: f32) -> FoundAt {
         let frame = input.poses[pair.a as usize].rotation;
         FoundAt { pose: relative_pose(pair, input.poses), frame, fraction }
     }

@@ -20,18 +20,25 @@
 mod piece;
 
 use super::{MAX_POINTS, Relative};
-use super::contacts::contact::{ContactMut, ContactRef, NO_CONTACT};
-use super::contacts::store::{Contacts, SharedContacts};
+use super::contacts::admit::ContactMemory;
+use super::contacts::contact::{ContactMut, ContactRef, FoundAt, NO_CONTACT};
+use super::contacts::store::{ContactCount, Contacts, SharedContacts};
+use super::convex::collide_convex;
 use super::convex::polytope::Pose;
 use super::input::Input;
 use super::pair_state::PackedState;
+use super::relative::relative_pose;
 use crate::broad_phase::Pair;
 use crate::config::tuning::FLAT_EDGE_COSINE;
-use crate::memory::{Allowance, buffers};
-use crate::threads::{Workers, per_block};
+use crate::math::Quat;
+use crate::memory::{Allowance, Category, buffers};
+use crate::shape::{Collider, Geometry, Kind};
+use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 use piece::{Piece, Places};
 
+/// A pair whose contact is to be found again on the plane of a face.
+const TO_LEVEL: u32 = 1 << 31;
 /// Shapes a block.
 const BLOCK: usize = per_block(32, 1);
 /// The most manifolds and pieces of a shape that are judged together. A shape that has more meets the others
@@ -62,7 +69,7 @@ impl Seams {
     }
 
     /// Drops the manifolds of the step that a surface of several pieces does not have. Without memory for it
-    /// all stay.
+    /// all stay. Returns the number of points that got no place.
     pub(crate) fn judge(
         &mut self,
         workers: &Workers<'_>,
@@ -70,27 +77,32 @@ impl Seams {
         pairs: &mut [Pair],
         states: &[PackedState],
         contacts: &mut Contacts,
-        allowance: &mut Allowance,
-    ) {
-        if !self.group(input, pairs, states, allowance) {
-            return;
+        memory: &mut ContactMemory<'_>,
+    ) -> u32 {
+        let group = |allowance: &mut Allowance| self.group(input, pairs, states, allowance);
+        if !memory.allowances.within(Category::Scratch, group) {
+            return 0;
         }
         let Seams { pairs: order, groups, .. } = self;
-        let (all, view) = (contacts.share(), &*pairs);
+        let (all, view, own) = (contacts.share(), &*pairs, Shared::new(order));
         workers.run(groups.len().div_ceil(BLOCK), &|block| {
             let end = groups.len().min((block + 1) * BLOCK);
             for &[first, last] in &groups[block * BLOCK..end] {
-                let own = &order[first as usize..last as usize];
-                // SAFETY: a pair is in one group, and this is the only one that runs the block.
-                unsafe { judge(input, view, own, &all) };
+                // SAFETY: groups don't overlap, and this is the only one that runs the block.
+                unsafe { judge(input, view, own.part(first as usize..last as usize), &all) };
             }
         });
+        let mut shed = 0;
         for &index in order.iter() {
-            let pair = &mut pairs[index as usize];
+            let pair = &mut pairs[(index & !TO_LEVEL) as usize];
+            if index & TO_LEVEL != 0 {
+                shed += find_again(input, pair, contacts, memory);
+            }
             if pair.contact != NO_CONTACT {
                 pair.contact = contacts.remove_empty(pair.contact);
             }
         }
+        shed
     }
 
     /// Finds the shapes that are near several pieces. Returns whether there are any.
@@ -138,6 +150,11 @@ impl Seams {
     }
 }
 
+/// The collider of a pair with ground that is ground.
+fn ground(input: &Input<'_>, pair: &Pair) -> u32 {
+    if lying(input, pair) == pair.a { pair.b } else { pair.a }
+}
+
 /// The collider of a pair with ground that can be pushed.
 fn lying(input: &Input<'_>, pair: &Pair) -> u32 {
     let pushed = (input.summaries[pair.a as usize].body as usize) < input.dynamic;
@@ -167,11 +184,12 @@ struct Side {
 ///
 /// # Safety
 /// No other thread may access the contacts of these pairs.
-unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &[u32], contacts: &SharedContacts<'_>) {
+unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &SharedContacts<'_>) {
     if own.iter().filter(|&&index| pairs[index as usize].contact != NO_CONTACT).count() == 0 {
         return;
     }
-    let own = &own[..own.len().min(MOST)];
+    let most = own.len().min(MOST);
+    let own = &mut own[..most];
     let mut pieces = [None::<Piece<'_>>; MOST];
     let mut sides = [None::<Side>; MOST];
     let mut count = 0;
@@ -208,14 +226,18 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &[u32], contacts: &Share
     for i in (0..count).rev() {
         // SAFETY: by the contract.
         let mut contact = unsafe { contacts.at(sides[i].slot) };
-        if is_hidden(input, &shape, &pieces, sides, i) || is_covered(input, &pieces, sides, i) {
+        let over = |at: &Vec3| is_over_another(input, &pieces, &sides[i], *at);
+        let face = sides[i].face.filter(|_| sides[i].is_edge && sides[i].places.each().iter().any(over));
+        let index = &mut own[sides[i].piece];
+        let pair = &pairs[*index as usize];
+        let is_convex = input.summaries[ground(input, pair) as usize].kind.is_convex();
+        if face.is_some() && is_convex && contact.fraction == 0.0 {
+            *index |= TO_LEVEL;
+        } else if is_hidden(input, &shape, &pieces, sides, i) || is_covered(input, &pieces, sides, i) {
             sides[i].dropped = true;
             contact.empty();
-        } else if sides[i].is_edge
-            && let Some(face) = sides[i].face
-            && sides[i].places.each().iter().any(|&at| is_over_another(input, &pieces, &sides[i], at))
-        {
-            level(input, &pairs[own[sides[i].piece] as usize], &mut contact, &sides[i], face);
+        } else if let Some(face) = face {
+            level(input, pair, &mut contact, &sides[i], face);
         }
     }
 }
@@ -223,7 +245,7 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &[u32], contacts: &Share
 /// The ground of a pair, seen from what lies on it.
 fn piece_of<'a>(input: &Input<'a>, pair: &Pair) -> Piece<'a> {
     let lies = lying(input, pair);
-    let ground = if lies == pair.a { pair.b } else { pair.a };
+    let ground = ground(input, pair);
     let (pose, from) = (&input.poses[ground as usize], &input.poses[lies as usize]);
     let position = (pose.position - from.position).as_vec3();
     Piece { collider: &input.colliders[ground as usize], pose: Pose::new(position, pose.rotation) }
@@ -290,10 +312,26 @@ fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, 
     others.filter_map(|(_, piece)| piece.as_ref()).any(|piece| piece.goes_on(at, own.normal, input.touch_distance))
 }
 
+/// The second rule.
+fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i: usize) -> bool {
+    let own = &sides[i];
+    if !own.is_edge {
+        return false;
+    }
+    own.places.each().iter().all(|&at| {
+        sides[..i].iter().any(|other| {
+            other.piece != own.piece
+                && pieces[other.piece]
+                    .as_ref()
+                    .is_some_and(|piece| piece.goes_on(at, own.normal, input.touch_distance))
+        })
+    })
+}
+
 /// The third rule: the points of a manifold on the face that it is of.
 fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Side, face: Vec3) {
     let lies = lying(input, pair);
-    let ground = &input.poses[if lies == pair.a { pair.b } else { pair.a } as usize];
+    let ground = &input.poses[ground(input, pair) as usize];
     let shape = &input.colliders[lies as usize];
     let pose = &input.poses[lies as usize];
     let turn = pose.rotation * shape.rotation.conjugate();
@@ -318,18 +356,43 @@ fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Sid
     }
 }
 
-/// The second rule.
-fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i: usize) -> bool {
-    let own = &sides[i];
-    if !own.is_edge {
-        return false;
+/// The third rule for a convex piece: finds the contact with the plane of its face, as far as the piece goes. A
+/// contact that has nothing there is left without points. Returns the number of points that got no place.
+fn find_again(input: &Input<'_>, pair: &Pair, contacts: &mut Contacts, memory: &mut ContactMemory<'_>) -> u32 {
+    let piece = piece_of(input, pair);
+    let Some(Side { face: Some(face), .. }) = side(input, pair, contacts.at(pair.contact), &piece) else { return 0 };
+    let lies = lying(input, pair);
+    let (shape, rotation) = (&input.colliders[lies as usize], input.poses[lies as usize].rotation);
+    let Some(offset) = piece.reach(face, &Places::default(), 0.0) else { return 0 };
+    let back = rotation.conjugate();
+    let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..piece.collider.clone() };
+    let rel = Relative { position: back * (face * offset), rotation: Quat::from_rotation_arc(Vec3::Y, back * face) };
+    let mut raw = collide_convex(shape, &plane, &rel, input.margin);
+    let mut kept = 0;
+    for i in 0..raw.count as usize {
+        let point = raw.points[i];
+        let at = rotation * (point.position + raw.normal * (0.5 * point.separation));
+        if piece.has(at, input.touch_distance) {
+            raw.points[kept] = point;
+            kept += 1;
+        }
     }
-    own.places.each().iter().all(|&at| {
-        sides[..i].iter().any(|other| {
-            other.piece != own.piece
-                && pieces[other.piece]
-                    .as_ref()
-                    .is_some_and(|piece| piece.goes_on(at, own.normal, input.touch_distance))
-        })
-    })
+    raw.count = kept as u16;
+    if kept == 0 {
+        contacts.at_mut(pair.contact).empty();
+        return 0;
+    }
+    if lies == pair.b {
+        let ground = relative_pose(pair, input.poses);
+        let turned = ground.rotation.conjugate();
+        raw = raw.flipped(-(turned * ground.position), turned);
+    }
+    let more = (kept - contacts.room(pair.contact).min(kept)).max(0);
+    if more > 0 {
+        let points = ContactCount { contacts: 0, points: kept };
+        memory.allowances.within(Category::Manifolds, |allowance| contacts.reserve(points, allowance));
+    }
+    let shed = raw.keep(contacts.grow(pair.contact, kept));
+    contacts.at_mut(pair.contact).renew(&raw, FoundAt::of(pair, input, 0.0), input.match_limits(pair));
+    shed
 }

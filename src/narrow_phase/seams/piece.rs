@@ -115,9 +115,7 @@ impl Piece<'_> {
         if let Some(support) = Support::of(self.collider) {
             let far = local.as_dvec3();
             let reach = (support.support(far) - point.as_dvec3()).dot(far) + support.radius;
-            let here = Relative { position: point, rotation: Quat::IDENTITY };
-            return beyond(reach as f32, self.collider.radius)
-                && distance(&support, &Support::point(), &here, Vec3::ZERO).distance <= within;
+            return beyond(reach as f32, self.collider.radius) && self.has(at, within);
         }
         if matches!(self.collider.geometry, Geometry::Plane) {
             return point.y <= within && local.with_y(0.0).length() > LEAN;
@@ -131,6 +129,13 @@ impl Piece<'_> {
             found |= beyond(reach, size) && near();
         });
         found
+    }
+
+    /// Whether a convex piece has a point, or is this near to it [m].
+    pub(super) fn has(&self, at: Vec3, within: f32) -> bool {
+        let here = Relative { position: self.pose.back(at - self.pose.position), rotation: Quat::IDENTITY };
+        Support::of(self.collider)
+            .is_some_and(|support| distance(&support, &Support::point(), &here, Vec3::ZERO).distance <= within)
     }
 
     /// Calls `f` with the triangles whose boxes are within so far of a place, some of them more than once.
