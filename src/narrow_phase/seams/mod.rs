@@ -366,7 +366,8 @@ fn find_again(input: &Input<'_>, pair: &Pair, contacts: &mut Contacts, memory: &
     let Some(offset) = piece.reach(face, &Places::default(), 0.0) else { return 0 };
     let back = rotation.conjugate();
     let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..piece.collider.clone() };
-    let rel = Relative { position: back * (face * offset), rotation: Quat::from_rotation_arc(Vec3::Y, back * face) };
+    let up = back * face;
+    let rel = Relative { position: up * offset, rotation: turn_to(up) };
     let mut raw = collide_convex(shape, &plane, &rel, input.margin);
     let mut kept = 0;
     for i in 0..raw.count as usize {
@@ -395,4 +396,13 @@ fn find_again(input: &Input<'_>, pair: &Pair, contacts: &mut Contacts, memory: &
     let shed = raw.keep(contacts.grow(pair.contact, kept));
     contacts.at_mut(pair.contact).renew(&raw, FoundAt::of(pair, input, 0.0), input.match_limits(pair));
     shed
+}
+
+/// The rotation of the y axis to a unit vector, exact for small angles too.
+fn turn_to(up: Vec3) -> Quat {
+    if up.y < -0.9 {
+        return Quat::from_rotation_arc(Vec3::Y, up);
+    }
+    let axis = Vec3::Y.cross(up);
+    Quat::from_xyzw(axis.x, axis.y, axis.z, 1.0 + up.y).normalize()
 }
