@@ -41,6 +41,12 @@ impl PackedState {
         self.0 & OF_GROUND != 0
     }
 
+    /// Another state of the same pair.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, state: PairState) {
+        *self = PackedState::from(state).of_ground(self.is_of_ground());
+    }
+
     /// The same of a pair with ground.
     #[inline(always)]
     pub(crate) fn of_ground(self, ground: bool) -> PackedState {

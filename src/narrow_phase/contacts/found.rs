@@ -106,7 +106,7 @@ impl BlockOutput<'_> {
             return Growth::Cut;
         }
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = PairState::Crowded.into() };
+        unsafe { self.state.get(index as usize) }.set(PairState::Crowded);
         block.crowded += 1;
         Growth::Again
     }
@@ -114,7 +114,7 @@ impl BlockOutput<'_> {
     /// Removes a pair's contacts.
     pub(crate) fn empty(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = PairState::Emptied.into() };
+        unsafe { self.state.get(index as usize) }.set(PairState::Emptied);
         self.block.emptied += 1;
     }
 
@@ -122,7 +122,7 @@ impl BlockOutput<'_> {
     /// start.
     pub(crate) fn clear(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
-        unsafe { *self.state.get(index as usize) = PairState::Clear.into() };
+        unsafe { self.state.get(index as usize) }.set(PairState::Clear);
     }
 
     pub(crate) fn count_casts(&mut self, casts: u32) {
