@@ -34,6 +34,15 @@ pub(super) fn polytopes(
         }
         done = Some(manifold);
     }
+    // A wide face that leans by a hair shows less than the small one that is over it.
+    if pair.other.separation > 0.0 {
+        let other = pair.by_other();
+        let manifold = other.by_face(&mut Cloud::new());
+        let least = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+        if least <= other.face.separation + pair.tolerance {
+            return manifold;
+        }
+    }
 
     let mut near = pair.edges_in_reach(margin.max(-pair.face.separation));
     let mut touching = None;
@@ -46,6 +55,10 @@ pub(super) fn polytopes(
 
     // Apart, and no vertex of one over the face of the other: edges or vertices of both are nearest.
     let Some(nearest) = nearest_edges(a, b, pose, &near) else { return done.unwrap_or(none) };
+    if touching.is_some_and(|e| nearest.distance > FURTHEST * e.separation + pair.tolerance) {
+        // Apart by rounding alone.
+        return pair.by_face(&mut cloud);
+    }
     if nearest.distance > margin {
         return none;
     }
@@ -73,7 +86,13 @@ struct FacePair<'a> {
     face: FaceAxis,
     /// Whose face it is.
     on_b: bool,
+    /// The best face of the other one.
+    other: FaceAxis,
 }
+
+/// How many times their largest separation along an axis two polytopes may be apart, where neither is much of a
+/// needle.
+const FURTHEST: f32 = 10.0;
 
 /// The separation above which another axis counts as clearly better than one with this separation [m].
 #[inline(always)]
@@ -103,8 +122,13 @@ impl<'a> FacePair<'a> {
             return None;
         }
         let on_b = face_b.separation > clearly(face_a.separation, tolerance);
-        let face = if on_b { face_b } else { face_a };
-        Some(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b })
+        let (face, other) = if on_b { (face_b, face_a) } else { (face_a, face_b) };
+        Some(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b, other })
+    }
+
+    /// The same by the best face of the other one.
+    fn by_other(&self) -> FacePair<'a> {
+        FacePair { face: self.other, on_b: !self.on_b, other: self.face, ..*self }
     }
 
     /// The manifold of the face, whose points are added to a cloud.

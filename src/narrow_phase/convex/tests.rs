@@ -365,3 +365,43 @@ fn time_of_a_pair_in_shallow_contact() {
         }
     }
 }
+
+/// What lies over the middle of the face of a wide box, apart or in it by a hair, and leans by a hair.
+/// Expected: the contact is as near as the lowest point, however far around contacts are looked for. By a
+/// face that leans the other one, wider by far, shows less than the truth.
+#[test]
+fn what_lies_in_the_middle_of_a_face_touches_that_face() {
+    let mut random = testing::Random(1);
+    let half = Vec3::new(1.05, 0.23, 1.05);
+    let corners = |half: Vec3| -> Vec<Vec3> {
+        let sign = |i: usize| if i & 1 == 0 { -1.0 } else { 1.0 };
+        (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect()
+    };
+    let of = |geometry: Geometry| testing::collider(geometry);
+    let grounds = [
+        of(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())),
+        of(Geometry::cuboid(half.x, half.y, half.z)),
+    ];
+    for i in 0..100_000 {
+        let size = Vec3::new(random.range(0.2, 0.5), random.range(0.2, 0.4), random.range(0.2, 0.5));
+        let shape = of(match i % 3 {
+            0 => Geometry::cuboid(size.x, size.y, size.z),
+            1 => Geometry::hull(ConvexHull::new(&corners(size)).unwrap()),
+            _ => Geometry::cylinder(size.y, size.x),
+        });
+        let lean = random.direction() * libm::powf(10.0, random.range(-7.0, -3.0));
+        let turn = Quat::from_rotation_y(random.range(-3.0, 3.0))
+            * Quat::from_xyzw(lean.x, 0.0, lean.z, 1.0).normalize();
+        let gap = random.range(-3e-4, 3e-4);
+        let at = Vec3::new(random.range(-0.3, 0.3), half.y + size.y + gap, random.range(-0.3, 0.3));
+        let low = -testing::extent(&shape, (turn.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32 + at.y - half.y;
+        let back = turn.conjugate();
+        let rel = Relative { position: -(back * at), rotation: back };
+        let margin = [0.02, 0.3, 0.9][i / 6 % 3];
+        let raw = collide_convex(&shape, &grounds[i / 3 % 2], &rel, margin);
+        let nearest = raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        // Along a normal that leans a point may show as much less as it is away from the middle.
+        assert!((nearest - low).abs() < 2e-4, "{i} {margin} {gap} {lean}: {nearest} for {low}, {raw:?}");
+        assert!(raw.count > 2, "{i} {margin} {gap} {lean}: {raw:?}");
+    }
+}

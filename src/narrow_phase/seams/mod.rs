@@ -79,6 +79,11 @@ impl Seams {
         contacts: &mut Contacts,
         memory: &mut ContactMemory<'_>,
     ) -> u32 {
+        if std::env::var("SEAMS").is_ok() {
+            for (i, st) in states.iter().enumerate() {
+                eprintln!("  pair {:?} {:?} ground {}", pairs[i], st, st.is_of_ground());
+            }
+        }
         let group = |allowance: &mut Allowance| self.group(input, pairs, states, allowance);
         if !memory.allowances.within(Category::Scratch, group) {
             return 0;
