@@ -224,8 +224,8 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
     if std::env::var("SEAMS").is_ok() {
         for i in (0..count).rev() {
             let o = &sides[i];
-            eprintln!("  side piece {} n {:?} {:?} {} near {:.5} frac {} at {:?} over {} hid {} cov {}", o.piece, o.normal, o.face, o.is_edge, o.nearest, unsafe { contacts.at(o.slot) }.as_ref().fraction, o.places.each(),
-                o.places.each().iter().any(|&at| is_over_another(input, &pieces, o, at)), is_hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
+            eprintln!("  side piece {} n {:?} {:?} {} near {:.5} frac {} at {:?} over {} hid {:?} cov {}", o.piece, o.normal, o.face, o.is_edge, o.nearest, unsafe { contacts.at(o.slot) }.as_ref().fraction, o.places.each(),
+                o.places.each().iter().any(|&at| is_over_another(input, &pieces, o, at)), hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
         }
     }
     for i in (0..count).rev() {
@@ -236,9 +236,13 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
         let index = &mut own[sides[i].piece];
         let pair = &pairs[*index as usize];
         let is_convex = input.summaries[ground(input, pair) as usize].kind.is_convex();
-        if face.is_some() && is_convex && contact.fraction == 0.0 {
+        let hidden = hidden(input, &shape, &pieces, sides, i);
+        if hidden == Some(Hidden::Behind) {
+            sides[i].dropped = true;
+            contact.empty();
+        } else if face.is_some() && is_convex && contact.fraction == 0.0 {
             *index |= TO_LEVEL;
-        } else if is_hidden(input, &shape, &pieces, sides, i) || is_covered(input, &pieces, sides, i) {
+        } else if hidden.is_some() || is_covered(input, &pieces, sides, i) {
             sides[i].dropped = true;
             contact.empty();
         } else if let Some(face) = face {
@@ -285,30 +289,48 @@ fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'
     (places.count > 0).then_some(side)
 }
 
-/// The first rule. `own`: the shape.
-fn is_hidden(
+/// How the first rule hides a manifold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Hidden {
+    /// It would push along quite another direction than the face that its piece lies behind.
+    Behind,
+    /// It comes from an edge that leans by little, and that other pieces cover.
+    Covered,
+}
+
+/// The first rule, for a manifold of `shape`.
+fn hidden(
     input: &Input<'_>,
     shape: &Piece<'_>,
     pieces: &[Option<Piece<'_>>],
     sides: &[Side],
     i: usize,
-) -> bool {
+) -> Option<Hidden> {
     let own = &sides[i];
-    let Some(piece) = &pieces[own.piece] else { return false };
-    sides.iter().any(|other| {
-        let Some(face) = other.face.filter(|_| !other.dropped && other.piece != own.piece) else { return false };
-        let leans = own.normal.dot(face) < FLAT_EDGE_COSINE;
-        if !leans && !own.is_edge {
-            return false;
-        }
-        // A place that was carried along a path may not be found again: then all counts that is near the shape.
+    let piece = pieces[own.piece].as_ref()?;
+    let touch = input.touch_distance;
+    let behind = |face: Vec3, lift: f32| {
+        // A place that was carried along a path may not be found again: then all counts that is near the
+        // shape.
         let around = Places { at: [own.shape_at; MAX_POINTS], count: 1 };
-        let high = piece
-            .reach(face, &own.places, input.touch_distance)
-            .or_else(|| piece.reach(face, &around, shape.collider.radius));
-        let (Some(low), Some(high)) = (shape.reach(-face, &own.places, 0.0), high) else { return false };
-        high + low <= input.touch_distance - other.nearest.min(0.0) && (leans || own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at)))
-    })
+        let high = piece.reach(face, &own.places, touch);
+        let high = high.or_else(|| piece.reach(face, &around, shape.collider.radius));
+        let low = shape.reach(-face, &own.places, 0.0);
+        high.zip(low).is_some_and(|(high, low)| high + low <= touch + lift)
+    };
+    let faces = || {
+        let others = sides.iter().filter(|other| !other.dropped && other.piece != own.piece);
+        others.filter_map(|other| Some((other.face?, -other.nearest.min(0.0))))
+    };
+    let leans = |face: Vec3| own.normal.dot(face) < FLAT_EDGE_COSINE;
+    if faces().any(|(face, lift)| leans(face) && behind(face, lift)) {
+        return Some(Hidden::Behind);
+    }
+    let covered = || own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at));
+    let covered = own.is_edge
+        && faces().any(|(face, lift)| !leans(face) && behind(face, lift))
+        && covered();
+    covered.then_some(Hidden::Covered)
 }
 
 /// Whether a place of a manifold lies on another piece, which goes on beyond its plane.
