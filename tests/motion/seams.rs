@@ -45,11 +45,12 @@ pub struct Floor {
     pub step: f32,
     /// Whether every other row is shifted by half a tile.
     pub staggered: bool,
+    pub friction: f32,
 }
 
-fn smooth(geometry: Geometry) -> ShapeDesc {
+fn rough(geometry: Geometry, friction: f32) -> ShapeDesc {
     let mut shape = ShapeDesc::new(geometry);
-    (shape.material.static_friction, shape.material.dynamic_friction) = (0.0, 0.0);
+    (shape.material.static_friction, shape.material.dynamic_friction) = (friction, friction);
     shape
 }
 
@@ -89,23 +90,24 @@ impl Floor {
     fn shape(&self, random: &mut Random) -> ShapeDesc {
         let half = Vec3::new(0.5 * (self.cell - self.gap), 0.5 * self.depth, 0.5 * (self.cell - self.gap));
         let below = Vec3::NEG_Y * half.y;
-        let tile = match self.tile {
+        let kind = match self.tile {
             Tile::Mixed => random.of(&TILES[..6]),
             tile => tile,
         };
+        let tile_of = |geometry| rough(geometry, self.friction);
         let count = 1 + random.below(5);
-        match tile {
-            Tile::Chunks => smooth(Geometry::mesh(quads(half.x, count))),
-            Tile::Slabs => smooth(Geometry::mesh(box_mesh(half))).with_position(below),
+        match kind {
+            Tile::Chunks => tile_of(Geometry::mesh(quads(half.x, count))),
+            Tile::Slabs => tile_of(Geometry::mesh(box_mesh(half))).with_position(below),
             Tile::Hulls => {
-                smooth(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())).with_position(below)
+                tile_of(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())).with_position(below)
             }
             Tile::Fields => {
                 let cells = Vec2::splat(2.0 * half.x / count as f32);
                 let field = HeightField::new(count + 1, count + 1, cells, vec![0.0; (count + 1) * (count + 1)]);
-                smooth(Geometry::height_field(field.unwrap())).with_position(Vec3::new(-half.x, 0.0, -half.x))
+                tile_of(Geometry::height_field(field.unwrap())).with_position(Vec3::new(-half.x, 0.0, -half.x))
             }
-            _ => smooth(Geometry::cuboid(half.x, half.y, half.z)).with_position(below),
+            _ => tile_of(Geometry::cuboid(half.x, half.y, half.z)).with_position(below),
         }
     }
 
@@ -205,6 +207,7 @@ pub fn wide(seed: u64, count: usize, only: bool) -> usize {
             gap: if random.chance(0.5) { 0.0 } else { random.range(0.0, 1e-3) },
             step: if random.chance(0.5) { 0.0 } else { random.range(0.0, 1e-3) },
             staggered: random.chance(0.3),
+            friction: 0.0,
         };
         let kind = random.below(8);
         let size = random.range(0.1, 0.6);
@@ -215,7 +218,7 @@ pub fn wide(seed: u64, count: usize, only: bool) -> usize {
         let body = BodyDesc::dynamic().at(at).rotated(rotation).moving(Vec3::X * speed, Vec3::ZERO);
         // What stands on a point falls over: a character does not.
         let stands = name == "capsule that stands";
-        let body = body.with_lock_rotation([stands; 3]).with_shape(smooth(geometry));
+        let body = body.with_lock_rotation([stands; 3]).with_shape(rough(geometry, 0.0));
         let body = world.add_body(&body).unwrap();
         let went = slide(&mut world, body, height, speed, length / speed, hz);
         // Steps down and up give and take energy.
@@ -226,6 +229,70 @@ pub fn wide(seed: u64, count: usize, only: bool) -> usize {
             println!("seed {} {name} {size:.2}, {speed:.1} m/s, {hz} Hz, {floor:?}: {went:?}", seed + case as u64);
         } else if only {
             println!("seed {} {name} good {went:?}", seed + case as u64);
+        }
+    }
+    println!("{bad} of {count}");
+    bad
+}
+
+/// A wheel that lies across x: how it is made, and its radius [m].
+fn wheel(kind: usize, radius: f32) -> (&'static str, Geometry, Quat) {
+    let across = Quat::from_rotation_x(FRAC_PI_2);
+    match kind {
+        0 => ("ball", Geometry::sphere(radius), Quat::IDENTITY),
+        1 => ("cylinder", Geometry::cylinder(0.4 * radius, radius), across),
+        2 => ("capsule", Geometry::capsule(0.3 * radius, radius), across),
+        _ => {
+            let ring = |i: usize, y: f32| {
+                let angle = TAU * i as f32 / 48.0;
+                Vec3::new(radius * libm::cosf(angle), y, radius * libm::sinf(angle))
+            };
+            let points: Vec<Vec3> =
+                (0..48).flat_map(|i| [ring(i, -0.4 * radius), ring(i, 0.4 * radius)]).collect();
+            ("hull", Geometry::hull(ConvexHull::new(&points).unwrap()), across)
+        }
+    }
+}
+
+/// Wheels that roll over tiled floors.
+pub fn rolling(seed: u64, count: usize) -> usize {
+    let mut bad = 0;
+    for case in 0..count {
+        let mut random = Random(seed + case as u64);
+        let hz = random.of(&[30.0, 60.0, 120.0]);
+        let speed = libm::powf(10.0, random.range(0.0, 1.9));
+        let length = (speed * 4.0).min(60.0);
+        let floor = Floor {
+            tile: random.of(&TILES),
+            cell: random.range(0.3, 4.0).max(length / 80.0),
+            depth: random.range(0.1, 1.0),
+            yaw: if random.chance(0.4) { 0.0 } else { random.range(0.0, TAU) },
+            gap: if random.chance(0.5) { 0.0 } else { random.range(0.0, 1e-3) },
+            step: 0.0,
+            staggered: random.chance(0.3),
+            friction: 0.6,
+        };
+        let radius = random.range(0.15, 0.6);
+        let (name, geometry, rotation) = wheel(random.below(4), radius);
+        let run = |flat: bool, random: &mut Random| {
+            let mut world = World::new(Settings::default()).unwrap();
+            if flat {
+                world.add_body(&BodyDesc::fixed().with_shape(rough(Geometry::Plane, 0.6))).unwrap();
+            } else {
+                floor.lay(&mut world, length + 2.0, random);
+            }
+            let body = BodyDesc::dynamic()
+                .at(DVec3::Y * f64::from(radius))
+                .rotated(rotation)
+                .moving(Vec3::X * speed, Vec3::Z * (-speed / radius));
+            let body = world.add_body(&body.with_shape(rough(geometry.clone(), 0.6))).unwrap();
+            slide(&mut world, body, radius, speed, length / speed, hz)
+        };
+        let went = run(false, &mut random);
+        let plane = run(true, &mut random);
+        if (went.kept - plane.kept).abs() > 2e-3 || went.rise > 1e-3 + 2.0 * plane.rise.max(0.0) || went.aside.abs() > 2e-3 {
+            bad += 1;
+            println!("seed {} {name} {radius:.2}, {speed:.1} m/s, {hz} Hz, {floor:?}: {went:?} plane {plane:?}", seed + case as u64);
         }
     }
     println!("{bad} of {count}");
