@@ -255,7 +255,7 @@ fn wheel(kind: usize, radius: f32) -> (&'static str, Geometry, Quat) {
 }
 
 /// Wheels that roll over tiled floors.
-pub fn rolling(seed: u64, count: usize) -> usize {
+pub fn rolling(seed: u64, count: usize, one: Option<f32>) -> usize {
     let mut bad = 0;
     for case in 0..count {
         let mut random = Random(seed + case as u64);
@@ -273,11 +273,17 @@ pub fn rolling(seed: u64, count: usize) -> usize {
             friction: 0.6,
         };
         let radius = random.range(0.15, 0.6);
-        let (name, geometry, rotation) = wheel(random.below(4), radius);
+        let (name, geometry, rotation) = wheel(random.below(3), radius);
         let run = |flat: bool, random: &mut Random| {
             let mut world = World::new(Settings::default()).unwrap();
             if flat {
                 world.add_body(&BodyDesc::fixed().with_shape(rough(Geometry::Plane, 0.6))).unwrap();
+            } else if let Some(cell) = one {
+                let half = 0.5 * length + 4.0;
+                let mesh = quads(half, (2.0 * half / cell) as usize);
+                let turn = Quat::from_rotation_y(floor.yaw);
+                let body = BodyDesc::fixed().at(DVec3::X * f64::from(0.5 * length)).rotated(turn);
+                world.add_body(&body.with_shape(rough(Geometry::mesh(mesh), 0.6))).unwrap();
             } else {
                 floor.lay(&mut world, length + 2.0, random);
             }

@@ -77,7 +77,7 @@ pub(crate) fn touch(
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)
         };
-        let found = TriangleContact { normal: manifold.normal, apart, face, margin, verdict };
+        let found = TriangleContact { normal: manifold.normal, apart, face, margin, verdict, round: true };
         let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
         found.add(&touch, bounds, own, over, patches);
     }

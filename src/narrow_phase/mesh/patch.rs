@@ -8,9 +8,9 @@
 //! 2. A normal at a flat edge: the patch takes the face's normal, and keeps only points over the triangle. If
 //!    they are far deeper below the face than the shape is past the edge, the shape does not come from above
 //!    the face, and the patch is dropped.
-//! 3. A normal at a flat edge, while the shape is over neither face there: the patch counts, with the face's
-//!    normal, if the shape lies in the gap between the normals of the two faces. If it leans over a neighbour
-//!    there is no gap, the neighbour is what is touched, and the patch is dropped.
+//! 3. A normal at a flat edge, while the shape is over neither face there: it lies in the gap between the
+//!    normals of the two faces, which is next to nothing. The patch counts where no face that is level with
+//!    this one holds the shape.
 //! 4. A triangle wholly behind the plane of another touched face, which the shape would no longer reach once
 //!    it were lifted out of that face: the sides of a step under a box that stands on it.
 //! 5. A triangle that is overlapped and seen from behind, because it lies on the far slope of a hill that the
@@ -72,30 +72,6 @@ impl Touch {
         }
     }
 
-    /// A point of the edge or the corner from which a unit direction leads that leans out over it: the middle
-    /// of the edge, because its ends have other neighbours. `None` if it does not lean.
-    fn edge_under(&self, direction: Vec3) -> Option<Vec3> {
-        let lean = [0, 1, 2].map(|i| {
-            let out = self.outward(i);
-            out.dot(direction) / out.length()
-        });
-        let aside = (direction - self.front * self.front.dot(direction)).length();
-        if aside < LEAN {
-            return None;
-        }
-        let most = (0..3).fold(0, |best, i| if lean[i] > lean[best] { i } else { best });
-        let corner = |i: usize| self.corners[i % 3];
-        let (from, to) = (corner(most), corner(most + 1));
-        // Straight over an edge, or over one of its ends.
-        Some(if lean[most] > 0.999 * aside {
-            (from + to) * 0.5
-        } else if direction.dot(to - from) > 0.0 {
-            to
-        } else {
-            from
-        })
-    }
-
     /// Height of a point over the plane [m].
     fn height(&self, point: Vec3) -> f32 {
         self.front.dot(point - self.corners[0])
@@ -108,29 +84,6 @@ impl Touch {
             matches!(self.edges.fold(i), Fold::Flat | Fold::Valley)
                 && self.outward(i).dot(point - self.corners[i]) > 0.0
         })
-    }
-
-    /// Whether the surface goes on over this triangle: the point `at` of another one's edge lies on it, and
-    /// the unit direction from there to the shape leans over it.
-    pub(crate) fn continues(&self, at: Vec3, direction: Vec3, tolerance: f32) -> bool {
-        if self.front.dot(direction) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
-            return false;
-        }
-        let mut leans = false;
-        for i in 0..3 {
-            let out = self.outward(i);
-            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(direction), out.length());
-            if beyond > tolerance * length {
-                return false;
-            }
-            if beyond > -tolerance * length {
-                if lean > 0.1 * LEAN * length {
-                    return false;
-                }
-                leans |= lean < -LEAN * length;
-            }
-        }
-        leans
     }
 
     /// What becomes of a patch with this normal: see the module.
@@ -174,9 +127,8 @@ pub(crate) struct Patch {
     pub(crate) count: u32,
     /// Least separation of its points [m].
     pub(crate) least: f32,
-    /// For a patch by the third rule: the unit direction from the triangle to the shape where they are
-    /// nearest.
-    pub(crate) gap: Option<Vec3>,
+    /// Whether it is one by the third rule.
+    pub(crate) gap: bool,
     /// For a face: how far the shape reaches beyond its plane, negative [m].
     pub(crate) reach: Option<f32>,
     /// Index of its triangle.
@@ -259,33 +211,30 @@ impl Patches {
             first: first as u32,
             count: points.len() as u32,
             least,
-            gap: None,
+            gap: false,
             reach,
             touch: self.touches.len() as u32,
         });
         self.touches.push(touch);
     }
 
-    /// [`Patches::add`] for a patch to which the third rule applies: `direction` is unit, from the triangle
-    /// to the shape where they are nearest.
-    pub(crate) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, direction: Vec3) {
+    /// [`Patches::add`] for a patch to which the third rule applies.
+    pub(crate) fn add_in_gap(&mut self, touch: Touch, normal: Vec3, reach: f32, first: usize) {
         let before = self.patches.len();
-        self.add(touch, -touch.front, Some(reach), first);
-        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(direction));
+        self.add(touch, normal, Some(reach), first);
+        self.patches[before..].iter_mut().for_each(|p| p.gap = true);
     }
 
     /// Whether the third rule drops a patch.
     fn is_no_gap(&self, patch: &Patch, size: f32) -> bool {
-        let Some(direction) = patch.gap else { return false };
-        let own = &self.touches[patch.touch as usize];
-        let Some(at) = own.edge_under(direction) else { return false };
-        // The second term covers the rounding of coordinates.
-        let tolerance = 1e-4 * size + 1e-6 * at.abs().max_element();
-        self.touches.iter().enumerate().any(|(i, touch)| {
-            i != patch.touch as usize
-                && touch.front.dot(own.front) >= FLAT_EDGE_COSINE
-                && touch.continues(at, direction, tolerance)
-        })
+        let front = self.touches[patch.touch as usize].front;
+        let holds = |other: &Patch| {
+            !other.gap
+                && other.reach.is_some()
+                && other.least <= patch.least + 1e-3 * size
+                && self.touches[other.touch as usize].front.dot(front) >= FLAT_EDGE_COSINE
+        };
+        patch.gap && self.patches.iter().any(holds)
     }
 
     /// The fifth rule, for a shape with this centre.
@@ -320,7 +269,7 @@ impl Patches {
 
     /// Applies the third and the fourth rule. Also sorts the patches, the deepest first.
     pub(crate) fn drop_hidden(&mut self, size: f32) {
-        if self.patches.iter().any(|p| p.gap.is_some()) {
+        if self.patches.iter().any(|p| p.gap) {
             let mut keep = 0;
             for i in 0..self.patches.len() {
                 let patch = self.patches[i];

@@ -77,14 +77,14 @@ pub(crate) fn touch(
         };
         patches.points.push(RawPoint { position: point - normal * (0.5 * separation), separation, key });
         if face && feature != 0 {
-            patches.add_in_gap(touch, separation, first, -point / distance.max(f32::MIN_POSITIVE));
+            patches.add_in_gap(touch, normal, separation, first);
         } else {
             patches.add(touch, normal, face.then_some(separation), first);
         }
     }
 }
 
-/// The normal at an edge or a corner, if there is one, and whether it is the face's.
+/// The normal at an edge or a corner, if there is one, and whether it counts as the face's.
 fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Option<(Vec3, bool)> {
     let corner = feature as usize % 4;
     let folds = match feature {
@@ -98,7 +98,7 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
     }
     // Beyond a flat edge, yet over it: in the gap between two faces of a hardly convex edge.
     let over = -normal.dot(touch.front) >= FLAT_EDGE_COSINE && folds.contains(&Fold::Flat);
-    over.then_some((-touch.front, true))
+    over.then_some((normal, true))
 }
 
 /// Drops points that are not nearest points of the surface: a point on an edge is dropped if another triangle

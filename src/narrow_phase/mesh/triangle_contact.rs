@@ -25,6 +25,8 @@ pub(crate) struct TriangleContact {
     pub(crate) face: f32,
     pub(crate) margin: f32,
     pub(crate) verdict: Verdict,
+    /// Whether the shape is one that may roll.
+    pub(crate) round: bool,
 }
 
 impl TriangleContact {
@@ -40,7 +42,7 @@ impl TriangleContact {
         over: impl Fn(&mut Vec<RawPoint>),
         patches: &mut Patches,
     ) {
-        let TriangleContact { normal, apart, face, margin, verdict } = *self;
+        let TriangleContact { normal, apart, face, margin, verdict, round } = *self;
         let front = touch.front;
         let first = patches.points.len();
         match verdict {
@@ -53,7 +55,11 @@ impl TriangleContact {
                 over(&mut patches.points);
                 patches.limit(first, least);
                 // In the gap between the faces of a hardly convex edge, over neither of them.
-                if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE {
+                if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE && round {
+                    // A point of the shape that is not its lowest there moves as the shape rolls.
+                    own(&mut patches.points);
+                    patches.add_in_gap(*touch, normal, face, first);
+                } else if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE {
                     own(&mut patches.points);
                     let offset = front.dot(touch.corners[0]);
                     let bound = half + Vec3::splat(1e-3 * half.max_element());
@@ -69,7 +75,7 @@ impl TriangleContact {
                         }
                     }
                     patches.points.truncate(kept);
-                    patches.add_in_gap(*touch, face, first, -normal);
+                    patches.add_in_gap(*touch, -front, face, first);
                 } else {
                     patches.add(*touch, -front, Some(face), first);
                 }
