@@ -333,10 +333,13 @@ fn hidden(
     covered.then_some(Hidden::Covered)
 }
 
-/// Whether a place of a manifold lies on another piece, which goes on beyond its plane.
+/// Whether a place of a manifold lies on another piece that goes on beyond its plane, or on another part of its
+/// own mesh that does.
 fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, at: Vec3) -> bool {
-    let others = pieces.iter().enumerate().filter(|(k, _)| *k != own.piece);
-    others.filter_map(|(_, piece)| piece.as_ref()).any(|piece| piece.goes_on(at, own.normal, input.touch_distance))
+    let others = pieces.iter().flatten().enumerate();
+    others
+        .filter(|(k, piece)| *k != own.piece || !piece.collider.kind.is_convex())
+        .any(|(_, piece)| piece.goes_on(at, own.normal, input.touch_distance))
 }
 
 /// The second rule.

@@ -83,10 +83,14 @@ impl<'a> Contact<'a> {
         }
         let middle = (points[0] + points[1]) * 0.5;
         let mut point = RawPoint { position: middle, separation: best.separation, key: key(EDGES, 0, 0) };
-        if flat.separation >= best.separation - self.tolerance {
-            if cloud.points().is_empty() {
-                self.on_face(&flat, &mut cloud);
-            }
+        let is_flat = flat.separation >= best.separation - self.tolerance;
+        if is_flat && cloud.points().is_empty() {
+            self.on_face(&flat, &mut cloud);
+        }
+        // The side of a cylinder that is not over the face touches its border, and rolls on it: a point of the
+        // side that moves towards the face is none that the face meets.
+        let rolls = matches!(flat.face, Some((FlatFace::Polygon(_), _))) && cloud.points().is_empty();
+        if is_flat && !rolls {
             if cloud.least() > flat.separation + self.tolerance {
                 point.separation = flat.separation;
                 cloud.push(point);
