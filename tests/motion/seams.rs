@@ -304,3 +304,86 @@ pub fn rolling(seed: u64, count: usize, one: Option<f32>) -> usize {
     println!("{bad} of {count}");
     bad
 }
+
+/// Height of rolling ground [m], and the way from which it is measured.
+fn hills(x: f32, z: f32, steep: f32) -> f32 {
+    steep * (libm::sinf(0.5 * x) + 0.4 * libm::sinf(0.9 * z + 0.3 * x))
+}
+
+/// A mesh of the hills between two corners, of squares of a quarter metre.
+fn hilly(from: Vec2, to: Vec2, steep: f32) -> TriangleMesh {
+    let cells = [(to.x - from.x) * 4.0, (to.y - from.y) * 4.0].map(|n| libm::roundf(n) as usize);
+    let mut vertices = Vec::new();
+    for k in 0..=cells[1] {
+        for i in 0..=cells[0] {
+            let at = from + Vec2::new(i as f32, k as f32) * 0.25;
+            vertices.push(Vec3::new(at.x, hills(at.x, at.y, steep), at.y));
+        }
+    }
+    let mut triangles = Vec::new();
+    let row = cells[0] as u32 + 1;
+    for k in 0..cells[1] as u32 {
+        for i in 0..cells[0] as u32 {
+            let a = k * row + i;
+            triangles.extend([[a, a + row, a + 1], [a + 1, a + row, a + row + 1]]);
+        }
+    }
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
+/// Balls, capsules and boxes that slide over hills, of one mesh and of chunks.
+pub fn over_hills(seed: u64, count: usize) -> usize {
+    let mut bad = 0;
+    for case in 0..count {
+        let mut random = Random(seed + case as u64);
+        let hz = random.of(&[30.0, 60.0, 120.0]);
+        let speed = random.range(1.0, 15.0);
+        let steep = random.range(0.02, 0.3);
+        let friction = random.of(&[0.0, 0.3]);
+        let size = random.range(0.15, 0.4);
+        let cell = random.of(&[2.0, 4.0, 8.0]);
+        let (name, geometry, rotation, height) = slider(random.below(4), size, &mut random);
+        let run = |cell: f32| {
+            let mut world = World::new(Settings::default()).unwrap();
+            for i in 0..(48.0 / cell) as i32 {
+                for k in 0..(16.0 / cell) as i32 {
+                    if cell > 40.0 {
+                        continue;
+                    }
+                    let from = Vec2::new(i as f32 * cell - 8.0, k as f32 * cell - 8.0);
+                    let mesh = hilly(from, from + Vec2::splat(cell), steep);
+                    let body = BodyDesc::fixed().with_shape(rough(Geometry::mesh(mesh), friction));
+                    world.add_body(&body).unwrap();
+                }
+            }
+            if cell > 40.0 {
+                let mesh = hilly(Vec2::new(-8.0, -8.0), Vec2::new(40.0, 8.0), steep);
+                world.add_body(&BodyDesc::fixed().with_shape(rough(Geometry::mesh(mesh), friction))).unwrap();
+            }
+            let at = Vec3::new(0.0, hills(0.0, 0.1, steep) + height + 0.02, 0.1);
+            let stands = name == "capsule that stands";
+            let body = BodyDesc::dynamic()
+                .at(at.as_dvec3())
+                .rotated(rotation)
+                .moving(Vec3::X * speed, Vec3::ZERO)
+                .with_lock_rotation([stands; 3]);
+            let body = world.add_body(&body.with_shape(rough(geometry.clone(), friction))).unwrap();
+            let mut heights = Vec::new();
+            let steps = ((30.0 / speed).min(4.0) * hz) as usize;
+            for _ in 0..steps {
+                world.step(1.0 / hz).unwrap();
+                let at = world.position(body).unwrap().as_vec3();
+                heights.push(at.y - hills(at.x, at.z, steep));
+            }
+            let speed = world.linear_velocity(body).unwrap().length();
+            (speed, heights.iter().copied().fold(f32::MIN, f32::max), world.position(body).unwrap())
+        };
+        let (chunks, whole) = (run(cell), run(48.0));
+        if (chunks.0 - whole.0).abs() > 0.05 * speed + 0.1 || chunks.1 > whole.1 + 0.05 {
+            bad += 1;
+            println!("seed {} {name} {size:.2} {speed:.1} m/s {hz} Hz steep {steep} mu {friction} cell {cell}: {chunks:?} {whole:?}", seed + case as u64);
+        }
+    }
+    println!("{bad} of {count}");
+    bad
+}

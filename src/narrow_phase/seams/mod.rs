@@ -79,11 +79,6 @@ impl Seams {
         contacts: &mut Contacts,
         memory: &mut ContactMemory<'_>,
     ) -> u32 {
-        if std::env::var("SEAMS").is_ok() {
-            for (i, st) in states.iter().enumerate() {
-                eprintln!("  pair {:?} {:?} ground {}", pairs[i], st, st.is_of_ground());
-            }
-        }
         let group = |allowance: &mut Allowance| self.group(input, pairs, states, allowance);
         if !memory.allowances.within(Category::Scratch, group) {
             return 0;
@@ -182,6 +177,8 @@ struct Side {
     nearest: f32,
     /// Where the shape is when it touches the piece [m].
     shape_at: Vec3,
+    /// How exact its places are: carried along a path they are less so [m].
+    within: f32,
     dropped: bool,
 }
 
@@ -216,18 +213,16 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
         None => return,
     };
     let sides = &mut sides[..count];
+    // What rests on level faces.
+    let first = sides[0].normal;
+    if sides.iter().all(|side| !side.is_edge && side.normal.dot(first) > FLAT_EDGE_COSINE) {
+        return;
+    }
     let lies = lying(input, &pairs[own[0] as usize]) as usize;
     let pose = Pose::new(Vec3::ZERO, input.poses[lies].rotation);
     let shape = Piece { collider: &input.colliders[lies], pose };
     // The nearest first; they are judged from the last, so a nearer one stays for those behind it.
     sides.sort_unstable_by(|x, y| x.nearest.total_cmp(&y.nearest).then(x.piece.cmp(&y.piece)));
-    if std::env::var("SEAMS").is_ok() {
-        for i in (0..count).rev() {
-            let o = &sides[i];
-            eprintln!("  side piece {} n {:?} {:?} {} near {:.5} frac {} at {:?} over {} hid {:?} cov {}", o.piece, o.normal, o.face, o.is_edge, o.nearest, unsafe { contacts.at(o.slot) }.as_ref().fraction, o.places.each(),
-                o.places.each().iter().any(|&at| is_over_another(input, &pieces, o, at)), hidden(input, &shape, &pieces, sides, i), is_covered(input, &pieces, sides, i));
-        }
-    }
     for i in (0..count).rev() {
         // SAFETY: by the contract.
         let mut contact = unsafe { contacts.at(sides[i].slot) };
@@ -282,10 +277,11 @@ fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'
     }
     let out = if lies_first { -normal } else { normal };
     let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
-    let face = piece.face(out, &places, input.touch_distance);
+    let within = input.touch_distance * if contact.fraction > 0.0 { 2.0 } else { 1.0 };
+    let face = piece.face(out, &places, within);
     let is_edge = piece.is_edge(out, face);
     let shape_at = if lies_first { moved } else { -moved };
-    let side = Side { slot: 0, piece: 0, normal: out, places, face, is_edge, nearest, shape_at, dropped: false };
+    let side = Side { slot: 0, piece: 0, normal: out, places, face, is_edge, nearest, shape_at, within, dropped: false };
     (places.count > 0).then_some(side)
 }
 
@@ -313,7 +309,7 @@ fn hidden(
         // A place that was carried along a path may not be found again: then all counts that is near the
         // shape.
         let around = Places { at: [own.shape_at; MAX_POINTS], count: 1 };
-        let high = piece.reach(face, &own.places, touch);
+        let high = piece.reach(face, &own.places, own.within);
         let high = high.or_else(|| piece.reach(face, &around, shape.collider.radius));
         let low = shape.reach(-face, &own.places, 0.0);
         high.zip(low).is_some_and(|(high, low)| high + low <= touch + lift)
@@ -339,7 +335,7 @@ fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, 
     let others = pieces.iter().flatten().enumerate();
     others
         .filter(|(k, piece)| *k != own.piece || !piece.collider.kind.is_convex())
-        .any(|(_, piece)| piece.goes_on(at, own.normal, input.touch_distance))
+        .any(|(_, piece)| piece.goes_on(at, own.normal, own.within))
 }
 
 /// The second rule.
@@ -353,7 +349,7 @@ fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i
             other.piece != own.piece
                 && pieces[other.piece]
                     .as_ref()
-                    .is_some_and(|piece| piece.goes_on(at, own.normal, input.touch_distance))
+                    .is_some_and(|piece| piece.goes_on(at, own.normal, own.within))
         })
     })
 }
