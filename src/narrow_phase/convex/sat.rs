@@ -247,7 +247,8 @@ pub(crate) fn edge_axis(
             let scale = outward.sign() / squared.sqrt();
             let normal = cross * scale;
             let separation = normal.dot(lanes.start - LaneVec3::splat(v0));
-            let wrong = normal.dot(LaneVec3::splat(against)).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(zero);
+            let wrong =
+                normal.dot(LaneVec3::splat(against)).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(zero);
             let better = valid & !wrong & separation.gt(f32x8::splat(most));
             let bits = better.bits();
             if bits == 0 {

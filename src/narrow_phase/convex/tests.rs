@@ -394,7 +394,8 @@ fn what_lies_in_the_middle_of_a_face_touches_that_face() {
             * Quat::from_xyzw(lean.x, 0.0, lean.z, 1.0).normalize();
         let gap = random.range(-3e-4, 3e-4);
         let at = Vec3::new(random.range(-0.3, 0.3), half.y + size.y + gap, random.range(-0.3, 0.3));
-        let low = -testing::extent(&shape, (turn.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32 + at.y - half.y;
+        let low =
+            -testing::extent(&shape, (turn.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32 + at.y - half.y;
         let back = turn.conjugate();
         let rel = Relative { position: -(back * at), rotation: back };
         let margin = [0.02, 0.3, 0.9][i / 6 % 3];

@@ -136,7 +136,8 @@ pub(crate) fn touch(
             // The face's own normal already.
             if slope > 0.999_999 { own(points) } else { place.over_face(points) }
         };
-        let found = TriangleContact { normal, apart: distance, face, margin: place.margin, verdict, round: true };
+        let found =
+            TriangleContact { normal, apart: distance, face, margin: place.margin, verdict, round: true };
         found.add(&touch, Bounds { middle: Vec3::ZERO, half }, own, over, patches);
     }
 }

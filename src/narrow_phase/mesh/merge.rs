@@ -245,7 +245,8 @@ mod tests {
         let mut bad = 0;
         for (cells, cell) in [(16, 0.25), (40, 0.1), (80, 0.05), (4, 1.0)] {
             for even in [false, true] {
-                let ground = if even { uneven(cells, cell, &mut random) } else { uneven(cells, cell, &mut random) };
+                let ground =
+                    if even { uneven(cells, cell, &mut random) } else { uneven(cells, cell, &mut random) };
                 for i in 0..2000 {
                     let yaw = if i % 4 == 0 { 0.0 } else { random.range(-3.0, 3.0) };
                     let rotation = Quat::from_rotation_y(yaw)
@@ -262,7 +263,8 @@ mod tests {
                     let across = axis.cross(Vec3::Y);
                     let off = |p: &RawPoint| (rotation * p.position).dot(across).abs();
                     let worst = out.iter().flat_map(|m| m.points()).map(off).fold(0.0, f32::max);
-                    let length = out.iter().flat_map(|m| m.points()).map(|p| p.position.y).fold(f32::MIN, f32::max);
+                    let length =
+                        out.iter().flat_map(|m| m.points()).map(|p| p.position.y).fold(f32::MIN, f32::max);
                     if out.len() != 1 || worst > 3e-3 || length < half - 2e-3 {
                         bad += 1;
                         if bad < 6 {

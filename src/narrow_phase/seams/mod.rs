@@ -19,7 +19,6 @@
 
 mod piece;
 
-use super::{MAX_POINTS, Relative};
 use super::contacts::admit::ContactMemory;
 use super::contacts::contact::{ContactMut, ContactRef, FoundAt, NO_CONTACT};
 use super::contacts::store::{ContactCount, Contacts, SharedContacts};
@@ -28,6 +27,7 @@ use super::convex::polytope::Pose;
 use super::input::Input;
 use super::pair_state::PackedState;
 use super::relative::relative_pose;
+use super::{MAX_POINTS, Relative};
 use crate::broad_phase::Pair;
 use crate::config::tuning::FLAT_EDGE_COSINE;
 use crate::math::Quat;
@@ -203,7 +203,8 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
         while slot != NO_CONTACT && count < MOST {
             // SAFETY: by the contract.
             let contact = unsafe { contacts.at(slot) };
-            sides[count] = side(input, pair, contact.as_ref(), &piece).map(|side| Side { slot, piece: i, ..side });
+            sides[count] =
+                side(input, pair, contact.as_ref(), &piece).map(|side| Side { slot, piece: i, ..side });
             count += usize::from(sides[count].is_some());
             slot = contact.next;
         }
@@ -232,12 +233,12 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
         let pair = &pairs[*index as usize];
         let is_convex = input.summaries[ground(input, pair) as usize].kind.is_convex();
         let hidden = hidden(input, &shape, &pieces, sides, i);
-        if hidden == Some(Hidden::Behind) {
+        if hidden {
             sides[i].dropped = true;
             contact.empty();
         } else if face.is_some() && is_convex && contact.fraction == 0.0 {
             *index |= TO_LEVEL;
-        } else if hidden.is_some() || is_covered(input, &pieces, sides, i) {
+        } else if is_covered(input, &pieces, sides, i) {
             sides[i].dropped = true;
             contact.empty();
         } else if let Some(face) = face {
@@ -281,17 +282,19 @@ fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'
     let face = piece.face(out, &places, within);
     let is_edge = piece.is_edge(out, face);
     let shape_at = if lies_first { moved } else { -moved };
-    let side = Side { slot: 0, piece: 0, normal: out, places, face, is_edge, nearest, shape_at, within, dropped: false };
+    let side = Side {
+        slot: 0,
+        piece: 0,
+        normal: out,
+        places,
+        face,
+        is_edge,
+        nearest,
+        shape_at,
+        within,
+        dropped: false,
+    };
     (places.count > 0).then_some(side)
-}
-
-/// How the first rule hides a manifold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Hidden {
-    /// It would push along quite another direction than the face that its piece lies behind.
-    Behind,
-    /// It comes from an edge that leans by little, and that other pieces cover.
-    Covered,
 }
 
 /// The first rule, for a manifold of `shape`.
@@ -301,9 +304,9 @@ fn hidden(
     pieces: &[Option<Piece<'_>>],
     sides: &[Side],
     i: usize,
-) -> Option<Hidden> {
+) -> bool {
     let own = &sides[i];
-    let piece = pieces[own.piece].as_ref()?;
+    let Some(piece) = &pieces[own.piece] else { return false };
     let touch = input.touch_distance;
     let behind = |face: Vec3, lift: f32| {
         // A place that was carried along a path may not be found again: then all counts that is near the
@@ -314,19 +317,10 @@ fn hidden(
         let low = shape.reach(-face, &own.places, 0.0);
         high.zip(low).is_some_and(|(high, low)| high + low <= touch + lift)
     };
-    let faces = || {
-        let others = sides.iter().filter(|other| !other.dropped && other.piece != own.piece);
-        others.filter_map(|other| Some((other.face?, -other.nearest.min(0.0))))
-    };
-    let leans = |face: Vec3| own.normal.dot(face) < FLAT_EDGE_COSINE;
-    if faces().any(|(face, lift)| leans(face) && behind(face, lift)) {
-        return Some(Hidden::Behind);
-    }
-    let covered = || own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at));
-    let covered = own.is_edge
-        && faces().any(|(face, lift)| !leans(face) && behind(face, lift))
-        && covered();
-    covered.then_some(Hidden::Covered)
+    sides.iter().filter(|other| !other.dropped && other.piece != own.piece).any(|other| {
+        let leans = |face: &Vec3| own.normal.dot(*face) < FLAT_EDGE_COSINE;
+        other.face.filter(leans).is_some_and(|face| behind(face, -other.nearest.min(0.0)))
+    })
 }
 
 /// Whether a place of a manifold lies on another piece that goes on beyond its plane, or on another part of its
@@ -341,17 +335,11 @@ fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, 
 /// The second rule.
 fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i: usize) -> bool {
     let own = &sides[i];
-    if !own.is_edge {
-        return false;
-    }
-    own.places.each().iter().all(|&at| {
-        sides[..i].iter().any(|other| {
-            other.piece != own.piece
-                && pieces[other.piece]
-                    .as_ref()
-                    .is_some_and(|piece| piece.goes_on(at, own.normal, own.within))
-        })
-    })
+    let near = own.nearest.max(input.touch_distance);
+    let holds = |(k, other): (usize, &Side)| k != i && !other.dropped && other.nearest <= near;
+    own.is_edge
+        && sides.iter().enumerate().any(holds)
+        && own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at))
 }
 
 /// The third rule: the points of a manifold on the face that it is of.
@@ -384,9 +372,16 @@ fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Sid
 
 /// The third rule for a convex piece: finds the contact with the plane of its face, as far as the piece goes. A
 /// contact that has nothing there is left without points. Returns the number of points that got no place.
-fn find_again(input: &Input<'_>, pair: &Pair, contacts: &mut Contacts, memory: &mut ContactMemory<'_>) -> u32 {
+fn find_again(
+    input: &Input<'_>,
+    pair: &Pair,
+    contacts: &mut Contacts,
+    memory: &mut ContactMemory<'_>,
+) -> u32 {
     let piece = piece_of(input, pair);
-    let Some(Side { face: Some(face), .. }) = side(input, pair, contacts.at(pair.contact), &piece) else { return 0 };
+    let Some(Side { face: Some(face), .. }) = side(input, pair, contacts.at(pair.contact), &piece) else {
+        return 0;
+    };
     let lies = lying(input, pair);
     let (shape, rotation) = (&input.colliders[lies as usize], input.poses[lies as usize].rotation);
     let Some(offset) = piece.reach(face, &Places::default(), 0.0) else { return 0 };

@@ -1,13 +1,13 @@
 //! What a seam asks of the shapes on either side of it: how far they reach, and whether they go on.
 
+use crate::config::tuning::FLAT_EDGE_COSINE;
+use crate::math::Quat;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::narrow_phase::convex::support::Support;
 use crate::narrow_phase::mesh::nearby::Ground;
 use crate::narrow_phase::{MAX_POINTS, Relative};
-use crate::config::tuning::FLAT_EDGE_COSINE;
-use crate::math::Quat;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
@@ -134,8 +134,9 @@ impl Piece<'_> {
     /// Whether a convex piece has a point, or is this near to it [m].
     pub(super) fn has(&self, at: Vec3, within: f32) -> bool {
         let here = Relative { position: self.pose.back(at - self.pose.position), rotation: Quat::IDENTITY };
-        Support::of(self.collider)
-            .is_some_and(|support| distance(&support, &Support::point(), &here, Vec3::ZERO).distance <= within)
+        Support::of(self.collider).is_some_and(|support| {
+            distance(&support, &Support::point(), &here, Vec3::ZERO).distance <= within
+        })
     }
 
     /// Calls `f` with the triangles whose boxes are within so far of a place, some of them more than once.

@@ -111,7 +111,14 @@ pub(crate) fn touch(
         let own = |points: &mut Vec<RawPoint>| {
             contact.points(p, &touch, &deepest, margin, size, points);
         };
-        let found = TriangleContact { normal: contact.normal, apart: contact.apart, face, margin, verdict, round: false };
+        let found = TriangleContact {
+            normal: contact.normal,
+            apart: contact.apart,
+            face,
+            margin,
+            verdict,
+            round: false,
+        };
         found.add(&touch, bounds, own, over, patches);
     }
 }
