@@ -9,5 +9,6 @@ mod damping;
 mod ground;
 mod kinematic;
 mod rotation;
+mod seams;
 mod speed_caps;
 mod standing;

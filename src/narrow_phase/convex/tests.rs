@@ -1,3 +1,4 @@
+use super::support::Support;
 use super::testing::*;
 use super::*;
 use crate::math::Quat;
@@ -404,5 +405,51 @@ fn what_lies_in_the_middle_of_a_face_touches_that_face() {
         // Along a normal that leans a point may show as much less as it is away from the middle.
         assert!((nearest - low).abs() < 2e-4, "{i} {margin} {gap} {lean}: {nearest} for {low}, {raw:?}");
         assert!(raw.count > 2, "{i} {margin} {gap} {lean}: {raw:?}");
+    }
+}
+
+/// A wheel on the level of a face, beside it. Expected: as far from the face as its nearest point, along the way
+/// that leads there. A contact as near as the face is low would be pushed as the wheel turns.
+#[test]
+fn a_wheel_beside_a_face_touches_the_border() {
+    let mut random = testing::Random(2);
+    let half = Vec3::new(1.05, 0.23, 1.05);
+    let corners = |half: Vec3| -> Vec<Vec3> {
+        let sign = |i: usize| if i & 1 == 0 { -1.0 } else { 1.0 };
+        (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect()
+    };
+    let of = |geometry: Geometry| testing::collider(geometry);
+    let grounds = [
+        of(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())),
+        of(Geometry::cuboid(half.x, half.y, half.z)),
+    ];
+    for i in 0..40_000 {
+        let (radius, width) = (random.range(0.15, 0.5), random.range(0.05, 0.2));
+        let round =
+            if i % 3 == 0 { Geometry::capsule(width, radius) } else { Geometry::cylinder(width, radius) };
+        let (shape, ground) = (of(round), &grounds[i / 3 % 2]);
+        let turn = Quat::from_rotation_y(random.range(-3.0, 3.0))
+            * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
+            * Quat::from_rotation_y(random.range(-3.0, 3.0));
+        let gap = random.range(-2e-5, 2e-5);
+        let at = Vec3::new(random.range(0.8, 1.3), half.y + radius + gap, random.range(-1.3, 1.3));
+        let back = turn.conjugate();
+        let rel = Relative { position: -(back * at), rotation: back };
+        let raw = collide_convex(&shape, ground, &rel, 0.3);
+        let (one, other) = (Support::of(&shape).unwrap(), Support::of(ground).unwrap());
+        let apart = gjk::distance(&one, &other, &rel, Vec3::ZERO);
+        let nearest = raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        let lean = raw.normal.cross(apart.normal).length();
+        // What leans by little acts near the lowest line.
+        let across = (turn * Vec3::Y).cross(Vec3::Y);
+        let off = |p: &RawPoint| (turn * p.position).dot(across).abs();
+        let worst = raw.points().iter().map(off).fold(0.0, f32::max);
+        let aside = (turn * raw.normal).dot(across).abs();
+        assert!(worst < radius * aside + 1e-3, "{i} {at} {gap}: {worst} {aside} {raw:?}");
+        if apart.overlap || apart.distance < 1e-3 || apart.distance > 0.3 {
+            continue;
+        }
+        assert!((nearest - apart.distance).abs() < 5e-4, "{i} {at} {gap}: {nearest} for {apart:?}, {raw:?}");
+        assert!(lean < 0.15, "{i} {at} {gap}: {lean} {apart:?}, {raw:?}");
     }
 }

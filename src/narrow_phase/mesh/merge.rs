@@ -242,38 +242,27 @@ mod tests {
         let (half, radius) = (0.2, 0.4);
         let shape = testing::collider(Geometry::cylinder(half, radius));
         let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
-        let mut bad = 0;
         for (cells, cell) in [(16, 0.25), (40, 0.1), (80, 0.05), (4, 1.0)] {
-            for even in [false, true] {
-                let ground =
-                    if even { uneven(cells, cell, &mut random) } else { uneven(cells, cell, &mut random) };
-                for i in 0..2000 {
-                    let yaw = if i % 4 == 0 { 0.0 } else { random.range(-3.0, 3.0) };
-                    let rotation = Quat::from_rotation_y(yaw)
-                        * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
-                        * Quat::from_rotation_y(random.range(-3.0, 3.0));
-                    let gap = random.range(-1e-4, 1e-4);
-                    let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
-                    let back = rotation.conjugate();
-                    let rel = Relative { position: -(back * position), rotation: back };
-                    let margin = if i % 2 == 0 { 0.02 } else { 0.15 };
-                    out.clear();
-                    collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);
-                    let axis = rotation * Vec3::Y;
-                    let across = axis.cross(Vec3::Y);
-                    let off = |p: &RawPoint| (rotation * p.position).dot(across).abs();
-                    let worst = out.iter().flat_map(|m| m.points()).map(off).fold(0.0, f32::max);
-                    let length =
-                        out.iter().flat_map(|m| m.points()).map(|p| p.position.y).fold(f32::MIN, f32::max);
-                    if out.len() != 1 || worst > 3e-3 || length < half - 2e-3 {
-                        bad += 1;
-                        if bad < 6 {
-                            println!("{cell} {i} {yaw} {margin} {gap} worst {worst} {length} {out:?}");
-                        }
-                    }
-                }
+            let ground = uneven(cells, cell, &mut random);
+            for i in 0..2000 {
+                let yaw = if i % 4 == 0 { 0.0 } else { random.range(-3.0, 3.0) };
+                let rotation = Quat::from_rotation_y(yaw)
+                    * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
+                    * Quat::from_rotation_y(random.range(-3.0, 3.0));
+                let gap = random.range(-1e-4, 1e-4);
+                let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
+                let back = rotation.conjugate();
+                let rel = Relative { position: -(back * position), rotation: back };
+                let margin = if i % 2 == 0 { 0.02 } else { 0.15 };
+                out.clear();
+                collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);
+                assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
+                let across = (rotation * Vec3::Y).cross(Vec3::Y);
+                let off = |p: &RawPoint| (rotation * p.position).dot(across).abs();
+                let worst = out[0].points().iter().map(off).fold(0.0, f32::max);
+                let end = out[0].points().iter().map(|p| p.position.y).fold(f32::MIN, f32::max);
+                assert!(worst < 3e-3 && end > half - 2e-3, "{cell} {i} {yaw} {position}: {out:?}");
             }
         }
-        assert_eq!(bad, 0);
     }
 }

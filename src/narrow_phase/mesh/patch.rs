@@ -24,10 +24,6 @@ use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::shape::{Edges, Fold};
 use glam::Vec3;
 
-// Rounding: of a shape right over an edge.
-/// Sine up to which a lean counts as none: rounding, for a shape right over an edge.
-const LEAN: f32 = 1e-3;
-
 /// A triangle that may be touched, in the shape's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {

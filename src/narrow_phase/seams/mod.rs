@@ -114,7 +114,9 @@ impl Seams {
         allowance: &mut Allowance,
     ) -> bool {
         let Seams { ends, pairs: order, groups } = self;
-        (order.clear(), groups.clear(), ends.clear());
+        order.clear();
+        groups.clear();
+        ends.clear();
         let count = states.iter().filter(|state| state.is_of_ground()).count();
         let colliders = input.colliders.len();
         if count < 2
@@ -179,7 +181,15 @@ struct Side {
     shape_at: Vec3,
     /// How exact its places are: carried along a path they are less so [m].
     within: f32,
+    /// Whether the shape is a ball: then points that were merged each have a normal of their own.
+    is_ball: bool,
     dropped: bool,
+}
+
+impl Side {
+    fn normal_at(&self, at: Vec3) -> Vec3 {
+        if self.is_ball { (self.shape_at - at).normalize_or(self.normal) } else { self.normal }
+    }
 }
 
 /// Judges the manifolds of the pairs of one shape; those that are dropped are left without points.
@@ -227,7 +237,7 @@ unsafe fn judge(input: &Input<'_>, pairs: &[Pair], own: &mut [u32], contacts: &S
     for i in (0..count).rev() {
         // SAFETY: by the contract.
         let mut contact = unsafe { contacts.at(sides[i].slot) };
-        let over = |at: &Vec3| is_over_another(input, &pieces, &sides[i], *at);
+        let over = |at: &Vec3| is_over_another(&pieces, &sides[i], *at);
         let face = sides[i].face.filter(|_| sides[i].is_edge && sides[i].places.each().iter().any(over));
         let index = &mut own[sides[i].piece];
         let pair = &pairs[*index as usize];
@@ -278,6 +288,7 @@ fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'
     }
     let out = if lies_first { -normal } else { normal };
     let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+    let is_ball = input.summaries[lying(input, pair) as usize].kind == Kind::Sphere;
     let within = input.touch_distance * if contact.fraction > 0.0 { 2.0 } else { 1.0 };
     let face = piece.face(out, &places, within);
     let is_edge = piece.is_edge(out, face);
@@ -292,6 +303,7 @@ fn side(input: &Input<'_>, pair: &Pair, contact: ContactRef<'_>, piece: &Piece<'
         nearest,
         shape_at,
         within,
+        is_ball,
         dropped: false,
     };
     (places.count > 0).then_some(side)
@@ -325,11 +337,11 @@ fn hidden(
 
 /// Whether a place of a manifold lies on another piece that goes on beyond its plane, or on another part of its
 /// own mesh that does.
-fn is_over_another(input: &Input<'_>, pieces: &[Option<Piece<'_>>], own: &Side, at: Vec3) -> bool {
+fn is_over_another(pieces: &[Option<Piece<'_>>], own: &Side, at: Vec3) -> bool {
     let others = pieces.iter().flatten().enumerate();
     others
         .filter(|(k, piece)| *k != own.piece || !piece.collider.kind.is_convex())
-        .any(|(_, piece)| piece.goes_on(at, own.normal, own.within))
+        .any(|(_, piece)| piece.goes_on(at, own.normal_at(at), own.within))
 }
 
 /// The second rule.
@@ -339,7 +351,7 @@ fn is_covered(input: &Input<'_>, pieces: &[Option<Piece<'_>>], sides: &[Side], i
     let holds = |(k, other): (usize, &Side)| k != i && !other.dropped && other.nearest <= near;
     own.is_edge
         && sides.iter().enumerate().any(holds)
-        && own.places.each().iter().all(|&at| is_over_another(input, pieces, own, at))
+        && own.places.each().iter().all(|&at| is_over_another(pieces, own, at))
 }
 
 /// The third rule: the points of a manifold on the face that it is of.
@@ -409,8 +421,7 @@ fn find_again(
         let turned = ground.rotation.conjugate();
         raw = raw.flipped(-(turned * ground.position), turned);
     }
-    let more = (kept - contacts.room(pair.contact).min(kept)).max(0);
-    if more > 0 {
+    if kept > contacts.room(pair.contact) {
         let points = ContactCount { contacts: 0, points: kept };
         memory.allowances.within(Category::Manifolds, |allowance| contacts.reserve(points, allowance));
     }
