@@ -185,8 +185,8 @@ pub(crate) const CYLINDER_TOO_DEEP: f32 = 0.2;
 /// have their normals right within that. Range 0.0005 to 0.01.
 pub(crate) const KEPT_CONTACT_TURN: f32 = 0.002;
 
-/// Share by which a load may differ from the lasting force that bears it. Narrower: the force follows every
-/// sway and pumps it.
+/// Share by which a load may differ from what statics says of it. Narrower: a lasting force is cut in every
+/// sway, and pumps it. Wider: it lifts what bears less.
 pub(crate) const LOAD_BAND: f32 = 0.2;
 
 /// Time in which lasting forces follow loads [s]: longer than a stack sways to and fro. Range 0.5 to 5.

@@ -254,7 +254,9 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
     let d = now.rotation * first.found_at.rotation.conjugate();
     let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
-    if moved > limit * limit || turned * reach * reach > limit * limit {
+    if moved > limit * limit
+        || turned * reach * reach > limit * limit && swings_past(input, pair, first, d.xyz() * 2.0, limit)
+    {
         return false;
     }
     // Planes between shapes that are apart must not be kept until they are crossed: the shapes may have
@@ -284,6 +286,22 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
         slot = contact.next;
     }
     true
+}
+
+/// Whether a turn of `b` against `a` moves points of both shapes by more than `limit` [m]. A plank that turns
+/// about its long axis moves its points by far less than its length says; in a heap of planks manifolds would
+/// change too often for anything to come to rest. `turn`: small, in the frame of `a` [rad].
+#[cold]
+fn swings_past(
+    input: &Input<'_>,
+    pair: &Pair,
+    contact: ContactRef<'_>,
+    turn: glam::Vec3,
+    limit: f32,
+) -> bool {
+    let swing = |c: u32, turn: glam::Vec3| input.colliders[c as usize].swing(turn);
+    let on_b = contact.found_at.rotation.conjugate() * turn;
+    swing(pair.a, turn).min(swing(pair.b, on_b)) > limit
 }
 
 /// Whether two bodies that bear each other move by no more than `limit`, apart from gravity [m].

@@ -79,6 +79,18 @@ impl Collider {
     pub(crate) fn thickness(&self) -> f32 {
         if self.inner_radius > 0.0 { self.inner_radius } else { f32::INFINITY }
     }
+    /// How far a small turn about its own origin moves any of its points, at most [m]. `turn`: in its own
+    /// frame [rad].
+    pub(crate) fn swing(&self, turn: Vec3) -> f32 {
+        let reach = match &self.geometry {
+            Geometry::Box { half_extents } => *half_extents,
+            Geometry::Hull(hull) => hull.min.abs().max(hull.max.abs()),
+            _ => return turn.length() * self.radius,
+        };
+        let turn = turn.abs();
+        let along = |i: usize, k: usize| turn[i] * reach[k] + turn[k] * reach[i];
+        Vec3::new(along(1, 2), along(2, 0), along(0, 1)).length()
+    }
     /// A shape on a body of its own, whose frame is that of the body.
     pub(crate) fn of(shape: &ShapeDesc) -> Collider {
         let geometry = &shape.geometry;

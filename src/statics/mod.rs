@@ -211,7 +211,7 @@ impl Structure<'_> {
                 burdens[lower as usize].add(point.normal * -point.force, (centre - to).as_vec3() + point.arm);
             }
             for forces in points.chunk_by(|x, y| x.contact == y.contact) {
-                assume(&mut self.contacts.at_mut(forces[0].contact), forces, rest.h);
+                assume(&mut self.contacts.at_mut(forces[0].contact), forces, rest);
             }
         }
     }
@@ -245,9 +245,8 @@ fn point_velocity(bodies: &Bodies, body: usize, at: DVec3) -> Vec3 {
     linear + angular.cross((at - bodies.pose[body].position).as_vec3())
 }
 
-/// Starts a contact with the estimated forces of its points. `h`: length of the substep in which its impulses
-/// act [s].
-fn assume(contact: &mut ContactMut<'_>, forces: &[PointLoad], h: f32) {
+/// Starts a contact with the estimated forces of its points.
+fn assume(contact: &mut ContactMut<'_>, forces: &[PointLoad], rest: &Rest) {
     let load: f32 = forces.iter().map(|p| p.force).sum();
     if load > 0.0 {
         contact.points_mut().iter_mut().for_each(|point| point.share = 0.0);
@@ -255,12 +254,12 @@ fn assume(contact: &mut ContactMut<'_>, forces: &[PointLoad], h: f32) {
             contact.points_mut()[point as usize].share = force / load;
         }
     }
-    let borne = contact.as_ref().bears() / h;
-    contact.expect(load, borne);
+    let borne = contact.as_ref().bears() / rest.h;
+    contact.expect(load, borne, rest.touching);
     if borne < load {
         let missing = (load - borne) / load;
         for &PointLoad { point, force, .. } in forces {
-            contact.points_mut()[point as usize].impulse += force * missing * h;
+            contact.points_mut()[point as usize].impulse += force * missing * rest.h;
         }
     }
 }

@@ -52,7 +52,7 @@ impl Structure<'_> {
                     supports.push(Support { upper, lower, contact: index, number, is_a: upper == a });
                 } else {
                     // Nothing rests on it; its load, possibly of an impact, does not last.
-                    self.contacts.at_mut(index).expect(0.0, 0.0);
+                    self.contacts.at_mut(index).expect(0.0, 0.0, rest.touching);
                 }
             }
         }

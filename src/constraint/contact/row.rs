@@ -285,9 +285,6 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             rows.u[i] = speed + row::<L, B>(v, &point);
             rows.impulse[i] = point.impulse;
             let sag = ease * point.lasting * point.stiffness;
-            // A load explains as much overlap as its spring yields by, and a little more. What is deeper is
-            // no place to rest at.
-            let rest = L::select(reach.gt(L::zero()), rest.max(-(reach + sag)), rest);
             // Apart: only the velocity that would close the gap within this substep is removed, and rigidly
             // so. Springs end where they would pull.
             let apart = s.ge(rest + sag.min(reach));

@@ -20,11 +20,10 @@ fn tray(settings: Settings) -> World {
     world
 }
 
-/// Planks of a metre, as boxes or as hulls, dropped one above the other, turned at random. Returns the root
-/// of the mean square of their speeds in the sixteenth second [m/s].
-fn planks(count: usize, half: f32, hull: bool, hz: f32, seed: u64) -> f32 {
+/// Planks of a metre, as boxes or as hulls, dropped one above the other, turned at random.
+fn heap(settings: Settings, count: usize, half: f32, hull: bool, seed: u64) -> (World, Vec<BodyHandle>) {
     let mut random = Random(seed);
-    let mut world = tray(Settings::default());
+    let mut world = tray(settings);
     let size = Vec3::new(0.5, half, 0.08);
     let geometry = if hull {
         let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
@@ -34,7 +33,7 @@ fn planks(count: usize, half: f32, hull: bool, hz: f32, seed: u64) -> f32 {
     } else {
         Geometry::cuboid(size.x, size.y, size.z)
     };
-    let bodies: Vec<_> = (0..count)
+    let bodies = (0..count)
         .map(|i| {
             let at = DVec3::new(random.range64(-0.9, 0.9), 0.3 + 0.12 * i as f64, random.range64(-0.9, 0.9));
             let turn = Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.1));
@@ -43,6 +42,12 @@ fn planks(count: usize, half: f32, hull: bool, hz: f32, seed: u64) -> f32 {
             world.add_body(&BodyDesc::dynamic().at(at).rotated(turn).with_shape(shape)).unwrap()
         })
         .collect();
+    (world, bodies)
+}
+
+/// The root of the mean square of the speeds of planks in the sixteenth second [m/s].
+fn planks(count: usize, half: f32, hull: bool, hz: f32, seed: u64) -> f32 {
+    let (mut world, bodies) = heap(Settings::default(), count, half, hull, seed);
     let mut sum = 0.0;
     for step in 0..(16.0 * hz) as usize {
         world.step(1.0 / hz).unwrap();
@@ -77,4 +82,34 @@ fn heaps_of_planks_come_to_rest() {
     }
     println!("{awake} of {all} awake, {worst} m/s");
     assert!(8 * awake <= all && worst < 0.02, "{awake} of {all} heaps move, at up to {worst} m/s");
+}
+
+/// Heaps of a hundred thin planks at three rates, thirteen seconds after the last has fallen. Expected: at
+/// rest, in three of four, and the others below a centimetre a second. Before, the lasting forces of contacts
+/// followed what they measured, and squeezed what was wedged until it slipped, for ever: 1 to 11 mm/s in
+/// every heap.
+#[test]
+fn heaps_of_a_hundred_thin_planks_come_to_rest() {
+    let (mut awake, mut worst) = (0, 0.0f32);
+    for hz in [30.0, 60.0, 120.0] {
+        for case in 0..4 {
+            let speed = planks(100, 0.01, case % 2 == 1, hz, 100 + case / 2);
+            println!("100, hulls {}, {hz} Hz, seed {}: {speed:.1e} m/s", case % 2 == 1, case / 2);
+            awake += usize::from(speed > 1e-3);
+            worst = worst.max(speed);
+        }
+    }
+    assert!(awake <= 3 && worst < 0.01, "{awake} of 12 heaps move, at up to {worst} m/s");
+}
+
+/// A hundred planks fall for 1.6 s. Expected: all are asleep within five, as in Rapier (3.7 s); before, none
+/// ever was.
+#[test]
+fn a_heap_of_a_hundred_planks_falls_asleep() {
+    let (mut world, bodies) = heap(Settings::default().with_sleeping(true), 100, 0.01, false, 1);
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let awake = bodies.iter().filter(|&&body| !world.is_asleep(body).unwrap()).count();
+    assert_eq!(awake, 0);
 }
