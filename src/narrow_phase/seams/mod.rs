@@ -320,18 +320,20 @@ fn hidden(
     let own = &sides[i];
     let Some(piece) = &pieces[own.piece] else { return false };
     let touch = input.touch_distance;
-    let behind = |face: Vec3, lift: f32| {
+    let behind = |other: &Side, face: Vec3| {
         // A place that was carried along a path may not be found again: then all counts that is near the
         // shape.
         let around = Places { at: [own.shape_at; MAX_POINTS], count: 1 };
         let high = piece.reach(face, &own.places, own.within);
         let high = high.or_else(|| piece.reach(face, &around, shape.collider.radius));
-        let low = shape.reach(-face, &own.places, 0.0);
-        high.zip(low).is_some_and(|(high, low)| high + low <= touch + lift)
+        // Lifted out of the face the shape reaches no lower than this, nor while the face holds it.
+        let low = shape.reach(-face, &own.places, 0.0).map(|low| -low - other.nearest.min(0.0));
+        let plane = other.places.each().iter().map(|at| at.dot(face)).fold(f32::MIN, f32::max);
+        high.zip(low).is_some_and(|(high, low)| high <= low.min(plane) + touch)
     };
     sides.iter().filter(|other| !other.dropped && other.piece != own.piece).any(|other| {
         let leans = |face: &Vec3| own.normal.dot(*face) < FLAT_EDGE_COSINE;
-        other.face.filter(leans).is_some_and(|face| behind(face, -other.nearest.min(0.0)))
+        other.face.filter(leans).is_some_and(|face| behind(other, face))
     })
 }
 
