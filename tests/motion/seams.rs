@@ -438,8 +438,8 @@ fn furthest(world: &mut World, body: BodyHandle, seconds: f32, hz: f32) -> f64 {
 
 const RATES: [f32; 3] = [30.0, 60.0, 120.0];
 
-/// Boxes, balls, capsules, cylinders, cones and hulls without friction, at 1 to 100 m/s, over floors of boxes,
-/// hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a plane:
+/// Boxes, balls, capsules, cylinders, cones and hulls without friction, at 1 to 100 m/s, over floors of
+/// boxes, hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a plane:
 /// the speed to a tenth of a percent, beside what steps down and up give and take, and no centre more than a
 /// millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m high.
 #[test]
@@ -473,8 +473,8 @@ fn hills_of_chunks_are_those_of_one_mesh() {
 }
 
 /// A step of 5 mm is none of the gaps that are passed over. Expected: a ball of 25 cm at 2 m/s loses to its
-/// edge what leads into that, 1 - cos(0.2), and climbs: 1.93 m/s are left, less for what a step is long; a box
-/// that strikes it with its side is thrown back, and comes no further than it tips.
+/// edge what leads into that, 1 - cos(0.2), and climbs: 1.93 m/s are left, less for what a step is long; a
+/// box that strikes it with its side is thrown back, and comes no further than it tips.
 #[test]
 fn a_step_is_felt() {
     for hz in RATES {

@@ -90,8 +90,9 @@ struct FacePair<'a> {
     other: FaceAxis,
 }
 
-/// How many times their largest separation along an axis two polytopes may be apart, where neither is much of a
-/// needle.
+// Rounding: of separations.
+/// How many times their largest separation along an axis two polytopes may be apart, where neither is much of
+/// a needle.
 const FURTHEST: f32 = 10.0;
 
 /// The separation above which another axis counts as clearly better than one with this separation [m].

@@ -337,8 +337,8 @@ fn hidden(
     })
 }
 
-/// Whether a place of a manifold lies on another piece that goes on beyond its plane, or on another part of its
-/// own mesh that does.
+/// Whether a place of a manifold lies on another piece that goes on beyond its plane, or on another part of
+/// its own mesh that does.
 fn is_over_another(pieces: &[Option<Piece<'_>>], own: &Side, at: Vec3) -> bool {
     let others = pieces.iter().flatten().enumerate();
     others
@@ -384,8 +384,8 @@ fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Sid
     }
 }
 
-/// The third rule for a convex piece: finds the contact with the plane of its face, as far as the piece goes. A
-/// contact that has nothing there is left without points. Returns the number of points that got no place.
+/// The third rule for a convex piece: finds the contact with the plane of its face, as far as the piece goes.
+/// A contact that has nothing there is left without points. Returns the number of points that got no place.
 fn find_again(
     input: &Input<'_>,
     pair: &Pair,

@@ -87,8 +87,8 @@ impl<'a> Contact<'a> {
         if is_flat && cloud.points().is_empty() {
             self.on_face(&flat, &mut cloud);
         }
-        // The side of a cylinder that is not over the face touches its border, and rolls on it: a point of the
-        // side that moves towards the face is none that the face meets.
+        // The side of a cylinder that is not over the face touches its border, and rolls on it: a point of
+        // the side that moves towards the face is none that the face meets.
         let rolls = matches!(flat.face, Some((FlatFace::Polygon(_), _))) && cloud.points().is_empty();
         if is_flat && !rolls {
             if cloud.least() > flat.separation + self.tolerance {
