@@ -59,6 +59,7 @@ pub(crate) fn store(
     workers: &Workers<'_>,
     rows: &mut Rows,
     dt: f32,
+    wedged: f32,
     lengths: StepLengths,
     contacts: &SharedContacts<'_>,
 ) -> Stored {
@@ -74,7 +75,7 @@ pub(crate) fn store(
                 if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
                     store_rolling(batch, rolling.on_b(batch.normal, f.tangent), contacts);
                 }
-                store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
+                store_in_contacts(batch, rows.as_deref(), potential, dt, wedged, lengths, contacts)
             })
         };
         if stored.pushed > 0 {
@@ -109,6 +110,7 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
     friction: Option<&FrictionRow<L, B>>,
     potential: bool,
     dt: f32,
+    wedged: f32,
     lengths: StepLengths,
     contacts: &SharedContacts<'_>,
 ) -> Stored {
@@ -142,7 +144,7 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
         contact.mean_friction = lengths.follow(contact.mean_friction.into(), friction.extend(twist)).into();
-        stored.unknown_load |= contact.bear(dt, lengths.now());
+        stored.unknown_load |= contact.bear(dt, lengths.now(), wedged);
         forget_unsound(&mut contact);
     });
     stored
