@@ -417,24 +417,22 @@ impl<'a> ContactMut<'a> {
     /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a
     /// step of `dt` seconds. Says whether that load is one that statics should look at.
     ///
-    /// It follows only a load that is off by more than [`LOAD_BAND`], and otherwise what statics expects. If
+    /// It follows only a load that is more than what statics expects by [`LOAD_BAND`], and otherwise that. If
     /// it followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)`
     /// and pump it, wherever several manifolds bear a body. It never follows where the two overlap by more
-    /// than `wedged` [m]: there the force itself is most of what is measured, and grew until something slipped,
-    /// and so on for ever (docs/decisions/heaps.md).
+    /// than `wedged` [m]: there the force itself is most of what is measured, and grew until something
+    /// slipped, and so on for ever (docs/decisions/heaps.md).
     pub(crate) fn bear(&mut self, dt: f32, h: f32, wedged: f32) -> bool {
         let load = self.as_ref().bears() / h;
-        let near = |force: f32| (force - load).abs() <= LOAD_BAND * load;
-        if self.lasting_force > load * (1.0 + LOAD_BAND) {
+        let (least, most) = (load * (1.0 - LOAD_BAND), load * (1.0 + LOAD_BAND));
+        if self.lasting_force > most {
             // At once, or it would push.
             self.lasting_force = load;
         }
-        let target = if self.depth() > wedged {
-            self.static_load.clamp(0.0, load * (1.0 + LOAD_BAND))
-        } else if near(self.static_load) {
-            self.static_load
+        let target = if self.static_load >= least || self.depth() > wedged {
+            self.static_load.max(0.0).min(most)
         } else {
-            self.lasting_force.max(load * (1.0 - LOAD_BAND))
+            self.lasting_force.max(least)
         };
         let share = (dt / LOAD_TIME).min(1.0);
         self.lasting_force += (target - self.lasting_force) * share;
