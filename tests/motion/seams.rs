@@ -439,9 +439,10 @@ fn furthest(world: &mut World, body: BodyHandle, seconds: f32, hz: f32) -> f64 {
 const RATES: [f32; 3] = [30.0, 60.0, 120.0];
 
 /// Boxes, balls, capsules, cylinders, cones and hulls without friction, at 1 to 100 m/s, over floors of
-/// boxes, hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a plane:
-/// the speed to a tenth of a percent, beside what steps down and up give and take, and no centre more than a
-/// millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m high.
+/// boxes, hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a
+/// plane: the speed to a tenth of a percent, beside what steps down and up give and take, and no centre more
+/// than a millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m
+/// high.
 #[test]
 fn what_slides_over_a_floor_of_pieces_goes_on_as_on_a_plane() {
     assert_eq!(slides(1, 300), 0);
