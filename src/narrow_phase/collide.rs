@@ -2,8 +2,8 @@
 //!
 //! Three passes, and a fourth where ground has seams. *Place*: the relative pose of every pair, eight at a
 //! time; a pair that hardly moved since its contact was found keeps it. *Bins*: the others are binned by
-//! shape pair and go through their kernel in lanes. *Commit*, by one thread and in the order of the pairs: contacts
-//! come and go. Last, what touches ground of several pieces is judged against all of it
+//! shape pair and go through their kernel in lanes. *Commit*, by one thread and in the order of the pairs:
+//! contacts come and go. *Seams*: what touches ground of several pieces is judged against all of it
 //! ([`seams`](super::seams)).
 
 use super::bins::{Bin, Bins};
