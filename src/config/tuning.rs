@@ -185,13 +185,9 @@ pub(crate) const CYLINDER_TOO_DEEP: f32 = 0.2;
 /// have their normals right within that. Range 0.0005 to 0.01.
 pub(crate) const KEPT_CONTACT_TURN: f32 = 0.002;
 
-/// Share by which a load may differ from the lasting force that bears it. Narrower: the force follows every
-/// sway and pumps it.
+/// Share by which a load may differ from what statics says of it. Narrower: a lasting force is cut in every
+/// sway, and pumps it. Wider: it lifts what bears less.
 pub(crate) const LOAD_BAND: f32 = 0.2;
-
-/// Overlap from which on a contact is wedged [length units]: its load is what others squeeze it by. Less: the
-/// springs of long steps yield as much by themselves. More: heaps of thin bodies stay awake.
-pub(crate) const WEDGED_DEPTH: f32 = 0.0025;
 
 /// Time in which lasting forces follow loads [s]: longer than a stack sways to and fro. Range 0.5 to 5.
 pub(crate) const LOAD_TIME: f32 = 2.0;

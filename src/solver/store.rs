@@ -59,7 +59,6 @@ pub(crate) fn store(
     workers: &Workers<'_>,
     rows: &mut Rows,
     dt: f32,
-    wedged: f32,
     lengths: StepLengths,
     contacts: &SharedContacts<'_>,
 ) -> Stored {
@@ -75,7 +74,7 @@ pub(crate) fn store(
                 if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
                     store_rolling(batch, rolling.on_b(batch.normal, f.tangent), contacts);
                 }
-                store_in_contacts(batch, rows.as_deref(), potential, dt, wedged, lengths, contacts)
+                store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
             })
         };
         if stored.pushed > 0 {
@@ -110,7 +109,6 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
     friction: Option<&FrictionRow<L, B>>,
     potential: bool,
     dt: f32,
-    wedged: f32,
     lengths: StepLengths,
     contacts: &SharedContacts<'_>,
 ) -> Stored {
@@ -144,7 +142,7 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
         contact.mean_friction = lengths.follow(contact.mean_friction.into(), friction.extend(twist)).into();
-        stored.unknown_load |= contact.bear(dt, lengths.now(), wedged);
+        stored.unknown_load |= contact.bear(dt, lengths.now());
         forget_unsound(&mut contact);
     });
     stored

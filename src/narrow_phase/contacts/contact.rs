@@ -414,36 +414,24 @@ impl<'a> ContactMut<'a> {
         self.share_all();
     }
 
-    /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a
-    /// step of `dt` seconds. Says whether that load is one that statics should look at.
+    /// Lets the lasting force go to what statics expects, after a step of `dt` seconds whose last substep
+    /// took `h`. Says whether the contact bears a load that statics should look at.
     ///
-    /// It follows only a load that is more than what statics expects by [`LOAD_BAND`], and otherwise that. If
-    /// it followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)`
-    /// and pump it, wherever several manifolds bear a body. It never follows where the two overlap by more
-    /// than `wedged` [m]: there the force itself is most of what is measured, and grew until something
-    /// slipped, and so on for ever (docs/decisions/heaps.md).
-    pub(crate) fn bear(&mut self, dt: f32, h: f32, wedged: f32) -> bool {
+    /// It never follows the load that is measured. If it followed a sway, the restoring force would lag
+    /// behind it by `0.9 / (omega * LOAD_TIME)` and pump it, wherever several manifolds bear a body; and what
+    /// is wedged would be squeezed ever more, since there the force itself is most of what is measured, until
+    /// something slips, and so on for ever (docs/decisions/heaps.md).
+    pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.as_ref().bears() / h;
-        let (least, most) = (load * (1.0 - LOAD_BAND), load * (1.0 + LOAD_BAND));
+        let most = load * (1.0 + LOAD_BAND);
         if self.lasting_force > most {
             // At once, or it would push.
             self.lasting_force = load;
         }
-        let target = if self.static_load >= least || self.depth() > wedged {
-            self.static_load.max(0.0).min(most)
-        } else {
-            self.lasting_force.max(least)
-        };
         let share = (dt / LOAD_TIME).min(1.0);
-        self.lasting_force += (target - self.lasting_force) * share;
+        self.lasting_force += (self.static_load.max(0.0).min(most) - self.lasting_force) * share;
         self.rest -= self.rest * share;
         load > 0.0 && self.is_unknown()
-    }
-
-    /// Mean overlap of its points [m].
-    fn depth(&self) -> f32 {
-        let sum: f32 = self.as_ref().points.iter().map(|p| p.separation).sum();
-        -sum / f32::from(self.count.max(1))
     }
 
     /// Begins the next step as if nothing had been borne.
@@ -463,7 +451,8 @@ impl<'a> ContactMut<'a> {
     /// much as statics says. If not it is wedged, lands, or was put there: with a lasting force beside its
     /// overlap it would be squeezed.
     pub(crate) fn expect(&mut self, load: f32, borne: f32, slop: f32) {
-        let depth = self.depth();
+        let sum: f32 = self.as_ref().points.iter().map(|p| p.separation).sum();
+        let depth = -sum / f32::from(self.count);
         self.rest = -depth.clamp(0.0, slop);
         (self.lasting_force, self.static_load) = if depth <= slop {
             (load.max(borne), load)

@@ -5,7 +5,6 @@ use crate::body::{Bodies, Colliders};
 use crate::broad_phase::PairMemory;
 use crate::config::tuning::{
     CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
-    WEDGED_DEPTH,
 };
 use crate::config::{ContinuousMethod, FrictionModel, Settings};
 use crate::constraint::{
@@ -348,7 +347,6 @@ impl World {
         let (dynamic, summaries) = (self.bodies.dynamic(), &self.colliders.summaries);
         let solved = self.broad.pairs.iter().filter(|pair| !pair.is_idle(summaries, dynamic));
         let per_point = self.settings.friction_model == FrictionModel::Point;
-        let wedged = WEDGED_DEPTH * self.settings.length_unit;
         let Buffers { rows, statics, .. } = &mut self.buffers;
         if per_point {
             // Each point adds its share.
@@ -356,13 +354,13 @@ impl World {
         }
         let stored = {
             let contacts = self.contacts.share();
-            solver::store(workers, rows, dt, wedged, lengths, &contacts)
+            solver::store(workers, rows, dt, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;
         if per_point {
             // The load of a contact whose points were solved separately is that of its points.
             self.contacts.for_each_of(solved, |_, contact| {
-                statics.pending |= contact.bear(dt, lengths.now(), wedged);
+                statics.pending |= contact.bear(dt, lengths.now());
             });
         }
         stored.pushed
