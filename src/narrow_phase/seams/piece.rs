@@ -18,11 +18,26 @@ const LEAN: f32 = 3e-4;
 /// Points of a manifold on the surface of a piece.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Places {
-    pub(super) at: [Vec3; MAX_POINTS],
-    pub(super) count: usize,
+    at: [Vec3; MAX_POINTS],
+    count: usize,
 }
 
 impl Places {
+    pub(super) fn one(at: Vec3) -> Places {
+        Places { at: [at; MAX_POINTS], count: 1 }
+    }
+
+    /// Adds a place; there are no more than a manifold has points.
+    pub(super) fn push(&mut self, at: Vec3) {
+        self.at[self.count] = at;
+        self.count += 1;
+    }
+
+    /// The furthest of them along a direction [m].
+    pub(super) fn furthest(&self, along: Vec3) -> f32 {
+        self.each().iter().map(|at| at.dot(along)).fold(f32::MIN, f32::max)
+    }
+
     pub(super) fn each(&self) -> &[Vec3] {
         &self.at[..self.count]
     }
@@ -121,8 +136,7 @@ impl Piece<'_> {
             return point.y <= within && local.with_y(0.0).length() > LEAN;
         }
         let mut found = false;
-        let one = Places { at: [at; MAX_POINTS], count: 1 };
-        self.each_triangle(&one, within, &mut |corners| {
+        self.each_triangle(&Places::one(at), within, &mut |corners| {
             let reach = corners.iter().map(|corner| (*corner - point).dot(local)).fold(f32::MIN, f32::max);
             let size = (corners[1] - corners[0]).length().max((corners[2] - corners[0]).length());
             let near = || from_triangle(point, corners).length_squared() <= f64::from(within * within);
