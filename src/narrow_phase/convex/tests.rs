@@ -367,6 +367,13 @@ fn time_of_a_pair_in_shallow_contact() {
     }
 }
 
+/// A hull of the corners of a box.
+fn box_of_planes(half: Vec3) -> Collider {
+    let sign = |i: usize| if i & 1 == 0 { -1.0 } else { 1.0 };
+    let corners: Vec<Vec3> = (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect();
+    testing::collider(Geometry::hull(ConvexHull::new(&corners).unwrap()))
+}
+
 /// What lies over the middle of the face of a wide box, apart or in it by a hair, and leans by a hair.
 /// Expected: the contact is as near as the lowest point, however far around contacts are looked for. By a
 /// face that leans the other one, wider by far, shows less than the truth.
@@ -374,22 +381,14 @@ fn time_of_a_pair_in_shallow_contact() {
 fn what_lies_in_the_middle_of_a_face_touches_that_face() {
     let mut random = testing::Random(1);
     let half = Vec3::new(1.05, 0.23, 1.05);
-    let corners = |half: Vec3| -> Vec<Vec3> {
-        let sign = |i: usize| if i & 1 == 0 { -1.0 } else { 1.0 };
-        (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect()
-    };
-    let of = |geometry: Geometry| testing::collider(geometry);
-    let grounds = [
-        of(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())),
-        of(Geometry::cuboid(half.x, half.y, half.z)),
-    ];
+    let grounds = [box_of_planes(half), testing::collider(Geometry::cuboid(half.x, half.y, half.z))];
     for i in 0..100_000 {
         let size = Vec3::new(random.range(0.2, 0.5), random.range(0.2, 0.4), random.range(0.2, 0.5));
-        let shape = of(match i % 3 {
-            0 => Geometry::cuboid(size.x, size.y, size.z),
-            1 => Geometry::hull(ConvexHull::new(&corners(size)).unwrap()),
-            _ => Geometry::cylinder(size.y, size.x),
-        });
+        let shape = match i % 3 {
+            0 => testing::collider(Geometry::cuboid(size.x, size.y, size.z)),
+            1 => box_of_planes(size),
+            _ => testing::collider(Geometry::cylinder(size.y, size.x)),
+        };
         let lean = random.direction() * libm::powf(10.0, random.range(-7.0, -3.0));
         let turn = Quat::from_rotation_y(random.range(-3.0, 3.0))
             * Quat::from_xyzw(lean.x, 0.0, lean.z, 1.0).normalize();
@@ -414,20 +413,12 @@ fn what_lies_in_the_middle_of_a_face_touches_that_face() {
 fn a_wheel_beside_a_face_touches_the_border() {
     let mut random = testing::Random(2);
     let half = Vec3::new(1.05, 0.23, 1.05);
-    let corners = |half: Vec3| -> Vec<Vec3> {
-        let sign = |i: usize| if i & 1 == 0 { -1.0 } else { 1.0 };
-        (0..8).map(|i| half * Vec3::new(sign(i), sign(i >> 1), sign(i >> 2))).collect()
-    };
-    let of = |geometry: Geometry| testing::collider(geometry);
-    let grounds = [
-        of(Geometry::hull(ConvexHull::new(&corners(half)).unwrap())),
-        of(Geometry::cuboid(half.x, half.y, half.z)),
-    ];
+    let grounds = [box_of_planes(half), testing::collider(Geometry::cuboid(half.x, half.y, half.z))];
     for i in 0..40_000 {
         let (radius, width) = (random.range(0.15, 0.5), random.range(0.05, 0.2));
         let round =
             if i % 3 == 0 { Geometry::capsule(width, radius) } else { Geometry::cylinder(width, radius) };
-        let (shape, ground) = (of(round), &grounds[i / 3 % 2]);
+        let (shape, ground) = (testing::collider(round), &grounds[i / 3 % 2]);
         let turn = Quat::from_rotation_y(random.range(-3.0, 3.0))
             * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
             * Quat::from_rotation_y(random.range(-3.0, 3.0));
