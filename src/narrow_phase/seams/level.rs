@@ -1,8 +1,8 @@
 //! The third rule: what bears on a border of a face that another piece continues bears on the face.
 
+use super::lying;
 use super::piece::{Piece, Places};
-use super::rules::{Side, piece_of};
-use super::{ground, lying};
+use super::rules::{Side, normal_of, piece_of};
 use crate::broad_phase::Pair;
 use crate::math::Quat;
 use crate::memory::Category;
@@ -19,17 +19,18 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// A pair with ground, and whether its contact was levelled: then what its face bears is still to be found,
-/// and some of its points, one bit each, are covered by other pieces.
+/// and some of its points, one bit each, are covered
+/// by other pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Found(u32);
 
 const LEVELLED: u32 = 1 << 31;
-const COVERED: u32 = 31 - MAX_POINTS as u32;
+const GONE: u32 = 31 - MAX_POINTS as u32;
 
 impl Found {
     /// The most pairs that can be told apart.
-    pub(super) const MOST: usize = 1 << COVERED;
+    pub(super) const MOST: usize = 1 << GONE;
 
     pub(super) fn new(pair: u32) -> Found {
         Found(pair)
@@ -39,54 +40,64 @@ impl Found {
         self.0 & (Self::MOST as u32 - 1)
     }
 
-    pub(super) fn levelled(self, covered: u32) -> Found {
-        Found(self.pair() | covered << COVERED | LEVELLED)
+    pub(super) fn levelled(self, gone: u32) -> Found {
+        Found(self.pair() | gone << GONE | LEVELLED)
     }
 
-    /// Which points of a contact that was levelled are covered.
+    /// Which points of a contact that was levelled go.
     pub(super) fn to_level(self) -> Option<u32> {
-        (self.0 & LEVELLED != 0).then_some(self.0 >> COVERED & ((1 << MAX_POINTS) - 1))
+        (self.0 & LEVELLED != 0).then_some(self.0 >> GONE & ((1 << MAX_POINTS) - 1))
     }
 }
 
-/// Lets the points of a manifold act along the normal of the face that it is of.
-pub(super) fn level(input: &Input<'_>, pair: &Pair, contact: &mut ContactMut<'_>, own: &Side, face: Vec3) {
+/// Lets the points of a manifold act along the normal of the face that it is of, as if it had been found so.
+pub(super) fn level(
+    input: &Input<'_>,
+    pair: &Pair,
+    piece: &Piece<'_>,
+    contact: &mut ContactMut<'_>,
+    own: &Side,
+    face: Vec3,
+) {
     let lies = lying(input, pair);
-    let [ground, pose] = [ground(input, pair), lies].map(|c| &input.poses[c as usize]);
     let shape = &input.colliders[lies as usize];
-    let lever = pose.rotation * shape.rotation.conjugate() * shape.position;
+    let lever = input.poses[lies as usize].rotation * shape.rotation.conjugate() * shape.position;
     let spin = input.motion_of(lies).angular * contact.fraction;
     let offset = own.places.furthest(face);
-    let frame = contact.frame.conjugate();
-    contact.normal = frame * if lies == pair.a { -face } else { face };
-    let origin = if lies == pair.a { own.shape_at } else { (ground.position - pose.position).as_vec3() };
+    let lies_first = lies == pair.a;
+    let Relative { position, rotation } = contact.found_at;
+    let in_frame = |d: Vec3| if lies_first { rotation * piece.pose.back(d) } else { piece.pose.back(d) };
+    contact.normal = in_frame(if lies_first { -face } else { face });
+    let (origin, at_origin) = if lies_first { (own.shape_at, position) } else { (Vec3::ZERO, Vec3::ZERO) };
     for (point, &at) in contact.points_mut().iter_mut().zip(own.places.each()) {
         // On the shape, where it touches.
         let on_shape = at + own.normal * own.gap(point.found);
         let height = on_shape.dot(face) - offset;
         let closed = -face.dot(own.shape_at + spin.cross(lever + on_shape - own.shape_at));
-        point.position = frame * (on_shape - face * (0.5 * height) - origin);
-        point.separation = height + closed.max(0.0);
-        point.found = point.separation;
+        point.position =
+            in_frame(on_shape - face * (0.5 * height) - origin - piece.pose.position) + at_origin;
+        let found = height + closed.max(0.0);
+        point.separation += found - point.found;
+        point.found = found;
     }
 }
 
-/// Gives a contact with a convex piece, which was levelled, what its face bears as far as the piece goes, in
-/// place of the points that other pieces cover. One that has nothing there is left without points. Returns the
-/// number of points that got no place.
+/// Gives a contact with a convex piece, which was levelled, what its face bears as far as the piece goes,
+/// beside its own points but those that go. One that has none then is left without. Returns the number of
+/// points that got no place.
 pub(super) fn find_again(
     input: &Input<'_>,
     pair: &Pair,
-    covered: u32,
+    gone: u32,
     contacts: &mut Contacts,
     memory: &mut ContactMemory<'_>,
 ) -> u32 {
     let piece = piece_of(input, pair);
     let contact = contacts.at(pair.contact);
     let lies_first = lying(input, pair) == pair.a;
-    let face = contact.frame * contact.normal * if lies_first { -1.0 } else { 1.0 };
+    let face = normal_of(contact, &piece, lies_first);
     let (mut points, mut count) = ([RawPoint::default(); 2 * MAX_POINTS], 0);
-    for (_, point) in contact.points().iter().enumerate().filter(|(k, _)| covered >> k & 1 == 0) {
+    for (_, point) in contact.points().iter().enumerate().filter(|(k, _)| gone >> k & 1 == 0) {
         points[count] = RawPoint { position: point.position, separation: point.separation, key: point.key };
         count += 1;
     }
@@ -100,7 +111,8 @@ pub(super) fn find_again(
             count += 1;
         }
     }
-    let mut raw = RawManifold { normal: contact.normal, material: contact.material.into(), ..on_face };
+    let normal = input.poses[pair.a as usize].rotation.conjugate() * if lies_first { -face } else { face };
+    let mut raw = RawManifold { normal, material: contact.material.into(), ..on_face };
     let reduced = reduce(&points[..count], raw.normal);
     (raw.points, raw.count) = (reduced.0, reduced.1 as u16);
     if raw.count == 0 {
@@ -117,8 +129,8 @@ pub(super) fn find_again(
     shed
 }
 
-/// The contact of a shape with the plane of a face of a convex piece, as far as the piece goes; in the frame of
-/// the pair's shape `a`.
+/// The contact of a shape with the plane of a face of a convex piece, as far as the piece goes; in the frame
+/// of the pair's shape `a`.
 fn on_face(input: &Input<'_>, pair: &Pair, piece: &Piece<'_>, face: Vec3) -> RawManifold {
     let lies = lying(input, pair);
     let (shape, rotation) = (&input.colliders[lies as usize], input.poses[lies as usize].rotation);

@@ -8,10 +8,11 @@
 //! 1. *Behind a face* ([`rules`]). The piece lies behind the plane of a face of another piece that holds the
 //!    shape, and would push along quite another direction: the side of the next tile of a floor.
 //! 2. *Covered edges.* The normal comes from an edge, and at all points another piece, or another triangle of
-//!    the same mesh, goes on beyond its plane: the edge of a chunk that goes on in the next one, level or not.
+//!    the same mesh, goes on beyond its plane: the edge of a chunk that goes on in the next one, level or
+//!    not.
 //! 3. *Faces for borders* ([`level`]). Where the edge is a border of a face that is nearly across the normal,
-//!    what another piece covers is replaced by what is on the face: a body that lies across a seam and leans
-//!    by a hair keeps its support, and gets it along the normal of the face.
+//!    and another piece covers some of it, the points act along the normal of the face, and those that the
+//!    whole face has are added: a body that lies across a seam and leans by a hair keeps its support.
 //!
 //! Gaps and steps up to the distance that counts as touching are none. A shape that has only one piece near
 //! it costs nothing but the count of its pieces.
@@ -84,8 +85,8 @@ impl Seams {
         let mut shed = 0;
         for found in order.iter() {
             let pair = &mut pairs[found.pair() as usize];
-            if let Some(covered) = found.to_level() {
-                shed += find_again(input, pair, covered, contacts, memory);
+            if let Some(gone) = found.to_level() {
+                shed += find_again(input, pair, gone, contacts, memory);
             }
             if pair.contact != NO_CONTACT {
                 pair.contact = contacts.remove_empty(pair.contact);

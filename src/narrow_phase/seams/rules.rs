@@ -50,12 +50,10 @@ impl Side {
             return None;
         }
         let lies_first = lying(input, pair) == pair.a;
-        // From a to b, in the world.
-        let normal = contact.frame * contact.normal;
         let [a, b] = [pair.a, pair.b].map(|c| input.motion_of(c).linear);
         let moved = (a - b) * contact.fraction;
         let mut side = Side {
-            normal: if lies_first { -normal } else { normal },
+            normal: normal_of(contact, piece, lies_first),
             nearest: contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min),
             shape_at: if lies_first { moved } else { -moved },
             within: input.touch_distance * if contact.fraction > 0.0 { 2.0 } else { 1.0 },
@@ -160,16 +158,23 @@ pub(super) unsafe fn judge(
             let face = side.face.filter(|_| covered != 0);
             let is_convex = piece.collider.kind.is_convex();
             if let Some(face) = face.filter(|_| is_convex && contact.fraction == 0.0) {
-                level(input, pair(found), &mut contact, &side, face);
+                level(input, pair(found), &piece, &mut contact, &side, face);
                 *found = found.levelled(covered);
             } else if all && holds_besides(&side, i, sides, place.touch) {
                 sides[i].dropped = true;
                 contact.empty();
             } else if let Some(face) = face {
-                level(input, pair(found), &mut contact, &side, face);
+                level(input, pair(found), &piece, &mut contact, &side, face);
             }
         }
     }
+}
+
+/// The normal that a contact had when it was found, out of the ground, in the world. The bodies of one that is
+/// kept have turned since.
+pub(super) fn normal_of(contact: ContactRef<'_>, ground: &Piece<'_>, lies_first: bool) -> Vec3 {
+    let back = contact.found_at.rotation.conjugate();
+    ground.pose.direction(if lies_first { back * -contact.normal } else { contact.normal })
 }
 
 /// The ground of a pair, seen from what lies on it.
@@ -215,8 +220,8 @@ impl Place<'_> {
     }
 }
 
-/// Whether another manifold holds the shape as near as that at `i`, or at all: of two edges of a crack one has
-/// to stay.
+/// Whether another manifold holds the shape as near as that at `i`, or at all: of two edges of a crack one
+/// has to stay.
 fn holds_besides(own: &Side, i: usize, sides: &[Side], touch: f32) -> bool {
     let near = own.nearest.max(touch);
     sides.iter().enumerate().any(|(k, other)| k != i && !other.dropped && other.nearest <= near)

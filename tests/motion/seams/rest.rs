@@ -29,15 +29,16 @@ fn step(world: &mut World, hz: f32) {
     world.step(1.0 / hz).unwrap();
 }
 
-/// Twelve bodies dropped on a floor of tiles. Expected: ten seconds later they are at rest, as on a plane
+/// Six bodies dropped on a floor of tiles. Expected: ten seconds later they are at rest, as on a plane
 /// (below 1 mm/s), and two minutes later where they were then, to a millimetre. Where a border that one piece
-/// covers in part bears nothing any more, they move on.
+/// covers in part bears nothing any more, they move on; where a contact that is kept is judged by where its
+/// normal is by now, they rock on borders for minutes.
 #[test]
 fn what_lies_across_seams_stays_where_it_is() {
-    for case in 0..12 {
+    for case in 0..24 {
         let mut random = Random(300 + case);
         let hz = RATES[case as usize % 3];
-        let (mut world, bodies) = strewn(&mut random, Settings::default(), 12);
+        let (mut world, bodies) = strewn(&mut random, Settings::default(), 6);
         let run = |world: &mut World, seconds: f32| {
             (0..(seconds * hz) as usize).for_each(|_| step(world, hz));
         };
@@ -45,7 +46,7 @@ fn what_lies_across_seams_stays_where_it_is() {
         // Some fall off the floor.
         let lies = |body: &&BodyHandle| world.position(**body).unwrap().y > -0.5;
         let bodies: Vec<BodyHandle> = bodies.iter().filter(lies).copied().collect();
-        assert!(bodies.len() > 5, "{case}: {} lie", bodies.len());
+        assert!(bodies.len() > 2, "{case}: {} lie", bodies.len());
         let place = |world: &World| bodies.iter().map(|&b| world.position(b).unwrap()).collect::<Vec<_>>();
         let speed = |world: &World| {
             let speeds = bodies.iter().map(|&b| world.linear_velocity(b).unwrap().length());
