@@ -6,7 +6,8 @@
 //! into it, the two are moved apart at their ends until the centre is back in front of the surface that it
 //! crossed, by the radius of its body's inner ball; the lighter body moves more. If it goes straight into it,
 //! or both have joints and can't be moved alone, both stop on their paths. The closing speed is removed as by
-//! an impulse there.
+//! an impulse there. What is at the surface from the start is moved aside even if it goes straight into it:
+//! stopped, both would be where they were, and go the same way in the next step, for ever.
 
 use super::guard::{Guard, stop};
 use crate::body::{Bodies, Pose, carry_spin};
@@ -46,7 +47,7 @@ struct Passing {
     /// Normal of the surface that it enters, at the end of the step, towards the centre.
     normal: Vec3,
     /// How far it has to be moved along the normal to be in front again, at the end of the step [m]; `None`
-    /// if it goes more into the surface than along it.
+    /// if it goes more into the surface than along it, from some distance.
     lift: Option<f32>,
 }
 
@@ -201,7 +202,7 @@ impl Guard<'_> {
             other,
             stop: (stop * (length + keep) / length).min(1.0),
             normal: new.rotation * hit.normal,
-            lift: (height > -PASSING_STEEPNESS * length).then_some((inner - height).max(0.0)),
+            lift: (stop == 0.0 || height > -PASSING_STEEPNESS * length).then_some((inner - height).max(0.0)),
         })
     }
 }

@@ -170,8 +170,8 @@ pub(super) unsafe fn judge(
     }
 }
 
-/// The normal that a contact had when it was found, out of the ground, in the world. The bodies of one that is
-/// kept have turned since.
+/// The normal that a contact had when it was found, out of the ground, in the world. The bodies of one that
+/// is kept have turned since.
 pub(super) fn normal_of(contact: ContactRef<'_>, ground: &Piece<'_>, lies_first: bool) -> Vec3 {
     let back = contact.found_at.rotation.conjugate();
     ground.pose.direction(if lies_first { back * -contact.normal } else { contact.normal })

@@ -155,6 +155,26 @@ fn a_chain_is_removed_as_a_whole_and_its_slots_are_taken_last_first() {
     assert_eq!(store.places.points.len(), 6);
 }
 
+/// Expected: of each chain of up to four contacts, those that have points are left, in their order.
+#[test]
+fn contacts_without_points_leave_a_chain() {
+    for pattern in 1_u32..16 {
+        let count = 32 - pattern.leading_zeros();
+        let mut store = Contacts::default();
+        let slots: Vec<u32> = (0..count).map(|id| add(&mut store, &contact(id, 2))).collect();
+        slots.windows(2).for_each(|pair| store.at_mut(pair[0]).next = pair[1]);
+        let has = |k: u32| pattern >> k & 1 == 1;
+        (0..count).filter(|&k| !has(k)).for_each(|k| store.at_mut(slots[k as usize]).empty());
+        let mut left = store.remove_empty(slots[0]);
+        assert_eq!(store.live(), pattern.count_ones() as usize, "{pattern:b}");
+        for k in (0..count).filter(|&k| has(k)) {
+            assert_eq!(seen(store.at(left)), seen(contact(k, 2).as_ref()), "{pattern:b}");
+            left = store.at(left).next;
+        }
+        assert_eq!(left, NO_CONTACT, "{pattern:b}");
+    }
+}
+
 #[test]
 fn under_a_budget_nothing_is_reserved_beyond_it_and_what_finds_no_place_keeps_its_points() {
     let (mut store, one) = (Contacts::default(), ContactCount { contacts: 1, points: 1 });
