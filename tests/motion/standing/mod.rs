@@ -1,6 +1,7 @@
 //! What stands: rest, stability, and which rows are obeyed best.
 
 mod heaps;
+mod jenga;
 mod kinds;
 mod order;
 mod rest;
