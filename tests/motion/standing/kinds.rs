@@ -206,9 +206,9 @@ impl Look {
 }
 
 /// Heaps of 60 of each kind on two kinds of ground and at two rates each. Expected: ten seconds after the
-/// fall (thirty if they roll) they are at rest (below 1 mm/s, and no path is cut) in all but one of eight, and
-/// no body is faster than 10 cm/s. Before, a body that was pushed out of another and carried a third hung in
-/// the air for ever, and paths were cut in each step.
+/// fall (thirty if they roll) they are at rest (below 1 mm/s, and no path is cut) in all but one of eight,
+/// and no body is faster than 10 cm/s. Before, a body that was pushed out of another and carried a third
+/// hung in the air for ever, and paths were cut in each step.
 #[test]
 fn heaps_of_every_kind_come_to_rest() {
     let (mut awake, mut all) = (0, 0);
