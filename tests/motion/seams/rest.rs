@@ -7,11 +7,15 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Settings, Snapshot, World};
 use std::f32::consts::TAU;
 
-/// A floor of tiles with friction, and boxes that are dropped on it: nothing that rolls.
-fn strewn(random: &mut Random, settings: Settings, count: usize) -> (World, Vec<BodyHandle>) {
+/// A floor of tiles with friction, or a plane, and boxes that are dropped on it: nothing that rolls.
+fn strewn(random: &mut Random, settings: Settings, count: usize, plane: bool) -> (World, Vec<BodyHandle>) {
     let mut world = World::new(settings).unwrap();
     let floor = Floor { cell: random.range(0.3, 1.0), ..Floor::any(random, 6.0, 1e-3, 0.6) };
-    floor.lay(&mut world, 6.0, random);
+    if plane {
+        world.add_body(&BodyDesc::fixed().with_shape(rough(Geometry::Plane, 0.6))).unwrap();
+    } else {
+        floor.lay(&mut world, 6.0, random);
+    }
     let bodies = (0..count).map(|i| {
         let half = Vec3::new(random.range(0.1, 0.4), random.range(0.05, 0.2), random.range(0.1, 0.4));
         let geometry = Geometry::cuboid(half.x, half.y, half.z);
@@ -29,16 +33,14 @@ fn step(world: &mut World, hz: f32) {
     world.step(1.0 / hz).unwrap();
 }
 
-/// Six bodies dropped on a floor of tiles. Expected: ten seconds later they are at rest, as on a plane
-/// (below 1 mm/s), and two minutes later where they were then, to a millimetre. Where a border that one piece
-/// covers in part bears nothing any more, they move on; where a contact that is kept is judged by where its
-/// normal is by now, they rock on borders for minutes.
-#[test]
-fn what_lies_across_seams_stays_where_it_is() {
-    for case in 0..24 {
+/// Boxes that are dropped on floors of tiles, or on a plane instead, and left alone for so many seconds after
+/// ten of rest. Says in how many cases they are not at rest by then (1 mm/s), or not where they were (1 mm).
+fn restless(cases: u64, count: usize, seconds: f32, plane: bool) -> usize {
+    let mut restless = 0;
+    for case in 0..cases {
         let mut random = Random(300 + case);
         let hz = RATES[case as usize % 3];
-        let (mut world, bodies) = strewn(&mut random, Settings::default(), 6);
+        let (mut world, bodies) = strewn(&mut random, Settings::default(), count, plane);
         let run = |world: &mut World, seconds: f32| {
             (0..(seconds * hz) as usize).for_each(|_| step(world, hz));
         };
@@ -46,18 +48,37 @@ fn what_lies_across_seams_stays_where_it_is() {
         // Some fall off the floor.
         let lies = |body: &&BodyHandle| world.position(**body).unwrap().y > -0.5;
         let bodies: Vec<BodyHandle> = bodies.iter().filter(lies).copied().collect();
-        assert!(bodies.len() > 2, "{case}: {} lie", bodies.len());
+        assert!(2 * bodies.len() >= count, "{case}: {} lie", bodies.len());
         let place = |world: &World| bodies.iter().map(|&b| world.position(b).unwrap()).collect::<Vec<_>>();
-        let speed = |world: &World| {
-            let speeds = bodies.iter().map(|&b| world.linear_velocity(b).unwrap().length());
-            speeds.fold(0.0, f32::max)
-        };
-        let (before, first) = (place(&world), speed(&world));
-        run(&mut world, 120.0);
+        let speeds = bodies.iter().map(|&b| world.linear_velocity(b).unwrap().length());
+        let (before, speed) = (place(&world), speeds.fold(0.0, f32::max));
+        run(&mut world, seconds);
         let moved = before.iter().zip(place(&world)).map(|(p, q)| (*p - q).length()).fold(0.0, f64::max);
-        println!("{case}, {hz} Hz: {first:.1e} m/s, then moved by {moved:.1e} m, {:.1e} m/s", speed(&world));
-        assert!(first < 1e-3 && moved < 1e-3, "{case}, {hz} Hz: {first} m/s, {moved} m");
+        if speed >= 1e-3 || moved >= 1e-3 {
+            println!("{case}, {hz} Hz: {speed:.1e} m/s, then moved by {moved:.1e} m");
+            restless += 1;
+        }
     }
+    println!("{restless} of {cases}");
+    restless
+}
+
+/// Six boxes on each of 24 floors of tiles. Expected: ten seconds later they are at rest, as on a plane, and
+/// two minutes later where they were then. Where a border that one piece covers in part bears nothing any
+/// more, they move on; where a contact that is kept is judged by where its normal is by now, they rock on
+/// borders for minutes.
+#[test]
+fn what_lies_across_seams_stays_where_it_is() {
+    assert_eq!(restless(24, 6, 120.0, false), 0);
+}
+
+/// Twelve boxes on each of 90 floors, which lean on each other. Expected: no more than one of thirty moves on
+/// (on a plane one of ninety does).
+#[test]
+#[ignore = "takes a minute"]
+fn heaps_across_seams_stay_where_they_are() {
+    assert!(restless(90, 12, 60.0, true) <= 1);
+    assert!(restless(90, 12, 60.0, false) <= 3);
 }
 
 /// A slab of 3 m that slides over voxels of 25 cm, of which it is near some two hundred at a time. Expected:
@@ -95,7 +116,7 @@ fn a_slab_slides_over_hundreds_of_voxels() {
 fn seams_give_the_same_bits() {
     let run = |threads: usize, back: bool| {
         let settings = Settings::default().with_threads(threads);
-        let (mut world, _) = strewn(&mut Random(5), settings, 60);
+        let (mut world, _) = strewn(&mut Random(5), settings, 60, false);
         (0..60).for_each(|_| step(&mut world, 60.0));
         if back {
             let mut snapshot = Snapshot::default();
