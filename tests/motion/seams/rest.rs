@@ -75,7 +75,7 @@ fn what_lies_across_seams_stays_where_it_is() {
 /// Twelve boxes on each of 90 floors, which lean on each other. Expected: no more than one of thirty moves on
 /// (on a plane one of ninety does).
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes minutes"]
 fn heaps_across_seams_stay_where_they_are() {
     assert!(restless(90, 12, 60.0, true) <= 1);
     assert!(restless(90, 12, 60.0, false) <= 3);
