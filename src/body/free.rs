@@ -3,7 +3,7 @@
 //! One rotation waits for the one before it, so that a single body leaves most of a processor idle; four side
 //! by side take hardly longer than one.
 
-use crate::config::tuning::{FREE_TURN_PART, FREE_TURN_PARTS};
+use crate::config::tuning::{FREE_TURN_OWN, FREE_TURN_PART, FREE_TURN_PARTS};
 use crate::lanes::{Quat as LaneQuat, Vec3 as LaneVec3, f64x4};
 use crate::math::Quat;
 use glam::{DQuat, DVec3, Vec3};
@@ -25,14 +25,23 @@ pub(crate) struct FreeTurn {
 pub(crate) const FREE: usize = 4;
 
 impl FreeTurn {
-    /// In how many parts the motion is resolved.
-    fn wanted(&self) -> f32 {
-        (wobble(self.spin, self.inertia) * self.time / FREE_TURN_PART).ceil()
-    }
-
-    /// In how many it is turned.
+    /// In how many parts it is turned: by how far its top turns about its own axis, and by how far the
+    /// difference of the two like moments turns it out of that motion. Both are the most that the momentum
+    /// and the energy allow, and these stay the same: parts that changed with the angular velocity, which
+    /// swings, made the energy drift.
     pub(crate) fn parts(&self) -> u32 {
-        self.wanted().clamp(1.0, FREE_TURN_PARTS) as u32
+        let inverse = self.inertia.as_dvec3().recip();
+        let axis = top_axis(self.inertia);
+        let [own, i, j] = [0, 1, 2].map(|k| inverse[(axis + k) % 3]);
+        let local = (self.rotation.conjugate() * self.spin).as_dvec3();
+        let momentum = self.inertia.as_dvec3() * local;
+        let (squared, energy) = (momentum.length_squared(), momentum.dot(local));
+        let about = [i, j].map(|other| (energy - squared * other) / (own - other));
+        let about = about.into_iter().fold(0.0, f64::max).min(squared).sqrt();
+        let wobble = 0.5 * (i - j).abs() * squared.sqrt() / f64::from(FREE_TURN_PART);
+        let own = (own - 0.5 * (i + j)).abs() * about / f64::from(FREE_TURN_OWN);
+        let wanted = wobble.max(own) * f64::from(self.time);
+        wanted.ceil().clamp(1.0, f64::from(FREE_TURN_PARTS)) as u32
     }
 
     /// Turned by itself.
@@ -59,14 +68,16 @@ impl FreeTurn {
         let around = turn_by(turn * (inertia.as_dvec3() * local) * (time / across));
         let axis = axis.as_dvec3();
         let own = turn_by(axis * (local.dot(axis) * (1.0 - along / across) * time));
-        let turned = (around * turn * own).normalize().into();
-        Some((turned, (around * spin.as_dvec3()).as_vec3()))
+        let turned: Quat = (around * turn * own).normalize().into();
+        // As seen from where rounding leaves the body: so the energy does not change with that.
+        let spin = turned.as_dquat().normalize() * (own.conjugate() * local);
+        Some((turned, spin.as_vec3()))
     }
 
     /// Free rotations of up to four, however fast, each in as many parts as it takes: the rotations and
-    /// angular velocities at the end. The momentum stays what it was. Where the parts are too few to tell
-    /// where the axis has got to, so does the energy. With more digits on the way than it begins and ends
-    /// with, because a rounding that favours one direction, step after step, would add up.
+    /// angular velocities at the end. The momentum and the energy stay what they were. With more digits on
+    /// the way than it begins and ends with, because a rounding that favours one direction, step after step,
+    /// would add up.
     pub(crate) fn all(turns: &[FreeTurn]) -> [(Quat, Vec3); FREE] {
         let mut lanes = [FreeTurn { inertia: Vec3::ONE, ..FreeTurn::default() }; FREE];
         lanes.iter_mut().zip(turns).for_each(|(lane, turn)| *lane = *turn);
@@ -90,17 +101,9 @@ impl FreeTurn {
         let (sine, cosine) = half_turn(precession.length_squared());
         let LaneQuat { v, w } = LaneQuat { v: precession * sine, w: cosine }.compose(quat(four.turn));
         four.turn = [v.x, v.y, v.z, w];
-        for lane in (0..turns.len()).filter(|&lane| tops[lane].is_short) {
-            let at = |all: [f64x4; 3]| DVec3::from_array(all.map(|lanes| lanes.as_array()[lane]));
-            let mut free = four.take(lane);
-            with_energy(&mut free, at(inertia), at(momentum));
-            four.put(lane, &free);
-        }
-        // Rounding turned the momentum by next to nothing, and must not change its length either.
+        four.keep_energy(inertia.map(|moment| f64x4::splat(1.0) / moment), momentum);
         let turn = unit4(four.turn).map(|component| component.to_array().map(|component| component as f32));
-        let squared = |momentum: [f64x4; 3]| LaneVec3::from(momentum).length_squared();
-        let length = (squared(momentum) / squared(four.momentum).max(f64x4::splat(f64::MIN_POSITIVE))).sqrt();
-        let local: [f64x4; 3] = from_fn(|k| four.momentum[k] * length / inertia[k]);
+        let local: [f64x4; 3] = from_fn(|k| four.momentum[k] / inertia[k]);
         let wide = unit4(turn.map(|component| f64x4::from(component.map(f64::from))));
         let spin: [f64x4; 3] = quat(wide).rotate(local.into()).into();
         from_fn(|lane| {
@@ -121,13 +124,6 @@ fn quat([x, y, z, w]: [f64x4; 4]) -> LaneQuat<f64x4> {
     LaneQuat { v: LaneVec3::new(x, y, z), w }
 }
 
-/// How a body is turned, and its angular momentum as seen from it.
-#[derive(Clone, Copy, Default)]
-struct Free {
-    turn: DQuat,
-    momentum: DVec3,
-}
-
 /// The symmetric top that is most like a body, and how its motion is resolved.
 #[derive(Clone, Copy, Default)]
 struct Top {
@@ -139,35 +135,29 @@ struct Top {
     around: f64,
     /// The same about the two others, by a quarter of what these differ.
     rest: f64,
-    /// The motion takes so many parts,
     parts: u32,
-    /// or would take more.
-    is_short: bool,
+}
+
+/// The axis of the top that is most like a body with such moments.
+fn top_axis(inertia: Vec3) -> usize {
+    let inverse = inertia.recip();
+    let apart = [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
+    if apart[0] <= apart[1] && apart[0] <= apart[2] {
+        0
+    } else if apart[1] <= apart[2] {
+        1
+    } else {
+        2
+    }
 }
 
 impl Top {
     fn of(turn: &FreeTurn) -> Top {
-        let inverse = turn.inertia.recip();
-        let apart =
-            [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
-        let axis = if apart[0] <= apart[1] && apart[0] <= apart[2] {
-            0
-        } else if apart[1] <= apart[2] {
-            1
-        } else {
-            2
-        };
+        let (inverse, axis) = (turn.inertia.recip(), top_axis(turn.inertia));
         let [i, j] = [1, 2].map(|next| f64::from(inverse[(axis + next) % 3]));
         let (across, parts) = (0.5 * (i + j), turn.parts());
         let h = f64::from(turn.time) / f64::from(parts);
-        Top {
-            axis,
-            across,
-            around: (f64::from(inverse[axis]) - across) * h,
-            rest: 0.25 * (i - j) * h,
-            parts,
-            is_short: turn.wanted() > FREE_TURN_PARTS,
-        }
+        Top { axis, across, around: (f64::from(inverse[axis]) - across) * h, rest: 0.25 * (i - j) * h, parts }
     }
 
     /// Which axis is the `k`-th in the order in which the top's is the last,
@@ -182,26 +172,13 @@ impl Top {
 }
 
 /// Four free bodies.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Four {
     turn: [f64x4; 4],
     momentum: [f64x4; 3],
 }
 
 impl Four {
-    fn put(&mut self, lane: usize, free: &Free) {
-        let set = |lanes: &mut f64x4, value: f64| lanes.as_mut_array()[lane] = value;
-        self.turn.iter_mut().zip(free.turn.to_array()).for_each(|(lanes, value)| set(lanes, value));
-        self.momentum.iter_mut().zip(free.momentum.to_array()).for_each(|(lanes, value)| set(lanes, value));
-    }
-
-    fn take(&self, lane: usize) -> Free {
-        Free {
-            turn: DQuat::from_array(self.turn.map(|q| q.as_array()[lane])),
-            momentum: DVec3::from_array(self.momentum.map(|m| m.as_array()[lane])),
-        }
-    }
-
     /// Free rotations save for the precession: that by which the whole motion turns about the angular
     /// momentum, which is the same all along and so can be added at the end.
     ///
@@ -232,6 +209,48 @@ impl Four {
                 self.momentum.iter_mut().zip(before.momentum).for_each(|(now, before)| keep(now, before));
             }
         }
+    }
+
+    /// Moves the momentum of each, as the body sees it, on its sphere to where the body has the energy that
+    /// it had with the momentum `before`; in the world the momentum stays what it is.
+    ///
+    /// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them: two
+    /// linear equations, so the shares that have both lie on a line, from those before. Of these it gets
+    /// those to which the momentum is nearest, as far as none is negative.
+    fn keep_energy(&mut self, inverse: [f64x4; 3], before: [f64x4; 3]) {
+        let zero = f64x4::splat(0.0);
+        let positive = |x: f64x4| x.max(f64x4::splat(f64::MIN_POSITIVE));
+        let squared = |m: [f64x4; 3]| LaneVec3::from(m).length_squared();
+        let whole = squared(before);
+        let (from, to) =
+            (f64x4::splat(1.0) / positive(whole), f64x4::splat(1.0) / positive(squared(self.momentum)));
+        let had: [f64x4; 3] = from_fn(|k| before[k] * before[k] * from);
+        let has: [f64x4; 3] = from_fn(|k| self.momentum[k] * self.momentum[k] * to);
+        let along: [f64x4; 3] = from_fn(|k| inverse[(k + 1) % 3] - inverse[(k + 2) % 3]);
+        let (mut over, mut under) = (zero, zero);
+        let (mut least, mut most) = (f64x4::splat(f64::NEG_INFINITY), f64x4::splat(f64::INFINITY));
+        for k in 0..3 {
+            // Rounding: none is quite zero, or it could not grow.
+            let weighed = along[k] / (has[k] + f64x4::splat(1e-9));
+            over += weighed * (has[k] - had[k]);
+            under += weighed * along[k];
+            let end = -had[k] / along[k];
+            least = along[k].simd_gt(zero).select(least.max(end), least);
+            most = along[k].simd_lt(zero).select(most.min(end), most);
+        }
+        let by = (over / positive(under)).max(least).min(most);
+        let length = to.sqrt();
+        let now = self.momentum.map(|m| m * length);
+        let moved: [f64x4; 3] = from_fn(|k| {
+            let size = (had[k] + by * along[k]).max(zero).sqrt();
+            now[k].simd_lt(zero).select(-size, size)
+        });
+        let (a, b) = (LaneVec3::from(moved), LaneVec3::from(now));
+        let arc = LaneQuat { v: a.cross(b), w: f64x4::splat(1.0) + a.dot(b) };
+        let LaneQuat { v, w } = quat(self.turn).compose(arc);
+        self.turn = [v.x, v.y, v.z, w];
+        let length = whole.sqrt();
+        self.momentum = moved.map(|m| m * length);
     }
 
     /// Turns bodies about one of their own axes, by `rate` times their momentum about that axis [rad]; the
@@ -298,51 +317,6 @@ fn turn_by(vector: DVec3) -> DQuat {
     let (sin, cos) = libm::sincos(0.5 * angle);
     let vector = if angle > 0.0 { vector * (sin / angle) } else { DVec3::ZERO };
     DQuat::from_xyzw(vector.x, vector.y, vector.z, cos)
-}
-
-/// Moves the momentum of a free body, as the body sees it, on its sphere to where the body has the energy
-/// that it had with the momentum `before`; in the world the momentum stays what it is. Not for what is well
-/// resolved: its energy swings a little about what it should be, and to hold it would make the body turn at a
-/// wrong rate.
-///
-/// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them. The
-/// shares are tilted by exp(x/I), which keeps them between zero and one and moves the mean one way; x is
-/// found by Newton's method.
-#[cold]
-fn with_energy(free: &mut Free, inertia: DVec3, before: DVec3) {
-    const TRIES: usize = 24;
-    let inverse = inertia.recip() * inertia.min_element();
-    let (Some(first), Some(now)) = (before.try_normalize(), free.momentum.try_normalize()) else { return };
-    let energy = (first * first).dot(inverse);
-    // None is quite zero, or it could not grow.
-    let mut shares = now * now + DVec3::splat(1e-12);
-    for _ in 0..TRIES {
-        shares /= shares.element_sum();
-        let mean = shares.dot(inverse);
-        let away = inverse - DVec3::splat(mean);
-        let variance = shares.dot(away * away);
-        if (energy - mean).abs() < 1e-12 * energy || variance <= 0.0 {
-            break;
-        }
-        let most = 4.0 / away.abs().max_element();
-        let tilt = ((energy - mean) / variance).clamp(-most, most);
-        shares *= DVec3::from_array((away * tilt).to_array().map(libm::exp));
-    }
-    let moved = DVec3::from_array(shares.to_array().map(f64::sqrt)) * now.signum();
-    if let Some(moved) = moved.try_normalize() {
-        free.turn = (free.turn * DQuat::from_rotation_arc(moved, now)).normalize();
-        free.momentum = moved;
-    }
-}
-
-/// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]:
-/// what [`Four::tumble`] solves in turn, and so what its step must resolve. Zero for a symmetric top, however
-/// fast it spins.
-pub(crate) fn wobble(omega: Vec3, inertia: Vec3) -> f32 {
-    let inverse = inertia.recip();
-    let apart = [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
-    let rest = 0.5 * apart.into_iter().fold(f32::INFINITY, f32::min);
-    rest * inertia.max_element() * omega.length()
 }
 
 #[cfg(test)]

@@ -80,7 +80,12 @@ impl Guard<'_> {
 
     /// Whether a body bounces off others of its kind.
     pub(super) fn is_elastic(&self, own: &[u32]) -> bool {
-        own.iter().any(|&c| self.colliders[c as usize].material.restitution > 0.0)
+        self.restitution(own) > 0.0
+    }
+
+    /// The greatest restitution of a body's surfaces.
+    pub(super) fn restitution(&self, own: &[u32]) -> f32 {
+        own.iter().fold(0.0, |most, &c| most.max(self.colliders[c as usize].material.restitution))
     }
 
     /// Whether a body has to be checked.

@@ -209,7 +209,10 @@ impl Moving<'_> {
                     count.fetch_add(1, Ordering::Relaxed);
                     self.note_cut(slot, moved.length() / d.linear.length());
                     if !bounced {
-                        **velocity = cut_velocity;
+                        // What bounces, and was not seen to, is thrown back.
+                        let joined = guard.joints.has_any(guard.slots[i]);
+                        let e = if joined { 0.0 } else { guard.restitution(own) };
+                        velocity.linear += (cut_velocity.linear - velocity.linear) * (1.0 + e);
                     }
                 }
                 _ => moved = d.linear,

@@ -5,12 +5,12 @@
 //! is checked in the frame of the other body. If it enters the other's shape, more along its surface than
 //! into it, the two are moved apart at their ends until the centre is back in front of the surface that it
 //! crossed, by the radius of its body's inner ball; the lighter body moves more. If it goes straight into it,
-//! or both have joints and can't be moved alone, both stop on their paths. The closing speed is removed as by
-//! an impulse there. What is at the surface from the start is moved aside even if it goes straight into it:
-//! stopped, both would be where they were, and go the same way in the next step, for ever.
+//! or both have joints and can't be moved alone, both stop on their paths. The closing speed is removed, or
+//! thrown back, as by an impulse there. What is at the surface from the start is moved aside even if it goes
+//! straight into it: stopped, both would be where they were, and go the same way in the next step, for ever.
 
 use super::guard::{Guard, stop};
-use crate::body::{Bodies, Pose, carry_spin};
+use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::config::tuning::{GUARD_DISTANCE, PASSING_STEEPNESS};
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
@@ -116,7 +116,9 @@ impl Guard<'_> {
         let [i, k] = [one, other].map(|c| self.summaries[c as usize].body as usize);
         let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
         let (gi, gk) = if lift.is_some() { (gives(i), gives(k)) } else { (0.0, 0.0) };
-        for (c, i, way) in [(one, i, normal * gi), (other, k, normal * -gk)] {
+        let [i_bounces, k_bounces] =
+            [i, k].map(|i| impacts.bounced(i) || self.is_elastic(bodies.colliders[i].as_slice()));
+        for (c, i, way, bounces) in [(one, i, normal * gi, i_bounces), (other, k, normal * -gk, k_bounces)] {
             if let Some(lift) = lift
                 && gi + gk > 0.0
             {
@@ -125,7 +127,12 @@ impl Guard<'_> {
                     continue;
                 }
                 let own = bodies.colliders[i].as_slice();
-                self.hold(stack, own, bodies.pose[i].position, &mut way, &mut bodies.velocity[i]);
+                // What bounces off what it is moved into does so in the next step.
+                let mut cut_velocity = bodies.velocity[i];
+                self.hold(stack, own, bodies.pose[i].position, &mut way, &mut cut_velocity);
+                if !bounces {
+                    bodies.velocity[i] = cut_velocity;
+                }
                 bodies.pose[i].position += way.as_dvec3();
             } else {
                 let (from, turned) = (self.centre_before(c), self.turn_before(c));
@@ -137,12 +144,14 @@ impl Guard<'_> {
                         Some((_, share)) => *share = share.min(stop),
                         None => cut.push((slot, stop)),
                     },
-                    // Otherwise a spinning rod would stop with its end in the other body.
+                    // Otherwise a spinning rod would stop with its end in the other body. If it whirls, this
+                    // is no orientation that it went through, and with its angular momentum it would have
+                    // another energy there: it keeps its spin as seen from itself.
                     None => {
-                        let (end, inertia) = (pose.rotation, bodies.mass[i].inertia);
+                        let end = pose.rotation;
                         pose.rotation = turned.lerp(end, stop);
                         let spin = &mut bodies.velocity[i].angular;
-                        *spin = carry_spin(end, pose.rotation, *spin, inertia);
+                        *spin = pose.rotation * (end.conjugate() * *spin);
                     }
                 }
             }
@@ -159,7 +168,8 @@ impl Guard<'_> {
         let closing = normal.dot(b.at(arm_k) - a.at(arm_i));
         let ease = a.ease(arm_i, normal) + b.ease(arm_k, normal);
         if closing > 0.0 && ease > 0.0 {
-            let impulse = normal * (closing / ease);
+            let [first, second] = [one, other].map(|c| &self.colliders[c as usize].material);
+            let impulse = normal * ((1.0 + first.restitution_with(second)) * closing / ease);
             a.push(arm_i, impulse);
             b.push(arm_k, -impulse);
             (bodies.velocity[i], bodies.velocity[k]) = (a.velocity, b.velocity);

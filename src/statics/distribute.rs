@@ -18,6 +18,8 @@ pub(super) struct PointLoad {
     pub(super) normal: Vec3,
     /// From the centre of mass of the supported body [m].
     pub(super) arm: Vec3,
+    /// From that of the supporting body, if it is dynamic [m].
+    pub(super) arm_below: Vec3,
     /// [N]
     pub(super) force: f32,
     /// Effect of a unit of force: upwards, and about two level axes divided by the longest arm.

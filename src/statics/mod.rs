@@ -7,6 +7,7 @@
 //! Shock propagation uses the same order (Guendelman et al., *Nonconvex Rigid Bodies with Stacking*, 2003),
 //! but decides velocities; here the estimate is only where the solver starts (docs/decisions/statics.md).
 
+mod again;
 mod distribute;
 mod supports;
 
@@ -17,7 +18,8 @@ use crate::config::tuning::REST_STEPS_OF_FALL;
 use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Category, buffers, bytes_of};
-use crate::narrow_phase::{ContactMut, ContactRef, Contacts};
+use crate::narrow_phase::{ContactMut, ContactRef, Contacts, UNKNOWN_LOAD};
+pub(crate) use again::Remains;
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
 
@@ -189,7 +191,12 @@ impl Structure<'_> {
                     continue;
                 }
                 let contact = self.contacts.at(support.contact);
-                let origin = (self.colliders.poses[contact.a as usize].position - centre).as_vec3();
+                let origin = self.origin(contact, support.is_a, centre);
+                let below = match places.get(support.lower as usize) {
+                    Some(_) => self.bodies.pose[support.lower as usize].position,
+                    None => centre,
+                };
+                let origin_below = self.origin(contact, !support.is_a, below);
                 for (i, point) in contact.points().iter().enumerate() {
                     let load = PointLoad {
                         contact: support.contact,
@@ -197,6 +204,7 @@ impl Structure<'_> {
                         lower: support.lower,
                         normal: support.upwards(contact),
                         arm: origin + contact.frame * point.position,
+                        arm_below: origin_below + contact.frame * point.position,
                         ..PointLoad::default()
                     };
                     if point.separation <= rest.touching && !allowance.push(points, load) {
@@ -207,12 +215,27 @@ impl Structure<'_> {
             distribute(points, -force, -moment, rest.up, axes);
             for point in points.iter() {
                 let Some(&lower) = places.get(point.lower as usize) else { continue };
-                let to = self.bodies.pose[point.lower as usize].position;
-                burdens[lower as usize].add(point.normal * -point.force, (centre - to).as_vec3() + point.arm);
+                burdens[lower as usize].add(point.normal * -point.force, point.arm_below);
             }
             for forces in points.chunk_by(|x, y| x.contact == y.contact) {
                 assume(&mut self.contacts.at_mut(forces[0].contact), forces, rest);
             }
+        }
+    }
+
+    /// From a body's centre of mass to the point from which its contact's points are counted. `is_a`: the body
+    /// is the contact's `a`. Where a load was known before it is where the rows have it: as if the bodies had
+    /// not moved past each other since the contact was found.
+    ///
+    /// Once it was where the bodies are now. A leaning tower that was weighed again got the forces that hold
+    /// it up with its lean, of which the rows knew nothing, and swung to the other side, on weak springs
+    /// further than it had leaned.
+    fn origin(&self, contact: ContactRef<'_>, is_a: bool, centre: DVec3) -> Vec3 {
+        let from = |collider: u32| (self.colliders.poses[collider as usize].position - centre).as_vec3();
+        if is_a || contact.static_load == UNKNOWN_LOAD {
+            from(contact.a)
+        } else {
+            from(contact.b) - contact.frame * contact.found_at.position
         }
     }
 }

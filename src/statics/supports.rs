@@ -111,7 +111,7 @@ impl Structure<'_> {
                     let sign = if side == 0 { -1.0 } else { 1.0 };
                     burden.supported |= steep * sign > 0.0;
                     let centre = self.bodies.pose[bodies[side] as usize].position;
-                    let origin = (self.colliders.poses[contact.a as usize].position - centre).as_vec3();
+                    let origin = self.origin(contact, side == 0, centre);
                     for point in contact.points() {
                         let arm = origin + contact.frame * point.position;
                         burden.add(normal * (sign * point.impulse / rest.h), arm);

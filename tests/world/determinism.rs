@@ -49,7 +49,7 @@ fn cases() -> [(Scene, u32, u64); 5] {
 /// talk, pile, pyramid, bullets, crossfire.
 const PINNED: [u64; 5] = [
     0xC15B_0131_8BC3_E40F,
-    0x35A5_BD6C_2D44_7ABB,
+    0xA51E_454F_018A_F4E5,
     0x0FF1_5AFE_60D0_AC42,
     0xC761_5753_2242_0E56,
     0xF992_299A_BB67_D4A9,

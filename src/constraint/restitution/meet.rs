@@ -16,15 +16,12 @@
 //! from where the body really starts; once bodies have moved, the velocity is that after the last impact
 //! ([`Restitution::go_on`]).
 
+use super::strike::{Impact, Moving, velocity};
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
+use crate::body::{ColliderList, Mass, Pose, Traits};
 use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
-use crate::constraint::contact::batch::GONE;
-use crate::forces::turned_inertia;
-use crate::lanes::{self, Record, Sym3};
-use crate::math::Quat;
+use crate::lanes::{Record, Sym3};
 use crate::shape::Collider;
-use glam::Vec3;
 
 /// The bodies in a substep.
 pub(crate) struct Bodies<'a> {
@@ -53,12 +50,6 @@ pub(crate) struct Bodies<'a> {
     pub(crate) together: f32,
 }
 
-/// Maximum number of points that are solved together: four manifolds.
-const MAX_POINTS: usize = 16;
-/// Maximum number of Gauss-Seidel sweeps over them, and the share of the approach speed at which they end.
-const SWEEPS: u32 = 64;
-// Guard: where the sweeps over impacts end.
-const EXACT: f32 = 1e-5;
 // Rounding: of the way to a touch.
 /// A point that ends a substep nearer than this counts as touching: a share of its displacement, and of
 /// `together`.
@@ -145,28 +136,21 @@ impl Restitution {
         queue::update(&mut self.queue, &mut self.sites, index);
     }
 
-    /// Applies Newton's law at all points of a site that touch and approach at a given time, then friction.
+    /// Solves the impact at all points of a site that touch and approach at a given time.
     fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
         let site = &self.sites[site as usize];
         let spots = &self.spots[site.first as usize..][..site.count as usize];
         let of = |body: u32| self.struck.get(body as usize);
         let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
-        let mut rows = [Row::default(); MAX_POINTS];
-        let (mut count, mut fastest) = (0, 0.0_f32);
+        let mut impact = Impact::new(spots);
         let next = if time >= bodies.h && bodies.will_touch(spots) { bodies.h } else { 0.0 };
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
-            let ease = ease(&moving, spot, spot.normal);
-            if count < MAX_POINTS
-                && approach > 0.0
-                && ease > least_ease(&moving)
-                && bodies.gap(spot, time) <= bodies.together + approach * next
-            {
-                rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
-                (count, fastest) = (count + 1, fastest.max(approach));
+            if approach > 0.0 && bodies.gap(spot, time) <= bodies.together + approach * next {
+                impact.add(i, approach, &moving);
             }
         }
-        if fastest <= bodies.threshold {
+        if impact.fastest() <= bodies.threshold {
             // It runs into a body that would not be there any more: it is held too.
             for moving in moving.iter().filter(|moving| moving.body != NONE) {
                 self.stand(moving.body, bodies, time);
@@ -174,21 +158,10 @@ impl Restitution {
             return;
         }
         self.count += 1;
-        let before = moving;
-        let mut rows = &mut rows[..count];
-        if !strike(&mut moving, bodies, spots, rows) {
-            // Only the fastest: its impact is exact, and the others come next.
-            moving = before;
-            let fastest = (1..count).fold(0, |k, i| if rows[i].target > rows[k].target { i } else { k });
-            rows = &mut rows[fastest..=fastest];
-            rows[0].impulse = 0.0;
-            strike(&mut moving, bodies, spots, rows);
-        }
-        for row in rows.iter() {
-            let spot = &spots[row.spot];
-            apply_friction(&mut moving, bodies, spot, row.impulse);
-            if let Some(sum) = impulses.get_mut(spot.slot as usize) {
-                *sum += row.impulse;
+        impact.solve(&mut moving, bodies);
+        for (slot, impulse) in impact.impulses() {
+            if let Some(sum) = impulses.get_mut(slot as usize) {
+                *sum += impulse;
             }
         }
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
@@ -259,161 +232,8 @@ impl Restitution {
     }
 }
 
-/// Applies Newton's law at several points together. Returns whether it holds: an approximate solution removes
-/// or adds energy.
-fn strike(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spots: &[Spot], rows: &mut [Row]) -> bool {
-    let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
-    for _ in 0..SWEEPS {
-        let mut worst = 0.0_f32;
-        for row in rows.iter_mut() {
-            let spot = &spots[row.spot];
-            let speed = spot.speed(|body| velocity(moving, bodies, body));
-            let new = (row.impulse + (row.target - speed) / row.ease).max(0.0);
-            let change = new - row.impulse;
-            row.impulse = new;
-            push(moving, spot, spot.normal * change);
-            worst = worst.max(change.abs() * row.ease);
-        }
-        if rows.len() == 1 || worst <= exact {
-            return true;
-        }
-    }
-    false
-}
-
-/// A point in an impact.
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    spot: usize,
-    /// Separating speed to reach [m/s].
-    target: f32,
-    /// By how much a unit impulse changes the speed [1/kg].
-    ease: f32,
-    impulse: f32,
-}
-
-/// A body in an impact.
-#[derive(Clone, Copy, Debug)]
-struct Moving {
-    body: u32,
-    /// At the time of the impact.
-    velocity: Record,
-    before: Record,
-    /// Inverse mass [1/kg], and by world axis: locked ones have none.
-    whole: f32,
-    inverse_mass: Vec3,
-    inverse_inertia: Sym3<f32>,
-    /// If its principal moments differ.
-    rotation: Option<Quat>,
-}
-
-impl Moving {
-    fn new(bodies: &Bodies<'_>, body: u32, struck: Option<&Struck>, time: f32) -> Moving {
-        let i = body as usize;
-        let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
-            return Moving {
-                body: NONE,
-                velocity: Record::default(),
-                before: Record::default(),
-                whole: 0.0,
-                inverse_mass: Vec3::ZERO,
-                inverse_inertia: Sym3::default(),
-                rotation: None,
-            };
-        };
-        let mut before = bodies.velocity_at(i, time);
-        add(&mut before, &struck.map_or(Record::default(), |struck| struck.velocity_after), 1.0);
-        let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
-        let mass = &bodies.mass[i];
-        if is_uneven(mass, &bodies.traits[i]) {
-            // Inertia and spin are those at the time of the impact.
-            let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
-            let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
-            let time = bodies.done + time - since;
-            let turn = FreeTurn { rotation: from, spin: velocity.angular, inertia: mass.inertia, time };
-            let (to, spin) = turn.one();
-            (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
-        }
-        let inverse = mass.inverse;
-        let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
-        bodies.traits[i].lock(&mut free);
-        Moving {
-            body,
-            velocity,
-            before,
-            whole: inverse,
-            inverse_mass: free.linear,
-            inverse_inertia,
-            rotation,
-        }
-    }
-
-    /// Change of its velocity.
-    fn change(&self, traits: &Traits) -> Record {
-        let mut change = self.velocity;
-        add(&mut change, &self.before, -1.0);
-        traits.lock(&mut change);
-        change
-    }
-
-    fn turned(&self, torque: Vec3) -> Vec3 {
-        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
-    }
-}
-
-/// The velocity of any body in an impact.
-fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -> Record {
-    match moving.iter().find(|moving| moving.body as usize == body) {
-        Some(moving) => moving.velocity,
-        // It is neither pushed nor accelerated.
-        None => bodies.velocity.get(body).copied().unwrap_or_default(),
-    }
-}
-
-/// By how much a unit impulse along a direction changes the velocity there [1/kg].
-fn ease(moving: &[Moving; 2], spot: &Spot, along: Vec3) -> f32 {
-    let mut sum = 0.0;
-    for moving in moving {
-        for (body, arm) in spot.bodies.into_iter().zip(spot.arms) {
-            if body == moving.body {
-                let torque = arm.cross(along);
-                sum += along.dot(along * moving.inverse_mass) + torque.dot(moving.turned(torque));
-            }
-        }
-    }
-    sum
-}
-
-/// A smaller response is rounding: axes are locked, and nothing moves along the direction [1/kg].
-fn least_ease(moving: &[Moving; 2]) -> f32 {
-    moving.iter().map(|moving| moving.whole).sum::<f32>() * GONE
-}
-
-/// Applies an impulse to the second body of a point, and its opposite to the first.
-fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
-    for moving in moving {
-        for (side, impulse) in [-impulse, impulse].into_iter().enumerate() {
-            if spot.bodies[side] == moving.body {
-                moving.velocity.linear += impulse * moving.inverse_mass;
-                moving.velocity.angular += moving.turned(spot.arms[side].cross(impulse));
-            }
-        }
-    }
-}
-
-/// Applies friction for a normal impulse: against the slip, and no more than stops it, so it removes energy
-/// and never adds any.
-fn apply_friction(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
-    let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
-    let Some(direction) = slip.try_normalize() else { return };
-    let ease = ease(moving, spot, direction);
-    if ease > least_ease(moving) {
-        push(moving, spot, direction * -(spot.friction * impulse).min(slip.length() / ease));
-    }
-}
-
 impl Bodies<'_> {
-    fn velocity_at(&self, body: usize, time: f32) -> Record {
+    pub(super) fn velocity_at(&self, body: usize, time: f32) -> Record {
         let (mut v, pull) = (self.velocity[body], self.pull(body));
         v.linear += pull.linear * time;
         v.angular += pull.angular * time;
@@ -497,7 +317,7 @@ impl Bodies<'_> {
     }
 }
 
-fn add(to: &mut Record, what: &Record, times: f32) {
+pub(super) fn add(to: &mut Record, what: &Record, times: f32) {
     to.linear += what.linear * times;
     to.angular += what.angular * times;
 }

@@ -12,6 +12,7 @@
 mod find;
 mod meet;
 mod queue;
+mod strike;
 
 use crate::lanes::Record;
 use crate::math::Quat;

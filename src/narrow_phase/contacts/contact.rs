@@ -16,6 +16,11 @@ use std::ops::{Deref, DerefMut};
 /// [`Header::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 
+// Sentinel: the load is no longer what was estimated.
+/// [`Header::static_load`] of a contact whose load has to be estimated again: its spring keeps its rest
+/// position.
+pub(crate) const CHANGED_LOAD: f32 = -2.0;
+
 /// No contact.
 pub(crate) const NO_CONTACT: u32 = u32::MAX;
 
@@ -73,7 +78,7 @@ pub(crate) struct Header {
     /// Separation at which that force alone bears the load, if it is known: zero in the long run, whatever it
     /// was when the load became known [m].
     pub(crate) rest: f32,
-    /// Normal force by statics (see `statics`), or [`UNKNOWN_LOAD`] [N].
+    /// Normal force by statics (see `statics`), [`UNKNOWN_LOAD`] or [`CHANGED_LOAD`] [N].
     pub(crate) static_load: f32,
     /// Pose of `b` in `a` when the contact was found.
     pub(crate) found_at: Relative,
@@ -219,9 +224,9 @@ impl Header {
         if self.is_unknown() { [-slop, 0.0] } else { [self.rest, SPRING_GAP * slop] }
     }
 
-    /// Whether statics has not estimated its load yet.
+    /// Whether statics has not estimated its load yet, or not since it changed.
     pub(crate) fn is_unknown(&self) -> bool {
-        self.static_load == UNKNOWN_LOAD
+        self.static_load < 0.0
     }
 }
 
@@ -436,16 +441,24 @@ impl<'a> ContactMut<'a> {
 
     /// Begins the next step as if nothing had been borne.
     pub(crate) fn forget_loads(&mut self) {
+        self.forget_weight();
+        self.mean_friction = [0.0; 4];
+        (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+        (self.rest, self.static_load) = (0.0, UNKNOWN_LOAD);
+    }
+
+    /// Begins the next step as if nothing had been borne along the normal, for statics to say what is.
+    pub(crate) fn forget_weight(&mut self) {
         let share = self.even_share();
         let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
         self.points_mut().iter_mut().for_each(forget);
-        self.mean_friction = [0.0; 4];
-        (self.friction, self.twist) = (Vec3::ZERO, 0.0);
-        (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
+        (self.lasting_force, self.static_load) = (0.0, CHANGED_LOAD);
     }
 
     /// Takes an estimate of the load of a contact that bears so much [N]. Within the `slop` [m] its bodies
-    /// rest where they are now: lifting them would throw them.
+    /// rest where they are now: lifting them would throw them. If its load was known before, they rest where
+    /// they did: otherwise a tower that leans or sways while something is taken from it would lose what
+    /// brings it back.
     ///
     /// What is deeper is borne by its overlap, and a lasting force takes that over in time, if it is as
     /// much as statics says. If not it is wedged, lands, or was put there: with a lasting force beside its
@@ -453,7 +466,9 @@ impl<'a> ContactMut<'a> {
     pub(crate) fn expect(&mut self, load: f32, borne: f32, slop: f32) {
         let sum: f32 = self.as_ref().points.iter().map(|p| p.separation).sum();
         let depth = -sum / f32::from(self.count);
-        self.rest = -depth.clamp(0.0, slop);
+        if self.static_load == UNKNOWN_LOAD {
+            self.rest = -depth.clamp(0.0, slop);
+        }
         (self.lasting_force, self.static_load) = if depth <= slop {
             (load.max(borne), load)
         } else if (load - borne).abs() <= LOAD_BAND * borne {

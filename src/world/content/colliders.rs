@@ -5,6 +5,7 @@ use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::math::Quat;
 use crate::shape::{BaseMaterial, Collider, Filter, Geometry, Kind, RareMaterial, ShapeDesc};
+use crate::statics::Remains;
 use crate::world::{Needs, World};
 use glam::{DVec3, Vec3};
 
@@ -122,6 +123,10 @@ impl World {
         self.broad.remove(collider, &mut self.removed);
         if !self.removed.is_empty() {
             self.refresh_event_allowance();
+            let World { bodies, colliders, broad, contacts, .. } = self;
+            let gravity = self.settings.gravity;
+            let mut remains = Remains { bodies, colliders, broad, contacts, gravity };
+            self.buffers.statics.weigh_again(&mut remains, collider, &self.removed);
         }
         for place in 0..self.removed.len() {
             let pair = self.removed[place];

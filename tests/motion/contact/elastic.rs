@@ -9,7 +9,7 @@
 use crate::common::random::Random;
 use crate::common::{self, Floor, dynamic, shape, steps};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
+use backstop::{BodyDesc, BodyHandle, ConvexHull, Geometry, Material, Settings, World};
 
 const RATES: [f32; 3] = [30.0, 60.0, 120.0];
 
@@ -88,17 +88,31 @@ fn what_strikes_something_fixed_keeps_its_energy() {
 
 /// A closed box with balls in it; returns these.
 fn gas(world: &mut World, half: f32, speed: f32, seed: u64) -> Vec<BodyHandle> {
+    gas_of(world, (half, speed), &mut Random(seed), &mut |_, _| {
+        (Geometry::Sphere { radius: 0.2 }, Quat::IDENTITY)
+    })
+}
+
+/// The same with bodies of any shape and orientation, by their number.
+fn gas_of(
+    world: &mut World,
+    (half, speed): (f32, f32),
+    random: &mut Random,
+    body: &mut dyn FnMut(usize, &mut Random) -> (Geometry, Quat),
+) -> Vec<BodyHandle> {
     let e = bouncy(1.0, 0.0);
     for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
         let extent = Vec3::splat(half + 1.0) * (Vec3::ONE - way.abs()) + way.abs() * 0.5;
         let wall = shape(Geometry::Box { half_extents: extent }, e);
         world.add_body(&BodyDesc::fixed().at(way * (half + 0.5)).with_shape(wall)).unwrap();
     }
-    let mut random = Random(seed);
-    let mut add = |i: i32| {
+    let mut add = |i: usize| {
         let at = Vec3::new((i / 16) as f32, (i / 4 % 4) as f32, (i % 4) as f32) * 0.7 - Vec3::splat(1.05);
         let v = random.cube().normalize() * speed;
-        world.add_body(&ball(0.2, 1000.0, e, at, v)).unwrap()
+        let (geometry, rotation) = body(i, random);
+        let mut desc = dynamic(geometry, e, at).rotated(rotation).moving(v, Vec3::ZERO);
+        desc.shapes[0].density = 1000.0;
+        world.add_body(&desc).unwrap()
     };
     (0..50).map(&mut add).collect()
 }
@@ -123,6 +137,50 @@ fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
             assert!(kept > least && kept < 1.001, "{hz} Hz {speed} m/s, {seed}: {kept}");
             let inside = |&b: &BodyHandle| world.position(b).unwrap().abs().max_element() < 1.5;
             assert!(balls.iter().all(inside), "{hz} Hz {speed} m/s, {seed}: one got out");
+        }
+    }
+}
+
+/// Bodies that turn meet where nobody looked for it, and the guard has to hold one in a thousand. Once it
+/// stopped what it held, and gave it a spin by its momentum where it had never been: hulls kept 90 %,
+/// what is mixed 51 to 65 %. What is lost now is what meets more slowly than the threshold; without one
+/// all keep 99.99 %, but for one at 30 Hz where a row stops what it pushed into the way of a third, as above.
+#[test]
+fn a_gas_of_elastic_bodies_of_any_shape_keeps_its_energy_for_a_minute() {
+    let ball = Geometry::Sphere { radius: 0.2 };
+    let cuboid = Geometry::cuboid(0.2, 0.15, 0.1);
+    let capsule = Geometry::capsule(0.15, 0.12);
+    let cylinder = Geometry::cylinder(0.18, 0.12);
+    let mut random = Random(3);
+    let corners: Vec<_> = (0..14).map(|_| random.cube().normalize() * 0.22).collect();
+    let hull = Geometry::hull(ConvexHull::new(&corners).unwrap());
+    let mixed = [ball, cuboid.clone(), capsule.clone(), cylinder.clone(), hull.clone()];
+    for shapes in [&[cuboid][..], &[capsule], &[cylinder], &[hull], &mixed] {
+        let name = if shapes.len() > 1 { "mixed".to_owned() } else { format!("{:.12?}", shapes[0]) };
+        let name: String = name.chars().take(12).collect();
+        for (hz, speed) in [(30.0, 5.0), (60.0, 5.0), (120.0, 10.0)] {
+            for (threshold, least) in [(0.3, 0.99), (0.0, if hz == 30.0 { 0.99 } else { 0.999 })] {
+                let mut world = World::new(
+                    Settings::default().with_gravity(Vec3::ZERO).with_restitution_threshold(threshold),
+                )
+                .unwrap();
+                let mut body =
+                    |i: usize, random: &mut Random| (shapes[i % shapes.len()].clone(), random.rotation());
+                let bodies = gas_of(&mut world, (1.5, speed), &mut Random(1), &mut body);
+                let before = world.energy();
+                let (mut impacts, mut cut, mut most) = (0, 0, 1.0_f64);
+                for _ in 0..(60.0 * hz) as u32 {
+                    let report = world.step(1.0 / hz).unwrap();
+                    (impacts, cut) = (impacts + report.impacts, cut + report.cut);
+                    most = most.max(world.energy() / before);
+                }
+                let kept = world.energy() / before;
+                let case = format!("{name} {hz} Hz {speed} m/s, threshold {threshold}");
+                println!("{case}: {impacts} impacts, {cut} cut, kept {kept:.5}, most {most:.5}");
+                assert!(kept > least && most < 1.002, "{case}: {kept}, at most {most}");
+                let inside = |&b: &BodyHandle| world.position(b).unwrap().abs().max_element() < 1.5;
+                assert!(bodies.iter().all(inside), "{case}: one got out");
+            }
         }
     }
 }
@@ -415,7 +473,8 @@ fn what_bounces_comes_to_rest() {
             let mut world = world(9.81, 4);
             let e = bouncy(0.7, 0.5);
             world.add_body(&floor.desc(e)).unwrap();
-            let at = |x: f32| Vec3::new(x, 1.5, 0.3);
+            // Far enough apart that none strikes another: a capsule that was pushed rolls on for ever.
+            let at = |x: f32| Vec3::new(x, 1.5, 3.0 * x);
             let bodies = [
                 dynamic(Geometry::Sphere { radius: 0.3 }, e, at(-2.0)),
                 dynamic(Geometry::cuboid(0.4, 0.3, 0.5), e, at(0.0)).rotated(common::turned(Vec3::Z, 20.0)),
@@ -427,7 +486,9 @@ fn what_bounces_comes_to_rest() {
                 let v = world.linear_velocity(*body).unwrap().y.abs();
                 assert!(v < 1e-3, "{floor:?} {hz} Hz: {v} m/s");
                 let at: DVec3 = world.position(*body).unwrap();
-                assert!(at.y > 0.19 && at.y < 0.32, "{floor:?} {hz} Hz: {at}");
+                // The box may lie on any face.
+                let lies = [0.2, 0.3, 0.4, 0.5].iter().any(|height| (at.y - height).abs() < 1e-3);
+                assert!(lies, "{floor:?} {hz} Hz: {at}");
             }
         }
     }

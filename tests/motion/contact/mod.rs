@@ -1,6 +1,7 @@
 //! Contacts: bouncing, friction, sliding, parting, and what extreme masses do.
 
 mod belts;
+mod eccentric;
 mod elastic;
 mod extremes;
 mod friction;
