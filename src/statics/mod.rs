@@ -223,13 +223,11 @@ impl Structure<'_> {
         }
     }
 
-    /// From a body's centre of mass to the point from which its contact's points are counted. `is_a`: the body
-    /// is the contact's `a`. Where a load was known before it is where the rows have it: as if the bodies had
-    /// not moved past each other since the contact was found.
-    ///
-    /// Once it was where the bodies are now. A leaning tower that was weighed again got the forces that hold
-    /// it up with its lean, of which the rows knew nothing, and swung to the other side, on weak springs
-    /// further than it had leaned.
+    /// From a body's centre of mass to the point from which its contact's points are counted; `is_a`: the
+    /// body is the contact's `a`. Where a load was known before, it is where the rows have it: as if the
+    /// bodies had not moved past each other since the contact was found. A leaning tower would otherwise get
+    /// the forces that hold its lean, of which the rows know nothing, and swing to the other side, on weak
+    /// springs further than it leaned.
     fn origin(&self, contact: ContactRef<'_>, is_a: bool, centre: DVec3) -> Vec3 {
         let from = |collider: u32| (self.colliders.poses[collider as usize].position - centre).as_vec3();
         if is_a || contact.static_load == UNKNOWN_LOAD {

@@ -2,8 +2,8 @@
 //!
 //! Away from the centre of a body, friction changes the speed along the normal and the normal impulse the
 //! slip. Friction that comes after the normal impulses leaves another speed than Newton's law says. So each
-//! point is a block of three rows, solved exactly, and Gauss-Seidel goes over the points. Friction opposes the
-//! slip at the end of the impact (J. J. Moreau, *Unilateral contact and dry friction in finite freedom
+//! point is a block of three rows, solved exactly, and Gauss-Seidel goes over the points. Friction opposes
+//! the slip at the end of the impact (J. J. Moreau, *Unilateral contact and dry friction in finite freedom
 //! dynamics*, 1988): within the circle of `mu` times the normal impulse it is what leaves least energy.
 //!
 //! Newton's coefficient compares speeds, not energies: with friction it may give back more than there was

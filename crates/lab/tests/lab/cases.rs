@@ -8,7 +8,6 @@ const SHORT: &[(&str, f64)] = &[
     ("euler-disc", 0.37),
     ("bounce-time", 0.012),
     ("oblique-grip", 1.5e-4),
-    ("galperin-2", 0.0032),
     ("pendulum-179", 1.2e-3),
     ("arch", 0.375),
 ];
