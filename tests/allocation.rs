@@ -398,7 +398,7 @@ fn characters_allocate_nothing() {
             last.push(world).unwrap();
         }
     };
-    assert_eq!(count(&mut world, 900, ask), 0);
+    assert_eq!(count(&mut world, 1500, ask), 0);
     assert!(ran_into > 20, "{ran_into}");
 }
 
