@@ -25,7 +25,9 @@ pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{ContactMemory, RowCost, RowSpace};
-pub(crate) use contacts::contact::{Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD};
+pub(crate) use contacts::contact::{
+    CHANGED_LOAD, Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD,
+};
 pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint, most_points};
 pub(crate) use contacts::store::{ContactCount, Contacts, SharedContacts};
