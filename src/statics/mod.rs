@@ -225,9 +225,9 @@ impl Structure<'_> {
 
     /// From a body's centre of mass to the point from which its contact's points are counted; `is_a`: the
     /// body is the contact's `a`. Of a contact that is weighed again it is where the rows have it: as if the
-    /// bodies had not moved past each other since it was found. A leaning tower would otherwise get the forces
-    /// that hold its lean, of which the rows know nothing, and swing to the other side, on weak springs further
-    /// than it leaned. For all contacts that is worse: heaps of chairs slip on for a minute.
+    /// bodies had not moved past each other since it was found. A leaning tower would otherwise get the
+    /// forces that hold its lean, of which the rows know nothing, and swing to the other side, on weak
+    /// springs further than it leaned. For all contacts that is worse: heaps of chairs slip on for a minute.
     fn origin(&self, contact: ContactRef<'_>, is_a: bool, centre: DVec3) -> Vec3 {
         let from = |collider: u32| (self.colliders.poses[collider as usize].position - centre).as_vec3();
         if is_a || contact.static_load != CHANGED_LOAD {
