@@ -137,7 +137,7 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
     let size = impulse.length();
     let wrong = |what: &str, off: f64| Some(Err(format!("{what} by {off:.2e}")));
     let off = (spin - arm.cross(impulse)).length() / (size * arm.length());
-    if !(off < 5e-3) {
+    if off.is_nan() || off > 5e-3 {
         return wrong("Euler: spin", off);
     }
     let slip = v + w.cross(arm);
