@@ -196,15 +196,20 @@ impl Structure<'_> {
                     Some(_) => self.bodies.pose[support.lower as usize].position,
                     None => centre,
                 };
-                let origin_below = self.origin(contact, !support.is_a, below);
+                let to_below = if contact.static_load == CHANGED_LOAD {
+                    self.origin(contact, !support.is_a, below) - origin
+                } else {
+                    (centre - below).as_vec3()
+                };
                 for (i, point) in contact.points().iter().enumerate() {
+                    let arm = origin + contact.frame * point.position;
                     let load = PointLoad {
                         contact: support.contact,
                         point: i as u32,
                         lower: support.lower,
                         normal: support.upwards(contact),
-                        arm: origin + contact.frame * point.position,
-                        arm_below: origin_below + contact.frame * point.position,
+                        arm,
+                        arm_below: to_below + arm,
                         ..PointLoad::default()
                     };
                     if point.separation <= rest.touching && !allowance.push(points, load) {
