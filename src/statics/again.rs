@@ -33,16 +33,14 @@ impl Statics {
             for slot in chain(remains.contacts, pair.contact) {
                 let Some([upper, lower]) = remains.weighed(remains.contacts.at(slot)) else { continue };
                 bore |= lower == own;
-                reached.push(if lower == own { upper } else { lower });
+                remains.list(if lower == own { upper } else { lower }, reached);
             }
         }
         if !bore {
             return;
         }
         while let Some(body) = reached.pop() {
-            if (body as usize) < remains.bodies.dynamic() {
-                remains.forget_below(body, reached);
-            }
+            remains.forget_below(body, reached);
         }
         (self.pending, self.wait) = (true, 0);
     }
@@ -57,6 +55,13 @@ impl Remains<'_> {
         (contact.static_load > 0.0 && down.abs() >= STEEPEST_SUPPORT).then_some(bodies)
     }
 
+    /// Lists a dynamic body, once: so there is room.
+    fn list(&self, body: u32, reached: &mut Vec<u32>) {
+        if (body as usize) < self.bodies.dynamic() && !reached.contains(&body) {
+            reached.push(body);
+        }
+    }
+
     /// Makes the loads of the contacts below a body unknown, and lists the bodies under them.
     fn forget_below(&mut self, body: u32, reached: &mut Vec<u32>) {
         let all = &self.broad.pairs;
@@ -69,7 +74,7 @@ impl Remains<'_> {
                 let (below, next) = (self.weighed(contact).filter(|[upper, _]| *upper == body), contact.next);
                 if let Some([_, lower]) = below {
                     self.contacts.at_mut(slot).forget_weight();
-                    reached.push(lower);
+                    self.list(lower, reached);
                 }
                 slot = next;
             }

@@ -87,11 +87,17 @@ impl Throw {
         rotation * self.points[point] - DVec3::Y * self.radius
     }
 
-    /// Whether it touches with nothing but its first point: at the impact, and for two steps after it. What
-    /// touches at the end of a substep strikes together with all that would in the next.
+    /// Whether it touches at the end of a substep, to a millimetre. Then all that would touch in the next
+    /// strikes with it (docs/decisions/restitution.md).
+    fn touches_late(&self, dt: f64) -> bool {
+        let substeps = self.gap / -self.speed.y * f64::from(SUBSTEPS);
+        substeps.fract() * -self.speed.y * dt < 0.001 * f64::from(SUBSTEPS)
+    }
+
+    /// Whether it touches with nothing but its first point: at the impact, and for two steps after it.
     fn touches_once(&self, v: DVec3, w: DVec3, dt: f64) -> bool {
         let start = self.arm(self.rotation.as_dquat(), self.first).y;
-        let least = 0.05 * self.points[0].length() - self.speed.y * dt / f64::from(SUBSTEPS);
+        let least = 0.05 * self.points[0].length();
         let height = |rotation, time: f64, point| self.arm(rotation, point).y - start + v.y * time;
         (0..self.points.len()).all(|point| {
             let apart = point == self.first || self.arm(self.rotation.as_dquat(), point).y - start > least;
@@ -130,7 +136,7 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
     let spin = inertia(now) * w;
     // Its spin at the impact: what is kept is the angular momentum.
     let w = inertia(rotation).inverse() * spin;
-    if impacts != 1 || !throw.touches_once(v, w, dt) {
+    if impacts != 1 || throw.touches_late(dt) || !throw.touches_once(v, w, dt) {
         return None;
     }
     let impulse = (v - throw.speed) * throw.mass;
@@ -171,7 +177,7 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
 
 #[test]
 fn what_strikes_beside_its_centre_obeys_newton_and_coulomb_together() {
-    let (mut random, mut judged, mut failed, mut at_seams) = (Random(40), 0, 0, 0);
+    let (mut random, mut judged, mut failed) = (Random(40), 0, 0);
     let count = std::env::var("COUNT").map_or(2000, |count| count.parse().unwrap());
     for i in 0..count {
         let throw = Throw::random(&mut random);
@@ -179,10 +185,7 @@ fn what_strikes_beside_its_centre_obeys_newton_and_coulomb_together() {
             if let Some(result) = judge(&throw, 1.0 / hz) {
                 judged += 1;
                 if let Err(what) = result {
-                    match throw.floor {
-                        Floor::Mesh => at_seams += 1,
-                        _ => failed += 1,
-                    }
+                    failed += 1;
                     println!(
                         "{i} {hz} Hz {:?} {:?} mu {:.3} e {:.3} {:.2}: {what}",
                         throw.floor, throw.geometry, throw.friction, throw.restitution, throw.speed
@@ -191,8 +194,63 @@ fn what_strikes_beside_its_centre_obeys_newton_and_coulomb_together() {
             }
         }
     }
-    // On a mesh two triangles share a few impacts near their common side.
-    let fail = format!("{failed} and {at_seams} of {judged} fail");
+    let fail = format!("{failed} of {judged} fail");
     println!("{fail}");
-    assert!(judged > count / 2 && failed == 0 && 500 * at_seams < judged, "{fail}");
+    assert!(judged > count / 2 && failed == 0, "{fail}");
+}
+
+/// Two bodies thrown at each other, and one at the floor almost flat: they strike with edges and faces, at
+/// several points at once. Expected: friction and restitution up to 1 take energy or keep it, and two bodies
+/// keep their momentum.
+#[test]
+fn what_strikes_with_edges_and_faces_gains_no_energy() {
+    let count = std::env::var("COUNT").map_or(300, |count| count.parse().unwrap());
+    let mut random = Random(41);
+    let (mut struck, mut most, mut worst) = (0, 0.0_f64, 0.0_f64);
+    for i in 0..count {
+        let throws = [Throw::random(&mut random), Throw::random(&mut random)];
+        let alone = random.chance(0.5);
+        let tilt = Quat::from_scaled_axis(random.direction() * random.range(0.0, 0.02));
+        let spin = [0, 1].map(|_| random.direction() * random.range(0.0, 5.0));
+        for hz in [30.0_f32, 60.0, 120.0] {
+            let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
+            let material = Material::default()
+                .with_friction(throws[0].friction as f32)
+                .with_restitution(throws[0].restitution as f32);
+            let add = |world: &mut World, k: usize, at: Vec3, rotation: Quat, speed: Vec3| {
+                let body = dynamic(throws[k].geometry.clone(), material, at).rotated(rotation);
+                world.add_body(&body.moving(speed, spin[k])).unwrap()
+            };
+            let bodies = if alone {
+                world.add_body(&throws[0].floor.desc(material)).unwrap();
+                let rotation = tilt * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2 * (i % 2) as f32);
+                vec![add(&mut world, 0, Vec3::Y * 1.3, rotation, throws[0].speed.as_vec3())]
+            } else {
+                [(0, 1.0), (1, -1.0)]
+                    .map(|(k, sign)| {
+                        let speed = Vec3::X * (sign * throws[k].speed.y as f32);
+                        let at = Vec3::new(1.5 * sign, 0.1 * sign, 0.05);
+                        add(&mut world, k, at, throws[k].rotation, speed)
+                    })
+                    .to_vec()
+            };
+            let momentum = |world: &World| {
+                let of = |&body| world.mass(body).unwrap() * world.linear_velocity(body).unwrap();
+                bodies.iter().map(of).sum::<Vec3>()
+            };
+            let (before, start) = (momentum(&world), world.energy());
+            let scale = (2.0 * start * f64::from(world.mass(bodies[0]).unwrap())).sqrt();
+            let mut impacts = 0;
+            for _ in 0..(1.5 * hz) as u32 {
+                impacts += world.step(1.0 / hz).unwrap().impacts;
+            }
+            struck += u32::from(impacts > 0);
+            most = most.max(world.energy() / start - 1.0);
+            if !alone {
+                worst = worst.max(f64::from((momentum(&world) - before).length()) / scale);
+            }
+        }
+    }
+    println!("{struck} of {} struck; gain {most:.2e}, momentum {worst:.2e}", 3 * count);
+    assert!(struck > 2 * count as u32 && most < 1e-5 && worst < 1e-4);
 }

@@ -457,10 +457,7 @@ fn the_number_of_collisions_is_that_of_pi() {
                 count += world.step(1.0 / hz).unwrap().impacts;
             }
             println!("1:{ratio} {hz} Hz: {count} for {want}");
-            // The last of 314 is a meeting at less than a thousandth of the speed: single precision may not
-            // see it.
-            let missing = u32::from(want > 100);
-            assert!(count <= want && count + missing >= want, "1:{ratio} {hz} Hz: {count} for {want}");
+            assert_eq!(count, want, "1:{ratio} {hz} Hz");
         }
     }
 }
