@@ -10,6 +10,7 @@ mod stage;
 mod sync;
 
 use crate::memory::in_arc;
+use bytemuck::Pod;
 use stage::Stage;
 #[cfg(feature = "parallel")]
 use stage::{End, Quit};
@@ -175,6 +176,26 @@ impl<'a, T> Shared<'a, T> {
     pub(crate) unsafe fn all(&self) -> &[T] {
         // SAFETY: the whole slice; nobody writes by the contract.
         unsafe { std::slice::from_raw_parts(self.start, self.len) }
+    }
+
+    /// The same elements as another type of the same size, of which any bits are a value too.
+    #[inline(always)]
+    pub(crate) fn cast<U: Pod>(&self) -> Shared<'_, U>
+    where
+        T: Pod,
+    {
+        // SAFETY: any bits are a value of either.
+        unsafe { self.reinterpret() }
+    }
+
+    /// The same elements as another type.
+    ///
+    /// # Safety
+    /// Every value of the one type is one of the other, in the same layout.
+    #[inline(always)]
+    pub(crate) unsafe fn reinterpret<U>(&self) -> Shared<'_, U> {
+        const { assert!(size_of::<T>() == size_of::<U>() && align_of::<T>() == align_of::<U>()) };
+        Shared { start: self.start.cast(), len: self.len, lifetime: std::marker::PhantomData }
     }
 
     /// A copy of the element at `i`.

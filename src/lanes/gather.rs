@@ -1,7 +1,7 @@
 //! Body records <-> lanes. A record is 32 bytes, so eight of them are one 8x8 transpose.
 
 use super::{Lanes, Mask, Vec3, f32x8};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Pod, Zeroable, must_cast};
 
 /// Two vectors of one body, in the layout that the solver gathers: linear xyz and the marks, angular xyz and
 /// an angle. Only displacements have marks, and only predicted ones an angle; both are zero in all others.
@@ -150,55 +150,94 @@ impl GatherLanes for f32 {
 impl GatherLanes for f32x8 {
     #[inline(always)]
     fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
-        let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
-        let row = |i: usize| -> f32x8 { bytemuck::must_cast(record(index[i] as usize)) };
-        let c = transpose([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
-        (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
+        gather_eight(record, index)
     }
     #[inline(always)]
     fn records(linear: Vec3<f32x8>, angular: Vec3<f32x8>, out: &mut [Record]) {
-        let zero = f32x8::ZERO;
-        let rows = transpose([linear.x, linear.y, linear.z, zero, angular.x, angular.y, angular.z, zero]);
-        for (record, row) in out.iter_mut().zip(rows) {
-            *record = bytemuck::must_cast(row);
-        }
+        records_of_eight(linear, angular, out);
     }
 }
 
-/// The 8x8 transpose, inlined: two of eight rows are zeros or go unused, and so does the work for them.
-#[cfg(target_feature = "avx")]
+/// Eight lanes that records are.
+pub(super) trait Eight: Lanes + Pod {
+    fn transpose(rows: [Self; 8]) -> [Self; 8];
+}
+
+impl Eight for f32x8 {
+    #[inline(always)]
+    fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        transpose(rows)
+    }
+}
+
+/// See [`GatherLanes::gather`].
 #[inline(always)]
-pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
-    use bytemuck::must_cast;
+pub(super) fn gather_eight<L: Eight>(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<L>, Vec3<L>) {
+    let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
+    let row = |i: usize| -> L { must_cast(record(index[i] as usize)) };
+    let c = L::transpose([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
+    (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
+}
+
+/// See [`GatherLanes::records`].
+#[inline(always)]
+pub(super) fn records_of_eight<L: Eight>(linear: Vec3<L>, angular: Vec3<L>, out: &mut [Record]) {
+    let zero = L::zero();
+    let rows = L::transpose([linear.x, linear.y, linear.z, zero, angular.x, angular.y, angular.z, zero]);
+    for (record, row) in out.iter_mut().zip(rows) {
+        *record = must_cast(row);
+    }
+}
+
+/// The 8x8 transpose of what is built for its instructions.
+#[cfg(target_feature = "avx")]
+use transpose_registers as transpose;
+
+/// The 8x8 transpose in registers of AVX, inlined: two of eight rows are zeros or go unused, and so does the
+/// work for them. Only for what runs where the processor has AVX.
+#[cfg(any(target_arch = "x86_64", target_feature = "avx"))]
+#[inline(always)]
+pub(super) fn transpose_registers<L: Pod>(rows: [L; 8]) -> [L; 8] {
     #[cfg(target_arch = "x86")]
     use std::arch::x86 as arch;
     #[cfg(target_arch = "x86_64")]
     use std::arch::x86_64 as arch;
 
-    // SAFETY: these ask for nothing but AVX, and all that this is compiled for has that.
-    unsafe {
-        let row = |i: usize| -> arch::__m256 { must_cast(rows[i]) };
-        // From two halves of four rows each: columns 0 and 4, 1 and 5, 2 and 6, 3 and 7.
-        let half = |i: usize| {
-            let (a, b) =
-                (arch::_mm256_unpacklo_ps(row(i), row(i + 1)), arch::_mm256_unpackhi_ps(row(i), row(i + 1)));
-            let (c, d) = (
-                arch::_mm256_unpacklo_ps(row(i + 2), row(i + 3)),
-                arch::_mm256_unpackhi_ps(row(i + 2), row(i + 3)),
-            );
+    /// Of two halves of four rows each: columns 0 and 4, 1 and 5, 2 and 6, 3 and 7.
+    #[inline(always)]
+    fn half([a, b, c, d]: [arch::__m256; 4]) -> [arch::__m256; 4] {
+        // SAFETY: as below.
+        unsafe {
+            let (low, high) = (arch::_mm256_unpacklo_ps(a, b), arch::_mm256_unpackhi_ps(a, b));
+            let (low_2, high_2) = (arch::_mm256_unpacklo_ps(c, d), arch::_mm256_unpackhi_ps(c, d));
             [
-                arch::_mm256_shuffle_ps::<0x44>(a, c),
-                arch::_mm256_shuffle_ps::<0xee>(a, c),
-                arch::_mm256_shuffle_ps::<0x44>(b, d),
-                arch::_mm256_shuffle_ps::<0xee>(b, d),
+                arch::_mm256_shuffle_ps::<0x44>(low, low_2),
+                arch::_mm256_shuffle_ps::<0xee>(low, low_2),
+                arch::_mm256_shuffle_ps::<0x44>(high, high_2),
+                arch::_mm256_shuffle_ps::<0xee>(high, high_2),
             ]
-        };
-        let (upper, lower) = (half(0), half(4));
-        let low = |i: usize| -> f32x8 { must_cast(arch::_mm256_permute2f128_ps::<0x20>(upper[i], lower[i])) };
-        let high =
-            |i: usize| -> f32x8 { must_cast(arch::_mm256_permute2f128_ps::<0x31>(upper[i], lower[i])) };
-        [low(0), low(1), low(2), low(3), high(0), high(1), high(2), high(3)]
+        }
     }
+    /// The lower halves of two registers, or their upper ones.
+    #[inline(always)]
+    fn join<L: Pod, const WHICH: i32>(a: arch::__m256, b: arch::__m256) -> L {
+        // SAFETY: as below.
+        must_cast(unsafe { arch::_mm256_permute2f128_ps::<WHICH>(a, b) })
+    }
+    // SAFETY of all of these: they ask for nothing but AVX, which the caller has made sure of.
+    let [a, b, c, d, e, f, g, h] = rows;
+    let upper = half([must_cast(a), must_cast(b), must_cast(c), must_cast(d)]);
+    let lower = half([must_cast(e), must_cast(f), must_cast(g), must_cast(h)]);
+    [
+        join::<L, 0x20>(upper[0], lower[0]),
+        join::<L, 0x20>(upper[1], lower[1]),
+        join::<L, 0x20>(upper[2], lower[2]),
+        join::<L, 0x20>(upper[3], lower[3]),
+        join::<L, 0x31>(upper[0], lower[0]),
+        join::<L, 0x31>(upper[1], lower[1]),
+        join::<L, 0x31>(upper[2], lower[2]),
+        join::<L, 0x31>(upper[3], lower[3]),
+    ]
 }
 
 /// The 8x8 transpose, as four of four.
@@ -207,9 +246,8 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
 /// does this four times a batch.
 #[cfg(not(target_feature = "avx"))]
 #[inline(always)]
-pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
+fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
     use super::f32x4;
-    use bytemuck::must_cast;
 
     #[inline(always)]
     fn four([a, b, c, d]: [f32x8; 4]) -> [[f32x4; 4]; 2] {

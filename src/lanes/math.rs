@@ -287,6 +287,7 @@ pub(crate) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
 
 /// Half of a rotation vector, without whole turns.
 #[cold]
+#[inline(always)]
 fn without_whole_turns<L: Lanes>(half: Vec3<L>) -> Vec3<L> {
     let length = half.length();
     let length = L::select(length.gt(L::zero()), length, L::one());

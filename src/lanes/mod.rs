@@ -4,12 +4,21 @@
 //! ordered operations are offered (no fused multiply-add, no approximate reciprocal or root), so that
 //! a lane computes the same bits at any width and on any instruction set. All `cfg` by instruction set
 //! stays in this folder.
+//!
+//! Which instructions eight lanes take is chosen when the program runs: [`with_best!`] names the type of
+//! lanes for the processor, and [`Lanes::run`] enters code that is compiled for it.
 
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+mod avx2;
 mod bits;
 mod gather;
 mod math;
 
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+pub(crate) use avx2::{Avx8, has_avx2};
 pub(crate) use bits::ones;
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+use gather::{Eight, gather_eight, records_of_eight, transpose_registers};
 pub(crate) use gather::{GatherLanes, Record, gather, is_within, scatter};
 pub(crate) use math::{Mat3, Quat, Sym3, Vec3, turned};
 pub(crate) use wide::{f32x4, f32x8, f64x4};
@@ -37,7 +46,8 @@ pub(crate) trait Mask:
 /// `max(a, b)` is `a > b ? a : b` and `min(a, b)` is `a < b ? a : b`, to the bit, on every target: with a
 /// NaN on either side, or two zeros of any sign, the answer is `b`.
 pub(crate) trait Lanes:
-    Copy
+    'static
+    + Copy
     + Debug
     + Default
     + Add<Output = Self>
@@ -61,6 +71,13 @@ pub(crate) trait Lanes:
     #[allow(dead_code, reason = "part of the vocabulary; tests use it")]
     fn store(self, to: &mut [f32]);
     fn lane(self, i: usize) -> f32;
+    /// All lanes, of which there are at most eight; zeros beyond.
+    #[inline(always)]
+    fn eight(self) -> [f32; 8] {
+        let mut all = [0.0; 8];
+        self.store(&mut all);
+        all
+    }
     fn set_lane(&mut self, i: usize, value: f32);
     fn abs(self) -> Self;
     fn sqrt(self) -> Self;
@@ -76,6 +93,11 @@ pub(crate) trait Lanes:
     /// `yes` in the lanes of `mask`, `no` in the others.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// Runs a kernel that computes with these lanes, as it is compiled for their instructions.
+    #[inline(never)]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
+    }
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
@@ -94,6 +116,77 @@ pub(crate) trait Lanes:
         Self::select(self.lt(Self::zero()), Self::splat(-1.0), Self::one())
     }
 }
+
+/// Work that is compiled once for each type of lanes. All that it does in lanes has to be inlined into
+/// [`Kernel::run`], or be a kernel itself: elsewhere each operation would be a call.
+pub(crate) trait Kernel {
+    type Output;
+    /// Implementations are `#[inline(always)]`.
+    fn run(self) -> Self::Output;
+}
+
+/// A function whose body is a [`Kernel`]: not inlined where it is called, and compiled for the instructions of
+/// its lanes. Its references have one lifetime, or two. A last parameter may be of another type, after a semicolon.
+macro_rules! kernel {
+    (@output) => { () };
+    (@output $output:ty) => { $output };
+    ($(#[$attribute:meta])* $vis:vis unsafe fn $($rest:tt)*) => {
+        $crate::lanes::kernel!(@ [$(#[$attribute])* $vis unsafe fn] $($rest)*);
+    };
+    ($(#[$attribute:meta])* $vis:vis fn $($rest:tt)*) => {
+        $crate::lanes::kernel!(@ [$(#[$attribute])* $vis fn] $($rest)*);
+    };
+    (@ [$($head:tt)*] $name:ident<
+        $a:lifetime $(, $b:lifetime)?, $L:ident: $lanes:path $(, const $N:ident: $kind:ty)* $(; $R:ident: $bound:path)?
+    >($($argument:ident: $of:ty),* $(,)?) $(-> $output:ty)? $body:block) => {
+        #[inline(always)]
+        $($head)* $name<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*>(
+            $($argument: $of),*
+        ) $(-> $output)? {
+            struct Work<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*> {
+                $($argument: $of,)*
+                types: std::marker::PhantomData<(&$a $L, $($R)?)>,
+            }
+            impl<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*> $crate::lanes::Kernel
+                for Work<$a $(, $b)?, $L $(, $R)? $(, $N)*>
+            {
+                type Output = $crate::lanes::kernel!(@output $($output)?);
+                #[inline(always)]
+                fn run(self) -> Self::Output {
+                    let Work { $($argument,)* types: _ } = self;
+                    $body
+                }
+            }
+            let work = Work::<$L $(, $R)? $(, $N)*> { $($argument,)* types: std::marker::PhantomData };
+            <$L as $crate::lanes::Lanes>::run(work)
+        }
+    };
+}
+pub(crate) use kernel;
+
+/// Calls `$body` with `$Wide` as the type of eight lanes that suits the processor. `$body` enters kernels by
+/// [`Lanes::run`].
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+macro_rules! with_best {
+    ($Wide:ident => $body:expr) => {
+        if $crate::lanes::has_avx2() {
+            type $Wide = $crate::lanes::Avx8;
+            $body
+        } else {
+            type $Wide = $crate::lanes::f32x8;
+            $body
+        }
+    };
+}
+/// Calls `$body` with `$Wide` as the type of eight lanes of the target.
+#[cfg(not(all(target_arch = "x86_64", not(target_feature = "avx2"))))]
+macro_rules! with_best {
+    ($Wide:ident => $body:expr) => {{
+        type $Wide = $crate::lanes::f32x8;
+        $body
+    }};
+}
+pub(crate) use with_best;
 
 impl Mask for bool {
     #[inline(always)]
@@ -185,7 +278,7 @@ impl Lanes for f32 {
 pub(crate) struct Bits<F>(F);
 
 macro_rules! wide_lanes {
-    ($float:ty, $n:literal) => {
+    ($float:ty, $n:literal, $blends:expr $(, $run:item)?) => {
         impl BitAnd for Bits<$float> {
             type Output = Self;
             #[inline(always)]
@@ -224,6 +317,7 @@ macro_rules! wide_lanes {
         impl Lanes for $float {
             const N: usize = $n;
             type Mask = Bits<$float>;
+            $($run)?
 
             #[inline(always)]
             fn splat(value: f32) -> Self {
@@ -306,19 +400,27 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-                // With plain SSE2 that of `wide` is a call.
-                if cfg!(all(target_arch = "x86_64", not(target_feature = "sse4.1"))) {
-                    no ^ ((no ^ yes) & mask.0)
-                } else {
-                    mask.0.select(yes, no)
-                }
+                if $blends { mask.0.select(yes, no) } else { no ^ ((no ^ yes) & mask.0) }
             }
         }
     };
 }
 
-wide_lanes!(f32x4, 4);
-wide_lanes!(f32x8, 8);
+/// With plain SSE2 the selection of `wide` is a call.
+const BLENDS: bool = !cfg!(all(target_arch = "x86_64", not(target_feature = "sse4.1")));
+
+wide_lanes!(f32x4, 4, BLENDS);
+wide_lanes!(f32x8, 8, BLENDS);
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+wide_lanes!(
+    Avx8,
+    8,
+    true,
+    #[inline(always)]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        avx2::run(kernel)
+    }
+);
 
 #[cfg(test)]
 mod tests;

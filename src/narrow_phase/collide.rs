@@ -10,12 +10,12 @@ use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
 use super::input::Input;
 use super::pair_state::{PackedState, PairState};
-use super::relative::{Relative, lanes_of, relative_poses};
+use super::relative::{Relative, eight_relative};
 use super::seams::Seams;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::config::tuning::FACE_SINK;
-use crate::lanes::f32x8;
+use crate::lanes::with_best;
 use crate::memory::{Category, buffers};
 use crate::narrow_phase::contacts::admit::ContactMemory;
 use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
@@ -171,7 +171,7 @@ fn place(
         let end = ((block + 1) * BLOCK).min(pairs.len());
         for first in (block * BLOCK..end).step_by(8) {
             let lanes = &pairs[first..end.min(first + 8)];
-            let placed = lanes_of(&relative_poses::<f32x8>(&|i| lanes[i.min(lanes.len() - 1)], input.poses));
+            let placed = with_best!(Wide => eight_relative::<Wide>(lanes, input.poses));
             for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {

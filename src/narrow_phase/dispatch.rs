@@ -4,9 +4,9 @@ use super::bins::{Bin, TAPERED_BOX, TAPERED_CAPSULES};
 use super::convex::collide_convex;
 use super::input::{Approach, Input};
 use super::pair_policy::{PairView, finish_convex, finish_mesh, margin_of};
-use super::relative::{lanes_of, relative_pose, relative_poses};
+use super::relative::{Relative, lanes_of, relative_pose, relative_poses};
 use crate::broad_phase::Pair;
-use crate::lanes::f32x8;
+use crate::lanes::{Lanes, kernel, with_best};
 use crate::narrow_phase::contacts::found::BlockOutput;
 use crate::narrow_phase::contacts::store::SharedContacts;
 use crate::narrow_phase::pairs::box_box::box_box;
@@ -18,10 +18,10 @@ use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
 use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::shape::Kind;
 
-type Kernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
+type Kernel<L> = fn(&PairLanes<L>) -> ManifoldLanes<L>;
 
 /// The lane kernel of a bin, if it has one.
-fn kernel_of(bin: Bin) -> Option<Kernel> {
+fn kernel_of<L: Lanes>(bin: Bin) -> Option<Kernel<L>> {
     const SPHERES: u8 = Bin::pair(Kind::Sphere, Kind::Sphere);
     const SPHERE_CAPSULE: u8 = Bin::pair(Kind::Sphere, Kind::Capsule);
     const SPHERE_BOX: u8 = Bin::pair(Kind::Sphere, Kind::Box);
@@ -31,15 +31,56 @@ fn kernel_of(bin: Bin) -> Option<Kernel> {
     const TAPERED: u8 = TAPERED_CAPSULES.0;
     const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
     match bin.0 {
-        TAPERED => Some(tapered_capsule_capsule::<f32x8>),
-        TAPERED_ON_BOX => Some(tapered_capsule_box::<f32x8>),
-        SPHERES => Some(sphere_sphere::<f32x8>),
-        SPHERE_CAPSULE => Some(sphere_capsule::<f32x8>),
-        SPHERE_BOX => Some(sphere_box::<f32x8>),
-        CAPSULES => Some(capsule_capsule::<f32x8>),
-        CAPSULE_BOX => Some(capsule_box::<f32x8>),
-        BOXES => Some(box_box::<f32x8>),
+        TAPERED => Some(tapered_capsule_capsule::<L>),
+        TAPERED_ON_BOX => Some(tapered_capsule_box::<L>),
+        SPHERES => Some(sphere_sphere::<L>),
+        SPHERE_CAPSULE => Some(sphere_capsule::<L>),
+        SPHERE_BOX => Some(sphere_box::<L>),
+        CAPSULES => Some(capsule_capsule::<L>),
+        CAPSULE_BOX => Some(capsule_box::<L>),
+        BOXES => Some(box_box::<L>),
         _ => None,
+    }
+}
+
+kernel! {
+    /// Up to eight pairs as lanes and one by one; past the end the last is repeated.
+    fn load<'a, L: Lanes>(
+        eight: &'a [Pair],
+        approach: &'a [Approach; 8],
+        input: &'a Input<'a>,
+    ) -> (PairLanes<L>, [Relative; 8]) {
+        let pair = |lane: usize| &eight[lane.min(eight.len() - 1)];
+        let shape = |c: u32| input.summaries[c as usize].size;
+        let placed = relative_poses::<L>(&|lane| *pair(lane), input.poses);
+        let lanes = PairLanes::new(placed, |lane| {
+            let p = pair(lane);
+            (shape(p.a), shape(p.b), margin_of(input, &approach[lane]))
+        });
+        (lanes, lanes_of(&placed))
+    }
+}
+
+/// Works through a block of pairs of one bin in lanes.
+fn run_lanes<L: Lanes>(
+    kernel: Kernel<L>,
+    order: &[u32],
+    input: &Input<'_>,
+    pairs: &[Pair],
+    contacts: &SharedContacts<'_>,
+    out: &mut BlockOutput<'_>,
+) {
+    for eight in order.chunks(8) {
+        let at = |lane: usize| pairs[eight[lane.min(eight.len() - 1)] as usize];
+        let all: [Pair; 8] = std::array::from_fn(at);
+        let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&all[lane]));
+        let (lanes, placed) = load::<L>(&all, &approach, input);
+        let manifolds = kernel(&lanes);
+        for (lane, &index) in eight.iter().enumerate() {
+            let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
+            let view = PairView { input, pair, index, rel, approach };
+            finish_convex(&view, manifolds.lane(lane), contacts, out);
+        }
     }
 }
 
@@ -52,23 +93,10 @@ pub(crate) fn run_bin(
     contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
-    if let Some(kernel) = kernel_of(bin) {
-        for eight in order.chunks(8) {
-            let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
-            let shape = |c: u32| input.summaries[c as usize].size;
-            let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
-            let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
-            let lanes = PairLanes::new(placed, |lane| {
-                let p = &pairs[pair(lane)];
-                (shape(p.a), shape(p.b), margin_of(input, &approach[lane]))
-            });
-            let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
-            for (lane, &index) in eight.iter().enumerate() {
-                let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
-                let view = PairView { input, pair, index, rel, approach };
-                finish_convex(&view, manifolds.lane(lane), contacts, out);
-            }
-        }
+    let in_lanes = with_best!(Wide => kernel_of::<Wide>(bin).map(|kernel| {
+        run_lanes(kernel, order, input, pairs, contacts, out);
+    }));
+    if in_lanes.is_some() {
         return;
     }
     for &index in order {

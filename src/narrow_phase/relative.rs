@@ -2,7 +2,7 @@
 
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::lanes::{Lanes, Quat, Vec3, f32x8};
+use crate::lanes::{Lanes, Quat, Vec3, kernel};
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]
@@ -25,14 +25,24 @@ pub(crate) fn relative_poses<L: Lanes>(pair: &impl Fn(usize) -> Pair, poses: &[P
 
 /// The lanes, as single poses.
 #[inline(always)]
-pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Relative; 8] {
-    let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
-    let (i, j, k) = (rotation.v.x.to_array(), rotation.v.y.to_array(), rotation.v.z.to_array());
-    let w = rotation.w.to_array();
+pub(crate) fn lanes_of<L: Lanes>((position, rotation): &(Vec3<L>, Quat<L>)) -> [Relative; 8] {
+    let mut columns = [[0.0; 8]; 7];
+    let lanes = [position.x, position.y, position.z, rotation.v.x, rotation.v.y, rotation.v.z, rotation.w];
+    for (column, lanes) in columns.iter_mut().zip(lanes) {
+        lanes.store(column);
+    }
+    let [x, y, z, i, j, k, w] = columns;
     std::array::from_fn(|n| Relative {
         position: glam::Vec3::new(x[n], y[n], z[n]),
         rotation: crate::math::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
     })
+}
+
+kernel! {
+    /// Poses of up to eight pairs; past the end that of the last is repeated.
+    pub(crate) fn eight_relative<'a, L: Lanes>(pairs: &'a [Pair], poses: &'a [Pose]) -> [Relative; 8] {
+        lanes_of(&relative_poses::<L>(&|i| pairs[i.min(pairs.len() - 1)], poses))
+    }
 }
 
 /// Pose of `b` in `a`.

@@ -18,9 +18,9 @@ impl Corners {
 
     /// One corner of each triangle.
     #[inline(always)]
-    pub(crate) fn corner(&self, corner: usize) -> LaneVec3<f32x8> {
+    pub(crate) fn corner<L: Lanes>(&self, corner: usize) -> LaneVec3<L> {
         let [x, y, z] = &self.0[corner];
-        LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
+        LaneVec3::new(L::load(x), L::load(y), L::load(z))
     }
 
     /// The boxes around the triangles: low and high corners.
@@ -39,7 +39,7 @@ impl Corners {
     /// A bit for each triangle whose plane a segment keeps away from: see [`beyond`].
     #[inline(always)]
     pub(crate) fn beyond(&self, from: Vec3, to: Vec3, reach: f32) -> u32 {
-        beyond([0, 1, 2].map(|k| self.corner(k)), from, to, reach).bits()
+        beyond([0, 1, 2].map(|k| self.corner::<f32x8>(k)), from, to, reach).bits()
     }
 
     #[inline(always)]

@@ -13,15 +13,17 @@ mod substep;
 
 use crate::body::Bodies;
 use crate::config::Settings;
+use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
+use crate::constraint::contact::friction::FrictionView;
 use crate::constraint::contact::row::{Motion, Pass, carry, solve as solve_batch, warm_start};
 use crate::constraint::schedule::order::Stage;
 use crate::constraint::{
-    Group, JointRows, JointViews, Restitution, Rows, TouchInput, Views, guard, solve_impact_friction,
+    Batch, Group, JointRows, JointViews, Restitution, Rows, TouchInput, Views, guard, solve_impact_friction,
     usual_substep, with_batch,
 };
 use crate::forces::Forces;
-use crate::lanes::Record;
+use crate::lanes::{GatherLanes, Record, kernel, with_best};
 use crate::memory::buffers;
 use crate::shape::Collider;
 use crate::threads::{Shared, Workers, per_block};
@@ -219,33 +221,12 @@ impl Passes<'_> {
             let (group, pass) = (stage.group, self.contact_pass(stage.group, kind));
             let one = |index: usize| {
                 let of = batches.schedule[index];
-                let in_tree = of.in_tree && kind != PassKind::WarmStart;
                 // SAFETY: each batch is in the schedule once; no dynamic body is twice in a stage, unless the
                 // stage is serial, and then one thread has all of it.
                 let found_one = unsafe {
-                    with_batch!(batches, group, of, |batch, friction| {
-                        if kind == PassKind::ImpactFriction {
-                            solve_impact_friction(batch, friction, of, group, motion, &pass)
-                        } else if in_tree && batch.b.is_empty() {
-                            guard(batch, motion, &pass)
-                        } else {
-                            // Without friction a kernel of its own.
-                            let rows = if group.is_potential() { None } else { friction.touching(of) };
-                            match (kind, rows) {
-                                (PassKind::WarmStart, Some(f)) => {
-                                    let rolling = batches.rolling_of(batch);
-                                    warm_start::<_, _, _, true>(batch, Some(f), rolling, motion.velocity);
-                                    false
-                                }
-                                (PassKind::WarmStart, None) => {
-                                    warm_start::<_, _, _, false>(batch, None, None, motion.velocity);
-                                    false
-                                }
-                                (_, Some(f)) => solve_batch::<_, _, _, true>(batch, Some(f), motion, &pass),
-                                (_, None) => solve_batch::<_, _, _, false>(batch, None, motion, &pass),
-                            }
-                        }
-                    })
+                    with_best!(Wide => with_batch!(Wide: batches, group, of, |batch, friction| {
+                        pass_over(batch, friction, of, group, kind, batches, motion, &pass)
+                    }))
                 };
                 if found_one {
                     found.store(true, Ordering::Relaxed);
@@ -290,6 +271,48 @@ impl Passes<'_> {
             surfaces: self.contacts.surfaces,
             rolling: &self.contacts.rolling,
             soft: &self.contacts.soft,
+        }
+    }
+}
+
+kernel! {
+    /// An operation on a batch. Returns whether potential points push, or loads shift: see [`Passes::run`].
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    unsafe fn pass_over<'a, L: GatherLanes, const P: usize, const B: usize>(
+        batch: &'a mut Batch<L, P, B>,
+        friction: &'a FrictionView<'a, L, B>,
+        of: BatchRef,
+        group: Group,
+        kind: PassKind,
+        batches: &'a Views<'a>,
+        motion: &'a Motion<'a, 'a>,
+        pass: &'a Pass<'a>,
+    ) -> bool {
+        // SAFETY: by the contract.
+        unsafe {
+            if kind == PassKind::ImpactFriction {
+                return solve_impact_friction(batch, friction, of, group, motion, pass);
+            }
+            if of.in_tree && kind != PassKind::WarmStart && batch.b.is_empty() {
+                return guard(batch, motion, pass);
+            }
+            // Without friction a kernel of its own.
+            let rows = if group.is_potential() { None } else { friction.touching(of) };
+            match (kind, rows) {
+                (PassKind::WarmStart, Some(f)) => {
+                    let rolling = batches.rolling_of(batch);
+                    warm_start::<_, _, _, true>(batch, Some(f), rolling, motion.velocity);
+                    false
+                }
+                (PassKind::WarmStart, None) => {
+                    warm_start::<_, _, _, false>(batch, None, None, motion.velocity);
+                    false
+                }
+                (_, Some(f)) => solve_batch::<_, _, _, true>(batch, Some(f), motion, pass),
+                (_, None) => solve_batch::<_, _, _, false>(batch, None, motion, pass),
+            }
         }
     }
 }

@@ -100,6 +100,15 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
     const NO_GAPS: () =
         assert!(size_of::<Self>() == Self::LANES * size_of::<L>() + (8 + 8 * B + 8 + 1 + 1 + 6) * 4);
 
+    /// The same lanes as another type.
+    #[inline(always)]
+    pub(crate) fn cast<W: Lanes + Pod>(&mut self) -> &mut Batch<W, P, B>
+    where
+        L: Pod,
+    {
+        bytemuck::must_cast_mut(self)
+    }
+
     /// The part of an impulse on both bodies that moves each of them.
     #[inline(always)]
     pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {

@@ -1,7 +1,7 @@
 //! The two bodies of each lane of a batch: their solver state, gathered and written back.
 
 use super::batch::Batch;
-use crate::lanes::{GatherLanes, Record, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Record, Vec3, gather, kernel, scatter};
 use crate::threads::Shared;
 
 /// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the
@@ -21,19 +21,22 @@ pub(crate) struct Written<'a> {
     pub(crate) lanes: u32,
 }
 
-impl Written<'_> {
+kernel! {
     /// A function of its own: inlined into the kernels of joints, it costs nets of them 2 %.
     ///
     /// # Safety
     /// A body that may be written is in no other lane, and no other thread works on it in this stage.
-    #[inline(never)]
-    #[allow(clippy::needless_range_loop, reason = "several arrays by lane")]
-    unsafe fn write<L: GatherLanes>(self, linear: Vec3<L>, angular: Vec3<L>, records: &Shared<'_, Record>) {
-        let out = scatter(linear, angular);
-        for lane in 0..L::N {
-            if self.lanes >> lane & 1 != 0 {
+    unsafe fn write<'a, L: GatherLanes>(
+        to: Written<'a>,
+        linear: &'a Vec3<L>,
+        angular: &'a Vec3<L>,
+        records: &'a Shared<'a, Record>,
+    ) {
+        let out = scatter(*linear, *angular);
+        for (lane, record) in out.iter().enumerate().take(L::N) {
+            if to.lanes >> lane & 1 != 0 {
                 // SAFETY: by the contract.
-                unsafe { *records.get(self.index[lane] as usize) = out[lane] };
+                unsafe { *records.get(to.index[lane] as usize) = *record };
             }
         }
     }
@@ -110,9 +113,9 @@ impl<L: GatherLanes> BodyPair<L> {
     ) {
         // SAFETY: by the contract.
         unsafe {
-            a.write(self.va, self.wa, records);
+            write(a, &self.va, &self.wa, records);
             if let Some(b) = b {
-                b.write(self.vb, self.wb, records);
+                write(b, &self.vb, &self.wb, records);
             }
         }
     }

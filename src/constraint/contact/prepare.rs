@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, GONE, unlocked};
 use super::columns::{Columns, SpringColumns, sym3, vec3};
-use super::friction::{FrictionRow, FrictionToFill, RollingRow};
+use super::friction::{FrictionRow, FrictionToFill, RollingRow, carry};
 use super::input::PrepareInput;
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::soft::{SoftRow, bodies::mark, fill_soft};
@@ -10,7 +10,7 @@ use crate::config::tuning::LOCKED_YIELD;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::part::Part;
-use crate::lanes::{GatherLanes, Lanes, Mat3, Sym3, Vec3, gather};
+use crate::lanes::{GatherLanes, Lanes, Mat3, Sym3, Vec3, gather, kernel, with_best};
 use crate::memory::{Allowances, Category};
 use crate::threads::{Shared, Workers, per_block};
 
@@ -99,9 +99,9 @@ fn fill_all(
             let beside = BesideBatch { place: place as u32, surface, rolling, soft };
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
-                with_batch!(views, group, of, |batch, friction| {
+                with_best!(Wide => with_batch!(Wide: views, group, of, |batch, friction| {
                     fill(batch, friction.to_fill(of, group), contacts, tree_slots, beside, input)
-                });
+                }));
             }
         }
     });
@@ -128,6 +128,18 @@ struct Points<L, const P: usize> {
     present: [L; P],
 }
 
+impl<L: Lanes, const P: usize> Points<L, P> {
+    /// The mean of arms, each of which counts for `share`.
+    #[inline(always)]
+    fn mean(&self, arms: &[Vec3<L>; P], share: L) -> Vec3<L> {
+        let mut sum = Vec3::zero();
+        for (&arm, &present) in arms.iter().zip(&self.present) {
+            sum += arm * present;
+        }
+        sum * share
+    }
+}
+
 impl<L: Lanes, const P: usize> Geometry<'_, L, P> {
     /// By how much a unit impulse along `x` changes the velocity along `y`; `all`: the same if no axis is
     /// locked [1/kg].
@@ -142,84 +154,90 @@ impl<L: Lanes, const P: usize> Geometry<'_, L, P> {
     }
 }
 
-/// Fills the lanes of a batch; lanes without a contact get rows without mass.
-fn fill<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &mut Batch<L, P, B>,
-    friction: FrictionToFill<'_, L, B>,
-    parts: &[Part],
-    tree_slots: Option<&TreeSlots>,
-    beside: BesideBatch<'_>,
-    input: &PrepareInput<'_>,
-) {
-    let touching = matches!(friction, FrictionToFill::Touching(_));
-    let mut springs = input.soft.then(SpringColumns::default);
-    let columns = Columns::<P>::gather(parts, touching, tree_slots, springs.as_mut(), input);
-    (batch.a, batch.contact) = (columns.a, columns.contact);
-    (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);
-    [batch.write_a, batch.write_b] = columns.write;
-    (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
-    let [x, y, z, w] = &columns.rotation;
-    let v = Vec3::new(L::load(x), L::load(y), L::load(z));
-    let turn = crate::lanes::Quat { v, w: L::load(w) }.to_matrix();
-    let sign = L::load(&columns.sign);
-    let n = turn.mul(vec3(&columns.normal)) * sign;
-    let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
-    (batch.normal, batch.peak) = (n, L::zero());
-    (batch.rest, batch.reach) = (L::load(&columns.rest), L::load(&columns.reach));
-    (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
-    let (mb, ib) = if B > 0 {
-        let b = &mut batch.b[0];
-        b.index = columns.b;
-        b.inverse_mass = L::load(&columns.inverse_mass[1]);
-        b.inverse_inertia = sym3(&columns.inverse_inertia[1]);
-        (b.inverse_mass, b.inverse_inertia)
-    } else {
-        (L::zero(), Sym3::default())
-    };
-    let geometry = Geometry {
-        columns: &columns,
-        turn,
-        sign,
-        normal: n,
-        inverse_mass: [ma, mb],
-        inverse_inertia: [ia, ib],
-    };
-    let points = fill_points(batch, &geometry);
-    if let (Some(soft), Some(springs)) = (beside.soft, springs.filter(|springs| springs.softens)) {
-        let along = geometry.linear(n, n, ma + mb);
-        fill_soft(soft, batch, &springs, along, input.lengths.now());
-        batch.soft = beside.place;
-    }
-    let share = match friction {
-        FrictionToFill::None => return,
-        _ => L::one() / points.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
-    };
-    let mean = |of: &[Vec3<L>; P]| {
-        of.iter().zip(&points.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
-    };
-    let (fa, fb) = (mean(&points.arms_a), mean(&points.arms_b));
-    if let Some(surface) = beside.surface {
-        let (past, (t1, t2)) = (vec3::<L>(&columns.past), n.tangents());
-        past.dot(t1).store(&mut surface[0]);
-        past.dot(t2).store(&mut surface[1]);
-        batch.surface = beside.place;
-    }
-    match friction {
-        FrictionToFill::None => {}
-        FrictionToFill::Impact(f) => {
-            let sliding = L::load(&columns.coefficient[1]);
-            (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
+kernel! {
+    /// Fills the lanes of a batch; lanes without a contact get rows without mass.
+    fn fill<'a, L: GatherLanes, const P: usize, const B: usize>(
+        batch: &'a mut Batch<L, P, B>,
+        friction: FrictionToFill<'a, L, B>,
+        parts: &'a [Part],
+        tree_slots: Option<&'a TreeSlots>,
+        beside: BesideBatch<'a>,
+        input: &'a PrepareInput<'a>,
+    ) {
+        let touching = matches!(friction, FrictionToFill::Touching(_));
+        let mut springs = input.soft.then(SpringColumns::default);
+        let columns = Columns::<P>::gather(parts, touching, tree_slots, springs.as_mut(), input);
+        (batch.a, batch.contact) = (columns.a, columns.contact);
+        (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);
+        [batch.write_a, batch.write_b] = columns.write;
+        (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
+        let [x, y, z, w] = &columns.rotation;
+        let v = Vec3::new(L::load(x), L::load(y), L::load(z));
+        let turn = crate::lanes::Quat { v, w: L::load(w) }.to_matrix();
+        let sign = L::load(&columns.sign);
+        let n = turn.mul(vec3(&columns.normal)) * sign;
+        let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
+        (batch.normal, batch.peak) = (n, L::zero());
+        (batch.rest, batch.reach) = (L::load(&columns.rest), L::load(&columns.reach));
+        (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
+        let (mb, ib) = if B > 0 {
+            let b = &mut batch.b[0];
+            b.index = columns.b;
+            b.inverse_mass = L::load(&columns.inverse_mass[1]);
+            b.inverse_inertia = sym3(&columns.inverse_inertia[1]);
+            (b.inverse_mass, b.inverse_inertia)
+        } else {
+            (L::zero(), Sym3::default())
+        };
+        let geometry = Geometry {
+            columns: &columns,
+            turn,
+            sign,
+            normal: n,
+            inverse_mass: [ma, mb],
+            inverse_inertia: [ia, ib],
+        };
+        let points = fill_points(batch, &geometry);
+        if let (Some(soft), Some(springs)) = (beside.soft, springs.filter(|springs| springs.softens)) {
+            let along = geometry.linear(n, n, ma + mb);
+            fill_soft(soft, batch, &springs, along, input.lengths.now());
+            batch.soft = beside.place;
         }
-        FrictionToFill::Touching(f) => {
-            let fb = set_arms(f, batch, [fa, fb], input);
-            let arms = points.arms_a.iter().zip(&points.present);
-            f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
-            fill_friction(f, &geometry, fb);
-            if let Some(rolling) = beside.rolling.filter(|_| columns.rolls) {
-                fill_rolling(rolling, &geometry);
-                batch.rolling = beside.place;
+        if let FrictionToFill::None = friction {
+            return;
+        }
+        let mut count = L::zero();
+        for &present in &points.present {
+            count += present;
+        }
+        let share = L::one() / count.max(L::one());
+        let (fa, fb) = (points.mean(&points.arms_a, share), points.mean(&points.arms_b, share));
+        if let Some(surface) = beside.surface {
+            let (past, (t1, t2)) = (vec3::<L>(&columns.past), n.tangents());
+            past.dot(t1).store(&mut surface[0]);
+            past.dot(t2).store(&mut surface[1]);
+            batch.surface = beside.place;
+        }
+        match friction {
+            FrictionToFill::None => {}
+            FrictionToFill::Impact(f) => {
+                let sliding = L::load(&columns.coefficient[1]);
+                (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
             }
-            choose_coefficient(batch, f, &geometry, fb, input);
+            FrictionToFill::Touching(f) => {
+                let fb = set_arms(f, batch, [fa, fb], input);
+                let mut radii = L::zero();
+                for (&arm, &present) in points.arms_a.iter().zip(&points.present) {
+                    radii += (arm - fa).length() * present;
+                }
+                f.radius = radii * share;
+                fill_friction(f, &geometry, fb);
+                if let Some(rolling) = beside.rolling.filter(|_| columns.rolls) {
+                    fill_rolling(rolling, &geometry);
+                    batch.rolling = beside.place;
+                }
+                choose_coefficient(batch, f, &geometry, fb, input);
+            }
         }
     }
 }
@@ -237,7 +255,7 @@ fn set_arms<L: GatherLanes, const P: usize, const B: usize>(
     let ground = u32::from(batch.write_a & !batch.write_b);
     if B > 0 && ground != 0 {
         let (_, turn) = gather::<L>(|i| input.bodies.velocity[i], &batch.b[0].index);
-        f.carry(ground, turn, L::splat(0.5 * input.lengths.now()));
+        carry(f, ground, &turn, 0.5 * input.lengths.now());
     }
     f.arm_b.first().copied().unwrap_or(arm_b)
 }
@@ -319,29 +337,30 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     f.twist = L::load(&columns.twist);
 }
 
-/// Fills the rows against rolling, about the tangents of friction.
-#[inline(never)]
-fn fill_rolling<L: GatherLanes, const P: usize>(row: &mut RollingRow, geometry: &Geometry<'_, L, P>) {
-    let (columns, n, [ia, ib]) = (geometry.columns, geometry.normal, geometry.inverse_inertia);
-    let (t1, t2) = n.tangents();
-    let (x, y) = (ia.mul(t1) + ib.mul(t1), ia.mul(t2) + ib.mul(t2));
-    let (k12, sum) = (t1.dot(y), t1.dot(x) + t2.dot(y));
-    // The matrix stays invertible even where rotation about one axis is locked.
-    let tiny = sum * L::splat(LOCKED_YIELD);
-    let (k11, k22) = (t1.dot(x) + tiny, t2.dot(y) + tiny);
-    let det = k11 * k22 - k12 * k12;
-    let over = L::select(det.gt(L::zero()), L::one() / det, L::zero());
-    let mass = [k22 * over, -(k12 * over), k11 * over];
-    let (half, apart) = ((mass[0] + mass[2]) * L::splat(0.5), (mass[0] - mass[2]) * L::splat(0.5));
-    let least = (half - (apart * apart + mass[1] * mass[1]).sqrt()).max(L::zero());
-    mass[0].store(&mut row.mass[0]);
-    mass[1].store(&mut row.mass[1]);
-    mass[2].store(&mut row.mass[2]);
-    least.store(&mut row.least_mass);
-    [row.arm, row.spin_arm] = columns.roll_arms;
-    let (old, turns) = (vec3::<L>(&columns.rolling), det.gt(L::zero()));
-    L::select(turns, old.dot(t1), L::zero()).store(&mut row.impulse[0]);
-    L::select(turns, old.dot(t2), L::zero()).store(&mut row.impulse[1]);
+kernel! {
+    /// Fills the rows against rolling, about the tangents of friction.
+    fn fill_rolling<'a, L: GatherLanes, const P: usize>(row: &'a mut RollingRow, geometry: &'a Geometry<'a, L, P>) {
+        let (columns, n, [ia, ib]) = (geometry.columns, geometry.normal, geometry.inverse_inertia);
+        let (t1, t2) = n.tangents();
+        let (x, y) = (ia.mul(t1) + ib.mul(t1), ia.mul(t2) + ib.mul(t2));
+        let (k12, sum) = (t1.dot(y), t1.dot(x) + t2.dot(y));
+        // The matrix stays invertible even where rotation about one axis is locked.
+        let tiny = sum * L::splat(LOCKED_YIELD);
+        let (k11, k22) = (t1.dot(x) + tiny, t2.dot(y) + tiny);
+        let det = k11 * k22 - k12 * k12;
+        let over = L::select(det.gt(L::zero()), L::one() / det, L::zero());
+        let mass = [k22 * over, -(k12 * over), k11 * over];
+        let (half, apart) = ((mass[0] + mass[2]) * L::splat(0.5), (mass[0] - mass[2]) * L::splat(0.5));
+        let least = (half - (apart * apart + mass[1] * mass[1]).sqrt()).max(L::zero());
+        mass[0].store(&mut row.mass[0]);
+        mass[1].store(&mut row.mass[1]);
+        mass[2].store(&mut row.mass[2]);
+        least.store(&mut row.least_mass);
+        [row.arm, row.spin_arm] = columns.roll_arms;
+        let (old, turns) = (vec3::<L>(&columns.rolling), det.gt(L::zero()));
+        L::select(turns, old.dot(t1), L::zero()).store(&mut row.impulse[0]);
+        L::select(turns, old.dot(t2), L::zero()).store(&mut row.impulse[1]);
+    }
 }
 
 /// Chooses static friction below a slip speed, dynamic friction above.

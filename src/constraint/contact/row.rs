@@ -4,7 +4,7 @@
 use super::batch::{Batch, PointRow};
 use super::friction::impact::potential_load;
 use super::friction::rows::{follow_load, solve_friction};
-use super::friction::{FrictionRow, RollingRow};
+use super::friction::{self, FrictionRow, RollingRow};
 use super::soft::solve_soft;
 use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3};
@@ -130,7 +130,7 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
 /// No other thread works on the batch or writes velocities.
 pub(crate) unsafe fn carry<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
-    friction: &mut FrictionRow<L, B>,
+    row: &mut FrictionRow<L, B>,
     velocity: &Shared<'_, Record>,
     h: f32,
 ) {
@@ -138,7 +138,7 @@ pub(crate) unsafe fn carry<L: GatherLanes, const P: usize, const B: usize>(
     if B > 0 && ground != 0 {
         // SAFETY: by the contract.
         let v = unsafe { BodyPair::<L>::load(batch, velocity) };
-        friction.carry(ground, v.wb, L::splat(h));
+        friction::carry(row, ground, &v.wb, h);
     }
 }
 

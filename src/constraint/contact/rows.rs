@@ -339,23 +339,26 @@ impl<'a, const B: usize> Single<'a, B> {
 
 /// Dispatches to the concrete type of a batch of [`Views`] and a group: calls `$body` with it and with the
 /// friction of its type, one copy for each type. `$body` may get the batch once, under the contract of
-/// [`Shared::get`].
+/// [`Shared::get`]. Eight lanes are of the type `$Wide`, if it is given.
 macro_rules! with_batch {
     ($views:expr, $group:expr, $of:expr, |$batch:ident, $friction:ident| $body:expr) => {
+        $crate::constraint::with_batch!($crate::lanes::f32x8: $views, $group, $of, |$batch, $friction| $body)
+    };
+    ($Wide:ty: $views:expr, $group:expr, $of:expr, |$batch:ident, $friction:ident| $body:expr) => {
         if $group.is_static() {
-            $crate::constraint::with_batch!(@ $views.one, $of, $batch, $friction, $body)
+            $crate::constraint::with_batch!(@ $Wide, $views.one, $of, $batch, $friction, $body)
         } else {
-            $crate::constraint::with_batch!(@ $views.two, $of, $batch, $friction, $body)
+            $crate::constraint::with_batch!(@ $Wide, $views.two, $of, $batch, $friction, $body)
         }
     };
-    (@ $side:expr, $of:expr, $batch:ident, $friction:ident, $body:expr) => {{
+    (@ $Wide:ty, $side:expr, $of:expr, $batch:ident, $friction:ident, $body:expr) => {{
         let (i, lanes) = ($of.index as usize, &$side.lanes);
-        let $friction = &lanes.friction;
+        let $friction = &lanes.friction.cast::<$Wide>();
         match $of.points {
-            1 => { let $batch = lanes.p1.get(i); $body }
-            2 => { let $batch = lanes.p2.get(i); $body }
-            3 => { let $batch = lanes.p3.get(i); $body }
-            4 => { let $batch = lanes.p4.get(i); $body }
+            1 => { let $batch = lanes.p1.get(i).cast::<$Wide>(); $body }
+            2 => { let $batch = lanes.p2.get(i).cast::<$Wide>(); $body }
+            3 => { let $batch = lanes.p3.get(i).cast::<$Wide>(); $body }
+            4 => { let $batch = lanes.p4.get(i).cast::<$Wide>(); $body }
             _ => {
                 let ($batch, $friction) = ($side.single.all.get(i), &$side.single.friction);
                 $body

@@ -138,7 +138,7 @@ impl<L: GatherLanes> Ends<L> {
     /// The part of an impulse on both bodies that moves each of them.
     #[inline(always)]
     pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
-        if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
+        if self.locks == [0; 2] { [p; 2] } else { [unlocked(self.locks[0], p), unlocked(self.locks[1], p)] }
     }
 
     /// Relative angular velocity of the second body per angular impulse [1/(kg m²)].
@@ -179,6 +179,7 @@ impl<L: GatherLanes> Ends<L> {
 /// A direction of relative motion and of impulses: a force on the second body at a point, the opposite one on
 /// the first at the same point, and a torque.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Lever<L> {
     pub(crate) force: Vec3<L>,
     pub(crate) torque: Vec3<L>,
@@ -193,7 +194,8 @@ impl<L: Lanes> Lever<L> {
     /// Torques about the centres of mass, that of the first body negated.
     #[inline(always)]
     pub(crate) fn moments(&self) -> [Vec3<L>; 2] {
-        self.arm.map(|arm| self.torque + arm.cross(self.force))
+        let [a, b] = self.arm;
+        [self.torque + a.cross(self.force), self.torque + b.cross(self.force)]
     }
 }
 

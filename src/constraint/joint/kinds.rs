@@ -16,7 +16,7 @@ use crate::constraint::articulation::cut::ROW_BYTES;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::contact::row::Motion;
 use crate::joint::{Axes, Lock, LockKind, Motion as Direction, Row};
-use crate::lanes::f32x8;
+use crate::lanes::{f32x8, with_best};
 
 type SlideBatch<L> = RowBatch<L, Slide<L>>;
 type DistanceBatch<L> = RowBatch<L, Distance<L>>;
@@ -117,7 +117,9 @@ macro_rules! row_types {
                 // SAFETY: by the contract.
                 unsafe {
                     match stage.kind {
-                        $(JointType::$kind => self.$table.step(stage, i, motion, pass),)*
+                        $(JointType::$kind => with_best!(
+                            Wide => self.$table.step::<Wide, $batch<Wide>>(stage, i, motion, pass)
+                        ),)*
                         JointType::Coupling | JointType::Tree => {}
                     }
                 }
@@ -126,7 +128,7 @@ macro_rules! row_types {
             /// Closes the locks of a batch.
             ///
             /// # Safety
-            /// As for [`JointBatch::close`].
+            /// No other thread works on the bodies of the batch, and none writes their displacements.
             pub(super) unsafe fn close(
                 &self,
                 stage: &JointStage,
@@ -137,7 +139,9 @@ macro_rules! row_types {
                 // SAFETY: by the contract.
                 unsafe {
                     match stage.kind {
-                        $(JointType::$kind => self.$table.close(stage, i, motion, most),)*
+                        $(JointType::$kind => with_best!(
+                            Wide => self.$table.close::<Wide, $batch<Wide>>(stage, i, motion, most)
+                        ),)*
                         JointType::Coupling | JointType::Tree => {}
                     }
                 }

@@ -42,7 +42,8 @@ impl<L: GatherLanes> LineBatch<L> {
     /// Moments of the impulse at the arms of this substep [N m s].
     #[inline(always)]
     fn moments(&self) -> [Vec3<L>; 2] {
-        self.point.arm_now.map(|arm| arm.cross(self.point.impulse))
+        let [a, b] = self.point.arm_now;
+        [a.cross(self.point.impulse), b.cross(self.point.impulse)]
     }
 
     /// Removes the impulse along the line, where nothing is transmitted, and returns it.

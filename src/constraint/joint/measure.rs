@@ -28,6 +28,7 @@ pub(crate) trait Measure<L: Lanes>: Copy + Default {
 
 /// A displacement along an axis of the first body [m].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Slide<L> {
     axis: Vec3<L>,
     /// The first body's arm at the start of the step.
@@ -67,6 +68,7 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
 
 /// A distance from a point, or from an axis of the first body [m].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Distance<L> {
     /// Zero if it is from a point.
     axis: Vec3<L>,
@@ -130,6 +132,7 @@ impl<L: Lanes> Distance<L> {
 
 /// The twist about an axis [rad].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Twist<L> {
     axis: [Vec3<L>; 2],
 }
@@ -151,15 +154,9 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
     }
     #[inline(always)]
     fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L {
-        // Only rotation about the mean of the two axes changes the twist.
-        let about = |[a, b]: [Vec3<L>; 2]| {
-            let middle = L::one() + a.dot(b);
-            let some = middle.gt(L::splat(1e-3));
-            Vec3::select(some, (a + b) * (L::one() / L::select(some, middle, L::one())), a)
-        };
-        let now = about([turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])]);
+        let now = between([turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])]);
         (lever.force, lever.torque) = (Vec3::zero(), now);
-        start + (about(self.axis) + now).dot(d.wb - d.wa) * L::splat(0.5)
+        start + (between(self.axis) + now).dot(d.wb - d.wa) * L::splat(0.5)
     }
     #[inline(always)]
     fn bend(&self, _: &BodyPair<L>, _: &Lever<L>, _: L) -> L {
@@ -167,8 +164,17 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
     }
 }
 
+/// The mean of two axes: only rotation about it changes the twist.
+#[inline(always)]
+fn between<L: Lanes>([a, b]: [Vec3<L>; 2]) -> Vec3<L> {
+    let middle = L::one() + a.dot(b);
+    let some = middle.gt(L::splat(1e-3));
+    Vec3::select(some, (a + b) * (L::one() / L::select(some, middle, L::one())), a)
+}
+
 /// The angle between an axis of each body [rad].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Tilt<L> {
     axis: [Vec3<L>; 2],
     aside: Vec3<L>,
@@ -204,8 +210,9 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
     }
     #[inline(always)]
     fn bend(&self, v: &BodyPair<L>, _: &Lever<L>, h: L) -> L {
-        let after = |w: Vec3<L>, axis| axis + mean(Vec3::zero(), w, axis, h) * h;
-        let [a, b] = [after(v.wa, self.axis_now[0]), after(v.wb, self.axis_now[1])];
+        let [a, b] = self.axis_now;
+        let a = a + mean(Vec3::zero(), v.wa, a, h) * h;
+        let b = b + mean(Vec3::zero(), v.wb, b, h) * h;
         let moved = angle(a.cross(b).length(), a.dot(b)) - self.now;
         // Near the axis of the cone the direction turns too far.
         let path = (v.wb - v.wa).length() * h;
@@ -216,6 +223,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
 
 /// The angle of all rotation [rad].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Turn<L> {
     /// Rotation vector from the first body to the second.
     error: Vec3<L>,

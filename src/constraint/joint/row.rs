@@ -28,7 +28,7 @@ pub(crate) fn before_stops<L: Lanes>(
     inverse_h: L,
     [rate, push]: [L; 2],
 ) -> L {
-    let [low, high] = stops.map(|stop| stop - now);
+    let [low, high] = [stops[0] - now, stops[1] - now];
     let zero = L::zero();
     let low = low.min(zero) * inverse_h + (low.max(zero) * rate).min(push);
     let high = high.max(zero) * inverse_h + (high.min(zero) * rate).max(-push);
@@ -125,7 +125,49 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     /// Force and moments of an impulse.
     #[inline(always)]
     fn parts(&self, p: L) -> (Vec3<L>, [Vec3<L>; 2]) {
-        (self.lever.force * p, self.lever.moments().map(|moment| moment * p))
+        let [a, b] = self.lever.moments();
+        (self.lever.force * p, [a * p, b * p])
+    }
+}
+
+/// What both ends of rows are solved with.
+struct End<L: Lanes> {
+    drives: L::Mask,
+    springs: L::Mask,
+    both: L::Mask,
+    /// Lanes that keep their impulse in this pass.
+    waits: L::Mask,
+    inverse_h: L,
+    rate: L,
+    scale: L,
+    yields: L,
+    push: L,
+}
+
+impl<L: Lanes> End<L> {
+    /// The impulse at an end that is `gap` away.
+    #[inline(always)]
+    fn solve<M>(
+        &self,
+        row: &RowBatch<L, M>,
+        gap: L,
+        speed: L,
+        requested: L,
+        (old, lasting): (L, L),
+        (low, high): (L, L),
+    ) -> L {
+        let &End { drives, springs, both, waits, inverse_h, rate, scale, yields, push } = self;
+        let open = gap.gt(L::zero()) & !both;
+        // Away from a rigid end, only the speed that would pass it within the substep is removed.
+        let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
+        let soft = requested - gap * row.pull;
+        let target = L::select(drives | springs, soft, rigid);
+        let change = (target - speed - row.give * old) / (row.mobility + row.give);
+        let change = L::select(drives | springs | open, change, change * scale - (old - lasting) * yields);
+        let mut new = (old + change).max(low).min(high);
+        // A spring at the end of a range does not act inside of it.
+        new = L::select(springs & open, L::zero(), new);
+        L::select(waits, old, new)
     }
 }
 
@@ -147,9 +189,9 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let now = turned(d.wb, rb);
         self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
         self.now = self.measure.follow(d, &mut self.lever, self.value);
-        let [force, torque] = self.borne.map(|borne| turned(d.wa, borne));
-        self.lever.force += force;
-        self.lever.torque += torque;
+        let [force, torque] = self.borne;
+        self.lever.force += turned(d.wa, force);
+        self.lever.torque += turned(d.wa, torque);
         let mobility = self.ends.mobility(&self.lever);
         self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
     }
@@ -191,20 +233,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
-        let one = |gap: L, speed: L, requested: L, (old, lasting): (L, L), (low, high): (L, L)| {
-            let open = gap.gt(zero) & !both;
-            // Away from a rigid end, only the speed that would pass it within the substep is removed.
-            let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
-            let soft = requested - gap * self.pull;
-            let target = L::select(drives | springs, soft, rigid);
-            let change = (target - speed - self.give * old) / (self.mobility + self.give);
-            let change =
-                L::select(drives | springs | open, change, change * scale - (old - lasting) * yields);
-            let mut new = (old + change).max(low).min(high);
-            // A spring at the end of a range does not act inside of it.
-            new = L::select(springs & open, zero, new);
-            L::select(waits, old, new)
-        };
+        let end = End { drives, springs, both, waits, inverse_h, rate, scale, yields, push };
         let lowest = L::select(drives, -self.most, L::select(both, none, zero));
         let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
         // A range has one loaded end; one without width may bear either way.
@@ -215,14 +244,15 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         } else {
             before_stops(self.speed, self.now, &self.stops, inverse_h, [rate, push])
         };
-        let new =
-            one(finite(self.now - self.min), speed, requested, (self.impulse[0], lower), (lowest, highest));
+        let gap = finite(self.now - self.min);
+        let new = end.solve(self, gap, speed, requested, (self.impulse[0], lower), (lowest, highest));
         let change = new - self.impulse[0];
         self.impulse[0] = new;
         pushed += change;
         let speed = -(speed + self.mobility * change);
         let idle = drives | both;
-        let new = one(
+        let new = end.solve(
+            self,
             finite(self.max - self.now),
             speed,
             zero,

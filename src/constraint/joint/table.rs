@@ -5,7 +5,7 @@ use super::ends::{Ends, JointPass, NONE, Recovery};
 use super::rates::Watched;
 use super::store::Report;
 use crate::constraint::contact::row::{BodyPair, Motion};
-use crate::lanes::{GatherLanes, f32x8};
+use crate::lanes::{GatherLanes, f32x8, kernel};
 use crate::memory::{bytes_of, sum_bytes};
 use crate::threads::{Shared, Workers, per_block};
 
@@ -13,8 +13,8 @@ use crate::threads::{Shared, Workers, per_block};
 ///
 /// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions
 /// follow their rotation, the rows are solved, the bodies are saved. A type supplies what differs. Its
-/// helpers are inlined into the steps, and the steps are functions of their own: two dozen of them in one
-/// function is more than the compiler inlines helpers into (12 % of the step of a net of joints).
+/// helpers are inlined into the steps, and the steps are kernels: two dozen of them in one function is more
+/// than the compiler inlines helpers into (12 % of the step of a net of joints).
 pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
     /// Whether it locks directions all at once, without bounds.
     const IS_LOCK: bool;
@@ -35,54 +35,65 @@ pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
     fn correct(&self, _moved: &mut BodyPair<L>, _most: Recovery) {}
     /// Reports the impulse of a lane.
     fn report(&self, lane: usize, to: &mut impl Report);
+}
 
+kernel! {
     /// Applies the impulses of the last step.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+    unsafe fn warm_start<'a, L: GatherLanes; B: JointBatch<L>>(batch: &'a B, motion: &'a Motion<'a, 'a>) {
         // SAFETY: by the contract.
         unsafe {
-            let mut v = self.ends().load(motion.velocity);
-            self.apply(&mut v);
-            self.ends().save(&v, motion);
+            let mut v = batch.ends().load(motion.velocity);
+            batch.apply(&mut v);
+            batch.ends().save(&v, motion);
         }
     }
+}
 
+kernel! {
     /// One Gauss-Seidel step.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+    unsafe fn solve<'a, L: GatherLanes; B: JointBatch<L>>(
+        batch: &'a mut B,
+        motion: &'a Motion<'a, 'a>,
+        pass: &'a JointPass,
+    ) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
-            let moved = unsafe { self.ends().load(motion.delta) };
-            self.follow(&moved);
+            let moved = unsafe { batch.ends().load(motion.delta) };
+            batch.follow(&moved);
         }
         // SAFETY: by the contract.
-        let mut v = unsafe { self.ends().load(motion.velocity) };
-        self.sweep(&mut v, pass);
+        let mut v = unsafe { batch.ends().load(motion.velocity) };
+        batch.sweep(&mut v, pass);
         // SAFETY: by the contract.
-        unsafe { self.ends().save(&v, motion) };
+        unsafe { batch.ends().save(&v, motion) };
     }
+}
 
+kernel! {
     /// Moves the bodies of locks so that these are closed.
     ///
     /// # Safety
     /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: Recovery) {
-        if !Self::IS_LOCK {
+    unsafe fn close<'a, L: GatherLanes; B: JointBatch<L>>(
+        batch: &'a mut B,
+        motion: &'a Motion<'a, 'a>,
+        most: Recovery,
+    ) {
+        if !B::IS_LOCK {
             return;
         }
         // SAFETY: by the contract.
-        let mut moved = unsafe { self.ends().load(motion.delta) };
-        self.follow(&moved);
-        self.correct(&mut moved, most);
+        let mut moved = unsafe { batch.ends().load(motion.delta) };
+        batch.follow(&moved);
+        batch.correct(&mut moved, most);
         // SAFETY: by the contract.
-        unsafe { self.ends().save_moved(&moved, motion) };
+        unsafe { batch.ends().save_moved(&moved, motion) };
     }
 }
 
@@ -202,41 +213,49 @@ pub(crate) struct TableView<'a, B8, B1> {
 }
 
 impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
-    /// Solves a batch of a stage or, without a pass, applies the impulses of the last step.
+    /// Solves a batch of a stage or, without a pass, applies the impulses of the last step. `W`: eight lanes
+    /// of the type `L`.
     ///
     /// # Safety
-    /// No other thread works on the batch, or writes its bodies.
+    /// No other thread works on the batch, or writes its bodies. `W` is `B8` but for the type of its lanes.
     #[inline(always)]
-    pub(super) unsafe fn step(
+    pub(super) unsafe fn step<L: GatherLanes, W: JointBatch<L>>(
         &self,
         stage: &JointStage,
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
     ) {
-        // SAFETY: by the contract.
+        // SAFETY: by the contract; batches are laid out as in C.
         unsafe {
             match (stage.single, pass) {
-                (false, None) => self.lanes.get(i).warm_start(motion),
-                (false, Some(pass)) => self.lanes.get(i).solve(motion, pass),
-                (true, None) => self.single.get(i).warm_start(motion),
-                (true, Some(pass)) => self.single.get(i).solve(motion, pass),
+                (false, None) => warm_start(self.lanes.reinterpret::<W>().get(i), motion),
+                (false, Some(pass)) => solve(self.lanes.reinterpret::<W>().get(i), motion, pass),
+                (true, None) => warm_start(self.single.get(i), motion),
+                (true, Some(pass)) => solve(self.single.get(i), motion, pass),
             }
         }
     }
 
-    /// Closes the locks of a batch.
+    /// Closes the locks of a batch. `W`: eight lanes of the type `L`.
     ///
     /// # Safety
-    /// As for [`JointBatch::close`].
+    /// No other thread works on the bodies of the batch, and none writes their displacements. `W` is `B8` but
+    /// for the type of its lanes.
     #[inline(always)]
-    pub(super) unsafe fn close(&self, stage: &JointStage, i: usize, motion: &Motion<'_, '_>, most: Recovery) {
-        // SAFETY: by the contract.
+    pub(super) unsafe fn close<L: GatherLanes, W: JointBatch<L>>(
+        &self,
+        stage: &JointStage,
+        i: usize,
+        motion: &Motion<'_, '_>,
+        most: Recovery,
+    ) {
+        // SAFETY: by the contract; batches are laid out as in C.
         unsafe {
             if stage.single {
-                self.single.get(i).close(motion, most)
+                close(self.single.get(i), motion, most)
             } else {
-                self.lanes.get(i).close(motion, most)
+                close(self.lanes.reinterpret::<W>().get(i), motion, most)
             }
         }
     }

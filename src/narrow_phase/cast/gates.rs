@@ -24,7 +24,7 @@ use super::path::ShapePath;
 use super::{Touch, tolerance};
 use crate::broad_phase::Pair;
 use crate::config::tuning::SAME_AXIS_COSINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, ones, with_best};
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::lane_support::reach;
@@ -311,45 +311,59 @@ struct Search<'a> {
 }
 
 /// [`Swept`] for eight triangles, with the widest gap at the start [m].
-struct SweptEight {
-    entered: f32x8,
-    axis: LaneVec3<f32x8>,
-    left: f32x8,
-    apart: f32x8,
+struct SweptEight<L> {
+    entered: L,
+    axis: LaneVec3<L>,
+    left: L,
+    apart: L,
+}
+
+impl<L: Lanes> SweptEight<L> {
+    /// Whether a triangle is entered before it is left, and before the limit.
+    #[inline(always)]
+    fn meets(&self, limit: L) -> L::Mask {
+        self.entered.le(self.left) & self.left.ge(L::zero()) & self.entered.lt(limit)
+    }
+}
+
+kernel! {
+    /// See [`Search::look`].
+    fn look<'a, 'b, L: Lanes>(search: &'a mut Search<'b>, eight: &'a Eight) {
+        search.look_in::<L>(eight);
+    }
 }
 
 impl Search<'_> {
     /// Examines up to eight triangles.
     fn look(&mut self, eight: &Eight) {
-        if eight.lanes() == 0 {
-            return;
+        if eight.lanes() != 0 {
+            with_best!(Wide => look::<Wide>(self, eight));
         }
-        let triangles = Triangles::new(eight, eight.lanes(), &self.pose, self.side);
-        let zero = f32x8::zero();
+    }
+
+    #[inline(always)]
+    fn look_in<L: Lanes>(&mut self, eight: &Eight) {
+        let triangles = Triangles::<L>::new(eight, eight.lanes(), &self.pose, self.side);
         let mut swept = SweptEight {
-            entered: f32x8::splat(f32::MIN),
+            entered: L::splat(f32::MIN),
             axis: triangles.front,
-            left: f32x8::splat(f32::MAX),
-            apart: f32x8::splat(f32::MIN),
+            left: L::splat(f32::MAX),
+            apart: L::splat(f32::MIN),
         };
         let down = -triangles.front;
         self.along(&triangles, down, &mut swept);
         // Triangles that it slides along or rests on.
         let gap = triangles.height - reach(self.shape, down);
         let end = gap - LaneVec3::splat(self.path).dot(down);
-        let resting = f32x8::splat(self.resting);
+        let resting = L::splat(self.resting);
         let level = gap.abs().le(resting) & end.ge(-resting);
-        let left = |swept: &SweptEight| {
-            let SweptEight { entered, left, .. } = swept;
-            let meets = entered.le(*left) & left.ge(zero) & entered.lt(f32x8::splat(self.fraction));
-            (meets & !level).bits() & triangles.valid
-        };
+        let limit = L::splat(self.fraction);
         // For most triangles the plane alone decides.
-        if left(&swept) == 0 {
+        if (swept.meets(limit) & !level).bits() & triangles.valid == 0 {
             return;
         }
         let [p, q, r] = triangles.corners;
-        let own = [Vec3::X, Vec3::Y, Vec3::Z].map(LaneVec3::<f32x8>::splat);
+        let own = [LaneVec3::<L>::splat(Vec3::X), LaneVec3::splat(Vec3::Y), LaneVec3::splat(Vec3::Z)];
         for axis in own {
             self.along(&triangles, axis, &mut swept);
         }
@@ -364,7 +378,7 @@ impl Search<'_> {
                 self.along(&triangles, unit(edge.cross(*axis)), &mut swept);
             }
         }
-        let hit = left(&swept) & swept.apart.gt(resting).bits();
+        let hit = (swept.meets(limit) & !level & swept.apart.gt(resting)).bits() & triangles.valid;
         let SweptEight { entered, axis, .. } = swept;
         for lane in ones(hit) {
             let corners = triangles.corners.map(|corner| corner.lane(lane));
@@ -374,14 +388,15 @@ impl Search<'_> {
 
     /// Adds one axis for eight triangles: unit length, or zero, which is ignored.
     #[inline(always)]
-    fn along(&self, triangles: &Triangles, axis: LaneVec3<f32x8>, swept: &mut SweptEight) {
-        let [p, q, r] = triangles.corners.map(|corner| corner.dot(axis));
+    fn along<L: Lanes>(&self, triangles: &Triangles<L>, axis: LaneVec3<L>, swept: &mut SweptEight<L>) {
+        let [p, q, r] = triangles.corners;
+        let (p, q, r) = (p.dot(axis), q.dot(axis), r.dot(axis));
         let above = Lanes::min(p, Lanes::min(q, r)) - reach(self.shape, axis);
         let below = -Lanes::max(p, Lanes::max(q, r)) - reach(self.shape, -axis);
         let along = LaneVec3::splat(self.path).dot(axis);
-        let (zero, most) = (f32x8::zero(), f32x8::splat(f32::MAX));
-        let still = along.abs().le(f32x8::splat(STILL * self.path.length()));
-        let speed = Lanes::select(still, f32x8::one(), along.abs());
+        let (zero, most) = (L::zero(), L::splat(f32::MAX));
+        let still = along.abs().le(L::splat(STILL * self.path.length()));
+        let speed = Lanes::select(still, L::one(), along.abs());
         let on = along.gt(zero);
         let gap = Lanes::select(on, above, below);
         let other = Lanes::select(on, below, above);
@@ -422,8 +437,8 @@ impl Search<'_> {
 
 /// The vector at unit length; zero if it is too short to have a direction.
 #[inline(always)]
-fn unit(v: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
+fn unit<L: Lanes>(v: LaneVec3<L>) -> LaneVec3<L> {
     let squared = v.length_squared();
-    let some = squared.gt(f32x8::splat(1e-20));
-    v * Lanes::select(some, f32x8::one() / Lanes::select(some, squared, f32x8::one()).sqrt(), f32x8::zero())
+    let some = squared.gt(L::splat(1e-20));
+    v * Lanes::select(some, L::one() / Lanes::select(some, squared, L::one()).sqrt(), L::zero())
 }

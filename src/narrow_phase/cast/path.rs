@@ -87,7 +87,7 @@ impl ShapePath {
     /// start.
     #[inline(always)]
     pub(crate) fn passes(&self, eight: &Eight, lanes: u32) -> bool {
-        let corners = [eight.corners.corner(0), eight.corners.corner(1), eight.corners.corner(2)];
+        let corners = [eight.corners.corner::<f32x8>(0), eight.corners.corner(1), eight.corners.corner(2)];
         let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
         let start = across.dot(LaneVec3::splat(self.from) - a);

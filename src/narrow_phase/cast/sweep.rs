@@ -10,7 +10,7 @@ use super::mesh_cast::MeshCast;
 use super::motion::{Motion, turn};
 use super::spin::Spin;
 use crate::config::tuning::SAGITTA_SHARE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, with_best};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::lane_support::{reach, support};
 use crate::narrow_phase::convex::polytope::Pose;
@@ -136,10 +136,20 @@ impl<'a> MeshSweep<'a> {
 
     /// The triangles, of eight, whose planes come into reach. Left out is what comes no nearer than the
     /// tolerance, and what the shape rests on: triangles whose planes are within `resting` and stay so.
-    #[inline(always)]
     pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> Reached {
+        with_best!(Wide => by_planes::<Wide>(self, eight, lanes, cast))
+    }
+
+    /// The remaining triangles that may be touched, and the earliest fraction of the step at which they may
+    /// be; zero for those that may be within the resting distance at the start.
+    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> (u32, [f32; 8]) {
+        with_best!(Wide => sift::<Wide>(self, eight, lanes, cast))
+    }
+
+    #[inline(always)]
+    fn by_planes_in<L: Lanes>(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> Reached {
         let &MeshCast { resting, alone, .. } = cast;
-        let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
+        let triangles = Triangles::<L>::new(eight, lanes, &self.pose, Vec3::ZERO);
         let hidden = cast.known.hides(&triangles.corners, cast.lip);
         // Degenerate triangles have no plane.
         let flat = !triangles.valid & lanes;
@@ -147,14 +157,14 @@ impl<'a> MeshSweep<'a> {
             return Reached { lanes: flat, near: false };
         }
         let (start, path) = self.above(&triangles, |_, _| {});
-        let alone = f32x8::splat(alone);
+        let alone = L::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
             let (_, axis, _) = triangles.separate(self.bounds.middle, self.bounds.half);
             close = close & axis.le(alone);
         }
-        let mut away = path.least.gt(f32x8::splat(self.least)) | hidden;
-        let resting = f32x8::splat(resting);
+        let mut away = path.least.gt(L::splat(self.least)) | hidden;
+        let resting = L::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
             let (mut lowest, down) = (path.lowest, -triangles.front);
@@ -166,7 +176,7 @@ impl<'a> MeshSweep<'a> {
             // Its lowest point is over the triangle itself: the shape rests on it at the start, however it
             // moves then.
             let (_, feature) = nearest(&triangles, support(self.shape, down));
-            away = away | (level & feature.eq(f32x8::zero()));
+            away = away | (level & feature.eq(L::zero()));
         }
         let left = triangles.valid & !away.bits();
         Reached { lanes: left | flat, near: close.bits() & triangles.valid != 0 }
@@ -175,7 +185,11 @@ impl<'a> MeshSweep<'a> {
     /// The gaps to the planes at the start, and how they change; `each` gets every part, and where its gap
     /// lasts.
     #[inline(always)]
-    fn above(&self, triangles: &Triangles, mut each: impl FnMut(usize, Away)) -> (f32x8, Gaps) {
+    fn above<L: Lanes>(
+        &self,
+        triangles: &Triangles<L>,
+        mut each: impl FnMut(usize, L::Mask),
+    ) -> (L, Gaps<L>) {
         let down = -triangles.front;
         let start = triangles.height - reach(self.shape, down);
         let mut path = self.gaps(start, down);
@@ -186,11 +200,9 @@ impl<'a> MeshSweep<'a> {
         (start, path)
     }
 
-    /// The remaining triangles that may be touched, and the earliest fraction of the step at which they may
-    /// be; zero for those that may be within the resting distance at the start.
     #[inline(always)]
-    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> (u32, [f32; 8]) {
-        let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
+    fn sift_in<L: Lanes>(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> (u32, [f32; 8]) {
+        let triangles = Triangles::<L>::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
         let mut kept = Kept::new(self.moments().count);
         let (mut apart, path) = self.above(&triangles, |part, lasts| kept.parts[part] = lasts);
@@ -198,10 +210,10 @@ impl<'a> MeshSweep<'a> {
         if (!kept.always()).bits() & triangles.valid != 0 {
             self.search(&triangles, &mut kept, &mut apart);
         }
-        let share = f32x8::splat(self.until / self.moments().count as f32);
+        let share = L::splat(self.until / self.moments().count as f32);
         let first = Lanes::max(kept.first, kept.leading()) * share;
-        let first = Lanes::select(apart.gt(f32x8::splat(cast.resting)), first, f32x8::zero());
-        (triangles.valid & !kept.always().bits() | flat, first.to_array())
+        let first = Lanes::select(apart.gt(L::splat(cast.resting)), first, L::zero());
+        (triangles.valid & !kept.always().bits() | flat, first.eight())
     }
 
     /// Beside a triangle the shape may cross its plane without touching it. So for each part of the motion
@@ -210,12 +222,7 @@ impl<'a> MeshSweep<'a> {
     /// the next is its reflection at the line between the points that overlap the most (Chung and Wang,
     /// *Quick collision detection of polytopes in virtual environments*, 1996).
     #[inline(always)]
-    fn search(&self, triangles: &Triangles, kept: &mut Kept, apart: &mut f32x8) {
-        let unit = |v: LaneVec3<f32x8>| {
-            let length = v.length();
-            let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
-            (v * (f32x8::one() / Lanes::select(some, length, f32x8::one())), some)
-        };
+    fn search<L: Lanes>(&self, triangles: &Triangles<L>, kept: &mut Kept<L>, apart: &mut L) {
         let moments = self.moments();
         let moved = LaneVec3::splat(0.5 * moments.ends[moments.count - 1].moved);
         let (point, _) = nearest(triangles, moved);
@@ -227,7 +234,7 @@ impl<'a> MeshSweep<'a> {
             let mut path = self.gaps(far - reached, u);
             *apart = Lanes::select(known, Lanes::max(*apart, path.last), *apart);
             // The point that overlaps the most, among the remaining parts.
-            let (mut furthest, mut along) = (before, f32x8::splat(f32::MIN));
+            let (mut furthest, mut along) = (before, L::splat(f32::MIN));
             for (part, end) in moments.ends().enumerate() {
                 let point = end.point(support(self.shape, end.seen(u)));
                 let then = point.dot(u);
@@ -241,74 +248,96 @@ impl<'a> MeshSweep<'a> {
                 }
                 (before, reached) = (point, then);
             }
-            kept.first = Lanes::max(kept.first, Lanes::select(known, path.open, f32x8::zero()));
+            kept.first = Lanes::max(kept.first, Lanes::select(known, path.open, L::zero()));
             if (!kept.always()).bits() & triangles.valid == 0 {
                 return;
             }
             let (line, some) = unit(near - furthest);
-            (u, known) = (u - line * (f32x8::splat(2.0) * line.dot(u)), known & some);
+            (u, known) = (u - line * (L::splat(2.0) * line.dot(u)), known & some);
         }
     }
 
     /// The gap along a direction at the start [m].
     #[inline(always)]
-    fn gaps(&self, start: f32x8, direction: LaneVec3<f32x8>) -> Gaps {
-        let across = LaneVec3::<f32x8>::splat(self.spin).cross(direction).length();
+    fn gaps<L: Lanes>(&self, start: L, direction: LaneVec3<L>) -> Gaps<L> {
+        let across = LaneVec3::<L>::splat(self.spin).cross(direction).length();
         let parts = self.moments().count;
-        let sagitta = across * f32x8::splat(self.sagitta() / (parts * parts) as f32);
-        Gaps::new(start, sagitta, f32x8::splat(self.least))
+        let sagitta = across * L::splat(self.sagitta() / (parts * parts) as f32);
+        Gaps::new(start, sagitta, L::splat(self.least))
     }
 
     /// The gap along directions to points that are `far` from the origin along them [m].
     #[inline(always)]
-    fn gap(&self, far: f32x8, direction: LaneVec3<f32x8>, moment: &Moment) -> f32x8 {
+    fn gap<L: Lanes>(&self, far: L, direction: LaneVec3<L>, moment: &Moment) -> L {
         far - LaneVec3::splat(moment.moved).dot(direction) - reach(self.shape, moment.seen(direction))
     }
 }
 
-type Away = <f32x8 as Lanes>::Mask;
+kernel! {
+    /// See [`MeshSweep::by_planes`].
+    fn by_planes<'a, L: Lanes>(
+        sweep: &'a MeshSweep<'a>,
+        eight: &'a Eight,
+        lanes: u32,
+        cast: &'a MeshCast,
+    ) -> Reached {
+        sweep.by_planes_in::<L>(eight, lanes, cast)
+    }
+}
+
+kernel! {
+    /// See [`MeshSweep::sift`].
+    fn sift<'a, L: Lanes>(
+        sweep: &'a MeshSweep<'a>,
+        eight: &'a Eight,
+        lanes: u32,
+        cast: &'a MeshCast,
+    ) -> (u32, [f32; 8]) {
+        sweep.sift_in::<L>(eight, lanes, cast)
+    }
+}
+
+/// A vector at unit length, and whether it has a direction.
+#[inline(always)]
+fn unit<L: Lanes>(v: LaneVec3<L>) -> (LaneVec3<L>, L::Mask) {
+    let length = v.length();
+    let some = length.gt(L::splat(f32::MIN_POSITIVE));
+    (v * (L::one() / Lanes::select(some, length, L::one())), some)
+}
 
 /// How gaps along directions change over the parts of the motion.
 ///
 /// Between two moments a gap is no less than its chord less a parabola as high as the sagitta in the middle.
-struct Gaps {
-    last: f32x8,
+struct Gaps<L> {
+    last: L,
     /// A lower bound of all gaps up to now, and the least of those at the ends of parts.
-    least: f32x8,
-    lowest: f32x8,
-    sagitta: f32x8,
+    least: L,
+    lowest: L,
+    sagitta: L,
     /// Gap that counts as closed [m].
-    closed: f32x8,
+    closed: L,
     /// Number of parts that surely pass before the gap is closed.
-    open: f32x8,
+    open: L,
     /// One while the gap is still open.
-    going: f32x8,
+    going: L,
 }
 
-impl Gaps {
+impl<L: Lanes> Gaps<L> {
     #[inline(always)]
-    fn new(start: f32x8, sagitta: f32x8, closed: f32x8) -> Gaps {
-        Gaps {
-            last: start,
-            least: start,
-            lowest: start,
-            sagitta,
-            closed,
-            open: f32x8::zero(),
-            going: f32x8::one(),
-        }
+    fn new(start: L, sagitta: L, closed: L) -> Self {
+        Gaps { last: start, least: start, lowest: start, sagitta, closed, open: L::zero(), going: L::one() }
     }
 
     /// Advances to the end of the next part; returns a lower bound of the gaps in it.
     #[inline(always)]
-    fn go_on(&mut self, next: f32x8) -> f32x8 {
-        let (zero, one, four) = (f32x8::zero(), f32x8::one(), f32x8::splat(4.0));
+    fn go_on(&mut self, next: L) -> L {
+        let (zero, one, four) = (L::zero(), L::one(), L::splat(4.0));
         // last + u (next - last) - u (1 - u) curve
         let curve = four * self.sagitta;
         let grows = next - self.last;
         let steep = grows.abs().ge(curve);
         let some = Lanes::select(steep, one, curve);
-        let dip = (self.last + next) * f32x8::splat(0.5) - self.sagitta - grows * grows / (four * some);
+        let dip = (self.last + next) * L::splat(0.5) - self.sagitta - grows * grows / (four * some);
         let least = Lanes::select(steep, Lanes::min(self.last, next), dip);
         self.least = Lanes::min(self.least, least);
         // The first u at which that counts as closed.
@@ -328,31 +357,35 @@ impl Gaps {
 }
 
 /// In which parts of the motion the shape stays clear of each of eight triangles.
-struct Kept {
-    parts: [Away; PARTS],
+struct Kept<L: Lanes> {
+    parts: [L::Mask; PARTS],
     count: usize,
     /// Number of parts that surely pass before the triangle is reached, by a single direction.
-    first: f32x8,
+    first: L,
 }
 
-impl Kept {
+impl<L: Lanes> Kept<L> {
     #[inline(always)]
-    fn new(count: usize) -> Kept {
-        let never = f32x8::one().lt(f32x8::zero());
-        Kept { parts: [never; PARTS], count, first: f32x8::zero() }
+    fn new(count: usize) -> Self {
+        let never = L::one().lt(L::zero());
+        Kept { parts: [never; PARTS], count, first: L::zero() }
     }
 
     #[inline(always)]
-    fn always(&self) -> Away {
-        self.parts[1..self.count].iter().fold(self.parts[0], |all, part| all & *part)
+    fn always(&self) -> L::Mask {
+        let mut all = self.parts[0];
+        for part in &self.parts[1..self.count] {
+            all = all & *part;
+        }
+        all
     }
 
     /// How many parts, from the start on, stay clear.
     #[inline(always)]
-    fn leading(&self) -> f32x8 {
-        let (mut sum, mut going) = (f32x8::zero(), f32x8::one());
+    fn leading(&self) -> L {
+        let (mut sum, mut going) = (L::zero(), L::one());
         for part in &self.parts[..self.count] {
-            going = Lanes::select(*part, going, f32x8::zero());
+            going = Lanes::select(*part, going, L::zero());
             sum += going;
         }
         sum
@@ -371,7 +404,7 @@ impl Moments {
 impl Moment {
     /// A direction in the frame of the turned shape.
     #[inline(always)]
-    fn seen(&self, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
+    fn seen<L: Lanes>(&self, d: LaneVec3<L>) -> LaneVec3<L> {
         let m = &self.turned;
         LaneVec3::new(
             LaneVec3::splat(m.x_axis).dot(d),
@@ -382,7 +415,7 @@ impl Moment {
 
     /// The position at that moment of a point of the shape.
     #[inline(always)]
-    fn point(&self, p: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
+    fn point<L: Lanes>(&self, p: LaneVec3<L>) -> LaneVec3<L> {
         let m = &self.turned;
         LaneVec3::splat(m.x_axis) * p.x
             + LaneVec3::splat(m.y_axis) * p.y

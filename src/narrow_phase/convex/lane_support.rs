@@ -1,13 +1,14 @@
 //! Supporting points of a shape along eight directions at a time.
 
-use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Vec3 as LaneVec3};
 use crate::shape::{Collider, Geometry};
 
 /// The points of a shape that are furthest along eight unit directions, in its frame.
 #[inline(always)]
-pub(crate) fn support(shape: &Collider, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
-    let [x, y, z, _] = shape.size.map(f32x8::splat);
-    let zero = f32x8::zero();
+pub(crate) fn support<L: Lanes>(shape: &Collider, d: LaneVec3<L>) -> LaneVec3<L> {
+    let [x, y, z, _] = shape.size;
+    let (x, y, z) = (L::splat(x), L::splat(y), L::splat(z));
+    let zero = L::zero();
     match &shape.geometry {
         Geometry::Sphere { .. } => d * x,
         Geometry::Capsule { .. } => {
@@ -19,15 +20,15 @@ pub(crate) fn support(shape: &Collider, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
             let across = (d.x * d.x + d.z * d.z).sqrt();
             let top = (x * d.y + z * across).gt(y * across - x * d.y);
             let apart = across.gt(zero);
-            let r = Lanes::select(top, z, y) / Lanes::select(apart, across, f32x8::one());
+            let r = Lanes::select(top, z, y) / Lanes::select(apart, across, L::one());
             LaneVec3::new(d.x * r, Lanes::select(top, x, -x), d.z * r)
         }
         Geometry::Box { .. } => LaneVec3::new(x * d.x.sign(), y * d.y.sign(), z * d.z.sign()),
         Geometry::Hull(hull) => {
-            let mut most = f32x8::splat(f32::MIN);
+            let mut most = L::splat(f32::MIN);
             let mut point = LaneVec3::zero();
             for v in &hull.vertices {
-                let v = LaneVec3::<f32x8>::splat(*v);
+                let v = LaneVec3::<L>::splat(*v);
                 let along = v.dot(d);
                 let further = along.gt(most);
                 most = Lanes::select(further, along, most);
@@ -35,18 +36,21 @@ pub(crate) fn support(shape: &Collider, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
             }
             point
         }
-        _ => d * f32x8::splat(f32::MAX),
+        _ => d * L::splat(f32::MAX),
     }
 }
 
 /// How far a shape reaches from its origin along eight unit directions [m].
 #[inline(always)]
-pub(crate) fn reach(shape: &Collider, d: LaneVec3<f32x8>) -> f32x8 {
+pub(crate) fn reach<L: Lanes>(shape: &Collider, d: LaneVec3<L>) -> L {
     match &shape.geometry {
-        Geometry::Hull(hull) => hull
-            .vertices
-            .iter()
-            .fold(f32x8::splat(f32::MIN), |most, v| Lanes::max(LaneVec3::<f32x8>::splat(*v).dot(d), most)),
+        Geometry::Hull(hull) => {
+            let mut most = L::splat(f32::MIN);
+            for v in &hull.vertices {
+                most = Lanes::max(LaneVec3::<L>::splat(*v).dot(d), most);
+            }
+            most
+        }
         _ => support(shape, d).dot(d),
     }
 }

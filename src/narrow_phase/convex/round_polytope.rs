@@ -228,7 +228,8 @@ impl NearestEdge {
             for i in 1..8 {
                 index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
             }
-            let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
+            let end =
+                |k: usize| in_lanes::<f32x8>(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
             let q = end(0);
             let e = end(1) - q;
             let (s, t) = core.nearest_segment(q, e);

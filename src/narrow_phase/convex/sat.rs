@@ -8,7 +8,7 @@
 
 use super::polytope::{Polytope, Pose};
 use crate::config::tuning::THROUGH_SINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, with_best};
 use glam::Vec3;
 
 // Sentinel: below every separation.
@@ -30,44 +30,49 @@ pub(crate) struct FaceAxis {
 }
 
 #[inline(always)]
-fn load(rows: &[f32; 8]) -> f32x8 {
-    f32x8::new(*rows)
+fn load<L: Lanes>(rows: &[f32; 8]) -> L {
+    L::load(rows)
 }
 
-/// The face normal of `p` along which `q` is furthest out. Ends at the first that separates by more than the
-/// margin.
-///
-/// `against`, in the frame of `p`, or zero: normals along it are no way out of an overlap.
-#[inline]
-pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32, against: Vec3) -> FaceAxis {
-    let mut best = FaceAxis { separation: f32::MIN, face: 0 };
-    let axes = &q_in_p.axes;
-    let [rx, ry, rz] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);
-    let position = LaneVec3::splat(q_in_p.position);
-    let against = LaneVec3::splat(against);
-    for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
-        let n = LaneVec3::new(load(nx), load(ny), load(nz));
-        let (x, y, z) = (rx.dot(n), ry.dot(n), rz.dot(n));
-        let mut low = f32x8::splat(f32::MAX);
-        for v in q.vertices {
-            low = Lanes::min(x * f32x8::splat(v.x) + y * f32x8::splat(v.y) + z * f32x8::splat(v.z), low);
-        }
-        let separation = low + n.dot(position) - load(offset);
-        let wrong = n.dot(against).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(f32x8::zero());
-        let separation = Lanes::select(wrong, f32x8::splat(NEVER), separation);
-        if separation.gt(f32x8::splat(best.separation)).any() {
-            for (i, &s) in separation.to_array().iter().enumerate() {
-                if s > best.separation {
-                    best = FaceAxis { separation: s, face: 8 * k + i };
+kernel! {
+    /// See [`face_axis`].
+    fn face_axis_in<'a, L: Lanes>(
+        p: &'a Polytope<'a>,
+        q: &'a Polytope<'a>,
+        q_in_p: &'a Pose,
+        margin: f32,
+        against: Vec3,
+    ) -> FaceAxis {
+        let mut best = FaceAxis { separation: f32::MIN, face: 0 };
+        let axes = &q_in_p.axes;
+        let (rx, ry, rz) =
+            (LaneVec3::<L>::splat(axes.x_axis), LaneVec3::splat(axes.y_axis), LaneVec3::splat(axes.z_axis));
+        let position = LaneVec3::splat(q_in_p.position);
+        let against = LaneVec3::splat(against);
+        for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
+            let n = LaneVec3::new(load(nx), load(ny), load(nz));
+            let (x, y, z) = (rx.dot(n), ry.dot(n), rz.dot(n));
+            let mut low = L::splat(f32::MAX);
+            for v in q.vertices {
+                low = Lanes::min(x * L::splat(v.x) + y * L::splat(v.y) + z * L::splat(v.z), low);
+            }
+            let separation = low + n.dot(position) - load(offset);
+            let wrong = n.dot(against).gt(L::splat(THROUGH_SINE)) & separation.lt(L::zero());
+            let separation = Lanes::select(wrong, L::splat(NEVER), separation);
+            if separation.gt(L::splat(best.separation)).any() {
+                for (i, &s) in separation.eight().iter().enumerate() {
+                    if s > best.separation {
+                        best = FaceAxis { separation: s, face: 8 * k + i };
+                    }
+                }
+                if best.separation > margin {
+                    break;
                 }
             }
-            if best.separation > margin {
-                break;
-            }
         }
+        // The filling repeats the first face; it never beats it, so the index is of a real one.
+        best
     }
-    // The filling repeats the first face; it never beats it, so the index is of a real one.
-    best
 }
 
 /// A set of edges, by index.
@@ -87,36 +92,48 @@ impl EdgeSet {
     }
 }
 
-/// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along `normal`.
-/// All in the frame of `p`.
-#[inline]
-fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> EdgeSet {
-    let mut codes = [0u8; MAX_VERTICES];
-    let (min, max) = (LaneVec3::<f32x8>::splat(min), LaneVec3::<f32x8>::splat(max));
-    let (normal, low) = (LaneVec3::splat(normal), f32x8::splat(low));
-    let bit = |mask, value: f32| Lanes::select(mask, f32x8::splat(value), f32x8::zero());
-    for ([x, y, z], codes) in p.vertex_chunks.iter().zip(codes.chunks_exact_mut(8)) {
-        let v = LaneVec3::new(load(x), load(y), load(z));
-        let code = bit(v.x.lt(min.x), 1.0)
-            + bit(v.x.gt(max.x), 2.0)
-            + bit(v.y.lt(min.y), 4.0)
-            + bit(v.y.gt(max.y), 8.0)
-            + bit(v.z.lt(min.z), 16.0)
-            + bit(v.z.gt(max.z), 32.0)
-            + bit(normal.dot(v).lt(low), 64.0);
-        for (to, from) in codes.iter_mut().zip(code.to_array()) {
-            *to = from as u8;
+/// A value where a mask holds, else zero.
+#[inline(always)]
+fn bit<L: Lanes>(mask: L::Mask, value: f32) -> L {
+    Lanes::select(mask, L::splat(value), L::zero())
+}
+
+kernel! {
+    /// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along `normal`.
+    /// All in the frame of `p`.
+    fn edges_near_in<'a, L: Lanes>(
+        p: &'a Polytope<'a>,
+        min: Vec3,
+        max: Vec3,
+        normal: Vec3,
+        low: f32,
+    ) -> EdgeSet {
+        let mut codes = [0u8; MAX_VERTICES];
+        let (min, max) = (LaneVec3::<L>::splat(min), LaneVec3::<L>::splat(max));
+        let (normal, low) = (LaneVec3::splat(normal), L::splat(low));
+        for ([x, y, z], codes) in p.vertex_chunks.iter().zip(codes.chunks_exact_mut(8)) {
+            let v = LaneVec3::<L>::new(load(x), load(y), load(z));
+            let code = bit::<L>(v.x.lt(min.x), 1.0)
+                + bit::<L>(v.x.gt(max.x), 2.0)
+                + bit::<L>(v.y.lt(min.y), 4.0)
+                + bit::<L>(v.y.gt(max.y), 8.0)
+                + bit::<L>(v.z.lt(min.z), 16.0)
+                + bit::<L>(v.z.gt(max.z), 32.0)
+                + bit::<L>(normal.dot(v).lt(low), 64.0);
+            for (to, from) in codes.iter_mut().zip(code.eight()) {
+                *to = from as u8;
+            }
         }
-    }
-    let mut set = EdgeSet::default();
-    for (word, edges) in set.0.iter_mut().zip(p.edges.chunks(64)) {
-        for (i, edge) in edges.iter().enumerate() {
-            let a = codes[usize::from(edge.vertices[0]) % MAX_VERTICES];
-            let b = codes[usize::from(edge.vertices[1]) % MAX_VERTICES];
-            *word |= u64::from(a & b == 0) << i;
+        let mut set = EdgeSet::default();
+        for (word, edges) in set.0.iter_mut().zip(p.edges.chunks(64)) {
+            for (i, edge) in edges.iter().enumerate() {
+                let a = codes[usize::from(edge.vertices[0]) % MAX_VERTICES];
+                let b = codes[usize::from(edge.vertices[1]) % MAX_VERTICES];
+                *word |= u64::from(a & b == 0) << i;
+            }
         }
+        set
     }
-    set
 }
 
 /// Along `normal` (from a to b, in a's frame) all of `a` is below `high` and all of `b` above `low`.
@@ -159,17 +176,17 @@ pub(crate) struct EdgeAxis {
 }
 
 /// Eight edges of `b` in a's frame: start, direction, and the normals of the two faces.
-struct EdgeLanes {
+struct EdgeLanes<L> {
     index: [usize; 8],
-    start: LaneVec3<f32x8>,
-    along: LaneVec3<f32x8>,
+    start: LaneVec3<L>,
+    along: LaneVec3<L>,
 }
 
-impl EdgeLanes {
+impl<L: Lanes> EdgeLanes<L> {
     #[inline(always)]
-    fn gather(b: &Polytope, pose: &Pose, index: [usize; 8]) -> EdgeLanes {
-        let end = |k: usize| in_lanes(|i| b.vertices[usize::from(b.edges[index[i]].vertices[k])]);
-        let (start, end) = (end(0), end(1));
+    fn gather(b: &Polytope, pose: &Pose, index: [usize; 8]) -> Self {
+        let start = in_lanes(|i| b.vertices[usize::from(b.edges[index[i]].vertices[0])]);
+        let end = in_lanes(|i| b.vertices[usize::from(b.edges[index[i]].vertices[1])]);
         EdgeLanes {
             index,
             start: turn(pose, start) + LaneVec3::splat(pose.position),
@@ -177,23 +194,23 @@ impl EdgeLanes {
         }
     }
     #[inline(always)]
-    fn normals(&self, b: &Polytope, pose: &Pose, k: usize) -> LaneVec3<f32x8> {
+    fn normals(&self, b: &Polytope, pose: &Pose, k: usize) -> LaneVec3<L> {
         turn(pose, in_lanes(|i| b.planes[usize::from(b.edges[self.index[i]].faces[k])].0))
     }
 }
 
 /// Lane `i` from `f(i)`, called once for all three coordinates.
 #[inline(always)]
-pub(crate) fn in_lanes(f: impl Fn(usize) -> Vec3) -> LaneVec3<f32x8> {
+pub(crate) fn in_lanes<L: Lanes>(f: impl Fn(usize) -> Vec3) -> LaneVec3<L> {
     let [mut x, mut y, mut z] = [[0.0f32; 8]; 3];
     for (i, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
         [*x, *y, *z] = f(i).to_array();
     }
-    LaneVec3::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
+    LaneVec3::new(L::load(&x), L::load(&y), L::load(&z))
 }
 
 #[inline(always)]
-fn turn(pose: &Pose, v: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
+fn turn<L: Lanes>(pose: &Pose, v: LaneVec3<L>) -> LaneVec3<L> {
     let m = &pose.axes;
     LaneVec3::splat(m.x_axis) * v.x + LaneVec3::splat(m.y_axis) * v.y + LaneVec3::splat(m.z_axis) * v.z
 }
@@ -208,61 +225,62 @@ fn eight(edges: &mut impl Iterator<Item = usize>) -> Option<[usize; 8]> {
     Some(index)
 }
 
-/// The pair of edges along whose common normal the two are furthest apart.
-///
-/// `against` as in [`face_axis`], in a's frame.
-pub(crate) fn edge_axis(
-    a: &Polytope,
-    b: &Polytope,
-    pose: &Pose,
-    (near_a, near_b): &(EdgeSet, EdgeSet),
-    against: Vec3,
-) -> Option<EdgeAxis> {
-    let mut best: Option<EdgeAxis> = None;
-    let mut most = f32::MIN;
-    let mut of_b = near_b.iter();
-    while let Some(index) = eight(&mut of_b) {
-        let lanes = EdgeLanes::gather(b, pose, index);
-        let (c0, c1) = (lanes.normals(b, pose, 0), lanes.normals(b, pose, 1));
-        let length_b = lanes.along.length_squared();
-        for ia in near_a.iter() {
-            let edge = &a.edges[ia];
-            let [v0, v1] = edge.vertices.map(|v| a.vertices[usize::from(v)]);
-            let [a0, a1] = edge.faces.map(|f| a.planes[usize::from(f)].0);
-            let along = LaneVec3::<f32x8>::splat(v1 - v0);
-            // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of its
-            // two normals, so that four dot products tell.
-            let (c0a, c1a) = (c0.dot(along), c1.dot(along));
-            let a0b = LaneVec3::splat(a0).dot(lanes.along);
-            let a1b = LaneVec3::splat(a1).dot(lanes.along);
-            let zero = f32x8::zero();
-            let meets = (c0a * c1a).lt(zero) & (a0b * a1b).lt(zero) & (c0a * a1b).lt(zero);
-            if !meets.any() {
-                continue;
-            }
-            let cross = along.cross(lanes.along);
-            let squared = cross.length_squared();
-            let valid = meets & squared.gt(length_b * f32x8::splat(PARALLEL * (v1 - v0).length_squared()));
-            let outward = cross.dot(LaneVec3::splat(a0 + a1));
-            let scale = outward.sign() / squared.sqrt();
-            let normal = cross * scale;
-            let separation = normal.dot(lanes.start - LaneVec3::splat(v0));
-            let wrong =
-                normal.dot(LaneVec3::splat(against)).gt(f32x8::splat(THROUGH_SINE)) & separation.lt(zero);
-            let better = valid & !wrong & separation.gt(f32x8::splat(most));
-            let bits = better.bits();
-            if bits == 0 {
-                continue;
-            }
-            for (i, &s) in separation.to_array().iter().enumerate() {
-                if bits >> i & 1 != 0 && s > most {
-                    most = s;
-                    best = Some(EdgeAxis { normal: normal.lane(i), separation: s, edges: [ia, index[i]] });
+kernel! {
+    /// See [`edge_axis`].
+    fn edge_axis_in<'a, L: Lanes>(
+        a: &'a Polytope<'a>,
+        b: &'a Polytope<'a>,
+        pose: &'a Pose,
+        near: &'a (EdgeSet, EdgeSet),
+        against: Vec3,
+    ) -> Option<EdgeAxis> {
+        let (near_a, near_b) = near;
+        let mut best: Option<EdgeAxis> = None;
+        let mut most = f32::MIN;
+        let mut of_b = near_b.iter();
+        while let Some(index) = eight(&mut of_b) {
+            let lanes = EdgeLanes::<L>::gather(b, pose, index);
+            let (c0, c1) = (lanes.normals(b, pose, 0), lanes.normals(b, pose, 1));
+            let length_b = lanes.along.length_squared();
+            for ia in near_a.iter() {
+                let edge = &a.edges[ia];
+                let [v0, v1] = edge.vertices.map(|v| a.vertices[usize::from(v)]);
+                let [a0, a1] = edge.faces.map(|f| a.planes[usize::from(f)].0);
+                let along = LaneVec3::<L>::splat(v1 - v0);
+                // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of its
+                // two normals, so that four dot products tell.
+                let (c0a, c1a) = (c0.dot(along), c1.dot(along));
+                let a0b = LaneVec3::splat(a0).dot(lanes.along);
+                let a1b = LaneVec3::splat(a1).dot(lanes.along);
+                let zero = L::zero();
+                let meets = (c0a * c1a).lt(zero) & (a0b * a1b).lt(zero) & (c0a * a1b).lt(zero);
+                if !meets.any() {
+                    continue;
+                }
+                let cross = along.cross(lanes.along);
+                let squared = cross.length_squared();
+                let valid = meets & squared.gt(length_b * L::splat(PARALLEL * (v1 - v0).length_squared()));
+                let outward = cross.dot(LaneVec3::splat(a0 + a1));
+                let scale = outward.sign() / squared.sqrt();
+                let normal = cross * scale;
+                let separation = normal.dot(lanes.start - LaneVec3::splat(v0));
+                let wrong =
+                    normal.dot(LaneVec3::splat(against)).gt(L::splat(THROUGH_SINE)) & separation.lt(zero);
+                let better = valid & !wrong & separation.gt(L::splat(most));
+                let bits = better.bits();
+                if bits == 0 {
+                    continue;
+                }
+                for (i, &s) in separation.eight().iter().enumerate() {
+                    if bits >> i & 1 != 0 && s > most {
+                        most = s;
+                        best = Some(EdgeAxis { normal: normal.lane(i), separation: s, edges: [ia, index[i]] });
+                    }
                 }
             }
         }
+        best
     }
-    best
 }
 
 /// The nearest points of two edges.
@@ -274,42 +292,80 @@ pub(crate) struct Nearest {
     pub(crate) edges: [usize; 2],
 }
 
+kernel! {
+    /// See [`nearest_edges`].
+    fn nearest_edges_in<'a, L: Lanes>(
+        a: &'a Polytope<'a>,
+        b: &'a Polytope<'a>,
+        pose: &'a Pose,
+        near: &'a (EdgeSet, EdgeSet),
+    ) -> Option<Nearest> {
+        let (near_a, near_b) = near;
+        let mut best: Option<Nearest> = None;
+        let mut least = f32::MAX;
+        let mut of_b = near_b.iter();
+        while let Some(index) = eight(&mut of_b) {
+            let lanes = EdgeLanes::<L>::gather(b, pose, index);
+            for ia in near_a.iter() {
+                let [v0, v1] = a.edges[ia].vertices.map(|v| a.vertices[usize::from(v)]);
+                let (start, along) = (LaneVec3::<L>::splat(v0), LaneVec3::splat(v1 - v0));
+                let (s, t) = nearest_on_segments(start, along, lanes.start, lanes.along);
+                let (p, q) = (start + along * s, lanes.start + lanes.along * t);
+                let squared = (q - p).length_squared();
+                let bits = squared.lt(L::splat(least)).bits();
+                if bits == 0 {
+                    continue;
+                }
+                for (i, &d) in squared.eight().iter().enumerate() {
+                    if bits >> i & 1 != 0 && d < least {
+                        least = d;
+                        best = Some(Nearest {
+                            points: [p.lane(i), q.lane(i)],
+                            distance: d.sqrt(),
+                            edges: [ia, index[i]],
+                        });
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+/// The face normal of `p` along which `q` is furthest out. Ends at the first that separates by more than the
+/// margin.
+///
+/// `against`, in the frame of `p`, or zero: normals along it are no way out of an overlap.
+pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32, against: Vec3) -> FaceAxis {
+    with_best!(Wide => face_axis_in::<Wide>(p, q, q_in_p, margin, against))
+}
+
+fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> EdgeSet {
+    with_best!(Wide => edges_near_in::<Wide>(p, min, max, normal, low))
+}
+
+/// The pair of edges along whose common normal the two are furthest apart.
+///
+/// `against` as in [`face_axis`], in a's frame.
+pub(crate) fn edge_axis(
+    a: &Polytope,
+    b: &Polytope,
+    pose: &Pose,
+    near: &(EdgeSet, EdgeSet),
+    against: Vec3,
+) -> Option<EdgeAxis> {
+    with_best!(Wide => edge_axis_in::<Wide>(a, b, pose, near, against))
+}
+
 /// The nearest points of all edges in reach. If the polytopes are apart, these are their nearest points,
 /// unless one lies inside a face.
 pub(crate) fn nearest_edges(
     a: &Polytope,
     b: &Polytope,
     pose: &Pose,
-    (near_a, near_b): &(EdgeSet, EdgeSet),
+    near: &(EdgeSet, EdgeSet),
 ) -> Option<Nearest> {
-    let mut best: Option<Nearest> = None;
-    let mut least = f32::MAX;
-    let mut of_b = near_b.iter();
-    while let Some(index) = eight(&mut of_b) {
-        let lanes = EdgeLanes::gather(b, pose, index);
-        for ia in near_a.iter() {
-            let [v0, v1] = a.edges[ia].vertices.map(|v| a.vertices[usize::from(v)]);
-            let (start, along) = (LaneVec3::splat(v0), LaneVec3::splat(v1 - v0));
-            let (s, t) = nearest_on_segments(start, along, lanes.start, lanes.along);
-            let (p, q) = (start + along * s, lanes.start + lanes.along * t);
-            let squared = (q - p).length_squared();
-            let bits = squared.lt(f32x8::splat(least)).bits();
-            if bits == 0 {
-                continue;
-            }
-            for (i, &d) in squared.to_array().iter().enumerate() {
-                if bits >> i & 1 != 0 && d < least {
-                    least = d;
-                    best = Some(Nearest {
-                        points: [p.lane(i), q.lane(i)],
-                        distance: d.sqrt(),
-                        edges: [ia, index[i]],
-                    });
-                }
-            }
-        }
-    }
-    best
+    with_best!(Wide => nearest_edges_in::<Wide>(a, b, pose, near))
 }
 
 /// Where the segments `p + s d` and `q + t e` are nearest: s and t in 0..=1.

@@ -5,9 +5,8 @@
 
 use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
-use super::triangles::Triangles;
-use crate::config::tuning::THROUGH_SINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use super::triangles::{Furthest, Triangles};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::sat::nearest_on_segments;
 use glam::Vec3;
@@ -16,7 +15,14 @@ use glam::Vec3;
 pub(crate) const CORNERS: u32 = 8;
 
 /// Adds a patch for every triangle that is nearer than its margin.
-pub(crate) fn touch(half: Vec3, triangles: &Triangles, limit: f32x8, ground: &Ground, patches: &mut Patches) {
+#[inline(always)]
+pub(crate) fn touch<L: Lanes>(
+    half: Vec3,
+    triangles: &Triangles<L>,
+    limit: L,
+    ground: &Ground,
+    patches: &mut Patches,
+) {
     let size = half.length();
     let (face, axis, name) = triangles.separate(Vec3::ZERO, half);
     let near = face.le(limit) & axis.le(limit);
@@ -25,8 +31,8 @@ pub(crate) fn touch(half: Vec3, triangles: &Triangles, limit: f32x8, ground: &Gr
     }
     let (edges, edge_name) = edge_axes(half, triangles);
     let mut bits = (near & edges.le(limit)).bits() & triangles.valid;
-    let (face, axis, name) = (face.to_array(), axis.to_array(), name.to_array());
-    let (edges, edge_name) = (edges.to_array(), edge_name.to_array());
+    let (face, axis, name) = (face.eight(), axis.eight(), name.eight());
+    let (edges, edge_name) = (edges.eight(), edge_name.eight());
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
@@ -85,11 +91,9 @@ fn cross_axis<L: Lanes>(axis: usize, v: LaneVec3<L>) -> LaneVec3<L> {
 /// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how
 /// much, and 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
 #[inline(always)]
-fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
-    let zero = f32x8::zero();
-    let mut best = f32x8::splat(f32::MIN);
-    let mut name = zero;
-    let half = LaneVec3::<f32x8>::splat(half);
+fn edge_axes<L: Lanes>(half: Vec3, triangles: &Triangles<L>) -> (L, L) {
+    let mut best = Furthest::none();
+    let half = LaneVec3::<L>::splat(half);
     for e in 0..3 {
         let c = &triangles.corners;
         let (from, to, third) = (c[e], c[(e + 1) % 3], c[(e + 2) % 3]);
@@ -99,22 +103,19 @@ fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
             let cross = cross_axis(axis, along);
             let length = cross.length_squared();
             // Along each other, within a degree: the faces' axes do.
-            let valid = length.gt(squared * f32x8::splat(3e-4));
-            let scale = f32x8::one() / Lanes::select(valid, length, f32x8::one()).sqrt();
+            let valid = length.gt(squared * L::splat(3e-4));
+            let scale = L::one() / Lanes::select(valid, length, L::one()).sqrt();
             let (one, other) = (cross.dot(from) * scale, cross.dot(third) * scale);
             let reach = cross.abs().dot(half) * scale;
             let through = cross.dot(triangles.front) * scale;
-            let mut try_axis = |k: usize, apart: f32x8, through: f32x8| {
-                let wrong = through.gt(f32x8::splat(THROUGH_SINE)) & apart.lt(zero);
-                let better = valid & apart.gt(best) & !wrong;
-                best = Lanes::select(better, apart, best);
-                name = Lanes::select(better, f32x8::splat((3 * axis + e + k) as f32), name);
-            };
-            try_axis(0, Lanes::min(one, other) - reach, through);
-            try_axis(9, -Lanes::max(one, other) - reach, -through);
+            let never = L::splat(f32::MIN);
+            let above = Lanes::select(valid, Lanes::min(one, other) - reach, never);
+            let below = Lanes::select(valid, -Lanes::max(one, other) - reach, never);
+            best.offer(3 * axis + e, above, through);
+            best.offer(3 * axis + e + 9, below, -through);
         }
     }
-    (best, name)
+    (best.apart, best.name)
 }
 
 fn edge_normal(touch: &Touch, name: usize) -> Vec3 {

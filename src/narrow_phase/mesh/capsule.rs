@@ -10,7 +10,7 @@ use super::reach::Bounds;
 use super::triangle_contact::TriangleContact;
 use super::triangles::Triangles;
 use crate::config::tuning::{ALONG_SINE_SQUARED, THROUGH_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
 use crate::narrow_phase::convex::round_polytope::{Core, part_inside};
@@ -33,13 +33,13 @@ struct Place<'a> {
 /// The part of the core over each triangle, and the nearest edge: distance of the surface, number, where on
 /// the core, where on the edge.
 #[inline(always)]
-fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
-    let zero = f32x8::zero();
-    let (start, along) = (LaneVec3::<f32x8>::splat(core.start), LaneVec3::<f32x8>::splat(core.along));
+fn nearest<L: Lanes>(core: &Core, triangles: &Triangles<L>) -> ((L, L), [L; 4]) {
+    let zero = L::zero();
+    let (start, along) = (LaneVec3::<L>::splat(core.start), LaneVec3::<L>::splat(core.along));
     let [a, b, c] = triangles.corners;
     let winding = (b - a).cross(c - b);
     let mut over = Spans::whole();
-    let (mut least, mut edge) = (f32x8::splat(f32::MAX), zero);
+    let (mut least, mut edge) = (L::splat(f32::MAX), zero);
     let (mut on_core, mut on_edge) = (zero, zero);
     for i in 0..3 {
         let (from, to) = (triangles.corners[i], triangles.corners[(i + 1) % 3]);
@@ -51,10 +51,10 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
 
         let (s, t) = core.nearest_segment(from, e);
         let apart = (from + e * t - start - along * s).length();
-        let distance = apart - f32x8::splat(core.radius) - s * f32x8::splat(core.growth);
+        let distance = apart - L::splat(core.radius) - s * L::splat(core.growth);
         let nearer = distance.lt(least);
         least = Lanes::select(nearer, distance, least);
-        edge = Lanes::select(nearer, f32x8::splat(i as f32), edge);
+        edge = Lanes::select(nearer, L::splat(i as f32), edge);
         on_core = Lanes::select(nearer, s, on_core);
         on_edge = Lanes::select(nearer, t, on_edge);
     }
@@ -62,12 +62,13 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
 }
 
 /// Adds a patch for every triangle that is nearer than its margin.
-pub(crate) fn touch(
+#[inline(always)]
+pub(crate) fn touch<L: Lanes>(
     core: &Core,
     half: Vec3,
     size: f32,
-    triangles: &Triangles,
-    margins: f32x8,
+    triangles: &Triangles<L>,
+    margins: L,
     ground: &Ground,
     patches: &mut Patches,
 ) {
@@ -83,7 +84,7 @@ pub(crate) fn touch(
     let offset = n.dot(a);
     let h0 = n.dot(LaneVec3::splat(core.start)) - offset;
     let h1 = n.dot(LaneVec3::splat(core.at(1.0))) - offset;
-    let face = Lanes::min(h0 - f32x8::splat(r0), h1 - f32x8::splat(r1));
+    let face = Lanes::min(h0 - L::splat(r0), h1 - L::splat(r1));
     let near = axis.le(margins) & face.le(margins);
     if near.bits() & triangles.valid == 0 {
         return;
@@ -94,9 +95,9 @@ pub(crate) fn touch(
     if bits == 0 {
         return;
     }
-    let (low, high, h0, h1) = (low.to_array(), high.to_array(), h0.to_array(), h1.to_array());
-    let (face, margins, distance) = (face.to_array(), margins.to_array(), distance.to_array());
-    let (edge, on_core, on_edge) = (edge.to_array(), on_core.to_array(), on_edge.to_array());
+    let (low, high, h0, h1) = (low.eight(), high.eight(), h0.eight(), h1.eight());
+    let (face, margins, distance) = (face.eight(), margins.eight(), distance.eight());
+    let (edge, on_core, on_edge) = (edge.eight(), on_core.eight(), on_edge.eight());
     let tolerance = 1e-4 * size;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize % 8;

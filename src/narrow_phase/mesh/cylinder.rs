@@ -12,7 +12,7 @@ use super::sphere::nearest;
 use super::triangle_contact::{TriangleContact, named, outline};
 use super::triangles::{Triangles, nearest_corner};
 use crate::config::tuning::{FACE_PREFERENCE, THROUGH_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Cloud;
 use crate::narrow_phase::convex::collide_triangle;
@@ -21,11 +21,12 @@ use crate::narrow_phase::convex::lane_support::reach;
 use crate::shape::Collider;
 
 /// Adds a patch for every triangle that is nearer than its margin.
-pub(crate) fn touch(
+#[inline(always)]
+pub(crate) fn touch<L: Lanes>(
     a: &Collider,
     bounds: Bounds,
-    triangles: &Triangles,
-    margins: f32x8,
+    triangles: &Triangles<L>,
+    margins: L,
     ground: &Ground,
     patches: &mut Patches,
 ) {
@@ -42,14 +43,14 @@ pub(crate) fn touch(
         return;
     }
     let near = near & !beside(a, triangles, margins);
-    let slight = f32x8::splat(FACE_PREFERENCE.1 * a.radius);
-    let needed = Lanes::max(face * f32x8::splat(-FACE_PREFERENCE.0) - slight, f32x8::zero());
-    let [one, other] = rims.map(|(point, reach)| {
+    let slight = L::splat(FACE_PREFERENCE.1 * a.radius);
+    let needed = Lanes::max(face * L::splat(-FACE_PREFERENCE.0) - slight, L::zero());
+    let mut over_it = 0;
+    for (point, reach) in rims {
         let deepest = (triangles.height - reach).le(face + slight);
-        deepest & inside(triangles, point).ge(needed)
-    });
-    let over_it = (one | other).bits();
-    let (face, margins) = (face.to_array(), margins.to_array());
+        over_it |= (deepest & inside(triangles, point).ge(needed)).bits();
+    }
+    let (face, margins) = (face.eight(), margins.eight());
     for lane in ones(near.bits() & triangles.valid) {
         let (front, face, margin) = (triangles.front.lane(lane), face[lane], margins[lane]);
         let touch = triangles.touch(lane, ground);
@@ -85,25 +86,27 @@ pub(crate) fn touch(
 
 /// The point of either rim that is furthest along eight unit directions, and how far [m].
 #[inline(always)]
-fn rims(a: &Collider, d: LaneVec3<f32x8>) -> [(LaneVec3<f32x8>, f32x8); 2] {
+fn rims<L: Lanes>(a: &Collider, d: LaneVec3<L>) -> [(LaneVec3<L>, L); 2] {
     let [half_height, bottom, top, _] = a.size;
     let across = (d.x * d.x + d.z * d.z).sqrt();
-    let scale = f32x8::one() / Lanes::select(across.gt(f32x8::zero()), across, f32x8::one());
+    let scale = L::one() / Lanes::select(across.gt(L::zero()), across, L::one());
     let (x, z) = (d.x * scale, d.z * scale);
-    [(-half_height, bottom), (half_height, top)].map(|(y, radius)| {
-        let (y, radius) = (f32x8::splat(y), f32x8::splat(radius));
-        (LaneVec3::new(x * radius, y, z * radius), y * d.y + radius * across)
-    })
+    let mut rims = [(LaneVec3::zero(), L::zero()); 2];
+    for (rim, (y, radius)) in rims.iter_mut().zip([(-half_height, bottom), (half_height, top)]) {
+        let (y, radius) = (L::splat(y), L::splat(radius));
+        *rim = (LaneVec3::new(x * radius, y, z * radius), y * d.y + radius * across);
+    }
+    rims
 }
 
 /// Which triangles are further away than their margins, along the directions from the shape's origin to their
 /// nearest points.
 #[inline(always)]
-fn beside(a: &Collider, triangles: &Triangles, margins: f32x8) -> <f32x8 as Lanes>::Mask {
+fn beside<L: Lanes>(a: &Collider, triangles: &Triangles<L>, margins: L) -> L::Mask {
     let (point, _) = nearest(triangles, LaneVec3::zero());
     let length = point.length();
-    let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
-    let u = point * (f32x8::one() / Lanes::select(some, length, f32x8::one()));
+    let some = length.gt(L::splat(f32::MIN_POSITIVE));
+    let u = point * (L::one() / Lanes::select(some, length, L::one()));
     let (_, far) = nearest_corner(triangles, u);
     some & (far - reach(a, u)).gt(margins)
 }

@@ -24,7 +24,7 @@ pub(crate) mod triangle_contact;
 pub(crate) mod triangles;
 
 use super::{RawManifold, RawPoint, Relative};
-use crate::lanes::f32x8;
+use crate::lanes::{Lanes, kernel, with_best};
 use crate::memory::{Allowance, Buffer, Buffers, sum_bytes};
 use crate::narrow_phase::convex::clip::CLOUD;
 use crate::narrow_phase::convex::gjk::distance;
@@ -150,7 +150,7 @@ pub(crate) fn collide_mesh(
         let close = shape.extent(within.max(0.0));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
-                near.add(&shape.triangles(eight, lanes), a, shape.bounds, within);
+                with_best!(Wide => find_near::<Wide>(&mut near, &shape, eight, lanes, within));
             }
         });
         if near.count == 0 {
@@ -166,9 +166,7 @@ pub(crate) fn collide_mesh(
                 *shed += 1;
                 return;
             }
-            let triangles = shape.triangles(eight, lanes);
-            let margins = near.margins(&triangles, reach);
-            shape.touch(&triangles, margins, &ground, patches);
+            with_best!(Wide => touch_eight::<Wide>(&near, &shape, eight, lanes, reach, &ground, patches));
         }
     });
     shape.finish(patches);
@@ -181,6 +179,35 @@ pub(crate) fn collide_mesh(
     }
     merge.manifolds(patches, &ground, &shape.pose, a.radius, out);
     true
+}
+
+kernel! {
+    /// Adds those of eight triangles that are within a distance [m].
+    fn find_near<'a, L: Lanes>(
+        near: &'a mut Near,
+        shape: &'a Shape<'a>,
+        eight: &'a Eight,
+        lanes: u32,
+        within: f32,
+    ) {
+        near.add(&shape.triangles::<L>(eight, lanes), shape.collider, shape.bounds, within);
+    }
+}
+
+kernel! {
+    /// Adds a patch for each of eight triangles that is nearer than its margin.
+    fn touch_eight<'a, L: Lanes>(
+        near: &'a Near,
+        shape: &'a Shape<'a>,
+        eight: &'a Eight,
+        lanes: u32,
+        reach: Reach,
+        ground: &'a Ground<'a>,
+        patches: &'a mut Patches,
+    ) {
+        let triangles = shape.triangles::<L>(eight, lanes);
+        shape.touch(&triangles, near.margins(&triangles, reach), ground, patches);
+    }
 }
 
 /// A convex shape, prepared for tests against triangles.
@@ -208,13 +235,13 @@ impl<'a> Shape<'a> {
     }
 
     #[inline(always)]
-    fn triangles(&self, eight: &Eight, lanes: u32) -> Triangles {
+    fn triangles<L: Lanes>(&self, eight: &Eight, lanes: u32) -> Triangles<L> {
         Triangles::new(eight, lanes, &self.pose, self.side)
     }
 
     /// Adds a patch for every triangle that is nearer than its margin.
     #[inline(always)]
-    fn touch(&self, triangles: &Triangles, margins: f32x8, ground: &Ground, patches: &mut Patches) {
+    fn touch<L: Lanes>(&self, triangles: &Triangles<L>, margins: L, ground: &Ground, patches: &mut Patches) {
         let a = self.collider;
         match (&a.geometry, &self.core) {
             (Geometry::Sphere { radius }, _) => sphere::touch(*radius, triangles, margins, ground, patches),

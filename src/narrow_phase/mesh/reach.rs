@@ -7,7 +7,7 @@
 use super::nearby::Extent;
 use super::triangles::Triangles;
 use crate::config::tuning::{ONE_MANIFOLD_COSINE, ONE_MANIFOLD_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::lane_support::reach;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -48,12 +48,18 @@ impl Near {
     /// the box around the shape exclude it. Below zero: those whose planes the shape is beyond by as much,
     /// and which it may touch.
     #[inline(always)]
-    pub(crate) fn add(&mut self, triangles: &Triangles, a: &Collider, bounds: Bounds, within: f32) {
-        let limit = f32x8::splat(within);
+    pub(crate) fn add<L: Lanes>(
+        &mut self,
+        triangles: &Triangles<L>,
+        a: &Collider,
+        bounds: Bounds,
+        within: f32,
+    ) {
+        let limit = L::splat(within);
         let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
         let down = -triangles.front;
         let face = triangles.height - reach(a, down);
-        let beside = Lanes::max(limit, f32x8::zero());
+        let beside = Lanes::max(limit, L::zero());
         let mut bits = (axis.le(beside) & face.le(limit)).bits() & triangles.valid;
         while bits != 0 {
             let front = triangles.front.lane(bits.trailing_zeros() as usize);
@@ -84,15 +90,21 @@ impl Near {
 
     /// How near each of eight triangles has to be to count [m].
     #[inline(always)]
-    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, path }: Reach) -> f32x8 {
-        let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
+    pub(crate) fn margins<L: Lanes>(
+        &self,
+        triangles: &Triangles<L>,
+        Reach { margin, within, path }: Reach,
+    ) -> L {
+        let (all, near) = (L::splat(margin), L::splat(within));
         if self.count == 0 || self.count > self.fronts.len() {
-            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(path)), f32x8::zero());
+            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(path)), L::zero());
         }
-        let level = f32x8::splat(ONE_MANIFOLD_COSINE);
-        self.fronts[..self.count].iter().fold(near, |margins, front| {
-            Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins)
-        })
+        let level = L::splat(ONE_MANIFOLD_COSINE);
+        let mut margins = near;
+        for front in &self.fronts[..self.count] {
+            margins = Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins);
+        }
+        margins
     }
 }
 

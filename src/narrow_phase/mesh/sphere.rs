@@ -4,7 +4,7 @@ use super::nearby::Ground;
 use super::patch::{Patch, Patches, Touch};
 use super::triangles::Triangles;
 use crate::config::tuning::FLAT_EDGE_COSINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::shape::Fold;
 use glam::Vec3;
@@ -15,12 +15,12 @@ const BORDER: u32 = u32::MAX;
 /// The point of each triangle that is nearest to `place`, and the feature it is on: 0 the face, 1 + i the
 /// edge i, 4 + i the corner i.
 #[inline(always)]
-pub(crate) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
-    let (zero, one) = (f32x8::zero(), f32x8::one());
-    let mut least = f32x8::splat(f32::MAX);
+pub(crate) fn nearest<L: Lanes>(triangles: &Triangles<L>, place: LaneVec3<L>) -> (LaneVec3<L>, L) {
+    let (zero, one) = (L::zero(), L::one());
+    let mut least = L::splat(f32::MAX);
     let mut point = LaneVec3::zero();
     let mut feature = zero;
-    let mut left = f32x8::zero().le(zero);
+    let mut left = L::zero().le(zero);
     let mut right = left;
     for i in 0..3 {
         let (from, to) = (triangles.corners[i], triangles.corners[(i + 1) % 3]);
@@ -31,8 +31,8 @@ pub(crate) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec
         let at = from + along * clamped;
         let squared = (at - place).length_squared();
         let nearer = squared.lt(least);
-        let name = Lanes::select(t.le(zero), f32x8::splat(4.0 + i as f32), f32x8::splat(1.0 + i as f32));
-        let name = Lanes::select(t.ge(one), f32x8::splat(4.0 + ((i + 1) % 3) as f32), name);
+        let name = Lanes::select(t.le(zero), L::splat(4.0 + i as f32), L::splat(1.0 + i as f32));
+        let name = Lanes::select(t.ge(one), L::splat(4.0 + ((i + 1) % 3) as f32), name);
         least = Lanes::select(nearer, squared, least);
         point = LaneVec3::select(nearer, at, point);
         feature = Lanes::select(nearer, name, feature);
@@ -46,16 +46,17 @@ pub(crate) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec
 }
 
 /// Adds a patch of one point for every triangle that is nearer than its margin.
-pub(crate) fn touch(
+#[inline(always)]
+pub(crate) fn touch<L: Lanes>(
     radius: f32,
-    triangles: &Triangles,
-    margins: f32x8,
+    triangles: &Triangles<L>,
+    margins: L,
     ground: &Ground,
     patches: &mut Patches,
 ) {
     let (point, feature) = nearest(triangles, LaneVec3::zero());
     let distance = point.length();
-    let mut bits = distance.le(f32x8::splat(radius) + margins).bits() & triangles.valid;
+    let mut bits = distance.le(L::splat(radius) + margins).bits() & triangles.valid;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;

@@ -1,7 +1,7 @@
 //! The parts of a mesh or height field that a shape rests on, which a cast can skip.
 
 use crate::config::tuning::SAME_PLANE_COSINE;
-use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8, ones};
+use crate::lanes::{Lanes, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
@@ -90,15 +90,16 @@ impl Touched {
     /// Which of eight triangles lie in one of the planes, or within `lip` of it [m]: the contact with the
     /// plane is one with them too. If it keeps the whole shape in front of the plane, also those behind it.
     #[inline(always)]
-    pub(crate) fn hides(&self, corners: &[LaneVec3<f32x8>; 3], lip: f32) -> <f32x8 as Lanes>::Mask {
-        let mut hidden = f32x8::one().lt(f32x8::zero());
+    pub(crate) fn hides<L: Lanes>(&self, corners: &[LaneVec3<L>; 3], lip: f32) -> L::Mask {
+        let mut hidden = L::one().lt(L::zero());
         for &(front, offset) in &self.planes[..self.plane_count] {
             let front = LaneVec3::splat(front);
-            let heights = corners.map(|corner| front.dot(corner) - f32x8::splat(offset));
-            let most = Lanes::max(Lanes::max(heights[0], heights[1]), heights[2]);
-            let least = Lanes::min(Lanes::min(heights[0], heights[1]), heights[2]);
-            let depth = f32x8::splat(if self.whole { f32::INFINITY } else { lip });
-            hidden = hidden | (most.le(f32x8::splat(lip)) & least.ge(-depth));
+            let ([a, b, c], offset) = (corners, L::splat(offset));
+            let (a, b, c) = (front.dot(*a) - offset, front.dot(*b) - offset, front.dot(*c) - offset);
+            let most = Lanes::max(Lanes::max(a, b), c);
+            let least = Lanes::min(Lanes::min(a, b), c);
+            let depth = L::splat(if self.whole { f32::INFINITY } else { lip });
+            hidden = hidden | (most.le(L::splat(lip)) & least.ge(-depth));
         }
         hidden
     }

@@ -3,7 +3,7 @@
 
 use super::box_box::Boxes;
 use super::lanes_io::{ManifoldLanes, direction};
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Vec3, kernel};
 
 /// A vertex and the other box's nearest point to it.
 #[derive(Clone, Copy)]
@@ -76,52 +76,47 @@ fn furthest_aligned<L: Lanes>(
     (best, most)
 }
 
-/// Puts the closest features' manifold into the lanes of `lanes`: one point, or two where edges are parallel.
-#[inline(never)]
-pub(crate) fn closest_vertex<L: Lanes>(x: &Boxes<L>, lanes: L::Mask, out: &mut ManifoldLanes<L>) {
-    let (r, half) = (&x.r, L::splat(0.5));
-    let (half_a, half_b) = (Vec3::new(x.a[0], x.a[1], x.a[2]), Vec3::new(x.b[0], x.b[1], x.b[2]));
-    // b's vertices in a's frame, and a's in b's.
-    let (p, q) = (Vec3::new(x.p[0], x.p[1], x.p[2]), -Vec3::new(x.q[0], x.q[1], x.q[2]));
-    let axes_b: [Vec3<L>; 3] = std::array::from_fn(|j| Vec3::new(r[0][j], r[1][j], r[2][j]) * x.b[j]);
-    let axes_a: [Vec3<L>; 3] = std::array::from_fn(|i| Vec3::new(r[i][0], r[i][1], r[i][2]) * x.a[i]);
-    let from_b = |v: Vec3<L>| x.vector_of_b([v.x, v.y, v.z]);
-    let to_b = |v: Vec3<L>| {
-        let column = |j: usize| r[0][j] * v.x + r[1][j] * v.y + r[2][j] * v.z;
-        Vec3::new(column(0), column(1), column(2))
-    };
+kernel! {
+    /// Puts the closest features' manifold into the lanes of `lanes`: one point, or two where edges are parallel.
+    pub(crate) fn closest_vertex<'a, L: Lanes>(x: &'a Boxes<L>, lanes: L::Mask, out: &'a mut ManifoldLanes<L>) {
+        let (r, half) = (&x.r, L::splat(0.5));
+        let (half_a, half_b) = (Vec3::new(x.a[0], x.a[1], x.a[2]), Vec3::new(x.b[0], x.b[1], x.b[2]));
+        // b's vertices in a's frame, and a's in b's.
+        let (p, q) = (Vec3::new(x.p[0], x.p[1], x.p[2]), -Vec3::new(x.q[0], x.q[1], x.q[2]));
+        let axes_b: [Vec3<L>; 3] = std::array::from_fn(|j| Vec3::new(r[0][j], r[1][j], r[2][j]) * x.b[j]);
+        let axes_a: [Vec3<L>; 3] = std::array::from_fn(|i| Vec3::new(r[i][0], r[i][1], r[i][2]) * x.a[i]);
+        let middle = |v: &Vertex<L>| v.at - v.gap * half;
+        let ((of_b, b_squared), (of_a, a_squared)) = (nearest(p, &axes_b, half_a), nearest(q, &axes_a, half_b));
+        let from_a = a_squared.lt(b_squared);
+        let gap = Vec3::select(from_a, -x.from_b(of_a.gap), of_b.gap);
+        let (normal, distance) = direction(gap, L::zero(), out.normal);
+        let position = Vec3::select(from_a, p + x.from_b(middle(&of_a)), middle(&of_b));
+        let key = L::select(from_a, of_a.key, of_b.key + L::splat(8.0));
 
-    let middle = |v: &Vertex<L>| v.at - v.gap * half;
-    let ((of_b, b_squared), (of_a, a_squared)) = (nearest(p, &axes_b, half_a), nearest(q, &axes_a, half_b));
-    let from_a = a_squared.lt(b_squared);
-    let gap = Vec3::select(from_a, -from_b(of_a.gap), of_b.gap);
-    let (normal, distance) = direction(gap, L::zero(), out.normal);
-    let position = Vec3::select(from_a, p + from_b(middle(&of_a)), middle(&of_b));
-    let key = L::select(from_a, of_a.key, of_b.key + L::splat(8.0));
+        // A point nearer than this adds nothing.
+        let least = x.least * L::splat(0.05);
+        let least = least * least;
+        let (second_b, b_squared) = furthest_aligned(p, &axes_b, half_a, position, normal, distance, least);
+        let (there, back) = (x.to_b(position - p), x.to_b(-normal));
+        let (second_a, a_squared) = furthest_aligned(q, &axes_a, half_b, there, back, distance, least);
+        let from_a = a_squared.gt(b_squared);
+        let second = Vec3::select(from_a, p + x.from_b(middle(&second_a)), middle(&second_b));
+        let second_gap = L::select(from_a, second_a.gap.length(), second_b.gap.length());
+        let second_key = L::select(from_a, second_a.key, second_b.key + L::splat(8.0));
+        let has_second = a_squared.max(b_squared).gt(least);
 
-    // A point nearer than this adds nothing.
-    let least = x.least * L::splat(0.05);
-    let least = least * least;
-    let (second_b, b_squared) = furthest_aligned(p, &axes_b, half_a, position, normal, distance, least);
-    let (there, back) = (to_b(position - p), to_b(-normal));
-    let (second_a, a_squared) = furthest_aligned(q, &axes_a, half_b, there, back, distance, least);
-    let from_a = a_squared.gt(b_squared);
-    let second = Vec3::select(from_a, p + from_b(middle(&second_a)), middle(&second_b));
-    let second_gap = L::select(from_a, second_a.gap.length(), second_b.gap.length());
-    let second_key = L::select(from_a, second_a.key, second_b.key + L::splat(8.0));
-    let has_second = a_squared.max(b_squared).gt(least);
-
-    let none = L::splat(f32::INFINITY);
-    out.normal = Vec3::select(lanes, normal, out.normal);
-    let points = [
-        (position, distance, key),
-        (second, L::select(has_second, second_gap, none), second_key),
-        (second, none, second_key),
-        (second, none, second_key),
-    ];
-    for (i, (position, separation, key)) in points.into_iter().enumerate() {
-        out.position[i] = Vec3::select(lanes, position, out.position[i]);
-        out.separation[i] = L::select(lanes, separation, out.separation[i]);
-        out.key[i] = L::select(lanes, key, out.key[i]);
+        let none = L::splat(f32::INFINITY);
+        out.normal = Vec3::select(lanes, normal, out.normal);
+        let points = [
+            (position, distance, key),
+            (second, L::select(has_second, second_gap, none), second_key),
+            (second, none, second_key),
+            (second, none, second_key),
+        ];
+        for (i, (position, separation, key)) in points.into_iter().enumerate() {
+            out.position[i] = Vec3::select(lanes, position, out.position[i]);
+            out.separation[i] = L::select(lanes, separation, out.separation[i]);
+            out.key[i] = L::select(lanes, key, out.key[i]);
+        }
     }
 }

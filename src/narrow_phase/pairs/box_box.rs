@@ -14,7 +14,7 @@ use super::box_apart::closest_vertex;
 use super::box_face::face_points;
 use super::lanes_io::{ManifoldLanes, PairLanes, pick};
 use crate::config::tuning::{AXIS_BIAS, AXIS_DEPTH_BIAS, FLAT_FACE_BIAS, FLAT_FACE_COSINE};
-use crate::lanes::{Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Mask, Vec3, kernel};
 
 /// Two boxes in the frame of the first.
 pub(crate) struct Boxes<L> {
@@ -42,6 +42,21 @@ impl<L: Lanes> Boxes<L> {
     }
 
     /// A vector given by the axes of `b`.
+    /// A vector in the frame of `b`, in that of `a`.
+    #[inline(always)]
+    pub(crate) fn from_b(&self, v: Vec3<L>) -> Vec3<L> {
+        self.vector_of_b([v.x, v.y, v.z])
+    }
+    /// The inverse of [`Boxes::from_b`].
+    #[inline(always)]
+    pub(crate) fn to_b(&self, v: Vec3<L>) -> Vec3<L> {
+        let [x, y, z] = &self.r;
+        Vec3::new(
+            x[0] * v.x + y[0] * v.y + z[0] * v.z,
+            x[1] * v.x + y[1] * v.y + z[1] * v.z,
+            x[2] * v.x + y[2] * v.y + z[2] * v.z,
+        )
+    }
     #[inline(always)]
     pub(crate) fn vector_of_b(&self, v: [L; 3]) -> Vec3<L> {
         let row = |i: usize| self.r[i][0] * v[0] + self.r[i][1] * v[1] + self.r[i][2] * v[2];
@@ -49,42 +64,44 @@ impl<L: Lanes> Boxes<L> {
     }
 }
 
-/// See the module.
-pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let boxes = Boxes::new(p);
-    let bias = boxes.least * L::splat(AXIS_BIAS);
-    let allowed = |s: L| bias + (-s).max(L::zero()) * L::splat(AXIS_DEPTH_BIAS);
+kernel! {
+    /// See the module.
+    pub(crate) fn box_box<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let boxes = Boxes::new(p);
+        let bias = boxes.least * L::splat(AXIS_BIAS);
+        let allowed = |s: L| bias + (-s).max(L::zero()) * L::splat(AXIS_DEPTH_BIAS);
 
-    let face = best_face(&boxes, allowed);
-    let edge = best_edge(&boxes);
-    let greatest = face.greatest.max(edge.bound);
-    let apart = greatest.gt(L::zero());
-    let mut out = face_points(&boxes, &face, apart, p.margin);
-    let [s0, s1, s2, s3] = out.separation;
-    let deepest = s0.min(s1).min(s2.min(s3));
-    // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on. Thin
-    // boxes that lie across each other would otherwise go from the one to the other and back for ever.
-    let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT_FACE_COSINE))
-        & (deepest - edge.separation).abs().le(allowed(edge.separation))
-        & ((edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_FACE_BIAS)) | !apart);
-    let edge_wins = edge.bound.gt(face.separation + allowed(face.separation)) & !flat;
-    let short = apart & deepest.gt(greatest + bias + bias);
-    let by_edge =
-        (edge_wins & (edge.passes | !apart)) | (short & edge.passes & edge.separation.gt(L::zero()));
-    let none = L::splat(f32::INFINITY);
-    out.normal = Vec3::select(by_edge, edge.normal, out.normal);
-    out.position[0] = Vec3::select(by_edge, edge.position, out.position[0]);
-    out.separation[0] = L::select(by_edge, edge.separation, out.separation[0]);
-    out.key[0] = L::select(by_edge, edge.key, out.key[0]);
-    for separation in &mut out.separation[1..] {
-        *separation = L::select(by_edge, none, *separation);
-    }
+        let face = best_face(&boxes, allowed);
+        let edge = best_edge(&boxes);
+        let greatest = face.greatest.max(edge.bound);
+        let apart = greatest.gt(L::zero());
+        let mut out = face_points(&boxes, &face, apart, p.margin);
+        let [s0, s1, s2, s3] = out.separation;
+        let deepest = s0.min(s1).min(s2.min(s3));
+        // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on. Thin
+        // boxes that lie across each other would otherwise go from the one to the other and back for ever.
+        let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT_FACE_COSINE))
+            & (deepest - edge.separation).abs().le(allowed(edge.separation))
+            & ((edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_FACE_BIAS)) | !apart);
+        let edge_wins = edge.bound.gt(face.separation + allowed(face.separation)) & !flat;
+        let short = apart & deepest.gt(greatest + bias + bias);
+        let by_edge =
+            (edge_wins & (edge.passes | !apart)) | (short & edge.passes & edge.separation.gt(L::zero()));
+        let none = L::splat(f32::INFINITY);
+        out.normal = Vec3::select(by_edge, edge.normal, out.normal);
+        out.position[0] = Vec3::select(by_edge, edge.position, out.position[0]);
+        out.separation[0] = L::select(by_edge, edge.separation, out.separation[0]);
+        out.key[0] = L::select(by_edge, edge.key, out.key[0]);
+        for separation in &mut out.separation[1..] {
+            *separation = L::select(by_edge, none, *separation);
+        }
 
-    let by_vertex = short & !by_edge;
-    if by_vertex.any() {
-        closest_vertex(&boxes, by_vertex, &mut out);
+        let by_vertex = short & !by_edge;
+        if by_vertex.any() {
+            closest_vertex(&boxes, by_vertex, &mut out);
+        }
+        out
     }
-    out
 }
 
 /// The reference face: a box and an axis of it.
@@ -136,6 +153,21 @@ struct Edge<L: Lanes> {
     passes: L::Mask,
 }
 
+/// Whether an edge is the first, the second or the third.
+#[inline(always)]
+fn is<L: Lanes>(edge: L) -> [L::Mask; 3] {
+    let (one, two) = (edge.eq(L::one()), edge.eq(L::splat(2.0)));
+    [!(one | two), one, two]
+}
+
+/// The middle of an edge along an axis, on the side that is away; notes the side in the key.
+#[inline(always)]
+fn side<L: Lanes>(key: &mut L, away: L, is_edge: L::Mask, half: L) -> L {
+    let zero = L::zero();
+    *key = *key + *key + L::select(is_edge | away.lt(zero), zero, L::one());
+    L::select(is_edge, zero, half * away.sign())
+}
+
 #[inline(always)]
 fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
     // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel
@@ -166,10 +198,6 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
         }
     }
 
-    let is = |edge: L| {
-        let (one, two) = (edge.eq(L::one()), edge.eq(L::splat(2.0)));
-        [!(one | two), one, two]
-    };
     let (is_i, is_j) = (is(edge_i), is(edge_j));
     let zero = L::zero();
     let unit = |k: usize| L::select(is_i[k], L::one(), zero);
@@ -184,16 +212,15 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
 
     // Middles of the two edges, and which of the four parallel ones they are.
     let (n, mut key) = ([normal.x, normal.y, normal.z], edge_i * L::splat(3.0) + edge_j);
-    let mut side = |away: L, is_edge: L::Mask, half: L| {
-        key = key + key + L::select(is_edge | away.lt(zero), zero, L::one());
-        L::select(is_edge, zero, half * away.sign())
-    };
-    let on_a: [L; 3] = std::array::from_fn(|k| side(n[k], is_i[k], x.a[k]));
+    let (mut on_a, mut on_b) = ([zero; 3], [zero; 3]);
+    for k in 0..3 {
+        on_a[k] = side(&mut key, n[k], is_i[k], x.a[k]);
+    }
     let middle_a = Vec3::new(on_a[0], on_a[1], on_a[2]);
-    let on_b: [L; 3] = std::array::from_fn(|k| {
+    for k in 0..3 {
         let away = -(x.r[0][k] * n[0] + x.r[1][k] * n[1] + x.r[2][k] * n[2]);
-        side(away, is_j[k], x.b[k])
-    });
+        on_b[k] = side(&mut key, away, is_j[k], x.b[k]);
+    }
     let middle_b = p + x.vector_of_b(on_b);
 
     let w = middle_b - middle_a;

@@ -30,6 +30,27 @@ impl<L: Lanes> Extreme<L> {
     }
 }
 
+/// The corners that are kept.
+struct Corners<L> {
+    kept: [Extreme<L>; 4],
+    deepest: Extreme<L>,
+    /// The direction down the slope.
+    down: [L; 2],
+}
+
+impl<L: Lanes> Corners<L> {
+    #[inline(always)]
+    fn offer(&mut self, valid: L::Mask, u: L, v: L, key: L) {
+        let Corners { kept, deepest, down: [du, dv] } = self;
+        let (down, aside) = (*du * u + *dv * v, *du * v - *dv * u);
+        kept[0].offer(valid, down + aside, u, v, key);
+        kept[1].offer(valid, down - aside, u, v, key);
+        kept[2].offer(valid, -(down + aside), u, v, key);
+        kept[3].offer(valid, aside - down, u, v, key);
+        deepest.offer(valid, down, u, v, key);
+    }
+}
+
 /// Points of the contact at `face`, of which those that coincide or don't exist are infinitely far; in
 /// overlap at least one remains.
 #[inline(always)]
@@ -78,15 +99,7 @@ pub(crate) fn face_points<L: Lanes>(
     // Down the slope; level, along a direction that singles out one corner of any rectangle along the axes.
     let (du, dv) = (L::splat(0.4 * TIE_SLOPE) - gu, L::splat(0.9 * TIE_SLOPE) - gv);
     let none = || Extreme { reach: L::splat(f32::NEG_INFINITY), u: zero, v: zero, key: -L::one() };
-    let (mut kept, mut deepest) = ([none(), none(), none(), none()], none());
-    let mut offer = |valid: L::Mask, u: L, v: L, key: L| {
-        let (down, aside) = (du * u + dv * v, du * v - dv * u);
-        kept[0].offer(valid, down + aside, u, v, key);
-        kept[1].offer(valid, down - aside, u, v, key);
-        kept[2].offer(valid, -(down + aside), u, v, key);
-        kept[3].offer(valid, aside - down, u, v, key);
-        deepest.offer(valid, down, u, v, key);
-    };
+    let mut corners = Corners { kept: [none(), none(), none(), none()], deepest: none(), down: [du, dv] };
 
     // Edges of the other face, clipped: side * e2 + t e1 and side * e1 + t e2. The first family also
     // brings the vertices, where nothing was clipped.
@@ -107,11 +120,16 @@ pub(crate) fn face_points<L: Lanes>(
             let valid = low.le(high);
             let (cut_low, cut_high) = (low.gt(minus), high.lt(one));
             if family == 0 {
-                offer(valid, u + tu * low, v + tv * low, L::select(cut_low, key(4 + k), key(k)));
-                offer(valid, u + tu * high, v + tv * high, L::select(cut_high, key(5 + k), key(1 + k)));
+                corners.offer(valid, u + tu * low, v + tv * low, L::select(cut_low, key(4 + k), key(k)));
+                corners.offer(
+                    valid,
+                    u + tu * high,
+                    v + tv * high,
+                    L::select(cut_high, key(5 + k), key(1 + k)),
+                );
             } else {
-                offer(valid & cut_low, u + tu * low, v + tv * low, key(8 + k));
-                offer(valid & cut_high, u + tu * high, v + tv * high, key(9 + k));
+                corners.offer(valid & cut_low, u + tu * low, v + tv * low, key(8 + k));
+                corners.offer(valid & cut_high, u + tu * high, v + tv * high, key(9 + k));
             }
         }
     }
@@ -124,10 +142,11 @@ pub(crate) fn face_points<L: Lanes>(
         let s = x1 * side_u - y1 * side_v - z1;
         let t = x2 * side_u - y2 * side_v - z2;
         let within = (s.abs() * h1).le(room_1) & (t.abs() * h2).le(room_2);
-        offer(within, hu * side_u - fu, hv * side_v - fv, key(k));
+        corners.offer(within, hu * side_u - fu, hv * side_v - fv, key(k));
     }
 
     // Deep and skew, the bias can leave nothing over the face: then its lowest vertex, pulled onto it.
+    let Corners { mut kept, deepest, .. } = corners;
     let [k0, _, _, _] = &mut kept;
     let empty = k0.key.lt(zero);
     let back = |e_u: L, e_v: L| -(gu * e_u + gv * e_v).sign();

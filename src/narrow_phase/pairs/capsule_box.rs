@@ -8,16 +8,20 @@
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
 use super::sphere_capsule::Axis;
-use crate::lanes::{Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Mask, Vec3, kernel};
 
-/// Uniform capsules; the bottom radius counts.
-pub(crate) fn capsule_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    collide::<L, false>(p)
+kernel! {
+    /// Uniform capsules; the bottom radius counts.
+    pub(crate) fn capsule_box<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        collide::<L, false>(p)
+    }
 }
 
-/// Tapered capsules, in a bin of their own.
-pub(crate) fn tapered_capsule_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    collide::<L, true>(p)
+kernel! {
+    /// Tapered capsules, in a bin of their own.
+    pub(crate) fn tapered_capsule_box<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        collide::<L, true>(p)
+    }
 }
 
 #[inline(always)]
@@ -49,7 +53,11 @@ fn collide<L: Lanes, const TAPERED: bool>(p: &PairLanes<L>) -> ManifoldLanes<L> 
     let faces = low.le(high);
     let near = L::select(through & faces, near.clamp(low, high), near);
     let support = outwards.abs().dot(half);
-    let point = |t: L| {
+    let low_is_near = (near - low).abs().le((near - high).abs());
+    let far = L::select(low_is_near, high, low);
+    // One after the other in a loop: a closure that is called twice would not be inlined.
+    let mut points = [(Vec3::zero(), L::zero(), through); 2];
+    for (point, t) in points.iter_mut().zip([near, far.clamp(-a.half, a.half)]) {
         let at = a.at(t);
         let radius = a.radius_at(t);
         let own = self::excess(at, half);
@@ -58,12 +66,9 @@ fn collide<L: Lanes, const TAPERED: bool>(p: &PairLanes<L>) -> ManifoldLanes<L> 
         // A ball with another way to the box than the manifold's is not part of it.
         let agrees = through | own.dot(outwards).ge(L::splat(0.9) * own_distance);
         let separation = gap - radius;
-        (at - outwards * (radius + separation * L::splat(0.5)), separation, agrees)
-    };
-    let low_is_near = (near - low).abs().le((near - high).abs());
-    let far = L::select(low_is_near, high, low);
-    let (near_position, near_separation, _) = point(near);
-    let (far_position, far_separation, agrees) = point(far.clamp(-a.half, a.half));
+        *point = (at - outwards * (radius + separation * L::splat(0.5)), separation, agrees);
+    }
+    let [(near_position, near_separation, _), (far_position, far_separation, agrees)] = points;
     let apart = (far - near).abs().gt(L::splat(0.05) * a.radius_at(near));
     let two = faces & agrees & apart;
 
@@ -91,15 +96,17 @@ struct Planes<L> {
 impl<L: Lanes> Planes<L> {
     #[inline(always)]
     fn new(a: &Axis<L>, half: Vec3<L>) -> Self {
-        let one = |centre: L, along: L, half: L| {
+        let (c, u) = (a.centre, a.along);
+        let mut cross = [[L::zero(); 2]; 3];
+        let axes = [(c.x, u.x, half.x), (c.y, u.y, half.y), (c.z, u.z, half.z)];
+        for (cross, (centre, along, half)) in cross.iter_mut().zip(axes) {
             let tiny = L::splat(1e-12);
             // Parallel: both crossings are far away, on either side or (outside the planes) on one.
             let slope = L::select(along.abs().gt(tiny), along, tiny);
             let (x, y) = ((-half - centre) / slope, (half - centre) / slope);
-            [x.min(y), x.max(y)]
-        };
-        let (c, u) = (a.centre, a.along);
-        Planes { cross: [one(c.x, u.x, half.x), one(c.y, u.y, half.y), one(c.z, u.z, half.z)] }
+            *cross = [x.min(y), x.max(y)];
+        }
+        Planes { cross }
     }
 
     /// Place of the ball nearest to the box. Half the derivative of the squared distance is `along . excess`,
@@ -108,16 +115,12 @@ impl<L: Lanes> Planes<L> {
     fn nearest<const TAPERED: bool>(&self, a: &Axis<L>, half: Vec3<L>) -> L {
         // The radius grows along the axis by this.
         let growth = -a.lean();
-        let rate = |t: L| {
-            let e = excess(a.at(t), half);
-            let rate = e.dot(a.along);
-            if TAPERED { rate / e.length().max(L::splat(1e-15)) - growth } else { rate }
-        };
         let (mut low, mut high) = (-a.half, a.half);
-        let (mut rate_low, mut rate_high) = (rate(low), rate(high));
+        let mut rate_low = rate::<L, TAPERED>(a, half, growth, low);
+        let mut rate_high = rate::<L, TAPERED>(a, half, growth, high);
         for crossing in self.cross.as_flattened() {
             let t = crossing.clamp(-a.half, a.half);
-            let rate = rate(t);
+            let rate = rate::<L, TAPERED>(a, half, growth, t);
             let falls = rate.le(L::zero());
             let lower = falls & t.gt(low);
             let upper = !falls & t.lt(high);
@@ -166,6 +169,14 @@ impl<L: Lanes> Planes<L> {
         }
         (low, high)
     }
+}
+
+/// See [`Planes::nearest`].
+#[inline(always)]
+fn rate<L: Lanes, const TAPERED: bool>(a: &Axis<L>, half: Vec3<L>, growth: L, t: L) -> L {
+    let e = excess(a.at(t), half);
+    let rate = e.dot(a.along);
+    if TAPERED { rate / e.length().max(L::splat(1e-15)) - growth } else { rate }
 }
 
 /// Where the axis runs through the box: the separating axis of least overlap (faces, and edges crossed with

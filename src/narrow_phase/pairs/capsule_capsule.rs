@@ -7,36 +7,40 @@
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
 use super::sphere_capsule::Axis;
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Vec3, kernel};
 
-/// Uniform capsules; the bottom radius counts.
-pub(crate) fn capsule_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let (mut a, mut b) = axes(p);
-    (a.radius[1], b.radius[1]) = (a.radius[0], b.radius[0]);
-    let (s, t) = closest_on_segments(&a, &b);
-    let cross = a.along.cross(b.along);
-    let (fallback, _) = direction(cross, L::splat(1e-4), a.across);
-    // Where the axes meet, the way out is square to both, on the side of b's centre.
-    let fallback = fallback * fallback.dot(b.centre).sign();
-    let least = L::splat(1e-5) * (a.radius[0] + b.radius[0]);
-    let (normal, distance) = direction(b.at(t) - a.at(s), least, fallback);
-    manifold(&a, &b, s, t, normal, distance, p.margin)
+kernel! {
+    /// Uniform capsules; the bottom radius counts.
+    pub(crate) fn capsule_capsule<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let (mut a, mut b) = axes(p);
+        (a.radius[1], b.radius[1]) = (a.radius[0], b.radius[0]);
+        let (s, t) = closest_on_segments(&a, &b);
+        let cross = a.along.cross(b.along);
+        let (fallback, _) = direction(cross, L::splat(1e-4), a.across);
+        // Where the axes meet, the way out is square to both, on the side of b's centre.
+        let fallback = fallback * fallback.dot(b.centre).sign();
+        let least = L::splat(1e-5) * (a.radius[0] + b.radius[0]);
+        let (normal, distance) = direction(b.at(t) - a.at(s), least, fallback);
+        manifold(&a, &b, s, t, normal, distance, p.margin)
+    }
 }
 
-/// Capsules of which at least one is tapered.
-pub(crate) fn tapered_capsule_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let (a, b) = axes(p);
-    let mut best = between_sides(&a, &b);
-    for sign in [-1.0, 1.0] {
-        // An end of a against b, then an end of b against a.
-        let s = a.half * L::splat(sign);
-        let (normal, distance, t, _) = b.reach(a.at(s));
-        best.keep_nearer(Nearest::new(&a, &b, s, t, normal, distance));
-        let t = b.half * L::splat(sign);
-        let (normal, distance, s, _) = a.reach(b.at(t));
-        best.keep_nearer(Nearest::new(&a, &b, s, t, -normal, distance));
+kernel! {
+    /// Capsules of which at least one is tapered.
+    pub(crate) fn tapered_capsule_capsule<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let (a, b) = axes(p);
+        let mut best = between_sides(&a, &b);
+        for sign in [-1.0, 1.0] {
+            // An end of a against b, then an end of b against a.
+            let s = a.half * L::splat(sign);
+            let (normal, distance, t, _) = b.reach(a.at(s));
+            best.keep_nearer(Nearest::new(&a, &b, s, t, normal, distance));
+            let t = b.half * L::splat(sign);
+            let (normal, distance, s, _) = a.reach(b.at(t));
+            best.keep_nearer(Nearest::new(&a, &b, s, t, -normal, distance));
+        }
+        manifold(&a, &b, best.s, best.t, best.normal, best.distance, p.margin)
     }
-    manifold(&a, &b, best.s, best.t, best.normal, best.distance, p.margin)
 }
 
 #[inline(always)]
@@ -161,7 +165,9 @@ fn manifold<L: Lanes>(
     let binormal = normal.cross(tangent);
 
     let absent = L::splat(f32::INFINITY);
-    let end = |x: L, s_end: L| {
+    // One after the other in a loop: a closure that is called twice would not be inlined.
+    let mut ends = [(Vec3::zero(), absent); 2];
+    for (end, (x, s_end)) in ends.iter_mut().zip([(low, low_s), (high, high_s)]) {
         let s_end = s_end.clamp(-a.half, a.half);
         let t_end = ((x - start) * over_v).clamp(-b.half, b.half);
         let (pa, pb) = (a.at(s_end), b.at(t_end));
@@ -172,10 +178,9 @@ fn manifold<L: Lanes>(
         // A tenth of the radii aside is half a percent of them in distance.
         let faces = long & aside.abs().le(L::splat(0.1) * (ra + rb));
         let position = (pa + pb + normal * (ra - rb)) * L::splat(0.5);
-        (position, L::select(faces, gap - (ra + rb), absent))
-    };
-    let (mut at_low, mut sep_low) = end(low, low_s);
-    let (mut at_high, mut sep_high) = end(high, high_s);
+        *end = (position, L::select(faces, gap - (ra + rb), absent));
+    }
+    let [(mut at_low, mut sep_low), (mut at_high, mut sep_high)] = ends;
 
     let separation = distance - (ra + rb);
     let position = a.at(s) + normal * (ra + separation * L::splat(0.5));

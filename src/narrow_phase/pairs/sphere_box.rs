@@ -1,23 +1,25 @@
 //! Sphere against box: one point.
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Vec3, kernel};
 
-/// Outside: towards the nearest point of the box. Centre within the box: out through the nearest face.
-pub(crate) fn sphere_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let axes = p.rotation.to_matrix();
-    let half = Vec3::new(p.size_b[0], p.size_b[1], p.size_b[2]);
-    let centre = -axes.mul_transposed(p.position);
-    let excess = centre - centre.max(-half).min(half);
-    let (face, depth) = nearest_face(centre, half);
-    // A component within the box is exactly zero in `excess`, so the direction is sound down to tiny gaps.
-    let (outwards, distance) = direction(excess, L::zero(), face);
-    let inside = distance.le(L::splat(1e-15));
-    let gap = L::select(inside, depth, distance);
-    let normal = -axes.mul(outwards);
-    let separation = gap - p.size_a[0];
-    let position = normal * (p.size_a[0] + separation * L::splat(0.5));
-    ManifoldLanes::single(normal, position, separation, p.margin)
+kernel! {
+    /// Outside: towards the nearest point of the box. Centre within the box: out through the nearest face.
+    pub(crate) fn sphere_box<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let axes = p.rotation.to_matrix();
+        let half = Vec3::new(p.size_b[0], p.size_b[1], p.size_b[2]);
+        let centre = -axes.mul_transposed(p.position);
+        let excess = centre - centre.max(-half).min(half);
+        let (face, depth) = nearest_face(centre, half);
+        // A component within the box is exactly zero in `excess`, so the direction is sound down to tiny gaps.
+        let (outwards, distance) = direction(excess, L::zero(), face);
+        let inside = distance.le(L::splat(1e-15));
+        let gap = L::select(inside, depth, distance);
+        let normal = -axes.mul(outwards);
+        let separation = gap - p.size_a[0];
+        let position = normal * (p.size_a[0] + separation * L::splat(0.5));
+        ManifoldLanes::single(normal, position, separation, p.margin)
+    }
 }
 
 /// Outward normal of the face of the box that is nearest to a point within it, and the (negative) distance.

@@ -5,7 +5,7 @@
 //! ball that is nearest to a point is found in the plane of point and axis, by similar triangles.
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Vec3, kernel};
 
 /// A tapered capsule as an axis with balls.
 #[derive(Clone, Copy, Debug)]
@@ -81,14 +81,16 @@ impl<L: Lanes> Axis<L> {
     }
 }
 
-/// See the module.
-pub(crate) fn sphere_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let axes = p.rotation.to_matrix();
-    let capsule = Axis::new(&p.size_b, p.position, axes.y, axes.x);
-    let (normal, distance, _, radius) = capsule.reach(Vec3::zero());
-    let separation = distance - (p.size_a[0] + radius);
-    let position = normal * (p.size_a[0] + separation * L::splat(0.5));
-    ManifoldLanes::single(normal, position, separation, p.margin)
+kernel! {
+    /// See the module.
+    pub(crate) fn sphere_capsule<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let axes = p.rotation.to_matrix();
+        let capsule = Axis::new(&p.size_b, p.position, axes.y, axes.x);
+        let (normal, distance, _, radius) = capsule.reach(Vec3::zero());
+        let separation = distance - (p.size_a[0] + radius);
+        let position = normal * (p.size_a[0] + separation * L::splat(0.5));
+        ManifoldLanes::single(normal, position, separation, p.margin)
+    }
 }
 
 #[cfg(test)]

@@ -1,15 +1,17 @@
 //! Sphere against sphere: one point, on the line of centres.
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
-use crate::lanes::{Lanes, Vec3};
+use crate::lanes::{Lanes, Vec3, kernel};
 
-/// Spheres with the same centre are parted along y.
-pub(crate) fn sphere_sphere<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
-    let up = Vec3::splat(glam::Vec3::Y);
-    let (normal, distance) = direction(p.position, L::zero(), up);
-    let separation = distance - (p.size_a[0] + p.size_b[0]);
-    let position = normal * (p.size_a[0] + separation * L::splat(0.5));
-    ManifoldLanes::single(normal, position, separation, p.margin)
+kernel! {
+    /// Spheres with the same centre are parted along y.
+    pub(crate) fn sphere_sphere<'a, L: Lanes>(p: &'a PairLanes<L>) -> ManifoldLanes<L> {
+        let up = Vec3::splat(glam::Vec3::Y);
+        let (normal, distance) = direction(p.position, L::zero(), up);
+        let separation = distance - (p.size_a[0] + p.size_b[0]);
+        let position = normal * (p.size_a[0] + separation * L::splat(0.5));
+        ManifoldLanes::single(normal, position, separation, p.margin)
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ pub(super) mod rows;
 
 use super::batch::BatchRef;
 use crate::constraint::schedule::order::Group;
-use crate::lanes::{Lanes, Mask, Vec3, turned};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, kernel, turned};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
@@ -90,18 +90,21 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
     }
 }
 
-impl<L: Lanes, const B: usize> FrictionRow<L, B> {
+kernel! {
     /// Takes the arms of bodies `b` that can't be pushed, those of `lanes`, on by a time, as these turn
     /// [rad/s], [s]. The direction in which ground carries turns within a step, and what it carries has to
     /// follow. Rows are solved for the middle of a substep, in which the body moves along the chord of its
     /// circle.
     #[cold]
-    #[inline(never)]
-    pub(crate) fn carry(&mut self, lanes: u32, turn: Vec3<L>, time: L) {
+    pub(crate) fn carry<'a, L: GatherLanes, const B: usize>(
+        row: &'a mut FrictionRow<L, B>,
+        lanes: u32,
+        turn: &'a Vec3<L>,
+        time: f32,
+    ) {
         if B > 0 && lanes != 0 {
-            let lanes = L::Mask::from_bits(lanes);
-            let arm = self.arm_b[0];
-            self.arm_b[0] = Vec3::select(lanes, turned(turn * time, arm), arm);
+            let arm = row.arm_b[0];
+            row.arm_b[0] = Vec3::select(L::Mask::from_bits(lanes), turned(*turn * L::splat(time), arm), arm);
         }
     }
 }
@@ -128,6 +131,15 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         impacts: &'a mut [ImpactRow<L, B>],
     ) -> Self {
         FrictionView { needed, rows: Shared::new(rows), impacts: Shared::new(impacts) }
+    }
+
+    /// The same lanes as another type.
+    #[inline(always)]
+    pub(crate) fn cast<W: Lanes + Pod>(&self) -> FrictionView<'_, W, B>
+    where
+        L: Pod,
+    {
+        FrictionView { needed: self.needed, rows: self.rows.cast(), impacts: self.impacts.cast() }
     }
 
     /// The rows of a batch of touching contacts; none if there is no friction.

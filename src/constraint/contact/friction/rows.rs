@@ -6,7 +6,7 @@ use super::super::body_pair::BodyPair;
 use super::super::pass::Pass;
 use super::super::response::{FrictionResponse, Response};
 use super::{FrictionRow, RollingRow};
-use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, kernel};
 
 /// During relaxation friction was bounded by the load before it, part of which pushed overlap apart and is
 /// removed again. Friction follows the load that is left: down to its bound, and where it slides also up, as
@@ -41,18 +41,21 @@ pub(in crate::constraint::contact) fn follow_load<
     }
     let FrictionResponse { slide_mass, twist_mass, .. } = response.friction(f);
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
-    // `speed`: that of the surfaces along the impulse. If it is negative the impulse opposes the motion, and
-    // one that no more than stops it adds no energy.
-    let share = |size: L, bound: L, moves: L::Mask, mass: L, speed: L| {
-        let more = L::select(moves, (-speed * mass).max(L::zero()), L::zero());
-        (size + more).min(bound) / size
-    };
-    let some = |size: L| size.gt(L::zero());
     let slide = share(size, bound, slides, slide_mass, (u1 * p + u2 * q) / size);
     let turn = share(twist_size, twist_bound, spins, twist_mass, spin * f.twist / twist_size);
-    let new = [L::select(some(size), p * slide, p), L::select(some(size), q * slide, q)];
-    let twist = L::select(some(twist_size), f.twist * turn, f.twist);
+    let acts = size.gt(L::zero());
+    let new = [L::select(acts, p * slide, p), L::select(acts, q * slide, q)];
+    let twist = L::select(twist_size.gt(L::zero()), f.twist * turn, f.twist);
     push(batch, f, FrictionImpulse { along: new, twist }, v, response);
+}
+
+/// By how much an impulse of friction changes to follow its bound. `speed`: that of the surfaces along the
+/// impulse. If it is negative the impulse opposes the motion, and one that no more than stops it adds no
+/// energy.
+#[inline(always)]
+fn share<L: Lanes>(size: L, bound: L, moves: L::Mask, mass: L, speed: L) -> L {
+    let more = L::select(moves, (-speed * mass).max(L::zero()), L::zero());
+    (size + more).min(bound) / size
 }
 
 /// Relative velocity along the surface at the centre of a manifold, and about its normal: of `b` as seen from
@@ -193,32 +196,33 @@ pub(in crate::constraint::contact) fn solve_friction<
     Slid { slides, spins, extra }
 }
 
-/// The rows against rolling: they stop rotation about axes in the surface as far as the load allows, as
-/// [`solve_friction`] stops slip. A function of its own: few scenes need its code.
-#[inline(never)]
-fn solve_rolling<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
-    batch: &Batch<L, P, B>,
-    tangent: Vec3<L>,
-    row: &mut RollingRow,
-    load: L,
-    v: &mut BodyPair<L>,
-    response: &mut R,
-) {
-    let (t1, t2) = (tangent, batch.normal.cross(tangent));
-    let turn = if B > 0 { v.wb - v.wa } else { -v.wa };
-    let (w1, w2) = (turn.dot(t1), turn.dot(t2));
-    let limit = load * L::load(&row.arm);
-    let [m11, m12, m22] = [L::load(&row.mass[0]), L::load(&row.mass[1]), L::load(&row.mass[2])];
-    let old = [L::load(&row.impulse[0]), L::load(&row.impulse[1])];
-    let held = [old[0] - (m11 * w1 + m12 * w2), old[1] - (m12 * w1 + m22 * w2)];
-    let holds = (held[0] * held[0] + held[1] * held[1]).le(limit * limit);
-    let mass = L::load(&row.least_mass);
-    let rolled = [old[0] - mass * w1, old[1] - mass * w2];
-    let length = (rolled[0] * rolled[0] + rolled[1] * rolled[1]).sqrt();
-    let scale = L::select(length.gt(limit), limit / length, L::one());
-    let new = [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
-    let change = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
-    new[0].store(&mut row.impulse[0]);
-    new[1].store(&mut row.impulse[1]);
-    response.apply(batch, v, Vec3::zero(), change, change);
+kernel! {
+    /// The rows against rolling: they stop rotation about axes in the surface as far as the load allows, as
+    /// [`solve_friction`] stops slip. A function of its own: few scenes need its code.
+    fn solve_rolling<'a, L: GatherLanes, const P: usize, const B: usize; R: Response<L, P, B>>(
+        batch: &'a Batch<L, P, B>,
+        tangent: Vec3<L>,
+        row: &'a mut RollingRow,
+        load: L,
+        v: &'a mut BodyPair<L>,
+        response: &'a mut R,
+    ) {
+        let (t1, t2) = (tangent, batch.normal.cross(tangent));
+        let turn = if B > 0 { v.wb - v.wa } else { -v.wa };
+        let (w1, w2) = (turn.dot(t1), turn.dot(t2));
+        let limit = load * L::load(&row.arm);
+        let [m11, m12, m22] = [L::load(&row.mass[0]), L::load(&row.mass[1]), L::load(&row.mass[2])];
+        let old = [L::load(&row.impulse[0]), L::load(&row.impulse[1])];
+        let held = [old[0] - (m11 * w1 + m12 * w2), old[1] - (m12 * w1 + m22 * w2)];
+        let holds = (held[0] * held[0] + held[1] * held[1]).le(limit * limit);
+        let mass = L::load(&row.least_mass);
+        let rolled = [old[0] - mass * w1, old[1] - mass * w2];
+        let length = (rolled[0] * rolled[0] + rolled[1] * rolled[1]).sqrt();
+        let scale = L::select(length.gt(limit), limit / length, L::one());
+        let new = [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
+        let change = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
+        new[0].store(&mut row.impulse[0]);
+        new[1].store(&mut row.impulse[1]);
+        response.apply(batch, v, Vec3::zero(), change, change);
+    }
 }

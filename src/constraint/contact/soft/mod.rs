@@ -19,7 +19,7 @@ use super::friction::impact::potential_load;
 use super::friction::rows::{follow_load, solve_friction};
 use super::friction::{FrictionRow, RollingRow};
 use super::row::{BodyPair, Free, ImpulseChange, Motion, NormalRows, Pass, relative, row as spin};
-use crate::lanes::{GatherLanes, Mask};
+use crate::lanes::{GatherLanes, Mask, kernel};
 pub(crate) use row::SoftRow;
 pub(in crate::constraint::contact) use row::fill_soft;
 use spring::{Course, Spring};
@@ -27,41 +27,42 @@ use spring::{Course, Spring};
 /// Sweeps over the points of a manifold in a pass: the springs of a body that lands flat share its weight.
 const SWEEPS: usize = 3;
 
-/// The step of [`solve`](super::row::solve) for a batch with soft lanes. A function of its own: few scenes
-/// need its code.
-///
-/// # Safety
-/// As for `solve`.
-#[inline(never)]
-pub(crate) unsafe fn solve_soft<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
-    batch: &mut Batch<L, P, B>,
-    friction: Option<&mut FrictionRow<L, B>>,
-    rolling: Option<&mut RollingRow>,
-    soft: &mut SoftRow,
-    motion: &Motion<'_, '_>,
-    pass: &Pass<'_>,
-) -> bool {
-    // SAFETY: by the contract.
-    let (mut v, base) =
-        unsafe { (BodyPair::load(batch, motion.velocity), BodyPair::load(batch, motion.base)) };
-    let mut slid = None;
-    if FRICTION && let Some(f) = friction {
-        let which = solve_friction::<L, P, B, Free>(batch, f, rolling, &mut v, pass, &mut Free);
-        slid = Some((f, which));
+kernel! {
+    /// The step of [`solve`](super::row::solve) for a batch with soft lanes. A function of its own: few scenes
+    /// need its code.
+    ///
+    /// # Safety
+    /// As for `solve`.
+    pub(crate) unsafe fn solve_soft<'a, L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
+        batch: &'a mut Batch<L, P, B>,
+        friction: Option<&'a mut FrictionRow<L, B>>,
+        rolling: Option<&'a mut RollingRow>,
+        soft: &'a mut SoftRow,
+        motion: &'a Motion<'a, 'a>,
+        pass: &'a Pass<'a>,
+    ) -> bool {
+        // SAFETY: by the contract.
+        let (mut v, base) =
+            unsafe { (BodyPair::load(batch, motion.velocity), BodyPair::load(batch, motion.base)) };
+        let mut slid = None;
+        if FRICTION && let Some(f) = friction {
+            let which = solve_friction::<L, P, B, Free>(batch, f, rolling, &mut v, pass, &mut Free);
+            slid = Some((f, which));
+        }
+        let mut rows = NormalRows::new(batch, &v, pass, &Free);
+        solve_rows(&mut rows, batch, soft, &base, pass);
+        let ImpulseChange { sum, moment_a, moment_b } = rows.store::<B, FRICTION>(batch);
+        v.apply(batch, batch.normal * sum, moment_a, moment_b);
+        if FRICTION
+            && pass.relax
+            && let Some((f, which)) = slid
+        {
+            follow_load(batch, f, which, &mut v, pass, &mut Free);
+        }
+        // SAFETY: by the contract.
+        unsafe { v.save(batch, motion.velocity) };
+        pass.relax && potential_load(batch, pass.touch_distance).0.gt(L::zero()).any()
     }
-    let mut rows = NormalRows::new(batch, &v, pass, &Free);
-    solve_rows(&mut rows, batch, soft, &base, pass);
-    let ImpulseChange { sum, moment_a, moment_b } = rows.store::<B, FRICTION>(batch);
-    v.apply(batch, batch.normal * sum, moment_a, moment_b);
-    if FRICTION
-        && pass.relax
-        && let Some((f, which)) = slid
-    {
-        follow_load(batch, f, which, &mut v, pass, &mut Free);
-    }
-    // SAFETY: by the contract.
-    unsafe { v.save(batch, motion.velocity) };
-    pass.relax && potential_load(batch, pass.touch_distance).0.gt(L::zero()).any()
 }
 
 /// Solves the normal rows: springs in soft lanes, rigid rows in the others. `base`: velocities before any row

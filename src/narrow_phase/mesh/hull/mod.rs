@@ -15,7 +15,7 @@ use super::reach::Bounds;
 use super::triangle_contact::{TriangleContact, named};
 use super::triangles::Triangles;
 use crate::config::tuning::FACE_PREFERENCE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
@@ -26,36 +26,41 @@ use triangle::{ContactAxis, Deepest, face_axis};
 
 /// The vertex of a hull that is furthest along each of eight directions, and how far [m].
 #[inline(always)]
-fn furthest(p: &Polytope, d: LaneVec3<f32x8>) -> (f32x8, f32x8) {
-    let (mut most, mut vertex) = (f32x8::splat(f32::MIN), f32x8::zero());
+fn furthest<L: Lanes>(p: &Polytope, d: LaneVec3<L>) -> (L, L) {
+    let (mut most, mut vertex) = (L::splat(f32::MIN), L::zero());
     for (i, v) in p.vertices.iter().enumerate() {
-        let along = LaneVec3::<f32x8>::splat(*v).dot(d);
+        let along = LaneVec3::<L>::splat(*v).dot(d);
         let further = along.gt(most);
         most = Lanes::max(along, most);
-        vertex = Lanes::select(further, f32x8::splat(i as f32), vertex);
+        vertex = Lanes::select(further, L::splat(i as f32), vertex);
     }
     (vertex, most)
 }
 
 /// How far inside each triangle a point is, seen along the triangle's normal; negative outside [m].
 #[inline(always)]
-pub(crate) fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
+pub(crate) fn inside<L: Lanes>(triangles: &Triangles<L>, at: LaneVec3<L>) -> L {
     let [a, b, c] = triangles.corners;
     let winding = (b - a).cross(c - b);
-    let side = |from: LaneVec3<f32x8>, to: LaneVec3<f32x8>| {
-        let out = (to - from).cross(winding);
-        out.dot(from - at) / out.length()
-    };
-    Lanes::min(Lanes::min(side(a, b), side(b, c)), side(c, a))
+    let (one, two, three) = (side(at, winding, a, b), side(at, winding, b, c), side(at, winding, c, a));
+    Lanes::min(Lanes::min(one, two), three)
+}
+
+/// How far inside a side of a triangle a point is.
+#[inline(always)]
+fn side<L: Lanes>(at: LaneVec3<L>, winding: LaneVec3<L>, from: LaneVec3<L>, to: LaneVec3<L>) -> L {
+    let out = (to - from).cross(winding);
+    out.dot(from - at) / out.length()
 }
 
 /// Adds a patch for every triangle that is nearer than its margin.
-pub(crate) fn touch(
+#[inline(always)]
+pub(crate) fn touch<L: Lanes>(
     hull: &ConvexHull,
     size: f32,
     bounds: Bounds,
-    triangles: &Triangles,
-    margins: f32x8,
+    triangles: &Triangles<L>,
+    margins: L,
     ground: &Ground,
     patches: &mut Patches,
 ) {
@@ -75,12 +80,12 @@ pub(crate) fn touch(
     if bits == 0 {
         return;
     }
-    let vertex = vertex.to_array();
-    let deepest = in_lanes(|i| p.vertices[vertex[i] as usize]);
+    let vertex = vertex.eight();
+    let deepest = in_lanes::<L>(|i| p.vertices[vertex[i] as usize]);
     let inside = inside(triangles, deepest);
-    let needed = face * f32x8::splat(-FACE_PREFERENCE.0) - f32x8::splat(FACE_PREFERENCE.1 * size);
-    let clear = inside.ge(Lanes::max(needed, f32x8::zero())).bits();
-    let (face, margins, inside) = (face.to_array(), margins.to_array(), inside.to_array());
+    let needed = face * L::splat(-FACE_PREFERENCE.0) - L::splat(FACE_PREFERENCE.1 * size);
+    let clear = inside.ge(Lanes::max(needed, L::zero())).bits();
+    let (face, margins, inside) = (face.eight(), margins.eight(), inside.eight());
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize % 8;
         bits &= bits - 1;
@@ -100,11 +105,11 @@ pub(crate) fn touch(
             patches.add(touch, -touch.front, Some(face), first);
             continue;
         }
-        let by_hull = face_axis(hull, &touch);
+        let by_hull = face_axis::<L>(hull, &touch);
         if by_hull.0 > margin {
             continue;
         }
-        let Some(contact) = ContactAxis::between(hull, &touch, by_hull, face, margin, size) else {
+        let Some(contact) = ContactAxis::between::<L>(hull, &touch, by_hull, face, margin, size) else {
             continue;
         };
         let verdict = touch.judge(contact.normal, contact.apart, face, size);

@@ -4,7 +4,7 @@
 //! three edges and one face, which makes the choice among features simpler.
 
 use crate::config::tuning::{FACE_PREFERENCE, THROUGH_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose};
@@ -46,7 +46,7 @@ impl ContactAxis {
     ///
     /// `by_hull`: result of [`face_axis`]. `face`: separation along the triangle's normal; the hull's deepest
     /// vertex is over the triangle only if they overlap.
-    pub(crate) fn between(
+    pub(crate) fn between<L: Lanes>(
         hull: &ConvexHull,
         touch: &Touch,
         by_hull: (f32, usize),
@@ -67,7 +67,7 @@ impl ContactAxis {
         };
         let mut touching = None;
         if by_face.apart <= 0.0 {
-            let (apart, edges) = edge_axis(hull, touch);
+            let (apart, edges) = edge_axis::<L>(hull, touch);
             if apart > margin {
                 return None;
             }
@@ -82,7 +82,7 @@ impl ContactAxis {
             touching = Some(by_edges);
         }
         // Apart, and no part of one is over the face of the other.
-        let (edges, [p, q]) = nearest_edges(hull, touch);
+        let (edges, [p, q]) = nearest_edges::<L>(hull, touch);
         let distance = (q - p).length();
         if distance > margin {
             return None;
@@ -145,9 +145,9 @@ impl ContactAxis {
 
 /// The largest of eight values and its index, lane `i` of chunk `chunk`; the first lane of equals.
 #[inline(always)]
-fn most(values: f32x8, chunk: f32x8) -> (f32, usize) {
+fn most<L: Lanes>(values: L, chunk: L) -> (f32, usize) {
     let (mut most, mut place) = (f32::MIN, 0);
-    for (i, (&value, &chunk)) in values.to_array().iter().zip(&chunk.to_array()).enumerate() {
+    for (i, (&value, &chunk)) in values.eight().iter().zip(&chunk.eight()).enumerate() {
         if value > most {
             (most, place) = (value, 8 * chunk as usize + i);
         }
@@ -155,24 +155,26 @@ fn most(values: f32x8, chunk: f32x8) -> (f32, usize) {
     (most, place)
 }
 
-/// The face of a hull along whose normal a triangle is furthest out, and its separation [m].
-#[inline(always)]
-pub(crate) fn face_axis(hull: &ConvexHull, touch: &Touch) -> (f32, usize) {
-    let [a, b, c] = touch.corners.map(LaneVec3::<f32x8>::splat);
-    let front = LaneVec3::<f32x8>::splat(touch.front);
-    let (mut best, mut chunk) = (f32x8::splat(f32::MIN), f32x8::zero());
-    for (k, [nx, ny, nz, offset]) in hull.normal_chunks.iter().enumerate() {
-        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
-        let low = Lanes::min(Lanes::min(n.dot(a), n.dot(b)), n.dot(c)) - f32x8::new(*offset);
-        // The hull must not leave through the back.
-        let wrong = n.dot(front).gt(f32x8::splat(THROUGH_SINE)) & low.lt(f32x8::zero());
-        let better = low.gt(best) & !wrong;
-        best = Lanes::select(better, low, best);
-        chunk = Lanes::select(better, f32x8::splat(k as f32), chunk);
+kernel! {
+    /// The face of a hull along whose normal a triangle is furthest out, and its separation [m].
+    pub(crate) fn face_axis<'a, L: Lanes>(hull: &'a ConvexHull, touch: &'a Touch) -> (f32, usize) {
+        let [a, b, c] = touch.corners;
+        let (a, b, c) = (LaneVec3::<L>::splat(a), LaneVec3::splat(b), LaneVec3::splat(c));
+        let front = LaneVec3::<L>::splat(touch.front);
+        let (mut best, mut chunk) = (L::splat(f32::MIN), L::zero());
+        for (k, [nx, ny, nz, offset]) in hull.normal_chunks.iter().enumerate() {
+            let n = LaneVec3::new(L::load(nx), L::load(ny), L::load(nz));
+            let low = Lanes::min(Lanes::min(n.dot(a), n.dot(b)), n.dot(c)) - L::load(offset);
+            // The hull must not leave through the back.
+            let wrong = n.dot(front).gt(L::splat(THROUGH_SINE)) & low.lt(L::zero());
+            let better = low.gt(best) & !wrong;
+            best = Lanes::select(better, low, best);
+            chunk = Lanes::select(better, L::splat(k as f32), chunk);
+        }
+        let (separation, place) = most(best, chunk);
+        // Padding repeats the first plane.
+        (separation, if place < hull.planes.len() { place } else { 0 })
     }
-    let (separation, place) = most(best, chunk);
-    // Padding repeats the first plane.
-    (separation, if place < hull.planes.len() { place } else { 0 })
 }
 
 /// The corner of a triangle that is nearest along a normal.
@@ -200,59 +202,61 @@ fn is_corner_over(hull: &ConvexHull, face: usize, touch: &Touch) -> bool {
 /// A property of each of eight edges; if there are fewer, the first is repeated. Stored with every hull it
 /// would take 48 bytes an edge, more than the rest of the hull.
 #[inline(always)]
-fn of_edges(edges: &[HullEdge], what: impl Fn(&HullEdge) -> Vec3) -> LaneVec3<f32x8> {
+fn of_edges<L: Lanes>(edges: &[HullEdge], what: impl Fn(&HullEdge) -> Vec3) -> LaneVec3<L> {
     let mut rows = what(&edges[0]).to_array().map(|x| [x; 8]);
     for (lane, edge) in edges.iter().enumerate().take(8).skip(1) {
         let at = what(edge);
         (rows[0][lane], rows[1][lane], rows[2][lane]) = (at.x, at.y, at.z);
     }
-    LaneVec3::new(f32x8::new(rows[0]), f32x8::new(rows[1]), f32x8::new(rows[2]))
+    LaneVec3::new(L::load(&rows[0]), L::load(&rows[1]), L::load(&rows[2]))
 }
 
 /// Start and direction of eight edges.
 #[inline(always)]
-fn lines(hull: &ConvexHull, edges: &[HullEdge]) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
-    let end = |k: usize| of_edges(edges, |e| hull.vertices[usize::from(e.vertices[k])]);
-    let start = end(0);
-    (start, end(1) - start)
+fn lines<L: Lanes>(hull: &ConvexHull, edges: &[HullEdge]) -> (LaneVec3<L>, LaneVec3<L>) {
+    let start = of_edges(edges, |e| hull.vertices[usize::from(e.vertices[0])]);
+    let end = of_edges(edges, |e| hull.vertices[usize::from(e.vertices[1])]);
+    (start, end - start)
 }
 
-/// The axis, among those across an edge of each whose faces meet on it, along which the two are furthest
-/// apart [m], and the edges. `f32::MIN` if there is none.
-fn edge_axis(hull: &ConvexHull, touch: &Touch) -> (f32, [usize; 2]) {
-    let zero = f32x8::zero();
-    let front = LaneVec3::<f32x8>::splat(touch.front);
-    let turned = if touch.behind { -1.0 } else { 1.0 };
-    let (mut best, mut name) = (f32x8::splat(f32::MIN), zero);
-    for (k, edges) in hull.edges.chunks(8).enumerate() {
-        let (start, along) = lines(hull, edges);
-        let normal = |k: usize| of_edges(edges, |e| hull.planes[usize::from(e.faces[k])].0);
-        let (one, other) = (normal(0), normal(1));
-        // The arc of the triangle's edge goes from its front to its back.
-        let rises = front.dot(along);
-        let squared = along.length_squared();
-        for e in 0..3 {
-            let from = touch.corners[e];
-            let side = (touch.corners[(e + 1) % 3] - from) * turned;
-            let lanes = LaneVec3::<f32x8>::splat(side);
-            let (a, b) = (one.dot(lanes), other.dot(lanes));
-            let meets = (a * b).lt(zero) & (rises * b).lt(zero);
-            if meets.bits() == 0 {
-                continue;
+kernel! {
+    /// The axis, among those across an edge of each whose faces meet on it, along which the two are furthest
+    /// apart [m], and the edges. `f32::MIN` if there is none.
+    fn edge_axis<'a, L: Lanes>(hull: &'a ConvexHull, touch: &'a Touch) -> (f32, [usize; 2]) {
+        let zero = L::zero();
+        let front = LaneVec3::<L>::splat(touch.front);
+        let turned = if touch.behind { -1.0 } else { 1.0 };
+        let (mut best, mut name) = (L::splat(f32::MIN), zero);
+        for (k, edges) in hull.edges.chunks(8).enumerate() {
+            let (start, along) = lines(hull, edges);
+            let one = of_edges(edges, |e| hull.planes[usize::from(e.faces[0])].0);
+            let other = of_edges(edges, |e| hull.planes[usize::from(e.faces[1])].0);
+            // The arc of the triangle's edge goes from its front to its back.
+            let rises = front.dot(along);
+            let squared = along.length_squared();
+            for e in 0..3 {
+                let from = touch.corners[e];
+                let side = (touch.corners[(e + 1) % 3] - from) * turned;
+                let lanes = LaneVec3::<L>::splat(side);
+                let (a, b) = (one.dot(lanes), other.dot(lanes));
+                let meets = (a * b).lt(zero) & (rises * b).lt(zero);
+                if meets.bits() == 0 {
+                    continue;
+                }
+                let cross = along.cross(lanes);
+                let length = cross.length_squared();
+                let meets = meets & length.gt(squared * L::splat(PARALLEL * side.length_squared()));
+                let normal = cross * (cross.dot(one + other).sign() / length.sqrt());
+                let apart = normal.dot(LaneVec3::splat(from) - start);
+                let wrong = normal.dot(front).gt(L::splat(THROUGH_SINE)) & apart.lt(zero);
+                let better = meets & !wrong & apart.gt(best);
+                best = Lanes::select(better, apart, best);
+                name = Lanes::select(better, L::splat((3 * k + e) as f32), name);
             }
-            let cross = along.cross(lanes);
-            let length = cross.length_squared();
-            let meets = meets & length.gt(squared * f32x8::splat(PARALLEL * side.length_squared()));
-            let normal = cross * (cross.dot(one + other).sign() / length.sqrt());
-            let apart = normal.dot(LaneVec3::splat(from) - start);
-            let wrong = normal.dot(front).gt(f32x8::splat(THROUGH_SINE)) & apart.lt(zero);
-            let better = meets & !wrong & apart.gt(best);
-            best = Lanes::select(better, apart, best);
-            name = Lanes::select(better, f32x8::splat((3 * k + e) as f32), name);
         }
+        let (apart, place) = most(best, name);
+        (apart, edges_at(place))
     }
-    let (apart, place) = most(best, name);
-    (apart, edges_at(place))
 }
 
 /// The edges of lane `i` of pair `3 chunk + edge of the triangle`.
@@ -276,55 +280,60 @@ fn edge_normal(hull: &ConvexHull, touch: &Touch, [one, two]: [usize; 2]) -> Vec3
 }
 
 /// Whether some of a hull is beyond an edge of a triangle, seen along the triangle's normal.
-fn is_beyond(hull: &ConvexHull, touch: &Touch, edge: usize) -> bool {
+#[inline(always)]
+fn is_beyond<L: Lanes>(hull: &ConvexHull, touch: &Touch, edge: usize) -> bool {
     let out = touch.outward(edge);
-    let offset = f32x8::splat(out.dot(touch.corners[edge]));
-    let out = LaneVec3::<f32x8>::splat(out);
-    hull.vertex_chunks.iter().any(|[x, y, z]| {
-        let v = LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z));
-        out.dot(v).gt(offset).any()
-    })
-}
-
-/// The edges that are nearest to each other, and where. If a hull and a triangle are apart, these are the
-/// nearest points of all, unless one is over a face.
-fn nearest_edges(hull: &ConvexHull, touch: &Touch) -> ([usize; 2], [Vec3; 2]) {
-    // An edge beyond which no part of the hull lies has no nearest point, or shares it with another edge.
-    let beyond = [0, 1, 2].map(|e| is_beyond(hull, touch, e));
-    let none = beyond == [false; 3];
-    let (zero, one, tiny) = (f32x8::zero(), f32x8::one(), 1e-30);
-    let (mut best, mut name) = (f32x8::splat(f32::MAX), zero);
-    for (k, edges) in hull.edges.chunks(8).enumerate() {
-        let (start, along) = lines(hull, edges);
-        let dd = Lanes::max(along.length_squared(), f32x8::splat(tiny));
-        let by_dd = one / dd;
-        for e in (0..3).filter(|&e| beyond[e] || none) {
-            // As in `nearest_on_segments`; what is known of one side saves three of four divisions.
-            let from = touch.corners[e];
-            let side = touch.corners[(e + 1) % 3] - from;
-            let ee = side.length_squared().max(tiny);
-            let (ee, by_ee) = (f32x8::splat(ee), f32x8::splat(1.0 / ee));
-            let (from, side) = (LaneVec3::<f32x8>::splat(from), LaneVec3::<f32x8>::splat(side));
-            let r = start - from;
-            let (de, dr, er) = (along.dot(side), along.dot(r), side.dot(r));
-            let det = dd * ee - de * de;
-            let flat = det.le(dd * ee * f32x8::splat(1e-6));
-            let s = (de * er - dr * ee) / Lanes::select(flat, one, det);
-            let s = Lanes::select(flat, zero, s).clamp(zero, one);
-            let t = ((de * s + er) * by_ee).clamp(zero, one);
-            let s = ((de * t - dr) * by_dd).clamp(zero, one);
-            let t = ((de * s + er) * by_ee).clamp(zero, one);
-            let squared = (r + along * s - side * t).length_squared();
-            let nearer = squared.lt(best);
-            best = Lanes::select(nearer, squared, best);
-            name = Lanes::select(nearer, f32x8::splat((3 * k + e) as f32), name);
+    let offset = L::splat(out.dot(touch.corners[edge]));
+    let out = LaneVec3::<L>::splat(out);
+    for [x, y, z] in &hull.vertex_chunks {
+        if out.dot(LaneVec3::new(L::load(x), L::load(y), L::load(z))).gt(offset).any() {
+            return true;
         }
     }
-    let (_, place) = most(-best, name);
-    let edges = edges_at(place);
-    let (start, along) = edge(hull, edges[0]);
-    let (from, to) = (touch.corners[edges[1]], touch.corners[(edges[1] + 1) % 3]);
-    let lanes = LaneVec3::<f32>::splat;
-    let (s, t) = nearest_on_segments(lanes(start), lanes(along), lanes(from), lanes(to - from));
-    (edges, [start + along * s, from + (to - from) * t])
+    false
+}
+
+kernel! {
+    /// The edges that are nearest to each other, and where. If a hull and a triangle are apart, these are the
+    /// nearest points of all, unless one is over a face.
+    fn nearest_edges<'a, L: Lanes>(hull: &'a ConvexHull, touch: &'a Touch) -> ([usize; 2], [Vec3; 2]) {
+        // An edge beyond which no part of the hull lies has no nearest point, or shares it with another edge.
+        let beyond = [0, 1, 2].map(|e| is_beyond::<L>(hull, touch, e));
+        let none = beyond == [false; 3];
+        let (zero, one, tiny) = (L::zero(), L::one(), 1e-30);
+        let (mut best, mut name) = (L::splat(f32::MAX), zero);
+        for (k, edges) in hull.edges.chunks(8).enumerate() {
+            let (start, along) = lines(hull, edges);
+            let dd = Lanes::max(along.length_squared(), L::splat(tiny));
+            let by_dd = one / dd;
+            for e in (0..3).filter(|&e| beyond[e] || none) {
+                // As in `nearest_on_segments`; what is known of one side saves three of four divisions.
+                let from = touch.corners[e];
+                let side = touch.corners[(e + 1) % 3] - from;
+                let ee = side.length_squared().max(tiny);
+                let (ee, by_ee) = (L::splat(ee), L::splat(1.0 / ee));
+                let (from, side) = (LaneVec3::<L>::splat(from), LaneVec3::<L>::splat(side));
+                let r = start - from;
+                let (de, dr, er) = (along.dot(side), along.dot(r), side.dot(r));
+                let det = dd * ee - de * de;
+                let flat = det.le(dd * ee * L::splat(1e-6));
+                let s = (de * er - dr * ee) / Lanes::select(flat, one, det);
+                let s = Lanes::select(flat, zero, s).clamp(zero, one);
+                let t = ((de * s + er) * by_ee).clamp(zero, one);
+                let s = ((de * t - dr) * by_dd).clamp(zero, one);
+                let t = ((de * s + er) * by_ee).clamp(zero, one);
+                let squared = (r + along * s - side * t).length_squared();
+                let nearer = squared.lt(best);
+                best = Lanes::select(nearer, squared, best);
+                name = Lanes::select(nearer, L::splat((3 * k + e) as f32), name);
+            }
+        }
+        let (_, place) = most(-best, name);
+        let edges = edges_at(place);
+        let (start, along) = edge(hull, edges[0]);
+        let (from, to) = (touch.corners[edges[1]], touch.corners[(edges[1] + 1) % 3]);
+        let lanes = LaneVec3::<f32>::splat;
+        let (s, t) = nearest_on_segments(lanes(start), lanes(along), lanes(from), lanes(to - from));
+        (edges, [start + along * s, from + (to - from) * t])
+    }
 }
