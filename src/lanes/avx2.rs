@@ -4,10 +4,11 @@
 //! four. Where the processor has AVX2, kernels run as they are compiled for [`Avx8`]: the same source over
 //! another type of lanes, and the same bits, since every operation is exact.
 
-use super::{Eight, GatherLanes, Kernel, Record, Vec3, gather_eight, records_of_eight, transpose_registers};
+use super::kernel::Kernel;
 use bytemuck::{Pod, Zeroable};
 use std::arch::x86_64 as arch;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub, SubAssign};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Eight floats in a register. Only kernels that were entered by [`with_best!`](super::with_best) compute
 /// with it.
@@ -147,24 +148,6 @@ impl Avx8 {
     }
 }
 
-impl Eight for Avx8 {
-    #[inline(always)]
-    fn transpose(rows: [Self; 8]) -> [Self; 8] {
-        transpose_registers(rows)
-    }
-}
-
-impl GatherLanes for Avx8 {
-    #[inline(always)]
-    fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<Self>, Vec3<Self>) {
-        gather_eight(record, index)
-    }
-    #[inline(always)]
-    fn records(linear: Vec3<Self>, angular: Vec3<Self>, out: &mut [Record]) {
-        records_of_eight(linear, angular, out);
-    }
-}
-
 /// See [`Lanes::run`](super::Lanes::run).
 #[inline(always)]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
@@ -177,9 +160,26 @@ pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
     unsafe { compiled_for_it(kernel) }
 }
 
-/// Whether the processor has what kernels over [`Avx8`] are compiled for.
+/// Whether the processor has what kernels over [`Avx8`] are compiled for. Asked for every batch, so the
+/// answer is kept in one place.
 #[inline(always)]
 pub(crate) fn has_avx2() -> bool {
+    match FOUND.load(Ordering::Relaxed) {
+        YES => true,
+        NO => false,
+        _ => look(),
+    }
+}
+
+const NO: u8 = 1;
+const YES: u8 = 2;
+/// The answer; zero before the first question.
+static FOUND: AtomicU8 = AtomicU8::new(0);
+
+#[cold]
+fn look() -> bool {
     use std::arch::is_x86_feature_detected as has;
-    has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt")
+    let all = has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt");
+    FOUND.store(if all { YES } else { NO }, Ordering::Relaxed);
+    all
 }

@@ -147,47 +147,32 @@ impl GatherLanes for f32 {
     }
 }
 
-impl GatherLanes for f32x8 {
-    #[inline(always)]
-    fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
-        gather_eight(record, index)
-    }
-    #[inline(always)]
-    fn records(linear: Vec3<f32x8>, angular: Vec3<f32x8>, out: &mut [Record]) {
-        records_of_eight(linear, angular, out);
-    }
+/// Eight lanes, with the transpose for their instructions.
+macro_rules! gather_eight {
+    ($float:ty, $transpose:ident) => {
+        impl GatherLanes for $float {
+            #[inline(always)]
+            fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<Self>, Vec3<Self>) {
+                let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
+                let row = |i: usize| -> Self { must_cast(record(index[i] as usize)) };
+                let c = $transpose([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
+                (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
+            }
+            #[inline(always)]
+            fn records(linear: Vec3<Self>, angular: Vec3<Self>, out: &mut [Record]) {
+                let (v, w, zero) = (linear, angular, Self::zero());
+                let rows = $transpose([v.x, v.y, v.z, zero, w.x, w.y, w.z, zero]);
+                for (record, row) in out.iter_mut().zip(rows) {
+                    *record = must_cast(row);
+                }
+            }
+        }
+    };
 }
 
-/// Eight lanes that records are.
-pub(super) trait Eight: Lanes + Pod {
-    fn transpose(rows: [Self; 8]) -> [Self; 8];
-}
-
-impl Eight for f32x8 {
-    #[inline(always)]
-    fn transpose(rows: [Self; 8]) -> [Self; 8] {
-        transpose(rows)
-    }
-}
-
-/// See [`GatherLanes::gather`].
-#[inline(always)]
-pub(super) fn gather_eight<L: Eight>(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<L>, Vec3<L>) {
-    let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
-    let row = |i: usize| -> L { must_cast(record(index[i] as usize)) };
-    let c = L::transpose([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
-    (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
-}
-
-/// See [`GatherLanes::records`].
-#[inline(always)]
-pub(super) fn records_of_eight<L: Eight>(linear: Vec3<L>, angular: Vec3<L>, out: &mut [Record]) {
-    let zero = L::zero();
-    let rows = L::transpose([linear.x, linear.y, linear.z, zero, angular.x, angular.y, angular.z, zero]);
-    for (record, row) in out.iter_mut().zip(rows) {
-        *record = must_cast(row);
-    }
-}
+gather_eight!(f32x8, transpose);
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2"), not(backstop_baseline)))]
+gather_eight!(super::Avx8, transpose_registers);
 
 /// The 8x8 transpose of what is built for its instructions.
 #[cfg(target_feature = "avx")]
@@ -195,9 +180,9 @@ use transpose_registers as transpose;
 
 /// The 8x8 transpose in registers of AVX, inlined: two of eight rows are zeros or go unused, and so does the
 /// work for them. Only for what runs where the processor has AVX.
-#[cfg(any(target_arch = "x86_64", target_feature = "avx"))]
+#[cfg(any(target_feature = "avx", all(target_arch = "x86_64", not(backstop_baseline))))]
 #[inline(always)]
-pub(super) fn transpose_registers<L: Pod>(rows: [L; 8]) -> [L; 8] {
+fn transpose_registers<L: Pod>(rows: [L; 8]) -> [L; 8] {
     #[cfg(target_arch = "x86")]
     use std::arch::x86 as arch;
     #[cfg(target_arch = "x86_64")]

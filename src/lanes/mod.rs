@@ -8,18 +8,18 @@
 //! Which instructions eight lanes take is chosen when the program runs: [`with_best!`] names the type of
 //! lanes for the processor, and [`Lanes::run`] enters code that is compiled for it.
 
-#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2"), not(backstop_baseline)))]
 mod avx2;
 mod bits;
 mod gather;
+mod kernel;
 mod math;
 
-#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2"), not(backstop_baseline)))]
 pub(crate) use avx2::{Avx8, has_avx2};
 pub(crate) use bits::ones;
-#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
-use gather::{Eight, gather_eight, records_of_eight, transpose_registers};
 pub(crate) use gather::{GatherLanes, Record, gather, is_within, scatter};
+pub(crate) use kernel::{Kernel, kernel, with_best};
 pub(crate) use math::{Mat3, Quat, Sym3, Vec3, turned};
 pub(crate) use wide::{f32x4, f32x8, f64x4};
 
@@ -116,77 +116,6 @@ pub(crate) trait Lanes:
         Self::select(self.lt(Self::zero()), Self::splat(-1.0), Self::one())
     }
 }
-
-/// Work that is compiled once for each type of lanes. All that it does in lanes has to be inlined into
-/// [`Kernel::run`], or be a kernel itself: elsewhere each operation would be a call.
-pub(crate) trait Kernel {
-    type Output;
-    /// Implementations are `#[inline(always)]`.
-    fn run(self) -> Self::Output;
-}
-
-/// A function whose body is a [`Kernel`]: not inlined where it is called, and compiled for the instructions of
-/// its lanes. Its references have one lifetime, or two. A last parameter may be of another type, after a semicolon.
-macro_rules! kernel {
-    (@output) => { () };
-    (@output $output:ty) => { $output };
-    ($(#[$attribute:meta])* $vis:vis unsafe fn $($rest:tt)*) => {
-        $crate::lanes::kernel!(@ [$(#[$attribute])* $vis unsafe fn] $($rest)*);
-    };
-    ($(#[$attribute:meta])* $vis:vis fn $($rest:tt)*) => {
-        $crate::lanes::kernel!(@ [$(#[$attribute])* $vis fn] $($rest)*);
-    };
-    (@ [$($head:tt)*] $name:ident<
-        $a:lifetime $(, $b:lifetime)?, $L:ident: $lanes:path $(, const $N:ident: $kind:ty)* $(; $R:ident: $bound:path)?
-    >($($argument:ident: $of:ty),* $(,)?) $(-> $output:ty)? $body:block) => {
-        #[inline(always)]
-        $($head)* $name<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*>(
-            $($argument: $of),*
-        ) $(-> $output)? {
-            struct Work<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*> {
-                $($argument: $of,)*
-                types: std::marker::PhantomData<(&$a $L, $($R)?)>,
-            }
-            impl<$a $(, $b)?, $L: $lanes $(, $R: $bound)? $(, const $N: $kind)*> $crate::lanes::Kernel
-                for Work<$a $(, $b)?, $L $(, $R)? $(, $N)*>
-            {
-                type Output = $crate::lanes::kernel!(@output $($output)?);
-                #[inline(always)]
-                fn run(self) -> Self::Output {
-                    let Work { $($argument,)* types: _ } = self;
-                    $body
-                }
-            }
-            let work = Work::<$L $(, $R)? $(, $N)*> { $($argument,)* types: std::marker::PhantomData };
-            <$L as $crate::lanes::Lanes>::run(work)
-        }
-    };
-}
-pub(crate) use kernel;
-
-/// Calls `$body` with `$Wide` as the type of eight lanes that suits the processor. `$body` enters kernels by
-/// [`Lanes::run`].
-#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
-macro_rules! with_best {
-    ($Wide:ident => $body:expr) => {
-        if $crate::lanes::has_avx2() {
-            type $Wide = $crate::lanes::Avx8;
-            $body
-        } else {
-            type $Wide = $crate::lanes::f32x8;
-            $body
-        }
-    };
-}
-/// Calls `$body` with `$Wide` as the type of eight lanes of the target.
-#[cfg(not(all(target_arch = "x86_64", not(target_feature = "avx2"))))]
-macro_rules! with_best {
-    ($Wide:ident => $body:expr) => {{
-        type $Wide = $crate::lanes::f32x8;
-        $body
-    }};
-}
-pub(crate) use with_best;
 
 impl Mask for bool {
     #[inline(always)]
@@ -411,7 +340,7 @@ const BLENDS: bool = !cfg!(all(target_arch = "x86_64", not(target_feature = "sse
 
 wide_lanes!(f32x4, 4, BLENDS);
 wide_lanes!(f32x8, 8, BLENDS);
-#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+#[cfg(all(target_arch = "x86_64", not(target_feature = "avx2"), not(backstop_baseline)))]
 wide_lanes!(
     Avx8,
     8,

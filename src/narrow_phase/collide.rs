@@ -10,12 +10,12 @@ use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
 use super::input::Input;
 use super::pair_state::{PackedState, PairState};
-use super::relative::{Relative, eight_relative};
+use super::relative::{Relative, lanes_of, relative_poses};
 use super::seams::Seams;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::config::tuning::FACE_SINK;
-use crate::lanes::with_best;
+use crate::lanes::{Lanes, kernel, with_best};
 use crate::memory::{Category, buffers};
 use crate::narrow_phase::contacts::admit::ContactMemory;
 use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
@@ -24,6 +24,7 @@ use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
 use crate::shape::Kind;
 use crate::threads::{Shared, Workers, per_block};
+use std::ops::Range;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -168,10 +169,23 @@ fn place(
     let states = Shared::new(&mut scratch.states);
     let all = contacts.share();
     workers.run(pairs.len().div_ceil(BLOCK), &|block| {
-        let end = ((block + 1) * BLOCK).min(pairs.len());
-        for first in (block * BLOCK..end).step_by(8) {
-            let lanes = &pairs[first..end.min(first + 8)];
-            let placed = with_best!(Wide => eight_relative::<Wide>(lanes, input.poses));
+        let of = block * BLOCK..((block + 1) * BLOCK).min(pairs.len());
+        with_best!(Wide => place_block::<Wide>(of, input, pairs, &states, &all));
+    });
+}
+
+kernel! {
+    /// See [`place`]; for a block of pairs.
+    fn place_block<'a, L: Lanes>(
+        of: Range<usize>,
+        input: &'a Input<'a>,
+        pairs: &'a [Pair],
+        states: &'a Shared<'a, PackedState>,
+        all: &'a SharedContacts<'a>,
+    ) {
+        for first in of.clone().step_by(8) {
+            let lanes = &pairs[first..of.end.min(first + 8)];
+            let placed = lanes_of(&relative_poses::<L>(&|i| lanes[i.min(lanes.len() - 1)], input.poses));
             for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
@@ -180,7 +194,7 @@ fn place(
                         PairState::Kept
                     } else if idle {
                         PairState::Far
-                    } else if recycle(input, pair, &now, &all) {
+                    } else if recycle(input, pair, &now, all) {
                         PairState::Kept
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
                         PairState::Far
@@ -193,7 +207,7 @@ fn place(
                 }
             }
         }
-    });
+    }
 }
 
 /// Whether the balls around two shapes without a contact are too far apart for one.

@@ -2,7 +2,7 @@
 
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::lanes::{Lanes, Quat, Vec3, kernel};
+use crate::lanes::{Lanes, Quat, Vec3};
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]
@@ -36,13 +36,6 @@ pub(crate) fn lanes_of<L: Lanes>((position, rotation): &(Vec3<L>, Quat<L>)) -> [
         position: glam::Vec3::new(x[n], y[n], z[n]),
         rotation: crate::math::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
     })
-}
-
-kernel! {
-    /// Poses of up to eight pairs; past the end that of the last is repeated.
-    pub(crate) fn eight_relative<'a, L: Lanes>(pairs: &'a [Pair], poses: &'a [Pose]) -> [Relative; 8] {
-        lanes_of(&relative_poses::<L>(&|i| pairs[i.min(pairs.len() - 1)], poses))
-    }
 }
 
 /// Pose of `b` in `a`.

@@ -2,7 +2,7 @@
 
 use crate::constraint::contact::row::{Motion, disable_lanes, store as store_batch};
 use crate::constraint::{Batch, FrictionRow, Part, Rows, Stage, StepLengths, Views, with_batch};
-use crate::lanes::{GatherLanes, Vec3};
+use crate::lanes::{GatherLanes, Vec3, kernel, with_best};
 use crate::limits::MAX_LOAD;
 use crate::narrow_phase::{ContactMut, Point, SharedContacts};
 use crate::threads::{Workers, per_block};
@@ -69,13 +69,13 @@ pub(crate) fn store(
         let potential = stage.group.is_potential();
         // SAFETY: each batch is in the schedule once. Potential contacts have no friction rows.
         let stored = unsafe {
-            with_batch!(views, stage.group, of, |batch, friction| {
+            with_best!(Wide => with_batch!(Wide: views, stage.group, of, |batch, friction| {
                 let rows = if potential { None } else { friction.touching(of) };
                 if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
                     store_rolling(batch, rolling.on_b(batch.normal, f.tangent), contacts);
                 }
                 store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
-            })
+            }))
         };
         if stored.pushed > 0 {
             pushed.fetch_add(stored.pushed, Ordering::Relaxed);
@@ -104,48 +104,52 @@ fn store_in_point(point: &mut Point, impulse: f32, lengths: StepLengths) {
     point.mean_force = lengths.follow(point.mean_force, impulse);
 }
 
-fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &Batch<L, P, B>,
-    friction: Option<&FrictionRow<L, B>>,
-    potential: bool,
-    dt: f32,
-    lengths: StepLengths,
-    contacts: &SharedContacts<'_>,
-) -> Stored {
-    let (mut stored, has_friction) = (Stored::default(), friction.is_some());
-    store_batch(batch, friction, |part, impulses, peak, friction, twist| {
-        // SAFETY: a contact is in one lane of one batch. If its points are solved separately, these are in
-        // different stages, or in a serial one.
-        let mut contact = unsafe { contacts.at(part.slot() as u32) };
-        let pushed = potential && peak > 0.0;
-        let friction = if has_friction { contact.frame.conjugate() * friction } else { glam::Vec3::ZERO };
-        // If points are solved separately, another one may have pushed already.
-        stored.pushed += u32::from(pushed && !contact.pushed);
-        if let Some(point) = part.only() {
-            store_in_point(&mut contact.points_mut()[point], impulses[0], lengths);
-            contact.pushed |= pushed;
-            contact.friction += friction;
+kernel! {
+    /// Writes the impulses of a batch back to its contacts.
+    fn store_in_contacts<'a, L: GatherLanes, const P: usize, const B: usize>(
+        batch: &'a Batch<L, P, B>,
+        friction: Option<&'a FrictionRow<L, B>>,
+        potential: bool,
+        dt: f32,
+        lengths: StepLengths,
+        contacts: &'a SharedContacts<'a>,
+    ) -> Stored {
+        let (mut stored, has_friction) = (Stored::default(), friction.is_some());
+        store_batch(batch, friction, |part, impulses, peak, friction, twist| {
+            // SAFETY: a contact is in one lane of one batch. If its points are solved separately, these are
+            // in different stages, or in a serial one.
+            let mut contact = unsafe { contacts.at(part.slot() as u32) };
+            let pushed = potential && peak > 0.0;
+            let friction = if has_friction { contact.frame.conjugate() * friction } else { glam::Vec3::ZERO };
+            // If points are solved separately, another one may have pushed already.
+            stored.pushed += u32::from(pushed && !contact.pushed);
+            if let Some(point) = part.only() {
+                store_in_point(&mut contact.points_mut()[point], impulses[0], lengths);
+                contact.pushed |= pushed;
+                contact.friction += friction;
+                forget_unsound(&mut contact);
+                return;
+            }
+            if part.is_cut() {
+                let (solved, mut impulses) = (part.points(contact.as_ref()), impulses.iter());
+                for (i, point) in contact.points_mut().iter_mut().enumerate() {
+                    let impulse = if solved >> i & 1 != 0 { impulses.next() } else { None };
+                    store_in_point(point, impulse.copied().unwrap_or(0.0), lengths);
+                }
+            } else {
+                for (point, &impulse) in contact.points_mut().iter_mut().zip(impulses) {
+                    store_in_point(point, impulse, lengths);
+                }
+            }
+            contact.pushed = pushed;
+            (contact.friction, contact.twist) = (friction, twist);
+            let (before, now) = (contact.mean_friction.into(), friction.extend(twist));
+            contact.mean_friction = lengths.follow(before, now).into();
+            stored.unknown_load |= contact.bear(dt, lengths.now());
             forget_unsound(&mut contact);
-            return;
-        }
-        if part.is_cut() {
-            let (solved, mut impulses) = (part.points(contact.as_ref()), impulses.iter());
-            for (i, point) in contact.points_mut().iter_mut().enumerate() {
-                let impulse = if solved >> i & 1 != 0 { impulses.next() } else { None };
-                store_in_point(point, impulse.copied().unwrap_or(0.0), lengths);
-            }
-        } else {
-            for (point, &impulse) in contact.points_mut().iter_mut().zip(impulses) {
-                store_in_point(point, impulse, lengths);
-            }
-        }
-        contact.pushed = pushed;
-        (contact.friction, contact.twist) = (friction, twist);
-        contact.mean_friction = lengths.follow(contact.mean_friction.into(), friction.extend(twist)).into();
-        stored.unknown_load |= contact.bear(dt, lengths.now());
-        forget_unsound(&mut contact);
-    });
-    stored
+        });
+        stored
+    }
 }
 
 /// Writes back angular impulses against rolling, which are those on the bodies `b` of the batch.

@@ -7,7 +7,7 @@ use crate::config::tuning::THIN_SLOP;
 use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::constraint::tweak_of;
-use crate::lanes::{Lanes, Sym3, Vec3, ones};
+use crate::lanes::{Lanes, Sym3, Vec3, kernel, ones};
 use crate::narrow_phase::{ContactRef, Point, most_points};
 use crate::shape::{BELT, Collider, EVENTS, Kind, ROLLS};
 
@@ -98,6 +98,22 @@ struct Entry<'a> {
     swap: bool,
 }
 
+kernel! {
+    /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the
+    /// lanes.
+    ///
+    /// A function of its own: this is most of the code that makes a batch, and the same for any bodies `b`.
+    pub(super) fn gather<'a, L: Lanes, const P: usize>(
+        parts: &'a [Part],
+        touching: bool,
+        tree_slots: Option<&'a TreeSlots>,
+        springs: Option<&'a mut SpringColumns>,
+        input: &'a PrepareInput<'a>,
+    ) -> Columns<P> {
+        Columns::of(parts, touching, tree_slots, springs, input)
+    }
+}
+
 impl<const P: usize> Columns<P> {
     #[inline(always)]
     fn inert() -> Self {
@@ -133,13 +149,8 @@ impl<const P: usize> Columns<P> {
         }
     }
 
-    /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the
-    /// lanes.
-    ///
-    /// Not inlined: this is most of the code that makes a batch, and the same for any width and any bodies
-    /// `b`.
-    #[inline(never)]
-    pub(super) fn gather(
+    #[inline(always)]
+    fn of(
         parts: &[Part],
         touching: bool,
         tree_slots: Option<&TreeSlots>,

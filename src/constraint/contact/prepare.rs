@@ -1,7 +1,7 @@
 //! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
 use super::batch::{Batch, GONE, unlocked};
-use super::columns::{Columns, SpringColumns, sym3, vec3};
+use super::columns::{Columns, SpringColumns, gather as gather_columns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow, carry};
 use super::input::PrepareInput;
 use super::rows::{Rows, Surface, Views, with_batch};
@@ -129,6 +129,26 @@ struct Points<L, const P: usize> {
 }
 
 impl<L: Lanes, const P: usize> Points<L, P> {
+    /// One over the number of points.
+    #[inline(always)]
+    fn share(&self) -> L {
+        let mut count = L::zero();
+        for &present in &self.present {
+            count += present;
+        }
+        L::one() / count.max(L::one())
+    }
+
+    /// Mean distance of the points from a place, each of which counts for `share` [m].
+    #[inline(always)]
+    fn radius(&self, from: Vec3<L>, share: L) -> L {
+        let mut radii = L::zero();
+        for (&arm, &present) in self.arms_a.iter().zip(&self.present) {
+            radii += (arm - from).length() * present;
+        }
+        radii * share
+    }
+
     /// The mean of arms, each of which counts for `share`.
     #[inline(always)]
     fn mean(&self, arms: &[Vec3<L>; P], share: L) -> Vec3<L> {
@@ -166,7 +186,7 @@ kernel! {
     ) {
         let touching = matches!(friction, FrictionToFill::Touching(_));
         let mut springs = input.soft.then(SpringColumns::default);
-        let columns = Columns::<P>::gather(parts, touching, tree_slots, springs.as_mut(), input);
+        let columns = gather_columns::<L, P>(parts, touching, tree_slots, springs.as_mut(), input);
         (batch.a, batch.contact) = (columns.a, columns.contact);
         (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);
         [batch.write_a, batch.write_b] = columns.write;
@@ -206,11 +226,7 @@ kernel! {
         if let FrictionToFill::None = friction {
             return;
         }
-        let mut count = L::zero();
-        for &present in &points.present {
-            count += present;
-        }
-        let share = L::one() / count.max(L::one());
+        let share = points.share();
         let (fa, fb) = (points.mean(&points.arms_a, share), points.mean(&points.arms_b, share));
         if let Some(surface) = beside.surface {
             let (past, (t1, t2)) = (vec3::<L>(&columns.past), n.tangents());
@@ -226,11 +242,7 @@ kernel! {
             }
             FrictionToFill::Touching(f) => {
                 let fb = set_arms(f, batch, [fa, fb], input);
-                let mut radii = L::zero();
-                for (&arm, &present) in points.arms_a.iter().zip(&points.present) {
-                    radii += (arm - fa).length() * present;
-                }
-                f.radius = radii * share;
+                f.radius = points.radius(fa, share);
                 fill_friction(f, &geometry, fb);
                 if let Some(rolling) = beside.rolling.filter(|_| columns.rolls) {
                     fill_rolling(rolling, &geometry);
@@ -339,7 +351,10 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
 
 kernel! {
     /// Fills the rows against rolling, about the tangents of friction.
-    fn fill_rolling<'a, L: GatherLanes, const P: usize>(row: &'a mut RollingRow, geometry: &'a Geometry<'a, L, P>) {
+    fn fill_rolling<'a, L: GatherLanes, const P: usize>(
+        row: &'a mut RollingRow,
+        geometry: &'a Geometry<'a, L, P>,
+    ) {
         let (columns, n, [ia, ib]) = (geometry.columns, geometry.normal, geometry.inverse_inertia);
         let (t1, t2) = n.tangents();
         let (x, y) = (ia.mul(t1) + ib.mul(t1), ia.mul(t2) + ib.mul(t2));

@@ -99,8 +99,8 @@ fn bit<L: Lanes>(mask: L::Mask, value: f32) -> L {
 }
 
 kernel! {
-    /// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along `normal`.
-    /// All in the frame of `p`.
+    /// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along
+    /// `normal`. All in the frame of `p`.
     fn edges_near_in<'a, L: Lanes>(
         p: &'a Polytope<'a>,
         min: Vec3,
@@ -247,8 +247,8 @@ kernel! {
                 let [v0, v1] = edge.vertices.map(|v| a.vertices[usize::from(v)]);
                 let [a0, a1] = edge.faces.map(|f| a.planes[usize::from(f)].0);
                 let along = LaneVec3::<L>::splat(v1 - v0);
-                // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of its
-                // two normals, so that four dot products tell.
+                // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of
+                // its two normals, so that four dot products tell.
                 let (c0a, c1a) = (c0.dot(along), c1.dot(along));
                 let a0b = LaneVec3::splat(a0).dot(lanes.along);
                 let a1b = LaneVec3::splat(a1).dot(lanes.along);
@@ -274,7 +274,8 @@ kernel! {
                 for (i, &s) in separation.eight().iter().enumerate() {
                     if bits >> i & 1 != 0 && s > most {
                         most = s;
-                        best = Some(EdgeAxis { normal: normal.lane(i), separation: s, edges: [ia, index[i]] });
+                        let edges = [ia, index[i]];
+                        best = Some(EdgeAxis { normal: normal.lane(i), separation: s, edges });
                     }
                 }
             }

@@ -77,8 +77,13 @@ fn furthest_aligned<L: Lanes>(
 }
 
 kernel! {
-    /// Puts the closest features' manifold into the lanes of `lanes`: one point, or two where edges are parallel.
-    pub(crate) fn closest_vertex<'a, L: Lanes>(x: &'a Boxes<L>, lanes: L::Mask, out: &'a mut ManifoldLanes<L>) {
+    /// Puts the closest features' manifold into the lanes of `lanes`: one point, or two where edges are
+    /// parallel.
+    pub(crate) fn closest_vertex<'a, L: Lanes>(
+        x: &'a Boxes<L>,
+        lanes: L::Mask,
+        out: &'a mut ManifoldLanes<L>,
+    ) {
         let (r, half) = (&x.r, L::splat(0.5));
         let (half_a, half_b) = (Vec3::new(x.a[0], x.a[1], x.a[2]), Vec3::new(x.b[0], x.b[1], x.b[2]));
         // b's vertices in a's frame, and a's in b's.
@@ -86,7 +91,8 @@ kernel! {
         let axes_b: [Vec3<L>; 3] = std::array::from_fn(|j| Vec3::new(r[0][j], r[1][j], r[2][j]) * x.b[j]);
         let axes_a: [Vec3<L>; 3] = std::array::from_fn(|i| Vec3::new(r[i][0], r[i][1], r[i][2]) * x.a[i]);
         let middle = |v: &Vertex<L>| v.at - v.gap * half;
-        let ((of_b, b_squared), (of_a, a_squared)) = (nearest(p, &axes_b, half_a), nearest(q, &axes_a, half_b));
+        let (of_b, b_squared) = nearest(p, &axes_b, half_a);
+        let (of_a, a_squared) = nearest(q, &axes_a, half_b);
         let from_a = a_squared.lt(b_squared);
         let gap = Vec3::select(from_a, -x.from_b(of_a.gap), of_b.gap);
         let (normal, distance) = direction(gap, L::zero(), out.normal);

@@ -78,8 +78,9 @@ kernel! {
         let mut out = face_points(&boxes, &face, apart, p.margin);
         let [s0, s1, s2, s3] = out.separation;
         let deepest = s0.min(s1).min(s2.min(s3));
-        // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on. Thin
-        // boxes that lie across each other would otherwise go from the one to the other and back for ever.
+        // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on.
+        // Thin boxes that lie across each other would otherwise go from the one to the other and back for
+        // ever.
         let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT_FACE_COSINE))
             & (deepest - edge.separation).abs().le(allowed(edge.separation))
             & ((edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_FACE_BIAS)) | !apart);

@@ -11,7 +11,8 @@ kernel! {
         let centre = -axes.mul_transposed(p.position);
         let excess = centre - centre.max(-half).min(half);
         let (face, depth) = nearest_face(centre, half);
-        // A component within the box is exactly zero in `excess`, so the direction is sound down to tiny gaps.
+        // A component within the box is exactly zero in `excess`, so the direction is sound down to tiny
+        // gaps.
         let (outwards, distance) = direction(excess, L::zero(), face);
         let inside = distance.le(L::splat(1e-15));
         let gap = L::select(inside, depth, distance);

@@ -9,12 +9,12 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, kernel};
 
 kernel! {
     /// Applies friction after a substep in which potential points pushed: against the slip that remains, and
-    /// bounded by their load. They have no friction while rows are solved, so that a near miss causes none; but
-    /// where they pushed, the surfaces did touch, and friction is due. Without it a ball that lands at an angle
-    /// would skid as on ice.
+    /// bounded by their load. They have no friction while rows are solved, so that a near miss causes none;
+    /// but where they pushed, the surfaces did touch, and friction is due. Without it a ball that lands at an
+    /// angle would skid as on ice.
     ///
-    /// The velocities before any row acted are changed in the same direction, as warm starting does not repeat
-    /// this impulse. Returns whether the change shifts loads.
+    /// The velocities before any row acted are changed in the same direction, as warm starting does not
+    /// repeat this impulse. Returns whether the change shifts loads.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.

@@ -219,7 +219,8 @@ kernel! {
         let rolled = [old[0] - mass * w1, old[1] - mass * w2];
         let length = (rolled[0] * rolled[0] + rolled[1] * rolled[1]).sqrt();
         let scale = L::select(length.gt(limit), limit / length, L::one());
-        let new = [L::select(holds, held[0], rolled[0] * scale), L::select(holds, held[1], rolled[1] * scale)];
+        let x = L::select(holds, held[0], rolled[0] * scale);
+        let new = [x, L::select(holds, held[1], rolled[1] * scale)];
         let change = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
         new[0].store(&mut row.impulse[0]);
         new[1].store(&mut row.impulse[1]);

@@ -28,8 +28,8 @@ use spring::{Course, Spring};
 const SWEEPS: usize = 3;
 
 kernel! {
-    /// The step of [`solve`](super::row::solve) for a batch with soft lanes. A function of its own: few scenes
-    /// need its code.
+    /// The step of [`solve`](super::row::solve) for a batch with soft lanes. A function of its own: few
+    /// scenes need its code.
     ///
     /// # Safety
     /// As for `solve`.

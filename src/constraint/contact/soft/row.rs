@@ -40,14 +40,14 @@ impl Default for SoftRow {
 }
 
 kernel! {
-    /// Fills the springs of a batch, whose normal rows are filled, for substeps of `h` seconds. `along`: by how
-    /// much a unit impulse at both centres changes the normal velocity [1/kg].
+    /// Fills the springs of a batch, whose normal rows are filled, for substeps of `h` seconds. `along`: by
+    /// how much a unit impulse at both centres changes the normal velocity [1/kg].
     ///
-    /// The points share a spring of the frequency that the two bodies would have on it if they did not rotate, so
-    /// the depth at which a body rests does not depend on its shape. Each has the share that it has where the
-    /// contact has as many points as the two kinds of shape can have: a share by the number of points that there
-    /// are would change the energy of the spring whenever one comes or goes. A spring is at most so stiff that
-    /// its phase turns by [`SOFT_TURN`] in a substep.
+    /// The points share a spring of the frequency that the two bodies would have on it if they did not
+    /// rotate, so the depth at which a body rests does not depend on its shape. Each has the share that it
+    /// has where the contact has as many points as the two kinds of shape can have: a share by the number of
+    /// points that there are would change the energy of the spring whenever one comes or goes. A spring is at
+    /// most so stiff that its phase turns by [`SOFT_TURN`] in a substep.
     pub(in crate::constraint::contact) fn fill_soft<'a, L: GatherLanes, const P: usize, const B: usize>(
         row: &'a mut SoftRow,
         batch: &'a Batch<L, P, B>,
