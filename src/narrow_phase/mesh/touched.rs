@@ -108,7 +108,7 @@ impl Touched {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::Mask;
+    use crate::lanes::{Mask, f32x8};
     use crate::narrow_phase::mesh::Triangles;
     use crate::narrow_phase::mesh::nearby::Eight;
 
@@ -126,7 +126,7 @@ mod tests {
         }
         let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
         eight.push(4, wall);
-        let triangles = Triangles::new(&eight, eight.lanes(), &Pose::IDENTITY, Vec3::ZERO);
+        let triangles = Triangles::<f32x8>::new(&eight, eight.lanes(), &Pose::IDENTITY, Vec3::ZERO);
         assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b00011);
         touched.whole = true;
         assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b01011);
