@@ -9,8 +9,9 @@ use crate::config::Continuous;
 use crate::config::tuning::FAT_MARGIN;
 use crate::joint::Joints;
 use crate::lanes::Record;
+use crate::math::Quat;
 use crate::memory::{Allowances, Category, buffers, bytes_of};
-use crate::shape::Collider;
+use crate::shape::{Collider, ColliderSummary, Kind};
 use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 
@@ -101,8 +102,8 @@ pub(crate) fn place(
         allowances.within(Category::Scratch, |allowance| allowance.fit(movers, len));
         movers.resize(len, empty);
         let out = Shared::new(movers);
-        let poses = Shared::new(&mut colliders.poses);
-        let (bodies, all) = (input.bodies, &colliders.all);
+        let (poses, swings) = (Shared::new(&mut colliders.poses), Shared::new(&mut colliders.swings));
+        let (bodies, all, summaries) = (input.bodies, &colliders.all, &colliders.summaries);
         let (motion, whole) = (input.motion, input.mode);
         let starts = &*starts;
         workers.run((end - first).div_ceil(BLOCK), &|block| {
@@ -116,6 +117,7 @@ pub(crate) fn place(
                         let placed = poses.get(c as usize);
                         placed.position = pose.position + (pose.rotation * collider.position).as_dvec3();
                         placed.rotation = pose.rotation * collider.rotation;
+                        *swings.get(c as usize) = swing(&summaries[c as usize], placed.rotation, &motion[i]);
                         *out.get((starts[i] - start) as usize + k) = mover(
                             c,
                             collider,
@@ -168,6 +170,23 @@ pub(crate) fn find(
     let still = input.senses_static;
     let rules = Rules { may_collide: &may_collide, order: &order, missing, still };
     broad.update_within(workers, &rules, &mut buffers.removed, memory)
+}
+
+/// How far a motion's rotation moves points of a shape, at most [m]. `rotation`: the shape's.
+fn swing(shape: &ColliderSummary, rotation: Quat, motion: &Record) -> f32 {
+    // An endless plane on a body that doesn't turn reaches nowhere.
+    let turn = motion.turn_angle;
+    if turn == 0.0 {
+        return 0.0;
+    }
+    // Turning a round shape about its axis does not change it.
+    let tilt = match shape.kind {
+        Kind::Sphere => return turn * shape.lever,
+        Kind::Capsule | Kind::Cylinder => motion.angular.cross(rotation * Vec3::Y).length(),
+        _ => turn,
+    };
+    // A point of the shape can't move further than across it.
+    turn * shape.lever + (tilt * shape.radius).min(2.0 * shape.radius)
 }
 
 fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {

@@ -11,6 +11,9 @@ pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
     pub(crate) summaries: Vec<ColliderSummary>,
     pub(crate) poses: Vec<Pose>,
+    /// The furthest that predicted rotation moves points of a shape within the step, if its body can move [m].
+    /// Of no meaning between steps.
+    pub(crate) swings: Vec<f32>,
     pub(crate) slots: Slots,
     /// The part of materials that few shapes have, by index as far as it goes; empty while none has it.
     pub(crate) rare: Vec<RareMaterial>,
@@ -19,7 +22,9 @@ pub(crate) struct Colliders {
 buffers! {
     Colliders {
         /// For so many colliders, and so many that have a place in the column of rare materials.
-        each(n: usize, rare: usize) { all(n), summaries(n), poses(n), slots(n), rare(rare) }
+        each(n: usize, rare: usize) {
+            all(n), summaries(n), poses(n), swings(n), slots(n), rare(rare)
+        }
     }
 }
 
@@ -31,6 +36,7 @@ impl Colliders {
         allowance.fit(&mut self.all, len);
         allowance.fit(&mut self.summaries, len);
         allowance.fit(&mut self.poses, len);
+        allowance.fit(&mut self.swings, len);
     }
 
     /// What few shapes have of a material.

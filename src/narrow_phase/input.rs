@@ -7,7 +7,7 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::{Continuous, Start};
 use crate::lanes::Record;
-use crate::shape::{Collider, ColliderSummary, Kind};
+use crate::shape::{Collider, ColliderSummary};
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
@@ -15,6 +15,8 @@ pub(crate) struct Input<'a> {
     pub(crate) summaries: &'a [ColliderSummary],
     /// World pose of each collider at the start of the step.
     pub(crate) poses: &'a [Pose],
+    /// See [`Colliders`](crate::body::Colliders).
+    pub(crate) swings: &'a [f32],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
     /// What gravity adds to the displacement of a dynamic body within the step [m].
@@ -47,6 +49,12 @@ impl Input<'_> {
         self.motion.get(body).copied().unwrap_or_default()
     }
 
+    /// The furthest that a collider's rotation moves its points within the step [m].
+    fn swing_of(&self, collider: u32) -> f32 {
+        let body = self.summaries[collider as usize].body as usize;
+        if body < self.motion.len() { self.swings[collider as usize] } else { 0.0 }
+    }
+
     /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
@@ -68,31 +76,13 @@ impl Input<'_> {
     /// How a pair may approach within the step.
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
-        let swing = |collider: u32, motion: &Record| {
-            // An endless plane on a body that doesn't turn reaches nowhere.
-            let (c, turn) = (&self.summaries[collider as usize], motion.turn_angle);
-            if turn == 0.0 {
-                return 0.0;
-            }
-            // Turning a round shape about its axis does not change it.
-            let tilt = match c.kind {
-                Kind::Sphere => return turn * c.lever,
-                Kind::Capsule | Kind::Cylinder => {
-                    let axis = self.poses[collider as usize].rotation * glam::Vec3::Y;
-                    motion.angular.cross(axis).length()
-                }
-                _ => turn,
-            };
-            // A point of the shape can't move further than across it.
-            turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
-        };
         let displacement = b.linear - a.linear;
         let own = |c: u32| self.summaries[c as usize].mode;
         let mode = self.mode.of(own(pair.a).max(own(pair.b)));
         Approach {
             displacement,
             length: displacement.length(),
-            swing: swing(pair.a, &a) + swing(pair.b, &b),
+            swing: self.swing_of(pair.a) + self.swing_of(pair.b),
             mode,
         }
     }

@@ -32,6 +32,7 @@ impl World {
             self.colliders.summaries.push(collider.summaries(mode));
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
+            self.colliders.swings.push(0.0);
         } else {
             self.colliders.slots.moved(slot, slot);
             self.colliders.summaries[slot as usize] = collider.summaries(mode);
@@ -83,6 +84,8 @@ impl World {
         shapes.all.resize(slots, nothing);
         shapes.poses.clear();
         shapes.poses.resize(slots, nowhere);
+        shapes.swings.clear();
+        shapes.swings.resize(slots, 0.0);
         shapes.rare.clear();
         self.broad.reset(slots);
     }

@@ -78,6 +78,7 @@ impl World {
             colliders: &self.colliders.all,
             summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
+            swings: &self.colliders.swings,
             motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
