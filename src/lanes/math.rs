@@ -1,6 +1,7 @@
 //! Vectors, quaternions and matrices over lanes.
 
 use super::{Lanes, Mask};
+use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
@@ -19,6 +20,15 @@ pub(crate) struct Vec3<L> {
     pub(crate) y: L,
     pub(crate) z: L,
 }
+
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable> Zeroable for Vec3<L> {}
+// SAFETY: it is nothing but lanes, of which any bits are numbers, in the order of C.
+unsafe impl<L: Pod> Pod for Vec3<L> {}
+// SAFETY: as for `Vec3`.
+unsafe impl<L: Zeroable> Zeroable for Sym3<L> {}
+// SAFETY: as for `Vec3`.
+unsafe impl<L: Pod> Pod for Sym3<L> {}
 
 impl<L: Arithmetic> Vec3<L> {
     #[inline(always)]
@@ -155,6 +165,7 @@ impl<L: Arithmetic> SubAssign for Vec3<L> {
 
 /// A rotation per lane, as a unit quaternion.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Quat<L> {
     pub(crate) v: Vec3<L>,
     pub(crate) w: L,

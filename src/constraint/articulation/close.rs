@@ -10,6 +10,7 @@ use super::contacts::{Request, TreeBody};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::row::{BodyPair, Motion, Response, relative, row};
 use crate::lanes::{GatherLanes, Mask, Vec3};
@@ -29,7 +30,7 @@ pub(crate) struct Closing {
     pub(crate) slop: f32,
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Closes the joints that are open.
     ///
     /// # Safety

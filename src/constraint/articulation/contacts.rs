@@ -12,6 +12,7 @@ use super::node::Node;
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::friction::impact::potential_load;
@@ -20,7 +21,8 @@ use crate::constraint::contact::row::{
 };
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
-use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8, kernel, with_best};
+use bytemuck::{must_cast, must_cast_ref};
 
 /// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
 const TRAVERSALS: u32 = 2;
@@ -36,8 +38,8 @@ pub(crate) enum Request<'a> {
     Stop(&'a Closing),
 }
 
-/// Widths in which trees are solved: eight at a time, or one.
-pub(crate) trait TreeLanes: GatherLanes {
+/// Widths in which trees are solved, with the contacts of their bodies.
+pub(crate) trait TreeLanes: TreeWidth {
     /// Solves the contacts of one body in each tree of a batch.
     ///
     /// # Safety
@@ -62,13 +64,19 @@ impl TreeLanes for f32x8 {
         let (i, lanes) = (contacts.batch.index as usize, &views.one.lanes);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
-            let friction = if contacts.potential { None } else { lanes.friction.touching(contacts.batch) };
-            match contacts.batch.points {
-                1 => touch(lanes.p1.get(i), friction, request, body, motion),
-                2 => touch(lanes.p2.get(i), friction, request, body, motion),
-                3 => touch(lanes.p3.get(i), friction, request, body, motion),
-                _ => touch(lanes.p4.get(i), friction, request, body, motion),
-            }
+            with_best!(Wide => {
+                let (velocity, whole) = (must_cast(body.velocity), must_cast_ref(body.whole));
+                let rows = lanes.friction.cast::<Wide>();
+                let friction = if contacts.potential { None } else { rows.touching(contacts.batch) };
+                let (p1, p2, p3, p4) = (&lanes.p1, &lanes.p2, &lanes.p3, &lanes.p4);
+                let [velocity, push] = match contacts.batch.points {
+                    1 => touch(p1.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
+                    2 => touch(p2.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
+                    3 => touch(p3.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
+                    _ => touch(p4.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
+                };
+                (body.velocity, body.push) = (must_cast(velocity), must_cast(push));
+            })
         }
     }
 }
@@ -85,7 +93,8 @@ impl TreeLanes for f32 {
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
             let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };
-            touch(single.all.get(i), friction, request, body, motion)
+            let (velocity, whole) = (body.velocity, body.whole);
+            [body.velocity, body.push] = touch(single.all.get(i), friction, request, velocity, whole, motion);
         }
     }
 }
@@ -107,29 +116,7 @@ impl<'a, L: Lanes> TreeBody<'a, L> {
     }
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
-    /// Finds how each body responds to an impulse on it, as part of the whole tree.
-    pub(crate) fn answer(&mut self) {
-        for i in 0..self.real {
-            let (parent, node) = self.with_parent(i);
-            let column = |unit: Twist<L>| {
-                let mut push = unit;
-                if node.jointed {
-                    let [arm, other] = node.arm_now;
-                    let mut requested = node.free.mul(&unit).seen_at(arm);
-                    if let Some(parent) = &parent {
-                        requested.subtract(
-                            parent.whole.mul(&node.stiff.mul(&requested).moved(other)).seen_at(other),
-                        );
-                    }
-                    push.subtract(node.stiff.mul(&requested).moved(arm));
-                }
-                node.free.mul(&push)
-            };
-            node.whole = Sym6::by_columns(column);
-        }
-    }
-
+impl<L: TreeWidth> TreeBatch<L> {
     /// Visits the bodies from the root on and calls `solve` with the contacts of each, and with its velocity
     /// at that moment.
     pub(crate) fn traverse(
@@ -276,48 +263,50 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
     }
 }
 
-/// Solves the contacts of one body of each tree.
-///
-/// # Safety
-/// No other thread works on the batch, and none writes displacements.
-#[inline(always)]
-unsafe fn touch<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P, 0>,
-    friction: Option<&mut FrictionRow<L, 0>>,
-    request: Request<'_>,
-    body: &mut TreeBody<'_, L>,
-    motion: &Motion<'_, '_>,
-) {
-    if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
-        // SAFETY: by the contract.
-        unsafe { follow(batch, motion) };
+kernel! {
+    /// Solves the contacts of one body of each tree. Returns its new velocity, and the impulse of the contacts.
+    ///
+    /// # Safety
+    /// No other thread works on the batch, and none writes displacements.
+    unsafe fn touch<'a, L: GatherLanes, const P: usize>(
+        batch: &'a mut Batch<L, P, 0>,
+        friction: Option<&'a mut FrictionRow<L, 0>>,
+        request: Request<'a>,
+        velocity: Twist<L>,
+        whole: &'a Sym6<L>,
+        motion: &'a Motion<'a, 'a>,
+    ) -> [Twist<L>; 2] {
+        if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
+            // SAFETY: by the contract.
+            unsafe { follow(batch, motion) };
+        }
+        let (zero, v) = (Vec3::zero(), velocity);
+        let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+        let push = match (request, friction) {
+            (Request::Solve(pass), None) => {
+                let mut whole = Whole::new(whole, batch, None);
+                sweep::<L, P, 0, false, _>(batch, None, None, &mut v, pass, &mut whole);
+                whole.push
+            }
+            (Request::Solve(pass), Some(friction)) => {
+                let mut whole = Whole::new(whole, batch, Some(friction));
+                // SAFETY: by the contract: each batch has a row of its own.
+                let rolling = unsafe { pass.rolling.find(batch.rolling as usize) };
+                sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut v, pass, &mut whole);
+                whole.push
+            }
+            (Request::Push(closing), _) => {
+                let mut whole = Whole::new(whole, batch, None);
+                keep_out(batch, &mut v, closing, &mut whole);
+                whole.push
+            }
+            (Request::Stop(closing), _) => {
+                keep_out(batch, &mut v, closing, &mut Free);
+                Twist::zero()
+            }
+        };
+        [Twist { linear: v.va, angular: v.wa }, push]
     }
-    let (zero, v) = (Vec3::zero(), body.velocity);
-    let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-    body.push = match (request, friction) {
-        (Request::Solve(pass), None) => {
-            let mut whole = Whole::new(body.whole, batch, None);
-            sweep::<L, P, 0, false, _>(batch, None, None, &mut v, pass, &mut whole);
-            whole.push
-        }
-        (Request::Solve(pass), Some(friction)) => {
-            let mut whole = Whole::new(body.whole, batch, Some(friction));
-            // SAFETY: by the contract: each batch has a row of its own.
-            let rolling = unsafe { pass.rolling.find(batch.rolling as usize) };
-            sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut v, pass, &mut whole);
-            whole.push
-        }
-        (Request::Push(closing), _) => {
-            let mut whole = Whole::new(body.whole, batch, None);
-            keep_out(batch, &mut v, closing, &mut whole);
-            whole.push
-        }
-        (Request::Stop(closing), _) => {
-            keep_out(batch, &mut v, closing, &mut Free);
-            Twist::zero()
-        }
-    };
-    body.velocity = Twist { linear: v.va, angular: v.wa };
 }
 
 /// Checks the contacts that were solved along with trees once more, after rows that know nothing of the tree:

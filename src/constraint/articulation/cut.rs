@@ -13,10 +13,11 @@
 use super::node::Turns;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
 use crate::constraint::joint::row::{ENDLESS, before_stops};
-use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
 pub(crate) const MAX_ROWS: usize = 16;
@@ -160,7 +161,7 @@ pub(crate) fn rows_of(turns: Turns) -> usize {
     }
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Sets up the rows for the current positions, and their responses to each other.
     pub(crate) fn factor_extra(&mut self) {
         let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
@@ -288,11 +289,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         let push = extra.solve(&rest, cut);
         for node in &mut self.nodes[..real] {
-            (node.before, node.pushed_before) = ((node.change, node.force), node.pushed);
+            (node.before, node.pushed_before) = ([node.change, node.force], node.pushed);
         }
         self.push_along(extra.directions.iter().zip(push));
         for node in &mut self.nodes[..real] {
-            let (change, force) = node.before;
+            let [change, force] = node.before;
             node.change.add(change);
             node.force.add(force);
             node.pushed = node.pushed_before;

@@ -18,10 +18,11 @@ use super::free_rotation::{exp, log};
 use super::node::Node;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
-use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
+use crate::lanes::{Lanes, Mask, Vec3, scatter};
 
 /// Maximum number of Newton rounds, and the largest rotation of a body in one [rad].
 const ROUNDS: u32 = 24;
@@ -30,6 +31,7 @@ const FURTHEST: f32 = 0.5;
 
 /// State of a body from which its substep is solved again.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Start<L> {
     /// Displacement at the start of the substep.
     pub(crate) moved: Twist<L>,
@@ -46,7 +48,7 @@ impl<L: Lanes> Default for Start<L> {
     }
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Returns those of the watched lanes in which velocities open joints wide or gain energy. Stores where
     /// their bodies were at the start of the substep.
     ///

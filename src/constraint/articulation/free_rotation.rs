@@ -100,6 +100,7 @@ const LEVEL: f32 = 1e-5;
 
 /// Principal moments of inertia [kg m²].
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Moments<L> {
     /// Principal axes at the start of the step. The third is the axis of a symmetric top: the other two have
     /// the most similar moments.

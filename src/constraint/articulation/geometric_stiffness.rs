@@ -3,11 +3,12 @@
 use super::node::Node;
 use super::spatial::{plus, scaled};
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::config::tuning::TREE_SAFE_FREQUENCY;
 use crate::constraint::joint::ends::inverse;
-use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
+use crate::lanes::{Lanes, Sym3, Vec3};
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// A load that pulls at an arm turns the body back, the faster the lighter it is: a chain that bears a
     /// thousand times its own weight is a string whose frequency is too high for the substep, and would tear
     /// itself apart. Where that is so, the stiffness of the load is added to the inertia, as if it were

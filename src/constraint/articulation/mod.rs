@@ -14,3 +14,4 @@ mod sweep;
 mod transfer;
 pub(crate) mod tree;
 pub(crate) mod trees;
+pub(crate) mod width;

@@ -9,6 +9,7 @@ use crate::lanes::{Lanes, Quat, Sym3, Vec3};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
 pub(crate) enum Turns {
     Freely,
     AboutAxis,
@@ -17,6 +18,7 @@ pub(crate) enum Turns {
 
 /// A body and the joint between it and its parent.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Node<L> {
     /// The lock of the joint's point in each lane, and that of its rotation. For a root that hangs on
     /// nothing, any lock of its body.
@@ -102,10 +104,19 @@ pub(crate) struct Node<L> {
     /// Impulse of the joint, subtracted from the body at its arm.
     pub(crate) force: Twist<L>,
     /// Change, force and impulses of the tree without the rows beside it.
-    pub(crate) before: (Twist<L>, Twist<L>),
+    pub(crate) before: [Twist<L>; 2],
     pub(crate) pushed_before: Twist<L>,
     /// State from which a substep is solved again.
     pub(crate) start: Start<L>,
+}
+
+/// A node and its parent, which precedes it.
+#[inline(always)]
+pub(crate) fn with_parent<L>(nodes: &mut [Node<L>], i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
+    let (before, rest) = nodes.split_at_mut(i);
+    let node = &mut rest[0];
+    // Out of range for a root.
+    (before.get_mut(node.parent as usize), node)
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -151,7 +162,7 @@ impl<L: Lanes> Default for Node<L> {
             pushes: Twist::zero(),
             beside: Twist::zero(),
             force: Twist::zero(),
-            before: (Twist::zero(), Twist::zero()),
+            before: [Twist::zero(); 2],
             pushed_before: Twist::zero(),
             start: Start::default(),
             joined: Sym6::zero(),

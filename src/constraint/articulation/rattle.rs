@@ -17,16 +17,18 @@ use super::node::{Node, Turns};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::config::tuning::{
     RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
 };
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::joint::Lock;
-use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather};
+use crate::lanes::{Lanes, Mask, Quat, Sym3, Vec3, gather};
 
 /// How a body moves without joints.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Drift<L> {
     pub(crate) moments: Moments<L>,
     /// Principal axes after the last substep.
@@ -67,7 +69,7 @@ const LOST: f32 = 1e-5;
 /// Share of [`Closing::tolerance`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Decides which trees conserve energy in this step: those that touch nothing, and in which no body bears
     /// a load that is too heavy for it or that swings it too fast for the substep. The load is the impulse of
     /// the last substep, or the weight of what hangs there if that is more.

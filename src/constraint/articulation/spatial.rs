@@ -2,12 +2,14 @@
 
 use crate::constraint::joint::ends::inverse;
 use crate::lanes::{Lanes, Sym3, Vec3};
+use bytemuck::{Pod, Zeroable};
 
 /// A matrix by its columns.
 pub(crate) type Mat3<L> = [Vec3<L>; 3];
 
 /// A linear and an angular part.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Twist<L> {
     pub(crate) linear: Vec3<L>,
     pub(crate) angular: Vec3<L>,
@@ -54,10 +56,42 @@ impl<L: Lanes> Twist<L> {
 
 /// A symmetric 6x6 matrix: linear, mixed (linear rows, angular columns) and angular blocks.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Sym6<L> {
     pub(crate) linear: Sym3<L>,
     pub(crate) mixed: Mat3<L>,
     pub(crate) angular: Sym3<L>,
+}
+
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable> Zeroable for Twist<L> {}
+// SAFETY: it is nothing but lanes, of which any bits are numbers, in the order of C.
+unsafe impl<L: Pod> Pod for Twist<L> {}
+// SAFETY: as for `Twist`.
+unsafe impl<L: Zeroable> Zeroable for Sym6<L> {}
+// SAFETY: as for `Twist`.
+unsafe impl<L: Pod> Pod for Sym6<L> {}
+
+/// A linear map of velocities or impulses.
+pub(crate) trait Map<L> {
+    fn of(&self, unit: Twist<L>) -> Twist<L>;
+}
+
+/// See [`Sym6::joined_at`].
+struct Joined<'a, L> {
+    mobility: &'a Sym6<L>,
+    arm: Vec3<L>,
+    joined: &'a Sym6<L>,
+}
+
+impl<L: Lanes> Map<L> for Joined<'_, L> {
+    #[inline(always)]
+    fn of(&self, unit: Twist<L>) -> Twist<L> {
+        let mut left = self.mobility.mul(&unit);
+        let push = self.joined.mul(&left.seen_at(self.arm)).moved(self.arm);
+        left.subtract(self.mobility.mul(&push));
+        left
+    }
 }
 
 #[inline(always)]
@@ -115,21 +149,16 @@ impl<L: Lanes> Sym6<L> {
     #[inline(always)]
     pub(crate) fn mobility_at(&self, arm: Vec3<L>) -> Self {
         let (x, y, z) = axes::<L>();
-        let over = [x, y, z].map(|e| arm.cross(e));
+        let over = [arm.cross(x), arm.cross(y), arm.cross(z)];
+        let (own, rows, turned) = (columns(&self.linear), self.transposed_mixed(), columns(&self.angular));
         // Columns: the effect there of an impulse at the point without a torque, and of a torque.
-        let linear: Mat3<L> = std::array::from_fn(|k| {
-            let own = columns(&self.linear)[k] + mul(&self.mixed, over[k]);
-            own + (self.turned_by(k) + self.angular.mul(over[k])).cross(arm)
-        });
-        let turned = columns(&self.angular);
-        let mixed = std::array::from_fn(|k| self.mixed[k] + turned[k].cross(arm));
+        let (mut linear, mut mixed) = ([Vec3::zero(); 3], [Vec3::zero(); 3]);
+        for k in 0..3 {
+            let own = own[k] + mul(&self.mixed, over[k]);
+            linear[k] = own + (rows[k] + self.angular.mul(over[k])).cross(arm);
+            mixed[k] = self.mixed[k] + turned[k].cross(arm);
+        }
         Sym6 { linear: symmetric(&linear), mixed, angular: self.angular }
-    }
-
-    /// The angular response to a unit of the linear part.
-    #[inline(always)]
-    fn turned_by(&self, k: usize) -> Vec3<L> {
-        self.transposed_mixed()[k]
     }
 
     /// The mobility of a body after a point at an arm has been joined to something else. `joined`: the
@@ -139,25 +168,20 @@ impl<L: Lanes> Sym6<L> {
     /// heavy load is a difference of large numbers.
     #[inline(always)]
     pub(crate) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
-        Self::by_columns(|unit| {
-            let mut left = self.mul(&unit);
-            left.subtract(self.mul(&joined.mul(&left.seen_at(arm)).moved(arm)));
-            left
-        })
+        Self::by_columns(&Joined { mobility: self, arm, joined })
     }
 
-    /// Builds the matrix from its product with each unit vector.
+    /// The matrix of a map that is symmetric, from its product with each unit vector.
     #[inline(always)]
-    pub(crate) fn by_columns(mut column: impl FnMut(Twist<L>) -> Twist<L>) -> Self {
+    pub(crate) fn by_columns(map: &impl Map<L>) -> Self {
         let (x, y, z) = axes::<L>();
         let zero = Vec3::zero();
-        let linear = [x, y, z].map(|e| column(Twist { linear: e, angular: zero }).linear);
-        let turned = [x, y, z].map(|e| column(Twist { linear: zero, angular: e }));
-        Sym6 {
-            linear: symmetric(&linear),
-            mixed: turned.map(|t| t.linear),
-            angular: symmetric(&turned.map(|t| t.angular)),
+        let (mut linear, mut mixed, mut angular) = ([zero; 3], [zero; 3], [zero; 3]);
+        for (k, axis) in [x, y, z].into_iter().enumerate() {
+            linear[k] = map.of(Twist { linear: axis, angular: zero }).linear;
+            Twist { linear: mixed[k], angular: angular[k] } = map.of(Twist { linear: zero, angular: axis });
         }
+        Sym6 { linear: symmetric(&linear), mixed, angular: symmetric(&angular) }
     }
 
     pub(crate) fn zero() -> Self {
@@ -167,7 +191,9 @@ impl<L: Lanes> Sym6<L> {
     #[inline(always)]
     pub(crate) fn add(&mut self, o: &Sym6<L>) {
         (self.linear, self.angular) = (plus(&self.linear, &o.linear), plus(&self.angular, &o.angular));
-        self.mixed.iter_mut().zip(o.mixed).for_each(|(own, column)| *own += column);
+        for (own, column) in self.mixed.iter_mut().zip(o.mixed) {
+            *own += column;
+        }
     }
 
     #[inline(always)]
@@ -183,12 +209,20 @@ impl<L: Lanes> Sym6<L> {
     #[inline(always)]
     pub(crate) fn inverse_with(&self, r: Sym3<L>) -> Self {
         // mixed · r, column by column.
-        let qr = columns(&r).map(|column| mul(&self.mixed, column));
-        let taken = self.transposed_mixed().map(|row| mul(&qr, row));
+        let (mut qr, mut taken) = ([Vec3::zero(); 3], [Vec3::zero(); 3]);
+        for (qr, column) in qr.iter_mut().zip(columns(&r)) {
+            *qr = mul(&self.mixed, column);
+        }
+        for (taken, row) in taken.iter_mut().zip(self.transposed_mixed()) {
+            *taken = mul(&qr, row);
+        }
         let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
-        let mixed = qr.map(|column| -linear.mul(column));
         // r + (mixed r)ᵀ linear (mixed r)
-        let more: Mat3<L> = std::array::from_fn(|k| -mul_transposed(&qr, mixed[k]));
+        let (mut mixed, mut more) = ([Vec3::zero(); 3], [Vec3::zero(); 3]);
+        for k in 0..3 {
+            mixed[k] = -linear.mul(qr[k]);
+            more[k] = -mul_transposed(&qr, mixed[k]);
+        }
         Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
     }
 

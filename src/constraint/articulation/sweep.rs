@@ -4,37 +4,16 @@ use super::contacts::TreeBody;
 use super::cut::Drives;
 use super::node::Node;
 use super::slots::TreeContacts;
-use super::spatial::{Sym6, Twist};
+use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::constraint::joint::ends::JointPass;
-use crate::lanes::{GatherLanes, Sym3, Vec3};
+use crate::lanes::Vec3;
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// From the leaves to the root: the mobility of each body with all that hangs on it.
     pub(crate) fn factor(&mut self) {
-        for node in &mut self.nodes {
-            let mass = node.inverse_mass;
-            let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
-            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.stiffened_inverse };
-        }
-        for i in (0..self.real).rev() {
-            let (parent, node) = self.with_parent(i);
-            if !node.jointed {
-                continue;
-            }
-            let [arm, above] = node.arm_now;
-            let mut mobility = node.free.mobility_at(arm);
-            node.stiff = node.held_by(&mobility);
-            if let Some(parent) = parent {
-                node.rest = parent.free;
-                mobility.add(&node.rest.mobility_at(above));
-                node.joined = node.held_by(&mobility);
-                parent.free = node.rest.joined_at(above, &node.joined);
-            }
-        }
-        if self.contacts.0 < self.contacts.1 {
-            self.answer();
-        }
+        L::factor(&mut self.nodes, self.real, self.contacts.0 < self.contacts.1);
         if self.has_extra() {
             self.factor_extra();
         }
@@ -96,38 +75,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
-    /// velocity by them and by other impulses.
-    ///
-    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own
-    /// inertia: the net impulse on a light body between heavy ones is a small difference of what passes
-    /// through it, and would be lost otherwise.
+    /// The same without cut joints.
     pub(crate) fn answer_bodies(&mut self) {
-        for i in 0..self.real {
-            let (parent, node) = self.with_parent(i);
-            node.pushes = node.pushed;
-            if !node.jointed {
-                continue;
-            }
-            let [arm, other] = node.arm_now;
-            node.force = match parent {
-                Some(parent) => {
-                    let mut requested = node.requested;
-                    node.beside.add(parent.pushes);
-                    requested.subtract(node.rest.mul(&node.beside).seen_at(other));
-                    let force = node.unspun(node.joined.mul(&requested));
-                    parent.pushes.add(force.moved(other));
-                    force
-                }
-                None => node.unspun(node.stiff.mul(&node.requested)),
-            };
-            node.pushes.subtract(node.force.moved(arm));
-        }
-        for node in &mut self.nodes[..self.real] {
-            let Twist { linear, angular } = node.pushes;
-            node.change =
-                Twist { linear: linear * node.inverse_mass, angular: node.stiffened_inverse.mul(angular) };
-        }
+        L::pass_down(&mut self.nodes[..self.real]);
     }
 
     /// Collects what is requested of each joint, less what the joints below it do.

@@ -4,16 +4,17 @@ use super::free_rotation::{exp, log, moved_by};
 use super::node::Turns;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use super::width::TreeWidth;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::{NONE, bend, swerve};
 use crate::constraint::joint::fill::put;
-use crate::lanes::{GatherLanes, Mask, Record, Vec3, gather, scatter};
+use crate::lanes::{Mask, Record, Vec3, gather, scatter};
 
 // Guard: beyond, the numbers are no motion.
 /// Bodies that are faster than this [m/s] or [rad/s] move on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Predicts by how much velocities at the joints change in a substep as bodies turn. Uses the angular
     /// velocities before rows acted: rows whose requests can't be met, and light links under a load, would
     /// turn arbitrarily within the substep.

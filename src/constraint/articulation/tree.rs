@@ -10,14 +10,15 @@
 
 use super::contacts::TreeBody;
 use super::cut::Extra;
-use super::node::{Node, Turns};
+use super::node::{Node, Turns, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Twist, scaled};
+use super::width::TreeWidth;
 use crate::config::tuning::{LIGHTEST_LINK, TREE_RECOVERY_TOUCHING};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::constraint::schedule::order::Place;
-use crate::lanes::{GatherLanes, Mask, Quat, Vec3};
+use crate::lanes::{Mask, Quat, Vec3};
 
 /// Up to eight trees of one shape, parents before children.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +80,7 @@ impl<L> TreeBatch<L> {
     }
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Forgets the last step: what outlives it is in the joints, and a restored world has nothing else.
     pub(crate) fn forget(&mut self) {
         let TreeBatch { mut nodes, mut extra, real, place, .. } = std::mem::take(self);
@@ -91,10 +92,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// A node and its parent, which precedes it.
     #[inline(always)]
     pub(crate) fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
-        let (before, rest) = self.nodes.split_at_mut(i);
-        let node = &mut rest[0];
-        // Out of range for a root.
-        (before.get_mut(node.parent as usize), node)
+        with_parent(&mut self.nodes, i)
     }
 
     /// Bodies so light that rounding of the mobility of what hangs on them would drown theirs count as

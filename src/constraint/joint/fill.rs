@@ -11,6 +11,7 @@ use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
 use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::tree::TreeBatch;
+use crate::constraint::articulation::width::TreeWidth;
 use crate::constraint::contact::batch::lock_bits;
 use crate::joint::{Axes, Axis, Joint, Joints, LockKind, Motion, Placed, Row, RowKind, SpringCoefficients};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
@@ -320,7 +321,7 @@ pub(super) fn borne<L: GatherLanes>(
 const GONE: f32 = 1e-4;
 
 /// Fills a batch of trees. `touching`: dynamic bodies that have contacts.
-pub(crate) fn fill_tree<L: GatherLanes>(
+pub(crate) fn fill_tree<L: TreeWidth>(
     batch: &mut TreeBatch<L>,
     input: &JointInput<'_>,
     inverse_inertia: &[Sym3<f32>],

@@ -12,6 +12,7 @@ use super::run::JointViews;
 use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
 use crate::constraint::articulation::node::{Node, Turns};
 use crate::constraint::articulation::tree::TreeBatch;
+use crate::constraint::articulation::width::TreeWidth;
 use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record};
 use glam::Vec3;
@@ -269,7 +270,7 @@ impl Spring {
     }
 }
 
-impl<L: GatherLanes> Watched for TreeBatch<L> {
+impl<L: TreeWidth> Watched for TreeBatch<L> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
             let own = &self.nodes[self.body_of(i)];
@@ -331,7 +332,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
     }
 }
 
-impl<L: GatherLanes> TreeBatch<L> {
+impl<L: TreeWidth> TreeBatch<L> {
     /// Calls `f` with a body of each joint in some lanes, its lane, and the angular speed of its arms or its
     /// axis [rad/s].
     fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
