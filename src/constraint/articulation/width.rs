@@ -83,7 +83,7 @@ struct Answer<'a, L> {
 impl<L: Lanes> Map<L> for Answer<'_, L> {
     #[inline(always)]
     fn of(&self, unit: Twist<L>) -> Twist<L> {
-        let Answer { node, parent: parent.as_deref() } = self;
+        let Answer { node, parent } = self;
         let mut push = unit;
         if node.jointed {
             let [arm, other] = node.arm_now;
