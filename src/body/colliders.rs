@@ -11,8 +11,8 @@ pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
     pub(crate) summaries: Vec<ColliderSummary>,
     pub(crate) poses: Vec<Pose>,
-    /// The furthest that predicted rotation moves points of a shape within the step, if its body can move [m].
-    /// Of no meaning between steps.
+    /// The furthest that predicted rotation moves points of a shape within the step, if its body can move
+    /// [m]. Of no meaning between steps.
     pub(crate) swings: Vec<f32>,
     pub(crate) slots: Slots,
     /// The part of materials that few shapes have, by index as far as it goes; empty while none has it.

@@ -7,10 +7,10 @@
 //! must not be crossed; where a joint can't be closed without crossing one, it stays open.
 
 use super::contacts::{Request, TreeBody};
+use super::node::TreeWidth;
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::row::{BodyPair, Motion, Response, relative, row};
 use crate::lanes::{GatherLanes, Mask, Vec3};

@@ -8,11 +8,10 @@
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{Closing, keep_out};
-use super::node::Node;
+use super::node::{Node, TreeWidth};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::friction::impact::potential_load;
@@ -264,7 +263,8 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
 }
 
 kernel! {
-    /// Solves the contacts of one body of each tree. Returns its new velocity, and the impulse of the contacts.
+    /// Solves the contacts of one body of each tree. Returns its new velocity, and the impulse of the
+    /// contacts.
     ///
     /// # Safety
     /// No other thread works on the batch, and none writes displacements.

@@ -10,10 +10,9 @@
 //!
 //! A cut joint is a node after those of the bodies. It has its body a second time, and follows it.
 
-use super::node::Turns;
+use super::node::{TreeWidth, Turns};
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
 use crate::constraint::joint::row::{ENDLESS, before_stops};

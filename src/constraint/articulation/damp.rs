@@ -15,10 +15,9 @@
 
 use super::close::Closing;
 use super::free_rotation::{exp, log};
-use super::node::Node;
+use super::node::{Node, TreeWidth};
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;

@@ -1,9 +1,8 @@
 //! Geometric stiffness of joints under load, as additional inertia.
 
-use super::node::Node;
+use super::node::{Node, TreeWidth};
 use super::spatial::{plus, scaled};
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::config::tuning::TREE_SAFE_FREQUENCY;
 use crate::constraint::joint::ends::inverse;
 use crate::lanes::{Lanes, Sym3, Vec3};

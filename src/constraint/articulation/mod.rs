@@ -14,4 +14,3 @@ mod sweep;
 mod transfer;
 pub(crate) mod tree;
 pub(crate) mod trees;
-pub(crate) mod width;

@@ -13,11 +13,10 @@
 use super::close::Closing;
 use super::contacts::{Request, TreeBody};
 use super::free_rotation::{Moments, exp, log, log_near, moved_by};
-use super::node::{Node, Turns};
+use super::node::{Node, TreeWidth, Turns};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::config::tuning::{
     RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
 };

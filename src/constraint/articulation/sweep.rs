@@ -2,11 +2,10 @@
 
 use super::contacts::TreeBody;
 use super::cut::Drives;
-use super::node::Node;
+use super::node::{Node, TreeWidth};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::constraint::joint::ends::JointPass;
 use crate::lanes::Vec3;
 

@@ -1,10 +1,9 @@
 //! What a tree reads of its bodies and writes back: velocities and displacements.
 
 use super::free_rotation::{exp, log, moved_by};
-use super::node::Turns;
+use super::node::{TreeWidth, Turns};
 use super::spatial::Twist;
 use super::tree::TreeBatch;
-use super::width::TreeWidth;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::{NONE, bend, swerve};
 use crate::constraint::joint::fill::put;

@@ -10,10 +10,9 @@
 
 use super::contacts::TreeBody;
 use super::cut::Extra;
-use super::node::{Node, Turns, with_parent};
+use super::node::{Node, TreeWidth, Turns, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Twist, scaled};
-use super::width::TreeWidth;
 use crate::config::tuning::{LIGHTEST_LINK, TREE_RECOVERY_TOUCHING};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
