@@ -1,7 +1,7 @@
 //! Benchmarks of nearby pairs of shapes. An element is a pair.
 
 use super::Kernel;
-use crate::lanes::f32x8;
+use crate::lanes::{Lanes, with_best};
 use crate::math::Quat;
 use crate::narrow_phase::kernels::{
     ManifoldLanes, PairLanes, box_box, capsule_box, capsule_capsule, collider, sphere_box, sphere_capsule,
@@ -69,11 +69,15 @@ fn stacked() -> Vec<Relative> {
         .collect()
 }
 
-type LaneKernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
+type LaneKernel<L> = fn(&PairLanes<L>) -> ManifoldLanes<L>;
 
 /// Pairs whose kernel has eight lanes; loading them and reading the manifolds is included.
 pub fn lanes() -> Vec<Kernel> {
-    let of = |name: &str, a: Collider, b: Collider, kernel: LaneKernel| {
+    with_best!(Wide => lanes_of::<Wide>())
+}
+
+fn lanes_of<L: Lanes>() -> Vec<Kernel> {
+    let of = |name: &str, a: Collider, b: Collider, kernel: LaneKernel<L>| {
         let poses = poses(&a, &b);
         in_lanes(name, a, b, poses, kernel)
     };
@@ -86,11 +90,17 @@ pub fn lanes() -> Vec<Kernel> {
         of("capsule box", capsule(), cuboid(), capsule_box),
         of("capsule box, tapered", tapered(), cuboid(), tapered_capsule_box),
         of("box box", cuboid(), cuboid(), box_box),
-        in_lanes("box box, stacked", cuboid(), cuboid(), stacked(), box_box),
+        in_lanes::<L>("box box, stacked", cuboid(), cuboid(), stacked(), box_box),
     ]
 }
 
-fn in_lanes(name: &str, a: Collider, b: Collider, poses: Vec<Relative>, kernel: LaneKernel) -> Kernel {
+fn in_lanes<L: Lanes>(
+    name: &str,
+    a: Collider,
+    b: Collider,
+    poses: Vec<Relative>,
+    kernel: LaneKernel<L>,
+) -> Kernel {
     let mut out = vec![RawManifold::default(); poses.len()];
     // Through a pointer that is opaque to the optimiser, as in a bin.
     let kernel = black_box(kernel);

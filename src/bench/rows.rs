@@ -5,7 +5,7 @@ use crate::World;
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, FrictionRow, Group, PrepareScratch, Rows, prepare};
-use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
+use crate::lanes::{GatherLanes, Record, Vec3, f32x8, gather, kernel, scatter, with_best};
 use crate::memory::Allowances;
 use crate::threads::{Shared, Workers};
 use std::hint::black_box;
@@ -19,16 +19,22 @@ pub fn records() -> Kernel {
     let batches: Vec<[u32; 8]> = (0..COUNT / 8)
         .map(|batch| std::array::from_fn(|lane| (batch * 8 + lane as u32) * 67 % COUNT))
         .collect();
-    let step = Vec3::<f32x8>::splat(glam::Vec3::splat(0.001));
     Kernel::new("gather and scatter of eight", batches.len(), move || {
         for index in &batches {
-            let (v, w) = gather::<f32x8>(|i| records[i], index);
-            for (&i, record) in index.iter().zip(scatter(v + step, w - step)) {
-                records[i as usize] = record;
-            }
+            with_best!(Wide => move_eight::<Wide>(&mut records, index));
         }
         black_box(&mut records);
     })
+}
+
+kernel! {
+    fn move_eight<'a, L: GatherLanes>(records: &'a mut [Record], index: &'a [u32; 8]) {
+        let step = Vec3::<L>::splat(glam::Vec3::splat(0.001));
+        let (v, w) = gather::<L>(|i| records[i], index);
+        for (&i, record) in index.iter().zip(scatter(v + step, w - step)) {
+            records[i as usize] = record;
+        }
+    }
 }
 
 /// One pass over contacts of four points between two dynamic bodies: with friction, without, and relaxing. An
@@ -39,6 +45,20 @@ pub fn rows(wall: &dyn Fn() -> World) -> Vec<Kernel> {
         pass::<false>("solve, four normals", wall(), false),
         pass::<true>("relax, friction and four normals", wall(), true),
     ]
+}
+
+kernel! {
+    /// # Safety
+    /// As for [`solve`].
+    unsafe fn solve_one<'a, L: GatherLanes, const FRICTION: bool>(
+        batch: &'a mut Batch<L, 4, 1>,
+        friction: &'a mut FrictionRow<L, 1>,
+        motion: &'a Motion<'a, 'a>,
+        pass: &'a Pass<'a>,
+    ) -> bool {
+        // SAFETY: by the contract.
+        unsafe { solve::<L, 4, 1, FRICTION>(batch, Some(friction), motion, pass) }
+    }
 }
 
 fn pass<const FRICTION: bool>(name: &str, mut world: World, relax: bool) -> Kernel {
@@ -84,7 +104,12 @@ fn pass<const FRICTION: bool>(name: &str, mut world: World, relax: bool) -> Kern
         for (batch, friction) in &mut batches {
             // SAFETY: one thread, one batch at a time; the indices are those of the world that the records
             // are from.
-            unsafe { solve::<f32x8, 4, 1, FRICTION>(batch, Some(friction), &motion, &pass) };
+            unsafe {
+                with_best!(Wide => {
+                    let friction: &mut FrictionRow<Wide, 1> = bytemuck::must_cast_mut(friction);
+                    solve_one::<Wide, FRICTION>(batch.cast(), friction, &motion, &pass)
+                });
+            }
         }
     })
 }
