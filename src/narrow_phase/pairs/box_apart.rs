@@ -94,19 +94,19 @@ kernel! {
         let (of_b, b_squared) = nearest(p, &axes_b, half_a);
         let (of_a, a_squared) = nearest(q, &axes_a, half_b);
         let from_a = a_squared.lt(b_squared);
-        let gap = Vec3::select(from_a, -x.from_b(of_a.gap), of_b.gap);
+        let gap = Vec3::select(from_a, -x.seen_from_a(of_a.gap), of_b.gap);
         let (normal, distance) = direction(gap, L::zero(), out.normal);
-        let position = Vec3::select(from_a, p + x.from_b(middle(&of_a)), middle(&of_b));
+        let position = Vec3::select(from_a, p + x.seen_from_a(middle(&of_a)), middle(&of_b));
         let key = L::select(from_a, of_a.key, of_b.key + L::splat(8.0));
 
         // A point nearer than this adds nothing.
         let least = x.least * L::splat(0.05);
         let least = least * least;
         let (second_b, b_squared) = furthest_aligned(p, &axes_b, half_a, position, normal, distance, least);
-        let (there, back) = (x.to_b(position - p), x.to_b(-normal));
+        let (there, back) = (x.seen_from_b(position - p), x.seen_from_b(-normal));
         let (second_a, a_squared) = furthest_aligned(q, &axes_a, half_b, there, back, distance, least);
         let from_a = a_squared.gt(b_squared);
-        let second = Vec3::select(from_a, p + x.from_b(middle(&second_a)), middle(&second_b));
+        let second = Vec3::select(from_a, p + x.seen_from_a(middle(&second_a)), middle(&second_b));
         let second_gap = L::select(from_a, second_a.gap.length(), second_b.gap.length());
         let second_key = L::select(from_a, second_a.key, second_b.key + L::splat(8.0));
         let has_second = a_squared.max(b_squared).gt(least);

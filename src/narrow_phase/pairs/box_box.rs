@@ -44,12 +44,12 @@ impl<L: Lanes> Boxes<L> {
     /// A vector given by the axes of `b`.
     /// A vector in the frame of `b`, in that of `a`.
     #[inline(always)]
-    pub(crate) fn from_b(&self, v: Vec3<L>) -> Vec3<L> {
+    pub(crate) fn seen_from_a(&self, v: Vec3<L>) -> Vec3<L> {
         self.vector_of_b([v.x, v.y, v.z])
     }
-    /// The inverse of [`Boxes::from_b`].
+    /// The inverse of [`Boxes::seen_from_a`].
     #[inline(always)]
-    pub(crate) fn to_b(&self, v: Vec3<L>) -> Vec3<L> {
+    pub(crate) fn seen_from_b(&self, v: Vec3<L>) -> Vec3<L> {
         let [x, y, z] = &self.r;
         Vec3::new(
             x[0] * v.x + y[0] * v.y + z[0] * v.z,
