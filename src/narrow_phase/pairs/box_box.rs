@@ -41,7 +41,6 @@ impl<L: Lanes> Boxes<L> {
         Boxes { p: [p.x, p.y, p.z], q: [q.x, q.y, q.z], r, a, b, least }
     }
 
-    /// A vector given by the axes of `b`.
     /// A vector in the frame of `b`, in that of `a`.
     #[inline(always)]
     pub(crate) fn seen_from_a(&self, v: Vec3<L>) -> Vec3<L> {
@@ -57,6 +56,7 @@ impl<L: Lanes> Boxes<L> {
             x[2] * v.x + y[2] * v.y + z[2] * v.z,
         )
     }
+    /// A vector given by the axes of `b`.
     #[inline(always)]
     pub(crate) fn vector_of_b(&self, v: [L; 3]) -> Vec3<L> {
         let row = |i: usize| self.r[i][0] * v[0] + self.r[i][1] * v[1] + self.r[i][2] * v[2];
