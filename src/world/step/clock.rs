@@ -73,6 +73,8 @@ impl World {
         self.spent = PartTimes::default();
         #[cfg(debug_assertions)]
         self.buffers.spoil();
+        #[cfg(debug_assertions)]
+        self.colliders.swings.fill(f32::NAN);
         self.bodies.stop_at_targets();
         self.reserve_for_step();
         self.keep_rest();
