@@ -94,6 +94,7 @@ pub(crate) fn place(
     };
     // With a budget, capacity for all is reserved in advance.
     let wave = if allowances.is_endless() { WAVE } else { count.max(1) };
+    let per_metre = 1.0 / input.unit;
     broad.start_movers();
     for first in (0..count).step_by(wave) {
         let end = count.min(first + wave);
@@ -103,6 +104,7 @@ pub(crate) fn place(
         movers.resize(len, empty);
         let out = Shared::new(movers);
         let (poses, swings) = (Shared::new(&mut colliders.poses), Shared::new(&mut colliders.swings));
+        let odometers = Shared::new(&mut colliders.odometers);
         let (bodies, all, summaries) = (input.bodies, &colliders.all, &colliders.summaries);
         let (motion, whole) = (input.motion, input.mode);
         let starts = &*starts;
@@ -115,9 +117,12 @@ pub(crate) fn place(
                     // SAFETY: a collider has one body, and a body is in one block.
                     unsafe {
                         let placed = poses.get(c as usize);
-                        placed.position = pose.position + (pose.rotation * collider.position).as_dvec3();
-                        placed.rotation = pose.rotation * collider.rotation;
-                        *swings.get(c as usize) = swing(&summaries[c as usize], placed.rotation, &motion[i]);
+                        let old = std::mem::replace(placed, pose.of_part(collider.position, collider.rotation));
+                        let shape = &summaries[c as usize];
+                        let swing = swing(shape, placed.rotation, &motion[i]);
+                        *swings.get(c as usize) = swing;
+                        let reach = motion[i].linear.length() + swing;
+                        odometers.get(c as usize).advance([&old, placed], shape.radius, reach, per_metre);
                         *out.get((starts[i] - start) as usize + k) = mover(
                             c,
                             collider,

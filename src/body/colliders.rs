@@ -1,6 +1,6 @@
 //! The colliders of all bodies.
 
-use super::Pose;
+use super::{Odometer, Pose};
 use crate::handle::{ShapeHandle, Slots};
 use crate::memory::{Allowance, buffers, bytes_of};
 use crate::shape::{Collider, ColliderSummary, Material, RareMaterial};
@@ -14,6 +14,7 @@ pub(crate) struct Colliders {
     /// The furthest that predicted rotation moves points of a shape within the step, if its body can move
     /// [m]. Of no meaning between steps.
     pub(crate) swings: Vec<f32>,
+    pub(crate) odometers: Vec<Odometer>,
     pub(crate) slots: Slots,
     /// The part of materials that few shapes have, by index as far as it goes; empty while none has it.
     pub(crate) rare: Vec<RareMaterial>,
@@ -23,7 +24,7 @@ buffers! {
     Colliders {
         /// For so many colliders, and so many that have a place in the column of rare materials.
         each(n: usize, rare: usize) {
-            all(n), summaries(n), poses(n), swings(n), slots(n), rare(rare)
+            all(n), summaries(n), poses(n), swings(n), odometers(n), slots(n), rare(rare)
         }
     }
 }
@@ -37,6 +38,7 @@ impl Colliders {
         allowance.fit(&mut self.summaries, len);
         allowance.fit(&mut self.poses, len);
         allowance.fit(&mut self.swings, len);
+        allowance.fit(&mut self.odometers, len);
     }
 
     /// What few shapes have of a material.
@@ -77,13 +79,11 @@ impl Colliders {
         own.as_slice().iter().for_each(|&collider| self.follow(collider, body));
     }
 
-    /// World pose of a collider from that of its body.
+    /// Sets the world pose of a collider from that of its body, outside of the stage that does so in a step.
     pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
-        let c = &self.all[collider as usize];
-        self.poses[collider as usize] = Pose {
-            position: body.position + (body.rotation * c.position).as_dvec3(),
-            rotation: body.rotation * c.rotation,
-        };
+        self.odometers[collider as usize].jump();
+        let own = &self.all[collider as usize];
+        self.poses[collider as usize] = body.of_part(own.position, own.rotation);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where a body or a collider is.
 
 use crate::math::Quat;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +11,15 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// World pose of what is at `position` and `rotation` in the frame of this one.
+    #[inline]
+    pub(crate) fn of_part(&self, position: Vec3, rotation: Quat) -> Pose {
+        Pose {
+            position: self.position + (self.rotation * position).as_dvec3(),
+            rotation: self.rotation * rotation,
+        }
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.position.is_finite() && self.rotation.is_finite()
     }

@@ -236,7 +236,7 @@ impl BroadPhase {
         self.away -= 1;
         // Trees that lack a static don't lead to this pair.
         self.refreshed |= !self.new_statics.is_empty();
-        self.table.push(&mut self.pairs, pair);
+        self.table.push(&mut self.pairs, Pair { apart: 0, ..pair });
     }
 
     /// Has the pairs of a mover looked up in the next update.

@@ -19,6 +19,9 @@ pub(crate) struct Pair {
     pub(crate) fast: bool,
     /// The listeners' own: the two touched in the last step.
     pub(crate) touching: bool,
+    /// The narrow phase's own: up to which reading of their odometers the two, that have no contact, can't
+    /// have one. Zero: unknown.
+    pub(crate) apart: u16,
 }
 
 impl Pair {
@@ -231,7 +234,7 @@ mod tests {
                     assert!(set.insert((i, j)));
                     table.push(
                         &mut pairs,
-                        Pair { a: i, b: j, contact: u32::MAX, fast: false, touching: false },
+                        Pair { a: i, b: j, contact: u32::MAX, fast: false, touching: false, apart: 0 },
                     );
                 }
             }

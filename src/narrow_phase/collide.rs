@@ -133,7 +133,7 @@ fn run_blocks(
     workers: &Workers<'_>,
     input: &Input<'_>,
     wave: &mut Wave<'_>,
-    pairs: &[Pair],
+    pairs: &mut [Pair],
     contacts: &mut Contacts,
     places: Places<'_>,
 ) {
@@ -142,14 +142,14 @@ fn run_blocks(
     let Bins { order, blocks } = &mut *wave.bins;
     let blocks = &mut blocks[wave.blocks.clone()];
     let (count, blocks) = (blocks.len(), Shared::new(blocks));
-    let order = &*order;
+    let (order, pairs) = (&*order, Shared::new(pairs));
     workers.run(count, &|block| {
         // SAFETY: this is the only one that runs the block.
         let block = unsafe { blocks.get(block) };
         let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
         // SAFETY: this is the only one that runs the block.
-        let mut out = unsafe { places.of(block, &state, pairs) };
-        run_bin(bin, order, input, pairs, &all, &mut out);
+        let mut out = unsafe { places.of(block, &state, &pairs) };
+        run_bin(bin, order, input, &pairs, &all, &mut out);
     });
 }
 
@@ -160,17 +160,17 @@ fn run_blocks(
 fn place(
     workers: &Workers<'_>,
     input: &Input<'_>,
-    pairs: &[Pair],
+    pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
 ) {
     scratch.states.clear();
     scratch.states.resize(pairs.len(), PairState::Far.into());
     let states = Shared::new(&mut scratch.states);
-    let all = contacts.share();
-    workers.run(pairs.len().div_ceil(BLOCK), &|block| {
-        let of = block * BLOCK..((block + 1) * BLOCK).min(pairs.len());
-        with_best!(Wide => place_block::<Wide>(of, input, pairs, &states, &all));
+    let (all, count, pairs) = (contacts.share(), pairs.len(), Shared::new(pairs));
+    workers.run(count.div_ceil(BLOCK), &|block| {
+        let of = block * BLOCK..((block + 1) * BLOCK).min(count);
+        with_best!(Wide => place_block::<Wide>(of, input, &pairs, &states, &all));
     });
 }
 
@@ -179,39 +179,71 @@ kernel! {
     fn place_block<'a, L: Lanes>(
         of: Range<usize>,
         input: &'a Input<'a>,
-        pairs: &'a [Pair],
+        pairs: &'a Shared<'a, Pair>,
         states: &'a Shared<'a, PackedState>,
         all: &'a SharedContacts<'a>,
     ) {
-        for first in of.clone().step_by(8) {
-            let lanes = &pairs[first..of.end.min(first + 8)];
-            let placed = lanes_of(&relative_poses::<L>(&|i| lanes[i.min(lanes.len() - 1)], input.poses));
-            for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
-                // SAFETY: block and lane fix `first + i`, which no other block has.
+        // What is known to be apart has the right state already.
+        let (mut looked, mut count) = ([0; BLOCK], 0);
+        for i in of {
+            // SAFETY: no other block has the pair.
+            let pair = unsafe { pairs.get(i) };
+            if !input.is_known_apart(pair) {
+                pair.apart = 0;
+                looked[count] = i;
+                count += 1;
+            }
+        }
+        for lanes in looked[..count].chunks(8) {
+            // SAFETY: as above.
+            let mut eight = [unsafe { *pairs.get(lanes[0]) }; 8];
+            for (pair, &i) in eight.iter_mut().zip(lanes) {
+                // SAFETY: as above.
+                *pair = unsafe { *pairs.get(i) };
+            }
+            let placed = lanes_of(&relative_poses::<L>(&|lane| eight[lane], input.poses));
+            for ((&i, pair), now) in lanes.iter().zip(&mut eight).zip(placed) {
+                // SAFETY: as above; and so with the pair's state and contacts.
                 unsafe {
-                    let idle = pair.is_idle(input.summaries, input.dynamic);
-                    let state = if idle && pair.contact != NO_CONTACT {
-                        PairState::Kept
-                    } else if idle {
-                        PairState::Far
-                    } else if recycle(input, pair, &now, all) {
-                        PairState::Kept
-                    } else if far(input, pair, &now) || input.is_sensor(pair) {
-                        PairState::Far
-                    } else {
-                        let kind = |c: u32| &input.summaries[c as usize];
-                        PairState::Binned(Bin::of(kind(pair.a), kind(pair.b)))
-                    };
-                    let ground = state != PairState::Far && !idle && input.is_static(pair);
-                    *states.get(first + i) = PackedState::from(state).of_ground(ground);
+                    *states.get(i) = state_of(input, pair, &now, all);
+                    pairs.get(i).apart = pair.apart;
                 }
             }
         }
     }
 }
 
+/// What is to be done about a pair. What is found out about its distance is noted in it.
+///
+/// # Safety
+/// No other thread may access the contacts of this pair.
+#[inline(always)]
+unsafe fn state_of(
+    input: &Input<'_>,
+    pair: &mut Pair,
+    now: &Relative,
+    all: &SharedContacts<'_>,
+) -> PackedState {
+    let idle = pair.is_idle(input.summaries, input.dynamic);
+    let state = if idle && pair.contact != NO_CONTACT {
+        PairState::Kept
+    } else if idle {
+        PairState::Far
+    // SAFETY: by the contract.
+    } else if unsafe { recycle(input, pair, now, all) } {
+        PairState::Kept
+    } else if far(input, pair, now) || input.is_sensor(pair) {
+        PairState::Far
+    } else {
+        let kind = |c: u32| &input.summaries[c as usize];
+        PairState::Binned(Bin::of(kind(pair.a), kind(pair.b)))
+    };
+    let ground = state != PairState::Far && !idle && input.is_static(pair);
+    PackedState::from(state).of_ground(ground)
+}
+
 /// Whether the balls around two shapes without a contact are too far apart for one.
-fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
+fn far(input: &Input<'_>, pair: &mut Pair, now: &Relative) -> bool {
     if pair.contact != NO_CONTACT {
         return false;
     }
@@ -224,7 +256,9 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
         approach.max_closing().min(input.margin)
     };
     let most = reach + input.margin + closing;
-    if now.position.length_squared() > most * most {
+    let squared = now.position.length_squared();
+    if squared > most * most {
+        input.note_apart(pair, squared.sqrt() - reach);
         return true;
     }
     // Fast pairs that are apart get points only at a touch, and balls that pass each other don't touch.

@@ -17,6 +17,7 @@ use crate::narrow_phase::pairs::sphere_box::sphere_box;
 use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
 use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::shape::Kind;
+use crate::threads::Shared;
 
 type Kernel<L> = fn(&PairLanes<L>) -> ManifoldLanes<L>;
 
@@ -66,18 +67,19 @@ fn run_lanes<L: Lanes>(
     kernel: Kernel<L>,
     order: &[u32],
     input: &Input<'_>,
-    pairs: &[Pair],
+    pairs: &Shared<'_, Pair>,
     contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
     for eight in order.chunks(8) {
-        let at = |lane: usize| pairs[eight[lane.min(eight.len() - 1)] as usize];
+        // SAFETY: the pairs of a block are its own.
+        let at = |lane: usize| unsafe { *pairs.get(eight[lane.min(eight.len() - 1)] as usize) };
         let all: [Pair; 8] = std::array::from_fn(at);
         let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&all[lane]));
         let (lanes, placed) = load::<L>(&all, &approach, input);
         let manifolds = kernel(&lanes);
         for (lane, &index) in eight.iter().enumerate() {
-            let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
+            let (pair, rel, approach) = (&all[lane], &placed[lane], &approach[lane]);
             let view = PairView { input, pair, index, rel, approach };
             finish_convex(&view, manifolds.lane(lane), contacts, out);
         }
@@ -89,7 +91,7 @@ pub(crate) fn run_bin(
     bin: Bin,
     order: &[u32],
     input: &Input<'_>,
-    pairs: &[Pair],
+    pairs: &Shared<'_, Pair>,
     contacts: &SharedContacts<'_>,
     out: &mut BlockOutput<'_>,
 ) {
@@ -100,7 +102,8 @@ pub(crate) fn run_bin(
         return;
     }
     for &index in order {
-        let pair = &pairs[index as usize];
+        // SAFETY: the pairs of a block are its own.
+        let pair = &unsafe { *pairs.get(index as usize) };
         let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
         let rel = &relative_pose(pair, input.poses);
         let approach = &input.approach(pair);

@@ -1,9 +1,9 @@
 //! What the narrow phase of a step reads, and how pairs approach each other within it.
 
-use super::contacts::contact::MatchLimits;
+use super::contacts::contact::{MatchLimits, NO_CONTACT};
 use super::contacts::manifold::most_points;
 use super::contacts::weight::Scale;
-use crate::body::Pose;
+use crate::body::{Odometer, Pose, out_of_reach, reading};
 use crate::broad_phase::Pair;
 use crate::config::{Continuous, Start};
 use crate::lanes::Record;
@@ -17,6 +17,7 @@ pub(crate) struct Input<'a> {
     pub(crate) poses: &'a [Pose],
     /// See [`Colliders`](crate::body::Colliders).
     pub(crate) swings: &'a [f32],
+    pub(crate) odometers: &'a [Odometer],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
     /// What gravity adds to the displacement of a dynamic body within the step [m].
@@ -85,6 +86,23 @@ impl Input<'_> {
             swing: self.swing_of(pair.a) + self.swing_of(pair.b),
             mode,
         }
+    }
+
+    /// Whether a pair without a contact surely gets none, by what is known of it from earlier steps.
+    #[inline(always)]
+    pub(super) fn is_known_apart(&self, pair: &Pair) -> bool {
+        let odometer = |c: u32| self.odometers[c as usize];
+        pair.contact == NO_CONTACT
+            && !pair.fast
+            && out_of_reach(odometer(pair.a), odometer(pair.b), pair.apart)
+    }
+
+    /// Notes that the shapes of a pair without a contact are at least so far apart [m].
+    #[inline(always)]
+    pub(super) fn note_apart(&self, pair: &mut Pair, gap: f32) {
+        let odometer = |c: u32| self.odometers[c as usize];
+        let spare = (gap - self.margin) / self.unit;
+        pair.apart = reading(odometer(pair.a), odometer(pair.b), spare);
     }
 
     /// Limits within which the points of a pair's contact last.

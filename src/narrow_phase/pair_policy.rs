@@ -183,6 +183,9 @@ pub(super) fn finish_convex(
     let &PairView { input, pair, rel, .. } = view;
     let (nearest, casts) = (raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation)), out.casts());
     let mut chosen = Chosen { raw, fraction: 0.0, missed: false };
+    if raw.count == 0 && !view.has_contact() {
+        return out.note_apart(input, view.index, raw.gap());
+    }
     if view.follows_motion() && nearest > 0.0 && raw.count > 0 {
         choose_apart(view, nearest, &mut chosen, out);
     } else if nearest < 0.0

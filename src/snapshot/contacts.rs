@@ -308,7 +308,7 @@ impl<'a> SavedPairs<'a> {
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
             let (fast, touching) = (flags & FAST != 0, flags & HEARD != 0);
-            let mut pair = Pair { a, b, contact: NO_CONTACT, fast, touching };
+            let mut pair = Pair { a, b, contact: NO_CONTACT, fast, touching, apart: 0 };
             if flags & TOUCHED != 0 {
                 let (mut last, mut more) = (NO_CONTACT, true);
                 while more {

@@ -42,6 +42,8 @@ impl World {
             self.joints.arrange_anew();
         }
         self.settings = settings;
+        // Their reach may be another one.
+        self.broad.pairs.iter_mut().for_each(|pair| pair.apart = 0);
         if self.bodies.len() > 0 {
             // With a budget, what bodies can't do without is held from now on.
             self.reserve_for_step();

@@ -47,7 +47,7 @@ pub(crate) enum Growth {
 /// What a block writes, apart from the contacts that its pairs have already.
 pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
-    pairs: &'a [Pair],
+    pairs: &'a Shared<'a, Pair>,
     block: &'a mut Block,
     state: &'a Shared<'a, PackedState>,
     /// Whether it may have to look at pairs again.
@@ -77,10 +77,11 @@ impl BlockOutput<'_> {
             // Replaces the lightest.
             let new = Fresh { pair: index, fraction, raw };
             let weight = new.weight(pair, input);
-            let pair_of = |found: &Fresh| &self.pairs[found.pair as usize];
+            // SAFETY: the pairs of a block are its own.
+            let pair_of = |found: &Fresh| unsafe { *self.pairs.get(found.pair as usize) };
             let own = self.fresh[..at].iter_mut();
-            let own = own.filter(|found| usize::from(input.is_static(pair_of(found))) == class);
-            let weight_of = |found: &Fresh| found.weight(pair_of(found), input);
+            let own = own.filter(|found| usize::from(input.is_static(&pair_of(found))) == class);
+            let weight_of = |found: &Fresh| found.weight(&pair_of(found), input);
             let lightest = own.min_by_key(|found| weight_of(found));
             if let Some(lightest) = lightest.filter(|found| weight_of(found) < weight) {
                 block.shed += lightest.raw.size();
@@ -125,6 +126,14 @@ impl BlockOutput<'_> {
         unsafe { self.state.get(index as usize) }.set(PairState::Clear);
     }
 
+    /// Notes that the shapes of a pair without a contact are at least so far apart [m], and that they touch
+    /// nowhere on the predicted path.
+    pub(crate) fn note_apart(&mut self, input: &Input<'_>, index: u32, gap: f32) {
+        self.clear(index);
+        // SAFETY: the pair is this block's.
+        input.note_apart(unsafe { self.pairs.get(index as usize) }, gap);
+    }
+
     pub(crate) fn count_casts(&mut self, casts: u32) {
         self.block.casts += casts;
     }
@@ -159,7 +168,7 @@ impl Places<'_> {
         &'a self,
         block: &'a mut Block,
         state: &'a Shared<'a, PackedState>,
-        pairs: &'a [Pair],
+        pairs: &'a Shared<'a, Pair>,
     ) -> BlockOutput<'a> {
         let (start, own) = (block.fresh as usize, block.mesh as usize);
         let is_mesh = block.bin.is_mesh() && own < self.meshes;

@@ -47,6 +47,18 @@ impl RawManifold {
         &self.points[..self.count as usize]
     }
 
+    /// Of two shapes that are further apart than the margin, and at least so far [m].
+    pub(crate) fn apart(gap: f32) -> RawManifold {
+        let mut none = RawManifold::default();
+        none.points[0].separation = gap;
+        none
+    }
+
+    /// The least distance of two shapes for which a kernel found no points [m]; zero if it does not know.
+    pub(crate) fn gap(&self) -> f32 {
+        if self.count == 0 { self.points[0].separation } else { 0.0 }
+    }
+
     /// How many points it has.
     pub(crate) fn size(&self) -> u32 {
         self.count.into()

@@ -24,7 +24,10 @@ pub(super) fn polytopes(
     against: Vec3,
 ) -> RawManifold {
     let none = RawManifold::default();
-    let Some(pair) = FacePair::of(a, b, pose, margin, size, against) else { return none };
+    let pair = match FacePair::of(a, b, pose, margin, size, against) {
+        Ok(pair) => pair,
+        Err(gap) => return RawManifold::apart(gap),
+    };
     let mut cloud = Cloud::new();
     let mut done = None;
     if pair.face.separation > 0.0 {
@@ -60,7 +63,8 @@ pub(super) fn polytopes(
         return pair.by_face(&mut cloud);
     }
     if nearest.distance > margin {
-        return none;
+        // Edges out of reach were not looked at.
+        return RawManifold::apart(pair.face.separation.max(pair.other.separation).max(margin));
     }
     if nearest.distance <= pair.face.separation + pair.tolerance {
         let manifold = done.unwrap_or_else(|| pair.by_face(&mut cloud));
@@ -102,7 +106,7 @@ fn clearly(separation: f32, tolerance: f32) -> f32 {
 }
 
 impl<'a> FacePair<'a> {
-    /// None if they are further apart than the margin.
+    /// If they are further apart than the margin: by how much at least.
     #[inline(always)]
     fn of(
         a: &'a Polytope<'a>,
@@ -111,20 +115,20 @@ impl<'a> FacePair<'a> {
         margin: f32,
         size: f32,
         against: Vec3,
-    ) -> Option<FacePair<'a>> {
+    ) -> Result<FacePair<'a>, f32> {
         let back = pose.inverse();
         let tolerance = FACE_PREFERENCE.1 * size;
         let face_a = face_axis(a, b, pose, margin, against);
         if face_a.separation > margin {
-            return None;
+            return Err(face_a.separation);
         }
         let face_b = face_axis(b, a, &back, margin, Vec3::ZERO);
         if face_b.separation > margin {
-            return None;
+            return Err(face_b.separation);
         }
         let on_b = face_b.separation > clearly(face_a.separation, tolerance);
         let (face, other) = if on_b { (face_b, face_a) } else { (face_a, face_b) };
-        Some(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b, other })
+        Ok(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b, other })
     }
 
     /// The same by the best face of the other one.
@@ -181,7 +185,7 @@ impl<'a> FacePair<'a> {
         let &FacePair { a, b, pose, margin, against, .. } = self;
         let edges = edge_axis(a, b, pose, near, against);
         match edges {
-            Some(e) if e.separation > margin => Break(RawManifold::default()),
+            Some(e) if e.separation > margin => Break(RawManifold::apart(e.separation)),
             Some(e) if e.separation > 0.0 => Continue(edges),
             Some(e) if e.separation > clearly(self.face.separation, self.tolerance) => {
                 // Not where some normals don't count.
@@ -198,7 +202,7 @@ impl<'a> FacePair<'a> {
                 *near = self.edges_in_reach(f32::MAX);
                 let touching = edge_axis(a, b, pose, near, against);
                 match touching {
-                    Some(e) if e.separation > margin => Break(RawManifold::default()),
+                    Some(e) if e.separation > margin => Break(RawManifold::apart(e.separation)),
                     Some(e) if e.separation > 0.0 => {
                         *cloud = Cloud::new();
                         Continue(touching)

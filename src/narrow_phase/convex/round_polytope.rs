@@ -149,9 +149,9 @@ struct BestFace {
 }
 
 impl BestFace {
-    /// None if they are further apart than the margin.
+    /// If they are further apart than the margin: by how much at least.
     #[inline(always)]
-    fn of(core: &Core, p: &Polytope, margin: f32, tolerance: f32) -> Option<BestFace> {
+    fn of(core: &Core, p: &Polytope, margin: f32, tolerance: f32) -> Result<BestFace, f32> {
         let (start, end) = (core.start, core.start + core.along);
         let (r0, r1) = (core.radius, core.radius + core.growth);
         let mut best = (f32::MIN, 0);
@@ -171,13 +171,13 @@ impl BestFace {
                     }
                 }
                 if best.0 > margin {
-                    return None;
+                    return Err(best.0);
                 }
             }
         }
         let (separation, face) = best;
         let (normal, offset) = p.planes[face];
-        Some(BestFace { face, normal, offset, separation, seen })
+        Ok(BestFace { face, normal, offset, separation, seen })
     }
 
     #[inline(always)]
@@ -255,7 +255,10 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     let (start, end) = (core.start, core.start + core.along);
     let (r0, r1) = (core.radius, core.radius + core.growth);
     let tolerance = 1e-4 * size;
-    let Some(best) = BestFace::of(core, p, margin, tolerance) else { return manifold };
+    let best = match BestFace::of(core, p, margin, tolerance) {
+        Ok(best) => best,
+        Err(gap) => return RawManifold::apart(gap),
+    };
     let height = |s: f32| best.height(core, s);
 
     let (low, high) = over_face(p, best.face, start, end);
@@ -281,6 +284,9 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     let nearest = NearestEdge::of(core, p, &best);
     if nearest.distance <= margin {
         add_edge_points(core, p, &best, &nearest, margin, size, &mut manifold);
+    } else {
+        // Unless there was no edge to look at.
+        return RawManifold::apart(if nearest.distance < f32::MAX { nearest.distance } else { 0.0 });
     }
     manifold
 }

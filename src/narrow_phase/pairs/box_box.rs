@@ -76,6 +76,7 @@ kernel! {
         let greatest = face.greatest.max(edge.bound);
         let apart = greatest.gt(L::zero());
         let mut out = face_points(&boxes, &face, apart, p.margin);
+        out.gap = greatest;
         let [s0, s1, s2, s3] = out.separation;
         let deepest = s0.min(s1).min(s2.min(s3));
         // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on.

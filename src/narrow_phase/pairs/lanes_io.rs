@@ -60,10 +60,12 @@ pub(crate) struct ManifoldLanes<L> {
     /// Which features meet: small integers, exact as floats.
     pub(crate) key: [L; MAX_POINTS],
     pub(crate) margin: L,
+    /// The shapes are no nearer to each other [m].
+    pub(crate) gap: L,
 }
 
 impl<L: Lanes> ManifoldLanes<L> {
-    /// A manifold of one point, whose key is 0.
+    /// A manifold of one point, whose key is 0, and which is the nearest.
     #[inline(always)]
     pub(crate) fn single(normal: Vec3<L>, position: Vec3<L>, separation: L, margin: L) -> Self {
         let mut one = ManifoldLanes {
@@ -72,6 +74,7 @@ impl<L: Lanes> ManifoldLanes<L> {
             separation: [L::splat(f32::INFINITY); MAX_POINTS],
             key: [L::zero(); MAX_POINTS],
             margin,
+            gap: separation,
         };
         (one.position[0], one.separation[0]) = (position, separation);
         one
@@ -102,7 +105,7 @@ impl<L: Lanes> ManifoldLanes<L> {
             }
         }
         out.count = count as u16;
-        out
+        if count == 0 { RawManifold::apart(self.gap.lane(i)) } else { out }
     }
 }
 

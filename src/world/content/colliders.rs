@@ -1,6 +1,6 @@
 //! Adds colliders to the world and removes them, and keeps queries and the broad phase up to date.
 
-use crate::body::{BodyKind, Pose};
+use crate::body::{BodyKind, Odometer, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::math::Quat;
@@ -33,6 +33,7 @@ impl World {
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
             self.colliders.swings.push(0.0);
+            self.colliders.odometers.push(Odometer::default());
         } else {
             self.colliders.slots.moved(slot, slot);
             self.colliders.summaries[slot as usize] = collider.summaries(mode);
@@ -86,6 +87,8 @@ impl World {
         shapes.poses.resize(slots, nowhere);
         shapes.swings.clear();
         shapes.swings.resize(slots, 0.0);
+        shapes.odometers.clear();
+        shapes.odometers.resize(slots, Odometer::default());
         shapes.rare.clear();
         self.broad.reset(slots);
     }
@@ -167,11 +170,7 @@ impl World {
     /// The present pose of a collider: the poses that stages read are those of the start of the last step.
     pub(crate) fn collider_pose(&self, collider: u32) -> Pose {
         let collider = &self.colliders.all[collider as usize];
-        let body = &self.bodies.pose[collider.body as usize];
-        Pose {
-            position: body.position + (body.rotation * collider.position).as_dvec3(),
-            rotation: body.rotation * collider.rotation,
-        }
+        self.bodies.pose[collider.body as usize].of_part(collider.position, collider.rotation)
     }
 
     pub(in crate::world) fn place_colliders(&mut self, body: usize) {

@@ -79,6 +79,7 @@ impl World {
             summaries: &self.colliders.summaries,
             poses: &self.colliders.poses,
             swings: &self.colliders.swings,
+            odometers: &self.colliders.odometers,
             motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),

@@ -1,0 +1,47 @@
+//! What adapters need to know about the content of a scene.
+
+use backstop::glam::{Quat, Vec3};
+use backstop::{Motion, TriangleMesh};
+use backstop_scene::SceneJoint;
+use std::collections::HashMap;
+
+/// How a joint turns, in the words that every engine has. Cones and twists of ball joints are left out: no
+/// two engines mean the same by them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Turning {
+    /// Freely about a point.
+    Ball,
+    /// About the x axis of its frames, within a range if there is one [rad].
+    Hinge(Option<[f32; 2]>),
+}
+
+/// How a joint turns; with `ranges` also how far.
+pub(crate) fn turning(joint: &SceneJoint, ranges: bool) -> Turning {
+    let mut angular = joint.limits.iter().filter(|limit| limit.motion == Motion::Angular);
+    let locked = |min: f32, max: f32| min == 0.0 && max == 0.0;
+    if !angular.clone().any(|limit| locked(limit.min, limit.max)) {
+        return Turning::Ball;
+    }
+    let range = angular.find(|limit| !locked(limit.min, limit.max) && limit.min.is_finite());
+    Turning::Hinge(range.filter(|_| ranges).map(|limit| [limit.min, limit.max]))
+}
+
+/// A rotation from z to x: hinges of backstop turn about x, those of some others about z.
+pub(crate) fn z_to_x() -> Quat {
+    Quat::from_rotation_arc(Vec3::Z, Vec3::X)
+}
+
+/// The vertices of a mesh, each once, and its triangles.
+pub(crate) fn triangles(mesh: &TriangleMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut vertices, mut numbers) = (Vec::new(), HashMap::new());
+    let triangles = (0..).map_while(|triangle| mesh.corners(triangle)).map(|corners| {
+        corners.map(|corner| {
+            *numbers.entry(corner.to_array().map(f32::to_bits)).or_insert_with(|| {
+                vertices.push(corner);
+                vertices.len() as u32 - 1
+            })
+        })
+    });
+    let triangles = triangles.collect();
+    (vertices, triangles)
+}

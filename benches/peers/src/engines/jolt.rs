@@ -1,0 +1,241 @@
+//! Jolt, through the C interface in `native/`.
+
+use super::content::{Turning, triangles, turning};
+use super::{Config, Continuous, Engine};
+use anyhow::{Context, bail, ensure};
+use backstop::glam::{Quat, Vec3};
+use backstop::{BodyKind, Geometry, ShapeDesc};
+use backstop_lab::envelope::State;
+use backstop_scene::{Scene, SceneBody, SceneJoint};
+use std::ptr::null;
+
+pub(super) const VERSION: &str = env!("PEERS_JOLT");
+
+/// A world on the other side.
+#[repr(C)]
+struct World {
+    _private: [u8; 0],
+}
+
+#[repr(C)]
+struct WorldDef {
+    gravity: [f32; 3],
+    bodies: u32,
+    threads: u32,
+    steps: u32,
+}
+
+#[repr(C)]
+struct Shape {
+    kind: u32,
+    density: f32,
+    position: [f32; 3],
+    rotation: [f32; 4],
+    size: [f32; 3],
+    points: *const f32,
+    point_count: u32,
+    indices: *const u32,
+    triangle_count: u32,
+}
+
+#[repr(C)]
+struct Body {
+    kind: u32,
+    friction: f32,
+    restitution: f32,
+    position: [f32; 3],
+    rotation: [f32; 4],
+    linear: [f32; 3],
+    angular: [f32; 3],
+    max_speed: f32,
+    continuous: bool,
+    sleeping: bool,
+}
+
+#[repr(C)]
+struct Joint {
+    bodies: [u32; 2],
+    points: [[f32; 3]; 2],
+    axes: [[f32; 3]; 2],
+    normals: [[f32; 3]; 2],
+    hinge: bool,
+    limited: bool,
+    range: [f32; 2],
+}
+
+#[repr(C)]
+#[derive(Default)]
+struct BodyState {
+    position: [f32; 3],
+    rotation: [f32; 4],
+    linear: [f32; 3],
+    angular: [f32; 3],
+}
+
+unsafe extern "C" {
+    fn peers_world_new(def: *const WorldDef) -> *mut World;
+    fn peers_world_delete(world: *mut World);
+    fn peers_add_body(world: *mut World, def: *const Body, shapes: *const Shape, count: u32) -> bool;
+    fn peers_add_joint(world: *mut World, joint: *const Joint);
+    fn peers_start(world: *mut World);
+    fn peers_step(world: *mut World, dt: f32) -> u32;
+    fn peers_state(world: *const World, index: u32, state: *mut BodyState);
+    fn peers_asleep(world: *const World) -> u32;
+}
+
+struct Jolt {
+    world: *mut World,
+}
+
+pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+    let def = WorldDef {
+        gravity: scene.gravity.to_array(),
+        bodies: scene.bodies.len() as u32,
+        threads: config.threads as u32,
+        // Whole collision steps: it has no substeps of the solver alone.
+        steps: config.effort,
+    };
+    // SAFETY: the definition outlives the call.
+    let this = Jolt { world: unsafe { peers_world_new(&def) } };
+    for body in &scene.bodies {
+        this.add_body(body, config)?;
+    }
+    scene.joints.iter().for_each(|joint| this.add_joint(scene, joint, config));
+    // SAFETY: all bodies are there, and the world is alive until `drop`.
+    unsafe { peers_start(this.world) };
+    Ok(Box::new(this))
+}
+
+impl Jolt {
+    fn add_body(&self, body: &SceneBody, config: &Config) -> anyhow::Result<()> {
+        let desc = &body.desc;
+        let first = desc.shapes.first().context("Jolt has no bodies without shapes")?;
+        let def = Body {
+            kind: match desc.kind {
+                BodyKind::Static => 0,
+                BodyKind::Kinematic => 1,
+                BodyKind::Dynamic => 2,
+            },
+            friction: first.material.dynamic_friction,
+            restitution: first.material.restitution,
+            position: desc.position.as_vec3().to_array(),
+            rotation: desc.rotation.to_array(),
+            linear: desc.linear_velocity.to_array(),
+            angular: desc.angular_velocity.to_array(),
+            // Its own default.
+            max_speed: config.max_speed.unwrap_or(500.0),
+            continuous: config.continuous != Continuous::Off,
+            sleeping: config.sleeping,
+        };
+        let points: Vec<Points> = desc.shapes.iter().map(|shape| Points::of(&shape.geometry)).collect();
+        let mut shapes = Vec::new();
+        for (shape, points) in desc.shapes.iter().zip(&points) {
+            shapes.push(self::shape(shape, points)?);
+        }
+        // SAFETY: all pointers outlive the call, and counts are those of what they point to.
+        let added = unsafe { peers_add_body(self.world, &def, shapes.as_ptr(), shapes.len() as u32) };
+        ensure!(added, "Jolt refuses \"{}\"", body.name);
+        Ok(())
+    }
+
+    fn add_joint(&self, scene: &Scene, joint: &SceneJoint, config: &Config) {
+        let bodies = joint.bodies.map(|body| &scene.bodies[body].desc);
+        let of = |place: &dyn Fn(usize) -> Vec3| [place(0).to_array(), place(1).to_array()];
+        let axis = |axis: Vec3| {
+            of(&|side: usize| bodies[side].rotation * (joint.frames[side].rotation * axis))
+        };
+        let (hinge, range) = match turning(joint, config.hinge_ranges) {
+            Turning::Ball => (false, None),
+            Turning::Hinge(range) => (true, range),
+        };
+        let def = Joint {
+            bodies: joint.bodies.map(|body| body as u32),
+            points: of(&|side: usize| {
+                bodies[side].position.as_vec3() + bodies[side].rotation * joint.frames[side].position
+            }),
+            axes: axis(Vec3::X),
+            normals: axis(Vec3::Y),
+            hinge,
+            limited: range.is_some(),
+            range: range.unwrap_or_default(),
+        };
+        // SAFETY: the bodies were added, and the definition outlives the call.
+        unsafe { peers_add_joint(self.world, &def) }
+    }
+}
+
+/// Points and indices that a shape points to.
+#[derive(Default)]
+struct Points {
+    points: Vec<f32>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Points {
+    fn of(geometry: &Geometry) -> Points {
+        let flat = |points: &[Vec3]| points.iter().flat_map(|p| p.to_array()).collect();
+        match geometry {
+            Geometry::Hull(hull) => Points { points: flat(hull.vertices()), ..Points::default() },
+            Geometry::Mesh(mesh) => {
+                let (vertices, triangles) = triangles(mesh);
+                Points { points: flat(&vertices), triangles }
+            }
+            _ => Points::default(),
+        }
+    }
+}
+
+fn shape(desc: &ShapeDesc, points: &Points) -> anyhow::Result<Shape> {
+    let (kind, size) = match &desc.geometry {
+        Geometry::Sphere { radius } => (0, [*radius, 0.0, 0.0]),
+        Geometry::Capsule { half_height, radius_bottom, .. } => (1, [*half_height, *radius_bottom, 0.0]),
+        Geometry::Box { half_extents } => (2, half_extents.to_array()),
+        Geometry::Hull(_) => (3, [0.0; 3]),
+        Geometry::Mesh(_) => (4, [0.0; 3]),
+        other => bail!("no {}", other.kind_name()),
+    };
+    Ok(Shape {
+        kind,
+        density: desc.density,
+        position: desc.position.to_array(),
+        rotation: desc.rotation.to_array(),
+        size,
+        points: if points.points.is_empty() { null() } else { points.points.as_ptr() },
+        point_count: (points.points.len() / 3) as u32,
+        indices: points.triangles.as_flattened().as_ptr(),
+        triangle_count: points.triangles.len() as u32,
+    })
+}
+
+impl Engine for Jolt {
+    fn step(&mut self, dt: f32) -> anyhow::Result<()> {
+        // SAFETY: the world is alive until `drop`.
+        let errors = unsafe { peers_step(self.world, dt) };
+        ensure!(errors == 0, "a table of Jolt is full: errors {errors:#x}");
+        Ok(())
+    }
+
+    fn state(&self, body: usize) -> State {
+        let mut state = BodyState::default();
+        // SAFETY: as above; bodies are never removed.
+        unsafe { peers_state(self.world, body as u32, &mut state) };
+        State {
+            position: Vec3::from_array(state.position).as_dvec3(),
+            rotation: Quat::from_array(state.rotation),
+            linear: Vec3::from_array(state.linear),
+            angular: Vec3::from_array(state.angular),
+        }
+    }
+
+    fn asleep(&self) -> usize {
+        // SAFETY: as above.
+        unsafe { peers_asleep(self.world) as usize }
+    }
+}
+
+impl Drop for Jolt {
+    fn drop(&mut self) {
+        // SAFETY: nothing uses the world after this.
+        unsafe { peers_world_delete(self.world) }
+    }
+}
