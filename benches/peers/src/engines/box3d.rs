@@ -80,7 +80,10 @@ impl Box3d {
             def.angularVelocity = vec3(desc.angular_velocity);
             def.enableSleep = self.sleeping;
             let id = b3CreateBody(self.world, &def);
-            anyhow::ensure!(!desc.shapes.is_empty() || desc.kind != BodyKind::Dynamic, "a body without a shape");
+            anyhow::ensure!(
+                !desc.shapes.is_empty() || desc.kind != BodyKind::Dynamic,
+                "a body without a shape"
+            );
             for shape in &desc.shapes {
                 let mut def = b3DefaultShapeDef();
                 def.density = shape.density;
@@ -99,7 +102,12 @@ impl Box3d {
         Ok(())
     }
 
-    unsafe fn add_shape(&mut self, body: b3BodyId, def: &b3ShapeDef, shape: &ShapeDesc) -> anyhow::Result<()> {
+    unsafe fn add_shape(
+        &mut self,
+        body: b3BodyId,
+        def: &b3ShapeDef,
+        shape: &ShapeDesc,
+    ) -> anyhow::Result<()> {
         // SAFETY: as in `build`.
         unsafe {
             match &shape.geometry {

@@ -141,9 +141,8 @@ impl Jolt {
     fn add_joint(&self, scene: &Scene, joint: &SceneJoint, config: &Config) {
         let bodies = joint.bodies.map(|body| &scene.bodies[body].desc);
         let of = |place: &dyn Fn(usize) -> Vec3| [place(0).to_array(), place(1).to_array()];
-        let axis = |axis: Vec3| {
-            of(&|side: usize| bodies[side].rotation * (joint.frames[side].rotation * axis))
-        };
+        let axis =
+            |axis: Vec3| of(&|side: usize| bodies[side].rotation * (joint.frames[side].rotation * axis));
         let (hinge, range) = match turning(joint, config.hinge_ranges) {
             Turning::Ball => (false, None),
             Turning::Hinge(range) => (true, range),

@@ -97,7 +97,8 @@ fn collider(geometry: &Geometry) -> anyhow::Result<ColliderBuilder> {
         }
         Geometry::Mesh(mesh) => {
             let (vertices, triangles) = triangles(mesh);
-            ColliderBuilder::trimesh(vertices.into_iter().map(vec3).collect(), triangles).context("no mesh")?
+            ColliderBuilder::trimesh(vertices.into_iter().map(vec3).collect(), triangles)
+                .context("no mesh")?
         }
         other => anyhow::bail!("no {}", other.kind_name()),
     })
@@ -107,7 +108,9 @@ impl Rapier {
     fn add_body(&mut self, body: &SceneBody, config: &Config) -> anyhow::Result<()> {
         let desc = &body.desc;
         let builder = match desc.kind {
-            BodyKind::Dynamic => RigidBodyBuilder::dynamic().ccd_enabled(config.continuous == Continuous::All),
+            BodyKind::Dynamic => {
+                RigidBodyBuilder::dynamic().ccd_enabled(config.continuous == Continuous::All)
+            }
             BodyKind::Kinematic => RigidBodyBuilder::kinematic_velocity_based(),
             BodyKind::Static => RigidBodyBuilder::fixed(),
         };

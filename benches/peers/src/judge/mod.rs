@@ -69,8 +69,7 @@ impl<'a> Judge<'a> {
         let masses = energy::Masses::of(&subject.scene);
         let states: Vec<State> = subject.scene.bodies.iter().map(|body| initial(&body.desc)).collect();
         let start = masses.energy(&subject.scene, &states);
-        let figures =
-            Figures { energy_start: Some(start), energy_gain: Some(0.0), ..Figures::default() };
+        let figures = Figures { energy_start: Some(start), energy_gain: Some(0.0), ..Figures::default() };
         Judge { subject, masses, figures, gone: vec![false; states.len()] }
     }
 
@@ -171,7 +170,6 @@ fn hash(states: &[State]) -> u64 {
         let rotation = state.rotation.to_array().map(f64::from);
         state.position.to_array().into_iter().chain(rotation)
     });
-    numbers.fold(0xcbf2_9ce4_8422_2325, |hash, number| {
-        (hash ^ number.to_bits()).wrapping_mul(0x0100_0000_01b3)
-    })
+    numbers
+        .fold(0xcbf2_9ce4_8422_2325, |hash, number| (hash ^ number.to_bits()).wrapping_mul(0x0100_0000_01b3))
 }

@@ -10,8 +10,7 @@ use std::sync::Arc;
 
 /// A thousand balls, capsules, rods and blades at 50 to 500 m/s onto a mesh without thickness.
 pub(super) fn bullets() -> Subject {
-    let beyond =
-        Arc::new(|p: Vec3| if p.x.abs().max(p.z.abs()) < 199.0 { -p.y } else { f32::NEG_INFINITY });
+    let beyond = Arc::new(|p: Vec3| if p.x.abs().max(p.z.abs()) < 199.0 { -p.y } else { f32::NEG_INFINITY });
     let subject = Subject::new(builtin::bullets(false), Error::Lost);
     Subject { steps: 120, continuous: Continuous::On, rests: false, beyond, ..subject }
 }

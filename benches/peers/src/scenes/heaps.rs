@@ -18,8 +18,7 @@ pub(super) fn hulls() -> Subject {
     let mut scene = Scene::new("hulls");
     pen(&mut scene, half, height);
     let mut rng = Rng::new(32);
-    let hulls: Vec<Geometry> =
-        (0..16).map(|_| pebble(32, Vec3::new(0.42, 0.35, 0.38), &mut rng)).collect();
+    let hulls: Vec<Geometry> = (0..16).map(|_| pebble(32, Vec3::new(0.42, 0.35, 0.38), &mut rng)).collect();
     grid(&mut scene, (1500, 10), (0.9, 0.6), &mut rng, |i| hulls[i % hulls.len()].clone());
     Subject { beyond: beyond_pen(half, height), ..Subject::new(scene, Error::Depth) }
 }

@@ -123,8 +123,7 @@ pub(super) fn ropes() -> Subject {
 }
 
 fn ball_joint(bodies: [usize; 2], frames: [Frame; 2]) -> SceneJoint {
-    let JointDesc { limits, .. } =
-        JointDesc::ball([backstop::BodyHandle::from_bits(0); 2], frames);
+    let JointDesc { limits, .. } = JointDesc::ball([backstop::BodyHandle::from_bits(0); 2], frames);
     SceneJoint { name: "joint".into(), bodies, frames, limits, drives: Vec::new(), collide: false }
 }
 

@@ -60,9 +60,8 @@ pub(super) fn drum() -> Subject {
             break;
         }
     }
-    let beyond = Arc::new(move |p: Vec3| {
-        (p.truncate().length() - radius - 0.25).max(p.z.abs() - length - 0.25)
-    });
+    let beyond =
+        Arc::new(move |p: Vec3| (p.truncate().length() - radius - 0.25).max(p.z.abs() - length - 0.25));
     Subject { rests: false, beyond, ..Subject::new(scene, Error::Depth) }
 }
 
@@ -99,7 +98,8 @@ pub(super) fn cars() -> Subject {
     add_mesh(&mut scene, "terrain", Vec3::ZERO, terrain.mesh());
     for i in 0..64 {
         let (x, z) = ((i % 8) as f32 * 8.0 - 90.0, (i / 8) as f32 * 6.0 - 21.0);
-        let ground = [-1.5, 0.0, 1.5].map(|dx| terrain.height(x + dx, z)).into_iter().fold(f32::MIN, f32::max);
+        let ground =
+            [-1.5, 0.0, 1.5].map(|dx| terrain.height(x + dx, z)).into_iter().fold(f32::MIN, f32::max);
         add_car(&mut scene, Vec3::new(x, ground + 0.3, z), 15.0);
     }
     Subject { rests: false, beyond: below(terrain), ..Subject::new(scene, Error::Joint) }

@@ -11,38 +11,53 @@ pub(super) fn page(facts: &[(&str, String)], rows: &[Row], engines: &[String]) -
     let mut text = String::from("# Side by side\n\n");
     facts.iter().try_for_each(|(name, value)| writeln!(text, "- {name}: {value}"))?;
     let tables: [(&str, Column); 11] = [
-        ("Mean step [ms], and against backstop's", ("time", |row, base| {
-            timed(row, base, |run| run.ms.mean)
-        })),
+        ("Mean step [ms], and against backstop's", ("time", |row, base| timed(row, base, |run| run.ms.mean))),
         ("Median step [ms]", ("median", |row, base| timed(row, base, |run| run.ms.median))),
         ("95th percentile of the steps [ms]", ("p95", |row, base| timed(row, base, |run| run.ms.p95))),
-        ("Mean step at an error no larger than backstop's [ms], at so many times the substeps", ("equal", equal)),
-        ("The body that moved most, after 3 s / 60 s [mm]", ("drift", |row, _| {
-            let figures = row.figures();
-            let late = figures.drift_60.map_or_else(|| "-".into(), |m| mm(Some(m)).unwrap_or_default());
-            Some(format!("{} / {late}", mm(figures.drift_3)?))
-        })),
+        (
+            "Mean step at an error no larger than backstop's [ms], at so many times the substeps",
+            ("equal", equal),
+        ),
+        (
+            "The body that moved most, after 3 s / 60 s [mm]",
+            ("drift", |row, _| {
+                let figures = row.figures();
+                let late = figures.drift_60.map_or_else(|| "-".into(), |m| mm(Some(m)).unwrap_or_default());
+                Some(format!("{} / {late}", mm(figures.drift_3)?))
+            }),
+        ),
         ("Deepest overlap at the end [mm], meshes left out", ("depth", |row, _| mm(row.figures().depth))),
-        ("Widest gap of a joint, ever / at the end [mm]", ("joints", |row, _| {
-            let figures = row.figures();
-            Some(format!("{} / {}", mm(figures.joint_worst)?, mm(figures.joint)?))
-        })),
-        ("Bodies that passed through something", ("lost", |row, _| {
-            row.figures().lost.map(|lost| lost.to_string())
-        })),
-        ("Energy gained at most, in parts of the start's", ("energy", |row, _| {
-            let figures = row.figures();
-            let start = figures.energy_start?.abs().max(1.0);
-            Some(format!("{:.1e}", figures.energy_gain? / start))
-        })),
-        ("All asleep after [s], or how many are after a minute", ("sleep", |row, _| {
-            let slept = row.slept.as_ref()?;
-            let after = slept.asleep_after.map(|after| format!("{after:.1}"));
-            Some(after.unwrap_or_else(|| format!("{} of {}", slept.asleep, slept.bodies)))
-        })),
-        ("Memory for each body [kB]", ("memory", |row, _| {
-            Some(format!("{:.1}", row.bytes_per_body()? / 1000.0))
-        })),
+        (
+            "Widest gap of a joint, ever / at the end [mm]",
+            ("joints", |row, _| {
+                let figures = row.figures();
+                Some(format!("{} / {}", mm(figures.joint_worst)?, mm(figures.joint)?))
+            }),
+        ),
+        (
+            "Bodies that passed through something",
+            ("lost", |row, _| row.figures().lost.map(|lost| lost.to_string())),
+        ),
+        (
+            "Energy gained at most, in parts of the start's",
+            ("energy", |row, _| {
+                let figures = row.figures();
+                let start = figures.energy_start?.abs().max(1.0);
+                Some(format!("{:.1e}", figures.energy_gain? / start))
+            }),
+        ),
+        (
+            "All asleep after [s], or how many are after a minute",
+            ("sleep", |row, _| {
+                let slept = row.slept.as_ref()?;
+                let after = slept.asleep_after.map(|after| format!("{after:.1}"));
+                Some(after.unwrap_or_else(|| format!("{} of {}", slept.asleep, slept.bodies)))
+            }),
+        ),
+        (
+            "Memory for each body [kB]",
+            ("memory", |row, _| Some(format!("{:.1}", row.bytes_per_body()? / 1000.0))),
+        ),
     ];
     for (title, (_, cell)) in tables {
         table(&mut text, title, rows, engines, cell)?;
@@ -79,9 +94,8 @@ fn table(
     // backstop is the first of each scene.
     for base in rows.iter().filter(|row| row.engine == engines[0]) {
         let of = |engine: &String| {
-            let same = |row: &&Row| {
-                (&row.scene, row.threads, &row.engine) == (&base.scene, base.threads, engine)
-            };
+            let same =
+                |row: &&Row| (&row.scene, row.threads, &row.engine) == (&base.scene, base.threads, engine);
             rows.iter().find(same).and_then(|row| match (cell(row, base), &row.failed) {
                 (None, Some(_)) => Some("failed".into()),
                 (text, _) => text,

@@ -103,12 +103,12 @@ impl Session<'_> {
     /// All rows of a scene with so many threads: backstop's first.
     fn scene(&self, name: &str, subject: &scenes::Subject, threads: usize) -> Vec<Row> {
         let able = |engine: &&String| is_for(engine, threads);
-        let mut rows: Vec<Row> = self.engines.iter().filter(able).map(|engine| Row {
-            scene: name.into(),
-            engine: engine.clone(),
-            threads,
-            ..Row::default()
-        }).collect();
+        let mut rows: Vec<Row> = self
+            .engines
+            .iter()
+            .filter(able)
+            .map(|engine| Row { scene: name.into(), engine: engine.clone(), threads, ..Row::default() })
+            .collect();
         if self.does(Stage::Time) {
             for _ in 0..self.args.rounds {
                 for row in rows.iter_mut().filter(|row| row.failed.is_none()) {
@@ -138,7 +138,9 @@ impl Session<'_> {
                 row.slept = self.run(row, &["--sleep", "--blind", "--steps", &minute]);
             }
         }
-        if self.does(Stage::Equal) && let Some((base, peers)) = rows.split_first_mut() {
+        if self.does(Stage::Equal)
+            && let Some((base, peers)) = rows.split_first_mut()
+        {
             let own = base.judged.as_ref().and_then(|run| run.figures.error(subject.error));
             let Some(own) = own else { return };
             for row in peers.iter_mut().filter(|row| row.failed.is_none()) {
