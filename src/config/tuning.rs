@@ -26,6 +26,10 @@ pub(crate) const CAST_MOTION: f32 = 0.01;
 /// and leaves normals and points that are older.
 pub(crate) const RECYCLE_DISTANCE: f32 = 0.005;
 
+/// The share of it where a round surface touches at one or two points: what rests keeps its contact, what
+/// rolls does not.
+pub(crate) const ROUND_RECYCLE: f32 = 0.02;
+
 /// Slip speed below which friction is static [m/s per length unit]: above what the solver leaves of what
 /// rests, below what anyone sees slide.
 pub(crate) const STATIC_SLIP_SPEED: f32 = 0.01;

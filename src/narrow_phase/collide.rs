@@ -14,7 +14,7 @@ use super::relative::{Relative, lanes_of, relative_poses};
 use super::seams::Seams;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
-use crate::config::tuning::FACE_SINK;
+use crate::config::tuning::{FACE_SINK, ROUND_RECYCLE};
 use crate::lanes::{Lanes, kernel, with_best};
 use crate::memory::{Category, buffers};
 use crate::narrow_phase::contacts::admit::ContactMemory;
@@ -289,13 +289,10 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
-    // On a rolling surface the point of contact moves by its radius of curvature times the angle. A point
-    // left behind would be a pivot, on which a body at rest topples like an inverted pendulum.
-    if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
-        return false;
-    }
     let reach = input.summaries[pair.a as usize].radius.min(input.summaries[pair.b as usize].radius);
-    let limit = input.recycle.min(0.05 * reach);
+    // On a round surface the normal turns as the point of contact moves on.
+    let is_round = first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b));
+    let limit = input.recycle.min(0.05 * reach) * if is_round { ROUND_RECYCLE } else { 1.0 };
     if pair.fast && !(first.bears() > 0.0 && is_slow(input, pair, limit)) {
         return false;
     }
@@ -304,7 +301,8 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
     let d = now.rotation * first.found_at.rotation.conjugate();
     let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
     if moved > limit * limit
-        || turned * reach * reach > limit * limit && swings_past(input, pair, first, d.xyz() * 2.0, limit)
+        || turned * reach * reach > limit * limit
+            && (is_round || swings_past(input, pair, first, d.xyz() * 2.0, limit))
     {
         return false;
     }
