@@ -22,6 +22,8 @@
 #include <Jolt/RegisterTypes.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -130,6 +132,8 @@ struct World {
 	JPH::Ref<Joined> joined = new Joined;
 	std::vector<JPH::BodyID> bodies;
 	std::vector<JPH::BodyID> dynamic;
+	// Shapes that bodies share.
+	std::map<uint64_t, JPH::ShapeSettings::ShapeResult> shared;
 	int steps = 1;
 
 	JPH::Body *Body(uint32 index) const {
@@ -154,6 +158,8 @@ struct PeersWorldDef {
 
 // A part of a body; `points` and `indices` by kind.
 struct PeersShape {
+	// What tells it from others, if bodies share it; 0 if not.
+	uint64_t key;
 	// 0 sphere, 1 capsule, 2 box, 3 hull, 4 mesh.
 	uint32 kind;
 	float density;
@@ -278,14 +284,18 @@ bool IsMoved(const PeersShape &shape) {
 }
 
 // One shape, a shape that is moved, or a compound; null if Jolt refuses one.
-JPH::RefConst<JPH::Shape> Whole(const PeersShape *shapes, uint32 count) {
+JPH::RefConst<JPH::Shape> Whole(World *world, const PeersShape *shapes, uint32 count) {
 	using namespace JPH;
 	StaticCompoundShapeSettings *compound = new StaticCompoundShapeSettings;
 	Ref<StaticCompoundShapeSettings> owned = compound;
 	for (uint32 i = 0; i < count; ++i) {
-		ShapeSettings::ShapeResult part = Create(shapes[i]);
+		const uint64_t key = shapes[i].key;
+		const bool is_known = key != 0 && world->shared.count(key) != 0;
+		ShapeSettings::ShapeResult part = is_known ? world->shared[key] : Create(shapes[i]);
 		if (part.HasError())
 			return nullptr;
+		if (key != 0)
+			world->shared[key] = part;
 		if (count == 1 && !IsMoved(shapes[i]))
 			return part.Get().GetPtr();
 		if (count == 1)
@@ -303,7 +313,7 @@ extern "C" {
 
 bool peers_add_body(World *world, const PeersBody *def, const PeersShape *shapes, uint32 count) {
 	using namespace JPH;
-	const RefConst<Shape> shape = Whole(shapes, count);
+	const RefConst<Shape> shape = Whole(world, shapes, count);
 	if (shape == nullptr)
 		return false;
 	const EMotionType kinds[] = {EMotionType::Static, EMotionType::Kinematic, EMotionType::Dynamic};

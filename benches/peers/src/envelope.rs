@@ -2,6 +2,7 @@
 //! that `cargo backstop extremes --beside FILE` shows beside its own. The judge is the same, and sees poses
 //! and velocities alone.
 
+use crate::engines::content::Meshes;
 use crate::engines::{self, Config, Continuous, Engine};
 use anyhow::Context;
 use backstop_lab::envelope::{Cell, Watch};
@@ -103,7 +104,7 @@ fn watch(cell: &Cell, engine: &str, seconds: f64) -> anyhow::Result<Value> {
     let (_, config) = asked(engine, cell.conditions.size)?;
     let entry = engines::find(engine).with_context(|| format!("this program is built without {engine}"))?;
     let scene = cell.scene();
-    let mut engine: Box<dyn Engine> = (entry.build)(&scene, &config)?;
+    let mut engine: Box<dyn Engine> = (entry.build)(&scene, &Meshes::of(&scene), &config)?;
     let mut watch: Watch = cell.watch(seconds);
     let (mut time, mut looked, mut step) = (0.0, 0.0, 0);
     while time < seconds - 5e-4 && watch.is_finite() {

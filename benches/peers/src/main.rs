@@ -8,7 +8,9 @@ mod envelope;
 mod judge;
 mod machine;
 mod memory;
+mod programs;
 mod run;
+mod scale;
 mod scenes;
 mod table;
 
@@ -30,6 +32,8 @@ enum Command {
     Run(run::Args),
     /// Runs engines in turn on scenes, and writes a record of it.
     Table(table::Args),
+    /// Sweeps the number of bodies, or of triangles, and plots what a step costs.
+    Scale(scale::Args),
     /// Runs the cells of backstop's envelope in another engine.
     Envelope(envelope::Args),
 }
@@ -48,6 +52,7 @@ fn main() -> anyhow::Result<()> {
         Command::List => list(),
         Command::Run(args) => run::main(&args)?,
         Command::Table(args) => table::main(&args)?,
+        Command::Scale(args) => scale::main(&args)?,
         Command::Envelope(args) => envelope::main(&args)?,
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! `run`: one scene in one engine, in this process.
 
-use crate::engines;
+use crate::engines::{self, content::Meshes};
 use crate::judge::{Figures, Judge};
 use crate::memory::status_kib;
 use crate::scenes::{self, DT, Subject};
@@ -84,9 +84,10 @@ fn run(args: &Args, subject: &Subject) -> anyhow::Result<Outcome> {
     let mut judge = (!args.blind).then(|| Judge::new(subject));
     let config = subject.config(args.threads, args.effort, args.sleep);
 
+    let meshes = Meshes::of(&subject.scene);
     let before = status_kib("VmRSS");
     let start = Instant::now();
-    let mut engine = (entry.build)(&subject.scene, &config)?;
+    let mut engine = (entry.build)(&subject.scene, &meshes, &config)?;
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
 
     let (mut after, mut asleep_after, mut each) = (None, None, Vec::with_capacity(steps as usize));

@@ -1,10 +1,12 @@
 //! backstop, at its defaults.
 
+use super::content::Meshes;
 use super::{Config, Continuous, Engine};
 use anyhow::Context;
-use backstop::{BodyHandle, Settings, World};
+use backstop::{BodyHandle, Geometry, Settings, TriangleMesh, World};
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
+use std::sync::Arc;
 
 struct Backstop {
     world: World,
@@ -13,7 +15,7 @@ struct Backstop {
     pool: Option<rayon::ThreadPool>,
 }
 
-pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
     let usual = Settings::default();
     let continuous = match config.continuous {
         Continuous::Off => backstop::Continuous::Discrete,
@@ -28,12 +30,25 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
         .with_continuous(continuous)
         .with_sleeping(config.sleeping);
     let mut world = World::new(settings).context("these settings are refused")?;
+    let scene = with_own_meshes(scene, meshes)?;
     let bodies = scene.add_to(&mut world).context("the scene is refused")?.bodies;
     let pool = match config.threads {
         1 => None,
         threads => Some(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
     };
     Ok(Box::new(Backstop { world, bodies, pool }))
+}
+
+/// The scene with meshes made anew, which the world then shares with nobody: they are part of what it takes.
+fn with_own_meshes(scene: &Scene, meshes: &Meshes) -> anyhow::Result<Scene> {
+    let mut scene = scene.clone();
+    for shape in scene.bodies.iter_mut().flat_map(|body| &mut body.desc.shapes) {
+        if let Geometry::Mesh(mesh) = &mut shape.geometry {
+            let (vertices, triangles) = meshes.get(mesh)?.clone();
+            *mesh = Arc::new(TriangleMesh::new(vertices, triangles)?);
+        }
+    }
+    Ok(scene)
 }
 
 impl Engine for Backstop {

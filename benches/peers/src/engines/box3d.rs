@@ -1,6 +1,6 @@
 //! Box3D through its C interface. Four substeps, as its documentation has them.
 
-use super::content::{Turning, triangles, turning, z_to_x};
+use super::content::{Meshes, Turning, turning, z_to_x};
 use super::{Config, Continuous, Engine};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyKind, Geometry, ShapeDesc};
@@ -33,7 +33,7 @@ fn transform(shape: &ShapeDesc) -> b3Transform {
     b3Transform { p: vec3(shape.position), q: quat(shape.rotation) }
 }
 
-pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
     // SAFETY: calls into the C library; every definition starts from its defaults, and every pointer outlives
     // its call. The length unit is global: one world lives at a time.
     unsafe {
@@ -56,7 +56,7 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
             hinge_ranges: config.hinge_ranges,
         };
         for body in &scene.bodies {
-            this.add_body(body)?;
+            this.add_body(body, meshes)?;
         }
         scene.joints.iter().for_each(|joint| this.add_joint(joint));
         Ok(Box::new(this))
@@ -64,7 +64,7 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
 }
 
 impl Box3d {
-    unsafe fn add_body(&mut self, body: &SceneBody) -> anyhow::Result<()> {
+    unsafe fn add_body(&mut self, body: &SceneBody, meshes: &Meshes) -> anyhow::Result<()> {
         let desc = &body.desc;
         // SAFETY: as in `build`.
         unsafe {
@@ -91,7 +91,7 @@ impl Box3d {
                 def.baseMaterial.restitution = shape.material.restitution;
                 // Once for all of them, below.
                 def.updateBodyMass = false;
-                self.add_shape(id, &def, shape)?;
+                self.add_shape(id, &def, (shape, meshes))?;
             }
             if desc.kind == BodyKind::Dynamic {
                 b3Body_ApplyMassFromShapes(id);
@@ -106,7 +106,7 @@ impl Box3d {
         &mut self,
         body: b3BodyId,
         def: &b3ShapeDef,
-        shape: &ShapeDesc,
+        (shape, meshes): (&ShapeDesc, &Meshes),
     ) -> anyhow::Result<()> {
         // SAFETY: as in `build`.
         unsafe {
@@ -136,8 +136,8 @@ impl Box3d {
                 }
                 Geometry::Mesh(mesh) => {
                     anyhow::ensure!(shape.position == Vec3::ZERO, "meshes are at their body's origin");
-                    let (vertices, triangles) = triangles(mesh);
-                    let mut vertices: Vec<b3Vec3> = vertices.into_iter().map(vec3).collect();
+                    let (vertices, triangles) = meshes.get(mesh)?;
+                    let mut vertices: Vec<b3Vec3> = vertices.iter().copied().map(vec3).collect();
                     let mut indices: Vec<i32> = triangles.as_flattened().iter().map(|&i| i as i32).collect();
                     let mesh_def = b3MeshDef {
                         vertices: vertices.as_mut_ptr(),

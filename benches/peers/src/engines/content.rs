@@ -1,9 +1,11 @@
 //! What adapters need to know about the content of a scene.
 
+use anyhow::Context;
 use backstop::glam::{Quat, Vec3};
-use backstop::{Motion, TriangleMesh};
-use backstop_scene::SceneJoint;
+use backstop::{Geometry, Motion, TriangleMesh};
+use backstop_scene::{Scene, SceneJoint};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// How a joint turns, in the words that every engine has. Cones and twists of ball joints are left out: no
 /// two engines mean the same by them.
@@ -32,7 +34,33 @@ pub(crate) fn z_to_x() -> Quat {
 }
 
 /// The vertices of a mesh, each once, and its triangles.
-pub(crate) fn triangles(mesh: &TriangleMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(crate) type Triangles = (Vec<Vec3>, Vec<[u32; 3]>);
+
+/// The meshes of a scene as engines take them, made before memory and times are measured.
+pub(crate) struct Meshes(HashMap<usize, Triangles>);
+
+impl Meshes {
+    pub(crate) fn of(scene: &Scene) -> Meshes {
+        let shapes = scene.bodies.iter().flat_map(|body| &body.desc.shapes);
+        let meshes = shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => Some((key(mesh), triangles(mesh))),
+            _ => None,
+        });
+        Meshes(meshes.collect())
+    }
+
+    /// Those of one of the scene's.
+    pub(super) fn get(&self, mesh: &Arc<TriangleMesh>) -> anyhow::Result<&Triangles> {
+        self.0.get(&key(mesh)).context("a mesh of another scene")
+    }
+}
+
+/// What tells one shared thing from another: what bodies share in the scene, they share in engines that can.
+pub(super) fn key<T>(shared: &Arc<T>) -> usize {
+    Arc::as_ptr(shared) as usize
+}
+
+fn triangles(mesh: &TriangleMesh) -> Triangles {
     let (mut vertices, mut numbers) = (Vec::new(), HashMap::new());
     let triangles = (0..).map_while(|triangle| mesh.corners(triangle)).map(|corners| {
         corners.map(|corner| {

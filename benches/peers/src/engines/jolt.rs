@@ -1,6 +1,6 @@
 //! Jolt, through the C interface in `native/`.
 
-use super::content::{Turning, triangles, turning};
+use super::content::{Meshes, Turning, key, turning};
 use super::{Config, Continuous, Engine};
 use anyhow::{Context, bail, ensure};
 use backstop::glam::{Quat, Vec3};
@@ -27,6 +27,8 @@ struct WorldDef {
 
 #[repr(C)]
 struct Shape {
+    /// What tells it from others, if bodies share it.
+    key: u64,
     kind: u32,
     density: f32,
     position: [f32; 3],
@@ -87,7 +89,7 @@ struct Jolt {
     world: *mut World,
 }
 
-pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
     let def = WorldDef {
         gravity: scene.gravity.to_array(),
         bodies: scene.bodies.len() as u32,
@@ -98,7 +100,7 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
     // SAFETY: the definition outlives the call.
     let this = Jolt { world: unsafe { peers_world_new(&def) } };
     for body in &scene.bodies {
-        this.add_body(body, config)?;
+        this.add_body(body, meshes, config)?;
     }
     scene.joints.iter().for_each(|joint| this.add_joint(scene, joint, config));
     // SAFETY: all bodies are there, and the world is alive until `drop`.
@@ -107,7 +109,7 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
 }
 
 impl Jolt {
-    fn add_body(&self, body: &SceneBody, config: &Config) -> anyhow::Result<()> {
+    fn add_body(&self, body: &SceneBody, meshes: &Meshes, config: &Config) -> anyhow::Result<()> {
         let desc = &body.desc;
         let first = desc.shapes.first().context("Jolt has no bodies without shapes")?;
         let def = Body {
@@ -127,11 +129,10 @@ impl Jolt {
             continuous: config.continuous != Continuous::Off,
             sleeping: config.sleeping,
         };
-        let points: Vec<Points> = desc.shapes.iter().map(|shape| Points::of(&shape.geometry)).collect();
-        let mut shapes = Vec::new();
-        for (shape, points) in desc.shapes.iter().zip(&points) {
-            shapes.push(self::shape(shape, points)?);
-        }
+        let points = desc.shapes.iter().map(|shape| Points::of(&shape.geometry, meshes));
+        let points = points.collect::<anyhow::Result<Vec<Points>>>()?;
+        let shapes = desc.shapes.iter().zip(&points).map(|(desc, points)| shape(desc, points));
+        let shapes = shapes.collect::<anyhow::Result<Vec<Shape>>>()?;
         // SAFETY: all pointers outlive the call, and counts are those of what they point to.
         let added = unsafe { peers_add_body(self.world, &def, shapes.as_ptr(), shapes.len() as u32) };
         ensure!(added, "Jolt refuses \"{}\"", body.name);
@@ -164,23 +165,22 @@ impl Jolt {
 }
 
 /// Points and indices that a shape points to.
-#[derive(Default)]
-struct Points {
+struct Points<'a> {
     points: Vec<f32>,
-    triangles: Vec<[u32; 3]>,
+    triangles: &'a [[u32; 3]],
 }
 
-impl Points {
-    fn of(geometry: &Geometry) -> Points {
+impl Points<'_> {
+    fn of<'a>(geometry: &Geometry, meshes: &'a Meshes) -> anyhow::Result<Points<'a>> {
         let flat = |points: &[Vec3]| points.iter().flat_map(|p| p.to_array()).collect();
-        match geometry {
-            Geometry::Hull(hull) => Points { points: flat(hull.vertices()), ..Points::default() },
+        Ok(match geometry {
+            Geometry::Hull(hull) => Points { points: flat(hull.vertices()), triangles: &[] },
             Geometry::Mesh(mesh) => {
-                let (vertices, triangles) = triangles(mesh);
-                Points { points: flat(&vertices), triangles }
+                let (vertices, triangles) = meshes.get(mesh)?;
+                Points { points: flat(vertices), triangles }
             }
-            _ => Points::default(),
-        }
+            _ => Points { points: Vec::new(), triangles: &[] },
+        })
     }
 }
 
@@ -193,7 +193,12 @@ fn shape(desc: &ShapeDesc, points: &Points) -> anyhow::Result<Shape> {
         Geometry::Mesh(_) => (4, [0.0; 3]),
         other => bail!("no {}", other.kind_name()),
     };
+    let key = match &desc.geometry {
+        Geometry::Hull(hull) => key(hull) as u64,
+        _ => 0,
+    };
     Ok(Shape {
+        key,
         kind,
         density: desc.density,
         position: desc.position.to_array(),

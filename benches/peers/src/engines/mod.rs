@@ -13,6 +13,7 @@ mod rapier;
 
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
+use content::Meshes;
 
 /// An engine with a scene in it.
 pub(crate) trait Engine {
@@ -53,7 +54,7 @@ pub(crate) struct Config {
     pub(crate) hinge_ranges: bool,
 }
 
-pub(crate) type Build = fn(&Scene, &Config) -> anyhow::Result<Box<dyn Engine>>;
+pub(crate) type Build = fn(&Scene, &Meshes, &Config) -> anyhow::Result<Box<dyn Engine>>;
 
 /// An engine that is compiled into this program.
 pub(crate) struct Entry {

@@ -1,6 +1,6 @@
 //! PhysX through its C interface: the CPU solver in both of its kinds.
 
-use super::content::{Turning, triangles, turning};
+use super::content::{Meshes, Turning, key, turning};
 use super::{Config, Continuous, Engine};
 use anyhow::{bail, ensure};
 use backstop::glam::{Quat, Vec3};
@@ -8,6 +8,7 @@ use backstop::{BodyKind, Geometry, Material, ShapeDesc};
 use backstop_lab::envelope::State;
 use backstop_scene::{Scene, SceneBody, SceneJoint};
 use physx_sys::*;
+use std::collections::HashMap;
 use std::ptr::{null, null_mut};
 
 /// A moved body that nothing pushes: PhysX wants its next pose before each step.
@@ -24,19 +25,26 @@ struct Physx {
     actors: Vec<(*mut PxRigidActor, bool)>,
     dynamic: Vec<*mut PxRigidDynamic>,
     moved: Vec<Moved>,
+    /// Hulls that are made.
+    hulls: HashMap<usize, *mut PxConvexMesh>,
     effort: u32,
 }
 
-pub(super) fn tgs(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
-    build(scene, config, PxSolverType::Tgs)
+pub(super) fn tgs(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+    build(scene, meshes, config, PxSolverType::Tgs)
 }
 
-pub(super) fn pgs(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
-    build(scene, config, PxSolverType::Pgs)
+pub(super) fn pgs(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+    build(scene, meshes, config, PxSolverType::Pgs)
 }
 
 /// Greater effort means whole steps that are shorter: it has no substeps.
-fn build(scene: &Scene, config: &Config, solver: PxSolverType) -> anyhow::Result<Box<dyn Engine>> {
+fn build(
+    scene: &Scene,
+    meshes: &Meshes,
+    config: &Config,
+    solver: PxSolverType,
+) -> anyhow::Result<Box<dyn Engine>> {
     // SAFETY: calls into the C++ library; every pointer comes from it or outlives its call. A process makes one
     // world, and its end frees everything.
     unsafe {
@@ -61,11 +69,12 @@ fn build(scene: &Scene, config: &Config, solver: PxSolverType) -> anyhow::Result
             actors: Vec::new(),
             dynamic: Vec::new(),
             moved: Vec::new(),
+            hulls: HashMap::new(),
             effort: config.effort,
         };
         ensure!(!this.scene.is_null(), "PhysX makes no scene");
         for body in &scene.bodies {
-            this.add_body(body, config)?;
+            this.add_body(body, meshes, config)?;
         }
         scene.joints.iter().for_each(|joint| this.add_joint(joint, config));
         Ok(Box::new(this))
@@ -80,7 +89,7 @@ unsafe extern "C" fn continuous_contacts(info: *mut FilterShaderCallbackInfo) ->
 }
 
 impl Physx {
-    unsafe fn add_body(&mut self, body: &SceneBody, config: &Config) -> anyhow::Result<()> {
+    unsafe fn add_body(&mut self, body: &SceneBody, meshes: &Meshes, config: &Config) -> anyhow::Result<()> {
         let desc = &body.desc;
         let pose = transform(desc.position.as_vec3(), desc.rotation);
         // SAFETY: as in `build`.
@@ -90,7 +99,7 @@ impl Physx {
                 _ => PxPhysics_createRigidDynamic_mut(self.physics, &pose).cast(),
             };
             for shape in &desc.shapes {
-                let made = self.shape(shape)?;
+                let made = self.shape(shape, meshes)?;
                 ensure!(PxRigidActor_attachShape_mut(actor, made), "PhysX refuses \"{}\"", body.name);
             }
             match desc.kind {
@@ -115,7 +124,7 @@ impl Physx {
         Ok(())
     }
 
-    unsafe fn shape(&self, desc: &ShapeDesc) -> anyhow::Result<*mut PxShape> {
+    unsafe fn shape(&mut self, desc: &ShapeDesc, meshes: &Meshes) -> anyhow::Result<*mut PxShape> {
         let physics = self.physics;
         // SAFETY: as in `build`; what a description points to outlives the cooking.
         unsafe {
@@ -145,20 +154,22 @@ impl Physx {
                     create((&raw const geometry).cast())
                 }
                 Geometry::Hull(hull) => {
-                    let mut desc = PxConvexMeshDesc_new();
-                    desc.points = data(hull.vertices());
-                    desc.flags = PxConvexFlags::ComputeConvex;
-                    let mesh = phys_PxCreateConvexMesh(&cooking, &desc, insert, null_mut());
+                    let mesh = *self.hulls.entry(key(hull)).or_insert_with(|| {
+                        let mut desc = PxConvexMeshDesc_new();
+                        desc.points = data(hull.vertices());
+                        desc.flags = PxConvexFlags::ComputeConvex;
+                        phys_PxCreateConvexMesh(&cooking, &desc, insert, null_mut())
+                    });
                     ensure!(!mesh.is_null(), "PhysX makes no hull");
                     let flags = PxConvexMeshGeometryFlags::empty();
                     let geometry = PxConvexMeshGeometry_new(mesh, &whole, flags);
                     create((&raw const geometry).cast())
                 }
                 Geometry::Mesh(mesh) => {
-                    let (vertices, triangles) = triangles(mesh);
+                    let (vertices, triangles) = meshes.get(mesh)?;
                     let mut desc = PxTriangleMeshDesc_new();
-                    desc.points = data(&vertices);
-                    desc.triangles = data(&triangles);
+                    desc.points = data(vertices);
+                    desc.triangles = data(triangles);
                     let mesh = phys_PxCreateTriangleMesh(&cooking, &desc, insert, null_mut());
                     ensure!(!mesh.is_null(), "PhysX makes no mesh");
                     let geometry = PxTriangleMeshGeometry_new(mesh, &whole, PxMeshGeometryFlags::empty());

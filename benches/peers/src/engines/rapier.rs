@@ -1,6 +1,6 @@
 //! Rapier, at its defaults.
 
-use super::content::{Turning, triangles, turning};
+use super::content::{Meshes, Turning, key, turning};
 use super::{Config, Continuous, Engine};
 use anyhow::Context;
 use backstop::glam as bg;
@@ -8,6 +8,7 @@ use backstop::{BodyKind, Geometry};
 use backstop_lab::envelope::State;
 use backstop_scene::{Scene, SceneBody};
 use rapier3d::prelude::*;
+use std::collections::HashMap;
 
 /// The build decides how Rapier runs, so it is part of the name.
 pub(super) const NAME: &str = match (cfg!(feature = "rapier-parallel"), cfg!(feature = "rapier-simd8")) {
@@ -20,6 +21,8 @@ pub(super) const NAME: &str = match (cfg!(feature = "rapier-parallel"), cfg!(fea
 struct Rapier {
     world: PhysicsWorld,
     bodies: Vec<RigidBodyHandle>,
+    /// Hulls that are made.
+    hulls: HashMap<usize, SharedShape>,
 }
 
 fn vec3(v: bg::Vec3) -> Vector {
@@ -34,7 +37,7 @@ fn pose(position: bg::Vec3, rotation: bg::Quat) -> Pose {
     Pose::from_parts(vec3(position), quat(rotation))
 }
 
-pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
+pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
     let mut world = PhysicsWorld::new();
     world.gravity = vec3(scene.gravity);
     let parameters = &mut world.integration_parameters;
@@ -47,9 +50,9 @@ pub(super) fn build(scene: &Scene, config: &Config) -> anyhow::Result<Box<dyn En
         parameters.max_ccd_substeps = 0;
     }
     set_threads(&mut world, config.threads)?;
-    let mut this = Rapier { world, bodies: Vec::new() };
+    let mut this = Rapier { world, bodies: Vec::new(), hulls: HashMap::new() };
     for body in &scene.bodies {
-        this.add_body(body, config)?;
+        this.add_body(body, meshes, config)?;
     }
     for joint in &scene.joints {
         let frame = |side: usize| {
@@ -84,28 +87,35 @@ fn set_threads(_: &mut PhysicsWorld, threads: usize) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn collider(geometry: &Geometry) -> anyhow::Result<ColliderBuilder> {
-    Ok(match geometry {
-        Geometry::Sphere { radius } => ColliderBuilder::ball(*radius),
-        Geometry::Capsule { half_height, radius_bottom, .. } => {
-            ColliderBuilder::capsule_y(*half_height, *radius_bottom)
-        }
-        Geometry::Box { half_extents: half } => ColliderBuilder::cuboid(half.x, half.y, half.z),
-        Geometry::Hull(hull) => {
-            let points: Vec<_> = hull.vertices().iter().map(|&v| vec3(v)).collect();
-            ColliderBuilder::convex_hull(&points).context("no hull")?
-        }
-        Geometry::Mesh(mesh) => {
-            let (vertices, triangles) = triangles(mesh);
-            ColliderBuilder::trimesh(vertices.into_iter().map(vec3).collect(), triangles)
-                .context("no mesh")?
-        }
-        other => anyhow::bail!("no {}", other.kind_name()),
-    })
-}
-
 impl Rapier {
-    fn add_body(&mut self, body: &SceneBody, config: &Config) -> anyhow::Result<()> {
+    fn collider(&mut self, geometry: &Geometry, meshes: &Meshes) -> anyhow::Result<ColliderBuilder> {
+        Ok(match geometry {
+            Geometry::Sphere { radius } => ColliderBuilder::ball(*radius),
+            Geometry::Capsule { half_height, radius_bottom, .. } => {
+                ColliderBuilder::capsule_y(*half_height, *radius_bottom)
+            }
+            Geometry::Box { half_extents: half } => ColliderBuilder::cuboid(half.x, half.y, half.z),
+            Geometry::Hull(hull) => {
+                let made = match self.hulls.get(&key(hull)) {
+                    Some(made) => made.clone(),
+                    None => {
+                        let points: Vec<_> = hull.vertices().iter().map(|&v| vec3(v)).collect();
+                        SharedShape::convex_hull(&points).context("no hull")?
+                    }
+                };
+                self.hulls.insert(key(hull), made.clone());
+                ColliderBuilder::new(made)
+            }
+            Geometry::Mesh(mesh) => {
+                let (vertices, triangles) = meshes.get(mesh)?.clone();
+                ColliderBuilder::trimesh(vertices.into_iter().map(vec3).collect(), triangles)
+                    .context("no mesh")?
+            }
+            other => anyhow::bail!("no {}", other.kind_name()),
+        })
+    }
+
+    fn add_body(&mut self, body: &SceneBody, meshes: &Meshes, config: &Config) -> anyhow::Result<()> {
         let desc = &body.desc;
         let builder = match desc.kind {
             BodyKind::Dynamic => {
@@ -122,7 +132,8 @@ impl Rapier {
                 .can_sleep(config.sleeping),
         );
         for shape in &desc.shapes {
-            let collider = collider(&shape.geometry)?
+            let collider = self
+                .collider(&shape.geometry, meshes)?
                 .position(pose(shape.position, shape.rotation))
                 .density(shape.density)
                 .friction(shape.material.dynamic_friction)

@@ -4,7 +4,8 @@ use super::{Error, Mixed, Subject, add_mesh, below, beyond_pen, grid, pen};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, Geometry, ShapeDesc};
 use backstop_scene::builtin::{self, dynamic, pebble, talk_terrain};
-use backstop_scene::{Rng, Scene};
+use backstop_scene::{Rng, Scene, axis_angle};
+use std::f32::consts::TAU;
 use std::sync::Arc;
 
 /// 4,096 boxes, balls, capsules and hulls in an open box of 16 m.
@@ -117,18 +118,16 @@ fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]
 
 /// 800 planks of 1.2 by 0.08 by 0.24 m, thrown together in a pen of 6 m.
 pub(super) fn planks() -> Subject {
-    let (half, height) = (3.0, 20.0);
+    let (half, height) = (3.0, 24.0);
     let mut scene = Scene::new("planks");
     pen(&mut scene, half, height);
     let mut rng = Rng::new(35);
     for i in 0..800 {
         let (x, z, layer) = (i % 4, i / 4 % 4, i / 16);
-        let at = Vec3::new((x as f32 - 1.5) * 1.35, 0.6 + 0.35 * layer as f32, (z as f32 - 1.5) * 1.35);
-        let turn = rng.small_rotation(std::f32::consts::TAU).normalize();
-        let flat = backstop_scene::axis_angle(Vec3::Y, rng.range(0.0, std::f32::consts::TAU));
-        // Every third any way round, the others lying.
-        let rotation = if i % 3 == 0 { turn } else { flat };
-        scene.add("plank", dynamic(Geometry::cuboid(0.6, 0.04, 0.12), at).rotated(rotation));
+        let at = Vec3::new((x as f32 - 1.5) * 1.35, 0.5 + 0.42 * layer as f32, (z as f32 - 1.5) * 1.35);
+        let flat = axis_angle(Vec3::Y, rng.range(0.0, TAU));
+        let rotation = rng.small_rotation(0.2) * flat;
+        scene.add("plank", dynamic(Geometry::cuboid(0.6, 0.04, 0.12), at).rotated(rotation.normalize()));
     }
     Subject { beyond: beyond_pen(half, height), ..Subject::new(scene, Error::Depth) }
 }
@@ -150,13 +149,13 @@ fn chair(at: Vec3) -> BodyDesc {
 
 /// 250 chairs in a pen of 5 m, each of six boxes.
 pub(super) fn chairs() -> Subject {
-    let (half, height) = (2.5, 20.0);
+    let (half, height) = (2.5, 24.0);
     let mut scene = Scene::new("chairs");
     pen(&mut scene, half, height);
     let mut rng = Rng::new(36);
     for i in 0..250 {
-        let (x, z, layer) = (i % 5, i / 5 % 5, i / 25);
-        let at = Vec3::new((x as f32 - 2.0) * 0.95, 0.8 + 1.1 * layer as f32, (z as f32 - 2.0) * 0.95);
+        let (x, z, layer) = (i % 4, i / 4 % 4, i / 16);
+        let at = Vec3::new((x as f32 - 1.5) * 1.2, 0.8 + 1.25 * layer as f32, (z as f32 - 1.5) * 1.2);
         scene.add("chair", chair(at).rotated(rng.rotation()));
     }
     Subject { beyond: beyond_pen(half, height), ..Subject::new(scene, Error::Depth) }

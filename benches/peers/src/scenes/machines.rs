@@ -42,23 +42,15 @@ pub(super) fn drum() -> Subject {
         scene.add("wall", fixed(wall, Vec3::Z * (side * (length + 0.5))));
     }
     let mut rng = Rng::new(40);
-    let mixed = Mixed::new(0.2, &mut rng);
-    let mut count = 0;
-    for cell in 0.. {
-        let (z, x, y) = (cell % 11, cell / 11 % 11, cell / 121);
-        let at = Vec3::new(x as f32 - 5.0, y as f32 - 6.0, z as f32 - 5.0) * 0.5;
-        if count == 1500 {
-            break;
-        }
-        // Clear of the wall and the paddles.
-        if at.truncate().length() < radius - 1.0 {
-            let shape = mixed.shape(cell);
-            scene.add("body", dynamic(shape, at).rotated(rng.small_rotation(0.3)));
-            count += 1;
-        }
-        if y > 12 {
-            break;
-        }
+    let mixed = Mixed::new(0.18, &mut rng);
+    let places = (0..13 * 13 * 12).map(|cell| {
+        let (z, x, y) = (cell % 12, cell / 12 % 13, cell / 156);
+        Vec3::new(x as f32 - 6.0, y as f32 - 6.0, z as f32 - 5.5) * 0.45
+    });
+    // Clear of the wall and the paddles.
+    let places = places.filter(|at| at.truncate().length() < radius - 0.95);
+    for (i, at) in places.take(1500).enumerate() {
+        scene.add("body", dynamic(mixed.shape(i), at).rotated(rng.small_rotation(0.3)));
     }
     let beyond =
         Arc::new(move |p: Vec3| (p.truncate().length() - radius - 0.25).max(p.z.abs() - length - 0.25));

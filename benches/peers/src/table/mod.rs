@@ -1,13 +1,12 @@
 //! `table`: engines in turn on scenes, and a record of it.
 
 mod markdown;
-mod programs;
-mod row;
+pub(crate) mod row;
 
 use crate::machine;
+use crate::programs::Programs;
 use crate::scenes;
 use anyhow::Context;
-pub(crate) use programs::Programs;
 use row::{Equal, Row};
 use std::fmt::Write;
 use std::path::PathBuf;
