@@ -306,24 +306,9 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
     {
         return false;
     }
-    // Planes between shapes that are apart must not be kept until they are crossed: the shapes may have
-    // passed each other by then. A pair that bears a load is not apart, whichever way its separations are
-    // rounded.
-    let (mut nearest, mut bears) = (f32::INFINITY, false);
-    let mut slot = pair.contact;
-    while slot != NO_CONTACT {
-        // SAFETY: by the contract.
-        let contact = unsafe { all.at(slot) };
-        let contact = contact.as_ref();
-        nearest = nearest.min(contact.nearest(now));
-        bears |= contact.bears() > 0.0;
-        slot = contact.next;
-    }
-    if nearest > 0.0 && !bears {
-        let approach = input.approach(pair);
-        if approach.is_continuous() && approach.max_closing() > nearest {
-            return false;
-        }
+    // SAFETY: by the contract.
+    if first.bears() == 0.0 && unsafe { may_cross(input, pair, now, all) } {
+        return false;
     }
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
@@ -333,6 +318,29 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedCo
         slot = contact.next;
     }
     true
+}
+
+/// Whether the shapes of a pair may get past the planes between them within the step. Such planes must not be
+/// kept until they are crossed. A pair that bears a load is not apart, whichever way its separations are
+/// rounded.
+///
+/// # Safety
+/// No other thread may access the contacts of this pair.
+unsafe fn may_cross(input: &Input<'_>, pair: &Pair, now: &Relative, all: &SharedContacts<'_>) -> bool {
+    let approach = input.approach(pair);
+    let mut nearest = f32::INFINITY;
+    let mut slot = pair.contact;
+    while slot != NO_CONTACT {
+        // SAFETY: by the contract.
+        let contact = unsafe { all.at(slot) };
+        let contact = contact.as_ref();
+        if contact.bears() > 0.0 {
+            return false;
+        }
+        nearest = nearest.min(contact.nearest(now));
+        slot = contact.next;
+    }
+    nearest > 0.0 && approach.is_continuous() && approach.max_closing() > nearest
 }
 
 /// Whether a turn of `b` against `a` moves points of both shapes by more than `limit` [m]. A plank that turns

@@ -27,7 +27,7 @@ pub(crate) fn prepare(
 ) -> Prepared {
     rows.set_friction(input.friction);
     let marked = mark_soft(input, rows, allowances);
-    let mut prepared = arrange(input, rows, scratch, allowances);
+    let mut prepared = arrange(workers, input, rows, scratch, allowances);
     prepared.shed += u32::from(!marked);
     let (all, Rows { surfaces, rolling, .. }) = (rows.schedule.len(), &mut *rows);
     surfaces.clear();

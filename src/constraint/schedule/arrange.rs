@@ -2,11 +2,11 @@
 
 use super::budget::{Ahead, Thrift, is_ahead};
 use super::colour::{Colouring, OVERFLOW};
+use super::facts::{Fact, Facts, each_of};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Stage};
 use super::part::Part;
 use crate::config::Order;
-use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
@@ -14,7 +14,8 @@ use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, NO_CONTACT, Point, Weight};
+use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, Weight};
+use crate::threads::Workers;
 
 /// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,6 +36,7 @@ pub(crate) struct PrepareScratch {
     colouring: [Colouring; 4],
     keys: Keys,
     pub(crate) crowd: Crowd,
+    facts: Facts,
     /// Contact and sort key.
     entries: Vec<(Part, u32)>,
     pub(crate) sorted: Vec<Part>,
@@ -67,6 +69,7 @@ impl PrepareScratch {
         spoil(&mut self.entries);
         spoil(&mut self.sorted);
         spoil(&mut self.ranges);
+        self.facts.spoil();
     }
 
     /// There is no continuous collision any more.
@@ -109,7 +112,7 @@ impl PrepareScratch {
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let lists =
             [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges), self.keys.bytes()];
-        let bodies = self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes()]);
+        let bodies = self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes(), self.facts.bytes()]);
         sum_bytes(lists.into_iter().chain(bodies))
     }
 }
@@ -117,13 +120,14 @@ impl PrepareScratch {
 /// Sorts the contacts and reserves memory for their batches. Where it does not suffice for all, those that
 /// are missed least get no rows.
 pub(crate) fn arrange(
+    workers: &Workers<'_>,
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
     allowances: &mut Allowances,
 ) -> Prepared {
     if allowances.is_endless() {
-        let (prepared, _) = sort(input, scratch, None, Ahead::ANY);
+        let (prepared, _) = sort(Some(workers), input, scratch, None, Ahead::ANY);
         let batches = schedule(input, rows, scratch, false);
         allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
         return prepared;
@@ -136,7 +140,7 @@ pub(crate) fn arrange(
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
     let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
-    let (prepared, fits) = sort(input, scratch, Some(Thrift::none(place)), ahead);
+    let (prepared, fits) = sort(None, input, scratch, Some(Thrift::none(place)), ahead);
     let batches = schedule(input, rows, scratch, false);
     if fits && reserve(&batches, rows, allowances) {
         allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
@@ -151,7 +155,7 @@ pub(crate) fn arrange(
         let last = enough - too_few <= near;
         let step = if last { enough } else { too_few.midpoint(enough) };
         let thrift = Thrift::after(step, &counts, place);
-        let (prepared, fits) = sort(input, scratch, Some(thrift), ahead);
+        let (prepared, fits) = sort(None, input, scratch, Some(thrift), ahead);
         let batches = schedule(input, rows, scratch, true);
         let fits = fits && reserve(&batches, rows, allowances);
         if last {
@@ -166,25 +170,16 @@ pub(crate) fn arrange(
 fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
     let mut parts = 0;
     each_contact(input, |_, contact| {
-        if !is_ahead(input, contact) || ahead.admits(contact, group_of(input, contact)) {
+        if !is_ahead(input, contact) || ahead.admits(contact.count.into(), group_of(input, contact)) {
             parts += if input.per_point { u32::from(contact.count) } else { 1 };
         }
     });
     parts
 }
 
-pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, ContactRef<'a>)) {
-    let dynamic = input.bodies.dynamic();
-    for pair in input.pairs {
-        let mut slot = if pair.is_idle(input.summaries, dynamic) { NO_CONTACT } else { pair.contact };
-        while slot != NO_CONTACT {
-            let contact = input.contacts.at(slot);
-            if contact.count > 0 {
-                f(slot, contact);
-            }
-            slot = contact.next;
-        }
-    }
+/// Calls `f` with each contact that has rows.
+pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, f: impl FnMut(u32, ContactRef<'a>)) {
+    each_of(input, 0..input.pairs.len(), f);
 }
 
 pub(super) fn group_of(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> Group {
@@ -272,44 +267,42 @@ impl PrepareScratch {
 }
 
 /// Sorts contacts by group, colour and number of points, and counts them. Returns whether there was place for
-/// all that were not shed.
+/// all that were not shed. `workers`: none if there is a budget.
 fn sort(
+    workers: Option<&Workers<'_>>,
     input: &PrepareInput<'_>,
     scratch: &mut PrepareScratch,
     mut thrift: Option<Thrift>,
     mut granted: Ahead,
 ) -> (Prepared, bool) {
-    let PrepareScratch { colouring, keys, crowd, entries, .. } = scratch;
+    let PrepareScratch { colouring, keys, crowd, entries, facts, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     crowd.clear();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
     keys.reset(input.order, input.bodies.solved_after_groups());
-    let (movers, any_solved_after) = (input.bodies.movers(), keys.any_solved_after());
+    let any_solved_after = keys.any_solved_after();
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
     // Under a budget, memory for all is reserved already.
     let mut allowance = Allowance::ENDLESS;
     // With bodies that may move and with static ones, by number of points.
     let mut ahead = [[0usize; 4]; 2];
-    each_contact(input, |slot, contact| {
-        let body = |c: u32| input.summaries[c as usize].body as usize;
-        let (a, b) = (body(contact.a), body(contact.b));
-        let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
-        let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
-        if contact.points().iter().any(deep) && !is_soft(input, contact) {
+    let take = |fact: Fact| {
+        let (group, a, b) = (fact.group(), fact.a as usize, fact.b as usize);
+        if fact.is_deep() {
             crowd.overlap(a, b, dynamic);
         }
-        let group = Group::of(a >= movers || b >= movers, touching == 0);
+        let (count, touching) = (u32::from(fact.count), u32::from(fact.touching));
         prepared.manifolds += 1;
         prepared.real += touching;
-        prepared.potential += u32::from(contact.count) - touching;
-        if is_ahead(input, contact) {
-            if !granted.admits(contact, group) {
-                prepared.shed += u32::from(contact.count);
+        prepared.potential += count - touching;
+        if fact.is_ahead() {
+            if !granted.admits(count, group) {
+                prepared.shed += count;
                 return;
             }
-            ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
+            ahead[usize::from(group.is_static())][count as usize - 1] += 1;
         }
         let solved_after = if any_solved_after {
             let own = |body: usize| input.bodies.traits[body].solved_after;
@@ -317,9 +310,12 @@ fn sort(
         } else {
             None
         };
-        let all = (1 << contact.count) - 1;
+        let all = (1 << count) - 1;
         let kept = match &mut thrift {
-            Some(thrift) if thrift.thin => thrift.points(contact, input.scale.of(contact)),
+            Some(thrift) if thrift.thin => {
+                let contact = input.contacts.at(fact.slot);
+                thrift.points(contact, input.scale.of(contact))
+            }
             _ => all,
         };
         prepared.shed += (all & !kept).count_ones();
@@ -329,32 +325,44 @@ fn sort(
                 return;
             }
             let colour = colouring[group as usize].assign(a, b);
-            let in_tree = group.is_static()
-                && colour != OVERFLOW
-                && input.tree_slots.of(a.min(b)).is_some()
-                && !is_soft(input, contact);
+            let in_tree = fact.is_in_tree() && colour != OVERFLOW;
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
             allowance.push(entries, (part, key));
         };
         if input.per_point {
-            ones(kept).for_each(|point| enter(Part::point(slot, point), 1));
+            ones(kept).for_each(|point| enter(Part::point(fact.slot, point), 1));
         } else if kept > 0 {
-            enter(Part::of(slot, if kept == all { 0 } else { kept }), kept.count_ones() as usize);
+            enter(Part::of(fact.slot, if kept == all { 0 } else { kept }), kept.count_ones() as usize);
         }
-    });
+    };
+    each_fact(workers, input, facts, take);
     if !crowd.is_empty() {
-        each_contact(input, |_, contact| {
-            let body = |c: u32| input.summaries[c as usize].body as usize;
-            crowd.touch(body(contact.a), body(contact.b), &input.bodies.velocity, movers);
-        });
+        let movers = input.bodies.movers();
+        let touch = |fact: Fact| {
+            crowd.touch(fact.a as usize, fact.b as usize, &input.bodies.velocity, movers);
+        };
+        each_fact(workers, input, facts, touch);
     }
     scratch.line_up(input, &mut allowance);
     scratch.note_ahead(input, &ahead);
     (prepared, fits)
 }
 
+/// Calls `f` with what matters of each contact; `workers`: none if memory has a limit.
+fn each_fact(
+    workers: Option<&Workers<'_>>,
+    input: &PrepareInput<'_>,
+    facts: &mut Facts,
+    mut f: impl FnMut(Fact),
+) {
+    match workers {
+        Some(workers) => facts.each(workers, input, f),
+        None => each_contact(input, |slot, contact| f(Fact::of(input, slot, contact))),
+    }
+}
+
 /// Whether springs act between the two shapes.
-fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
+pub(super) fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
     let soft = |c: u32, part: u8| input.colliders[c as usize].is_soft(part);
     input.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
 }
@@ -363,6 +371,11 @@ fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
 /// by number of points.
 pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
     Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
+}
+
+/// Whether a body is in a tree of joints.
+pub(super) fn tree_body(input: &PrepareInput<'_>, body: u32) -> bool {
+    input.tree_slots.of(body as usize).is_some()
 }
 
 /// The tree slot of the body of a contact with static geometry.

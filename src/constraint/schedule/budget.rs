@@ -102,20 +102,20 @@ impl Ahead {
         each_contact(input, |_, contact| {
             let group = group_of(input, contact);
             if is_ahead(input, contact) && group.is_static() {
-                of_static += whole.cost(contact, group);
+                of_static += whole.cost(contact.count.into(), group);
             }
         });
         let of_static = of_static.min(input.ahead);
         Ahead { left: [input.ahead - of_static, of_static], ..whole }
     }
 
-    fn cost(&self, contact: ContactRef<'_>, group: Group) -> usize {
-        self.cost[usize::from(group.is_static())][contact.count as usize - 1]
+    fn cost(&self, points: u32, group: Group) -> usize {
+        self.cost[usize::from(group.is_static())][points as usize - 1]
     }
 
-    /// Whether enough is left for a contact of a group; subtracts it if so.
-    pub(super) fn admits(&mut self, contact: ContactRef<'_>, group: Group) -> bool {
-        let cost = self.cost(contact, group);
+    /// Whether enough is left for a contact of a group, of so many points; subtracts it if so.
+    pub(super) fn admits(&mut self, points: u32, group: Group) -> bool {
+        let cost = self.cost(points, group);
         let left = &mut self.left[usize::from(group.is_static())];
         let rest = left.checked_sub(cost);
         *left = rest.unwrap_or(*left);

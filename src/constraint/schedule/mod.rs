@@ -3,6 +3,7 @@
 pub(crate) mod arrange;
 mod budget;
 pub(crate) mod colour;
+mod facts;
 pub(crate) mod keys;
 pub(crate) mod order;
 pub(crate) mod part;

@@ -257,11 +257,13 @@ impl<'a> ContactRef<'a> {
 
     /// Whether all values carried to the next step are finite and in range.
     pub(crate) fn has_sound_loads(self) -> bool {
-        let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
-        let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
-        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction);
         // The sum of NaN is NaN. No branch for each value: this runs for every contact in every step.
-        let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
+        let [x, y, z, w] = self.mean_friction.map(f32::abs);
+        let friction = self.friction.abs().element_sum() + self.twist.abs() + (x + y) + (z + w);
+        let mut sum = friction + self.lasting_force.abs() + self.rest.abs() + self.static_load.abs();
+        for point in self.points {
+            sum += point.impulse.abs() + point.mean_force.abs();
+        }
         sum <= MAX_LOAD
     }
 
