@@ -1,6 +1,6 @@
 //! What a record was measured with.
 
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Names and values, in the order in which records have them.
 pub(crate) fn facts() -> Vec<(&'static str, String)> {
@@ -35,6 +35,8 @@ fn commit() -> String {
     let head = said("git", &["-C", here, "rev-parse", "HEAD"]);
     let changed = Command::new("git")
         .args(["-C", here, "diff", "--quiet", "HEAD", "--", "../../src", "../../crates", "."])
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
         .status();
     match changed.map(|status| status.success()) {
         Ok(true) => head,

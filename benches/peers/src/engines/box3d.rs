@@ -1,6 +1,6 @@
 //! Box3D through its C interface. Four substeps, as its documentation has them.
 
-use super::content::{Meshes, Turning, turning, z_to_x};
+use super::content::{Meshes, Turning, turning};
 use super::{Config, Continuous, Engine};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyKind, Geometry, ShapeDesc};
@@ -31,6 +31,11 @@ fn quat(q: Quat) -> b3Quat {
 
 fn transform(shape: &ShapeDesc) -> b3Transform {
     b3Transform { p: vec3(shape.position), q: quat(shape.rotation) }
+}
+
+/// A rotation from z to x: its hinges turn about z, those of backstop about x.
+fn z_to_x() -> Quat {
+    Quat::from_rotation_arc(Vec3::Z, Vec3::X)
 }
 
 pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
@@ -159,7 +164,6 @@ impl Box3d {
     }
 
     unsafe fn add_joint(&mut self, joint: &SceneJoint) {
-        // Box3D turns a revolute joint about the z axis of its frame, backstop about x.
         let base = |mut base: b3JointDef| {
             let frames = [0, 1].map(|side| b3Transform {
                 p: vec3(joint.frames[side].position),

@@ -1,7 +1,7 @@
 //! What adapters need to know about the content of a scene.
 
 use anyhow::Context;
-use backstop::glam::{Quat, Vec3};
+use backstop::glam::Vec3;
 use backstop::{Geometry, Motion, TriangleMesh};
 use backstop_scene::{Scene, SceneJoint};
 use std::collections::HashMap;
@@ -26,11 +26,6 @@ pub(crate) fn turning(joint: &SceneJoint, ranges: bool) -> Turning {
     }
     let range = angular.find(|limit| !locked(limit.min, limit.max) && limit.min.is_finite());
     Turning::Hinge(range.filter(|_| ranges).map(|limit| [limit.min, limit.max]))
-}
-
-/// A rotation from z to x: hinges of backstop turn about x, those of some others about z.
-pub(crate) fn z_to_x() -> Quat {
-    Quat::from_rotation_arc(Vec3::Z, Vec3::X)
 }
 
 /// The vertices of a mesh, each once, and its triangles.

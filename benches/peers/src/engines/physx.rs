@@ -264,12 +264,11 @@ impl Engine for Physx {
         // SAFETY: actors are never released.
         let (position, rotation) = parts(unsafe { PxRigidActor_getGlobalPose(actor) });
         let rigid: *const PxRigidDynamic = actor.cast();
-        // SAFETY: as above.
-        let (v, w) = match is_dynamic {
-            true => unsafe {
-                (PxRigidDynamic_getLinearVelocity(rigid), PxRigidDynamic_getAngularVelocity(rigid))
-            },
-            false => (vec3(Vec3::ZERO), vec3(Vec3::ZERO)),
+        let (v, w) = if is_dynamic {
+            // SAFETY: as above.
+            unsafe { (PxRigidDynamic_getLinearVelocity(rigid), PxRigidDynamic_getAngularVelocity(rigid)) }
+        } else {
+            (vec3(Vec3::ZERO), vec3(Vec3::ZERO))
         };
         State {
             position: position.as_dvec3(),

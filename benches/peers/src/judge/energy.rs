@@ -21,6 +21,11 @@ impl Masses {
         Masses(scene.bodies.iter().map(|body| of(&body.desc)).collect())
     }
 
+    /// Mass of all dynamic bodies [kg].
+    pub(super) fn mass(&self) -> f64 {
+        self.0.iter().flatten().map(|m| f64::from(m.mass)).sum()
+    }
+
     /// Kinetic energy, and potential energy from y = 0 [J].
     pub(super) fn energy(&self, scene: &Scene, states: &[State]) -> f64 {
         let bodies = self.0.iter().zip(states).filter_map(|(mass, state)| Some((mass.as_ref()?, state)));

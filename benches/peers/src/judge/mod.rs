@@ -31,6 +31,8 @@ pub(crate) struct Figures {
     pub(crate) energy_start: Option<f64>,
     pub(crate) energy: Option<f64>,
     pub(crate) energy_gain: Option<f64>,
+    /// The weight of all dynamic bodies [N]: energy over it is the height to which it lifts them all [m].
+    pub(crate) weight: Option<f64>,
     /// Bodies that passed through something, or have no finite state.
     pub(crate) lost: Option<usize>,
     /// A hash of all poses at the end.
@@ -68,14 +70,16 @@ impl<'a> Judge<'a> {
     pub(crate) fn new(subject: &'a Subject) -> Self {
         let masses = energy::Masses::of(&subject.scene);
         let states: Vec<State> = subject.scene.bodies.iter().map(|body| initial(&body.desc)).collect();
+        let weight = Some(masses.mass() * f64::from(subject.scene.gravity.length()));
         let start = masses.energy(&subject.scene, &states);
-        let figures = Figures { energy_start: Some(start), energy_gain: Some(0.0), ..Figures::default() };
+        let figures =
+            Figures { energy_start: Some(start), energy_gain: Some(0.0), weight, ..Figures::default() };
         Judge { subject, masses, figures, gone: vec![false; states.len()] }
     }
 
     /// To be called after each step.
     pub(crate) fn after_step(&mut self, step: u32, engine: &dyn Engine) {
-        if step % EVERY == 0 || MOMENTS.contains(&step) {
+        if step.is_multiple_of(EVERY) || MOMENTS.contains(&step) {
             let states = states(&self.subject.scene, engine);
             self.look(&states);
             if self.subject.stands && MOMENTS.contains(&step) {
@@ -88,7 +92,6 @@ impl<'a> Judge<'a> {
         let scene = &self.subject.scene;
         let energy = self.masses.energy(scene, states);
         let gain = energy - self.figures.energy_start.unwrap_or_default();
-        // What has no finite state counts as lost.
         self.figures.energy_gain = self.figures.energy_gain.map(|most| most.max(gain));
         self.figures.energy = Some(energy);
         if !scene.joints.is_empty() {

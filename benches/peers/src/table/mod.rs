@@ -126,7 +126,11 @@ impl Session<'_> {
 
     fn judge(&self, subject: &scenes::Subject, rows: &mut [Row]) {
         let minute = MINUTE.to_string();
-        for row in rows.iter_mut().filter(|row| row.failed.is_none()) {
+        // Builds of Rapier move alike: the plain one is judged for all, if it takes part.
+        let plain = rows.iter().any(|row| row.engine == "rapier");
+        let is_judged =
+            |row: &&mut Row| row.failed.is_none() && !(plain && row.engine.starts_with("rapier-"));
+        for row in rows.iter_mut().filter(is_judged) {
             if self.does(Stage::Quality) {
                 row.judged = self.run(row, &[]);
             }
@@ -142,7 +146,7 @@ impl Session<'_> {
         {
             let own = base.judged.as_ref().and_then(|run| run.figures.error(subject.error));
             let Some(own) = own else { return };
-            for row in peers.iter_mut().filter(|row| row.failed.is_none()) {
+            for row in peers.iter_mut().filter(is_judged) {
                 row.equal = self.equal(subject, base, row, own.max(NO_ERROR));
             }
         }

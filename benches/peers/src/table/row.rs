@@ -74,7 +74,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
 pub(crate) const COLUMNS: &str = "scene,bodies,threads,engine,version,steps,rounds,\
 mean_ms,median_ms,p95_ms,max_ms,ratio_mean,ratio_median,ratio_p95,build_ms,bytes_per_body,peak_mib,\
 top_3s_m,drift_3s_m,top_60s_m,drift_60s_m,depth_m,depth_mean_m,joint_worst_m,joint_m,\
-energy_start_j,energy_j,energy_gain_j,lost,asleep_after_s,asleep,equal_effort,equal_ms,equal_ratio,hash,failed";
+energy_start_j,energy_j,energy_gain_j,weight_n,lost,asleep_after_s,asleep,equal_effort,equal_ms,equal_ratio,hash,failed";
 
 /// The row as a line of CSV; `base`: backstop's of the same scene and threads.
 pub(crate) fn line(row: &Row, base: &Row) -> String {
@@ -120,6 +120,7 @@ pub(crate) fn line(row: &Row, base: &Row) -> String {
         short(figures.energy_start),
         short(figures.energy),
         short(figures.energy_gain),
+        short(figures.weight),
         count(figures.lost),
         number(slept.and_then(|run| run.asleep_after)),
         count(slept.map(|run| run.asleep)),
@@ -130,4 +131,24 @@ pub(crate) fn line(row: &Row, base: &Row) -> String {
         row.failed.as_deref().unwrap_or_default().replace([',', '\n', '"'], " "),
     ];
     fields.join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_has_as_many_fields_as_there_are_columns() {
+        let row = Row { failed: Some("no, \"not\" this\none".into()), ..Row::default() };
+        let count = |line: &str| line.split(',').count();
+        assert_eq!(count(&line(&row, &row)), count(COLUMNS));
+        assert_eq!(line(&row, &row).lines().count(), 1);
+    }
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median(Vec::new()), None);
+    }
 }
