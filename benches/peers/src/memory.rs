@@ -6,3 +6,17 @@ pub(crate) fn status_kib(field: &str) -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix(field)?.strip_prefix(':'))?;
     line.trim().trim_end_matches("kB").trim().parse().ok()
 }
+
+/// Gives back to the system what was freed, so that what grows next is seen to grow.
+#[cfg(target_env = "gnu")]
+pub(crate) fn trim() {
+    unsafe extern "C" {
+        fn malloc_trim(pad: usize) -> i32;
+    }
+    // SAFETY: a function of the C library without conditions.
+    unsafe { malloc_trim(0) };
+}
+
+/// Elsewhere there is no such call.
+#[cfg(not(target_env = "gnu"))]
+pub(crate) fn trim() {}

@@ -2,7 +2,7 @@
 
 use crate::engines::{self, content::Meshes};
 use crate::judge::{Figures, Judge};
-use crate::memory::status_kib;
+use crate::memory::{status_kib, trim};
 use crate::scenes::{self, DT, Subject};
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -85,6 +85,7 @@ fn run(args: &Args, subject: &Subject) -> anyhow::Result<Outcome> {
     let config = subject.config(args.threads, args.effort, args.sleep);
 
     let meshes = Meshes::of(&subject.scene);
+    trim();
     let before = status_kib("VmRSS");
     let start = Instant::now();
     let mut engine = (entry.build)(&subject.scene, &meshes, &config)?;
