@@ -1,6 +1,6 @@
 //! Bins of pairs with the same two shapes, and blocks of them.
 
-use super::pair_state::PackedState;
+use super::pair_state::{PackedState, pairs_that};
 use crate::memory::{Allowance, buffers};
 use crate::shape::{ColliderSummary, Kind};
 use crate::threads::per_block;
@@ -102,8 +102,10 @@ impl Bins {
     /// Sorts the pairs by bin (counting sort); those without a bin are left out.
     pub(crate) fn sort(&mut self, states: &[PackedState], allowance: &mut Allowance) {
         let mut starts = [0u32; COUNT + 1];
-        for bin in states.iter().filter_map(|state| state.bin()) {
-            starts[usize::from(bin.0) + 1] += 1;
+        let bin_of = |pair: u32| states[pair as usize].bin().unwrap_or_default();
+        let binned = || pairs_that(states, |state| state.bin().is_some());
+        for pair in binned() {
+            starts[usize::from(bin_of(pair).0) + 1] += 1;
         }
         for bin in 0..COUNT {
             starts[bin + 1] += starts[bin];
@@ -124,10 +126,9 @@ impl Bins {
                 self.blocks.push(Block { bin: Bin(bin as u8), start, end, ..Block::default() });
             }
         }
-        let binned = states.iter().enumerate().filter_map(|(pair, state)| Some((pair, state.bin()?)));
-        for (pair, bin) in binned {
-            let at = &mut starts[usize::from(bin.0)];
-            self.order[*at as usize] = pair as u32;
+        for pair in binned() {
+            let at = &mut starts[usize::from(bin_of(pair).0)];
+            self.order[*at as usize] = pair;
             *at += 1;
         }
     }

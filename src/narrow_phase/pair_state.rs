@@ -61,6 +61,21 @@ impl PackedState {
     }
 }
 
+/// The pairs whose states are such, in order. Most pairs of a step are of no interest to most who ask, so they
+/// are passed over many at a time.
+pub(crate) fn pairs_that(
+    states: &[PackedState],
+    are_such: impl Fn(PackedState) -> bool + Copy,
+) -> impl Iterator<Item = u32> {
+    const MANY: usize = 64;
+    let any = move |many: &[PackedState]| many.iter().fold(false, |any, &state| any | are_such(state));
+    let some = states.chunks(MANY).enumerate().filter(move |(_, many)| any(many));
+    some.flat_map(move |(k, many)| {
+        let first = (k * MANY) as u32;
+        (first..).zip(many).filter(move |(_, state)| are_such(**state)).map(|(pair, _)| pair)
+    })
+}
+
 impl From<PairState> for PackedState {
     #[inline(always)]
     fn from(state: PairState) -> PackedState {

@@ -1,7 +1,7 @@
 //! Passes over the rows of joints.
 
 use super::parameters::PassParameters;
-use super::{PassKind, Passes, share_out};
+use super::{BLOCK, PassKind, Passes, share_out};
 use crate::config::Settings;
 use crate::config::tuning::JOINT_OPEN;
 use crate::constraint::{
@@ -23,6 +23,16 @@ impl JointBatches<'_> {
 /// Number of sweeps over the rows of joints in a pass: a net of 10,000 points of which seven are held
 /// stretches by 1.75 m with one sweep, by 0.84 m with two, which cost a fifth more, and by 0.78 m with three.
 const JOINT_SWEEPS: u32 = 2;
+
+/// Batches in a block of work. A batch of trees takes as long as hundreds of others.
+fn block_of(stage: &JointStage) -> usize {
+    match stage.kind {
+        JointType::Tree => 1,
+        // What found no colour has to be solved in order.
+        _ if stage.single => usize::MAX,
+        _ => BLOCK,
+    }
+}
 
 impl Passes<'_> {
     /// A pass over some types of joint rows.
@@ -51,7 +61,7 @@ impl Passes<'_> {
                 JointRows::step(&self.joints.views, stage, i, self.motion, pass, contacts)
             };
             let batches = stage.start as usize..stage.end as usize;
-            share_out(self.workers, batches, stage.single && !is_tree, &one);
+            share_out(self.workers, batches, block_of(stage), &one);
         }
     }
 
@@ -63,7 +73,7 @@ impl Passes<'_> {
             let one = |i: usize| unsafe {
                 JointRows::predict(&self.joints.views, TreeRef::new(i, stage.single), self.motion, &pass);
             };
-            share_out(self.workers, stage.start as usize..stage.end as usize, false, &one);
+            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
     }
 
@@ -78,7 +88,7 @@ impl Passes<'_> {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
             // colour, and then one thread has all of it.
             let one = |i: usize| unsafe { JointRows::close_locks(views, stage, i, self.motion, most) };
-            share_out(self.workers, stage.start as usize..stage.end as usize, stage.single, &one);
+            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
         for stage in stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no dynamic body is in two.
@@ -86,7 +96,7 @@ impl Passes<'_> {
                 let tree = TreeRef::new(i, stage.single);
                 JointRows::go(views, tree, self.motion, closing, &self.contacts);
             };
-            share_out(self.workers, stage.start as usize..stage.end as usize, false, &one);
+            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
     }
 

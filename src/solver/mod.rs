@@ -232,7 +232,8 @@ impl Passes<'_> {
                     found.store(true, Ordering::Relaxed);
                 }
             };
-            share_out(workers, stage.start as usize..stage.end as usize, stage.serial, &one);
+            let block = if stage.serial { usize::MAX } else { BLOCK };
+            share_out(workers, stage.start as usize..stage.end as usize, block, &one);
         }
         self.run_joints(kind, joints, &touches);
         found.into_inner()
@@ -320,15 +321,16 @@ kernel! {
 /// Batches in a block of work: the smallest piece of a colour that threads share out.
 const BLOCK: usize = per_block(8, 1);
 
-/// Works through the batches of a stage: in blocks on several threads, unless they must be solved in order.
+/// Works through the batches of a stage: in blocks of so many on several threads. Those that must be solved
+/// in order are one block.
 #[inline(always)]
-fn share_out(workers: &Workers<'_>, batches: Range<usize>, serial: bool, one: &(impl Fn(usize) + Sync)) {
-    if serial || batches.len() <= BLOCK {
+fn share_out(workers: &Workers<'_>, batches: Range<usize>, block: usize, one: &(impl Fn(usize) + Sync)) {
+    if batches.len() <= block {
         batches.for_each(one);
         return;
     }
-    workers.run(batches.len().div_ceil(BLOCK), &|block| {
-        let first = batches.start + block * BLOCK;
-        (first..(first + BLOCK).min(batches.end)).for_each(one);
+    workers.run(batches.len().div_ceil(block), &|k| {
+        let first = batches.start + k * block;
+        (first..(first + block).min(batches.end)).for_each(one);
     });
 }

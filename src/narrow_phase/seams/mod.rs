@@ -25,7 +25,7 @@ use super::contacts::admit::ContactMemory;
 use super::contacts::contact::NO_CONTACT;
 use super::contacts::store::Contacts;
 use super::input::Input;
-use super::pair_state::PackedState;
+use super::pair_state::{PackedState, pairs_that};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Category, buffers};
 use crate::threads::{Shared, Workers, per_block};
@@ -118,7 +118,7 @@ impl Seams {
             return false;
         }
         ends.resize(colliders, 0);
-        let of_ground = || (0..).zip(states).filter(|(_, state)| state.is_of_ground()).map(|(i, _)| i as u32);
+        let of_ground = || pairs_that(states, PackedState::is_of_ground);
         for index in of_ground() {
             ends[lying(input, &pairs[index as usize]) as usize] += 1;
         }
