@@ -20,7 +20,8 @@ pub(crate) trait Engine {
     /// Advances by `dt` [s].
     fn step(&mut self, dt: f32) -> anyhow::Result<()>;
 
-    /// State of a body, by its index in the scene: of its own origin, with the velocity of its centre of mass.
+    /// State of a body, by its index in the scene: that of its origin, with the velocity of its centre of
+    /// mass.
     fn state(&self, body: usize) -> State;
 
     /// How many dynamic bodies are asleep.

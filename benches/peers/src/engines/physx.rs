@@ -45,8 +45,8 @@ fn build(
     config: &Config,
     solver: PxSolverType,
 ) -> anyhow::Result<Box<dyn Engine>> {
-    // SAFETY: calls into the C++ library; every pointer comes from it or outlives its call. A process makes one
-    // world, and its end frees everything.
+    // SAFETY: calls into the C++ library; every pointer comes from it or outlives its call. A process makes
+    // one world, and its end frees everything.
     unsafe {
         let physics = physx_create_physics(physx_create_foundation());
         ensure!(phys_PxInitExtensions(physics, null_mut()), "PhysX has no extensions");

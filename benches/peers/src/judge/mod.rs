@@ -176,3 +176,48 @@ fn hash(states: &[State]) -> u64 {
     numbers
         .fold(0xcbf2_9ce4_8422_2325, |hash, number| (hash ^ number.to_bits()).wrapping_mul(0x0100_0000_01b3))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes;
+
+    #[test]
+    fn scenes_start_inside_and_without_overlap() {
+        for (name, ..) in scenes::ALL {
+            let subject = scenes::build(name).unwrap();
+            let bodies = &subject.scene.bodies;
+            let states: Vec<State> = bodies.iter().map(|body| initial(&body.desc)).collect();
+            for (body, state) in bodies.iter().zip(&states) {
+                body.desc.validate().unwrap();
+                let beyond = (subject.beyond)(state.position.as_vec3());
+                assert!(body.desc.kind != BodyKind::Dynamic || beyond <= 0.0, "{name}: {beyond}");
+            }
+            // Bullets and ragdolls of chance may touch.
+            let deepest = overlap::of(&subject.scene, &states).map_or(0.0, |depth| depth.0);
+            assert!(deepest < 2e-3, "{name}: {deepest}");
+        }
+    }
+
+    #[test]
+    fn a_ball_in_free_fall_keeps_its_energy_and_is_lost_below_the_floor() {
+        use crate::engines::content::Meshes;
+        let mut subject = scenes::build("pile").unwrap();
+        subject.scene.bodies.truncate(6);
+        // The floor and the walls go, one body stays.
+        subject.scene.bodies.drain(..5);
+        let build = crate::engines::ALL[0].build;
+        let config = subject.config(1, 1, false);
+        let mut engine = build(&subject.scene, &Meshes::of(&subject.scene), &config).unwrap();
+        let mut judge = Judge::new(&subject);
+        for step in 1..=60 {
+            engine.step(scenes::DT).unwrap();
+            judge.after_step(step, engine.as_ref());
+        }
+        let figures = judge.finish(engine.as_ref());
+        assert_eq!(figures.lost, Some(1));
+        let (start, weight) = (figures.energy_start.unwrap(), figures.weight.unwrap());
+        // To 5 cm of the height of five metres that it fell: half a substep of motion is 2 cm.
+        assert!((figures.energy.unwrap() - start).abs() < 0.05 * weight, "{figures:?}");
+    }
+}

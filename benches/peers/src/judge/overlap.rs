@@ -22,8 +22,8 @@ struct Item {
 
 /// The deepest overlap and the mean of all [m]; none if nothing can be asked.
 ///
-/// Meshes are left out: on which side of a triangle a body belongs isn't seen from one pose. So are pairs that
-/// a joint keeps from colliding.
+/// Meshes are left out: on which side of a triangle a body belongs isn't seen from one pose. So are pairs
+/// that a joint keeps from colliding.
 pub(super) fn of(scene: &Scene, states: &[State]) -> Option<(f64, f64)> {
     let mut items = items(scene, states);
     items.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));

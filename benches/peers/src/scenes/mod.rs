@@ -1,7 +1,7 @@
 //! What is run: scenes as backstop's own, with what a judge has to know about them.
 //!
-//! All bodies have friction 0.6, restitution 0 unless said otherwise, and density 1000 kg/m³; y points up, and
-//! gravity is 9.81 m/s². Everything random is seeded, so every engine gets the same scene to the bit.
+//! All bodies have friction 0.6, restitution 0 unless said otherwise, and density 1000 kg/m³; y points up,
+//! and gravity is 9.81 m/s². Everything random is seeded, so every engine gets the same scene to the bit.
 
 mod fast;
 mod heaps;
