@@ -117,7 +117,8 @@ pub(crate) fn place(
                     // SAFETY: a collider has one body, and a body is in one block.
                     unsafe {
                         let placed = poses.get(c as usize);
-                        let old = std::mem::replace(placed, pose.of_part(collider.position, collider.rotation));
+                        let old =
+                            std::mem::replace(placed, pose.of_part(collider.position, collider.rotation));
                         let shape = &summaries[c as usize];
                         let swing = swing(shape, placed.rotation, &motion[i]);
                         *swings.get(c as usize) = swing;

@@ -292,7 +292,8 @@ impl BroadPhase {
                 let left = &mut quota[usize::from(self.has_static((a, b)))];
                 if *left > 0 {
                     *left -= 1;
-                    let pair = Pair { a, b, contact: NONE, fast: pair.0 & FAST != 0, touching: false, apart: 0 };
+                    let pair =
+                        Pair { a, b, contact: NONE, fast: pair.0 & FAST != 0, touching: false, apart: 0 };
                     self.table.push(&mut self.pairs, pair);
                 } else {
                     shed += 1;

@@ -242,7 +242,14 @@ fn a_bullet_meets_a_bullet_head_on_and_only_that_one() {
     update(&mut broad, &movers);
     assert_eq!(
         broad.pairs,
-        [Pair { a: ordered(1, 2).0, b: ordered(1, 2).1, contact: NONE, fast: true, touching: false, apart: 0 }]
+        [Pair {
+            a: ordered(1, 2).0,
+            b: ordered(1, 2).1,
+            contact: NONE,
+            fast: true,
+            touching: false,
+            apart: 0
+        }]
     );
     // At 1e5 m/s and more, across a wall of a millimetre, and with numbers that make no sense.
     broad.insert_static(9, Aabb { min: vec3(500.0, -1.0, -1.0), max: vec3(500.001, 1.0, 1.0) });

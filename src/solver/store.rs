@@ -1,8 +1,8 @@
 //! Impulses that rows hand back to contacts, and rows that are disabled within a step.
 
 use crate::constraint::contact::row::{Motion, disable_lanes, store as store_batch};
-use crate::constraint::{Batch, FrictionRow, Part, Rows, Stage, StepLengths, Views, with_batch};
-use crate::lanes::{GatherLanes, Vec3, kernel, with_best};
+use crate::constraint::{Batch, FrictionRow, Part, RollingRow, Rows, Stage, StepLengths, Views, with_batch};
+use crate::lanes::{GatherLanes, kernel, with_best};
 use crate::limits::MAX_LOAD;
 use crate::narrow_phase::{ContactMut, Point, SharedContacts};
 use crate::threads::{Workers, per_block};
@@ -72,7 +72,7 @@ pub(crate) fn store(
             with_best!(Wide => with_batch!(Wide: views, stage.group, of, |batch, friction| {
                 let rows = if potential { None } else { friction.touching(of) };
                 if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
-                    store_rolling(batch, rolling.on_b(batch.normal, f.tangent), contacts);
+                    store_rolling(batch, rolling, f, contacts);
                 }
                 store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
             }))
@@ -152,21 +152,25 @@ kernel! {
     }
 }
 
-/// Writes back angular impulses against rolling, which are those on the bodies `b` of the batch.
-fn store_rolling<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &Batch<L, P, B>,
-    on_b: Vec3<L>,
-    contacts: &SharedContacts<'_>,
-) {
-    for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
-        let part = batch.contact[lane];
-        // SAFETY: as in `store_in_contacts`.
-        let Some(own) = (unsafe { contacts.rolling(part.slot() as u32) }) else { continue };
-        let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
-        let rolling = on_b.lane(lane) * sign;
-        // The points of a contact that are solved separately start every step without an impulse.
-        let is_sound = part.only().is_none() && rolling.abs().max_element() <= MAX_LOAD;
-        *own = if is_sound { rolling } else { glam::Vec3::ZERO };
+kernel! {
+    /// Writes back angular impulses against rolling, which are those on the bodies `b` of the batch.
+    fn store_rolling<'a, L: GatherLanes, const P: usize, const B: usize>(
+        batch: &'a Batch<L, P, B>,
+        rolling: &'a RollingRow,
+        friction: &'a FrictionRow<L, B>,
+        contacts: &'a SharedContacts<'a>,
+    ) {
+        let on_b = rolling.on_b(batch.normal, friction.tangent);
+        for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
+            let part = batch.contact[lane];
+            // SAFETY: as in `store_in_contacts`.
+            let Some(own) = (unsafe { contacts.rolling(part.slot() as u32) }) else { continue };
+            let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
+            let rolling: glam::Vec3 = on_b.lane(lane) * sign;
+            // The points of a contact that are solved separately start every step without an impulse.
+            let is_sound = part.only().is_none() && rolling.abs().max_element() <= MAX_LOAD;
+            *own = if is_sound { rolling } else { glam::Vec3::ZERO };
+        }
     }
 }
 

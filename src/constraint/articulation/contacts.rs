@@ -210,16 +210,20 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
         for i in 0..P {
             let point = &batch.points[i];
             let answer = whole.mul(&Twist { linear: n, angular: point.arm_a });
-            stiffness[i] =
-                std::array::from_fn(|k| n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular));
+            for (stiffness, other) in stiffness[i].iter_mut().zip(&batch.points) {
+                *stiffness = n.dot(answer.linear) + other.arm_a.dot(answer.angular);
+            }
             let gives = stiffness[i][i].gt(point.stiffness * L::splat(LEAST)) & point.mass.gt(zero);
             mass[i] = L::select(gives, one / L::select(gives, stiffness[i][i], one), zero);
         }
         let mut friction =
             FrictionResponse { mass: [zero; 3], slide_mass: zero, twist_mass: zero, twist_by: [zero; 2] };
         if let Some(f) = row {
-            let along =
-                [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
+            let (t1, t2) = (f.tangent, n.cross(f.tangent));
+            let along = [
+                Twist { linear: t1, angular: f.arm_a.cross(t1) },
+                Twist { linear: t2, angular: f.arm_a.cross(t2) },
+            ];
             let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
             let (k11, k12, k22) =
                 (along[0].dot(&answers[0]), along[0].dot(&answers[1]), along[1].dot(&answers[1]));
@@ -232,7 +236,7 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             let kt = n.dot(whole.angular.mul(n));
             let turns = kt.gt(zero) & f.twist_mass.gt(zero);
             let twist_mass = L::select(turns, one / L::select(turns, kt, one), zero);
-            let twist_by = answers.map(|answer| n.dot(answer.angular));
+            let twist_by = [n.dot(answers[0].angular), n.dot(answers[1].angular)];
             friction = FrictionResponse { mass, slide_mass, twist_mass, twist_by };
         }
         Whole { whole, push: Twist::zero(), mass, stiffness, friction }

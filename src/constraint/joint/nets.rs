@@ -47,7 +47,7 @@ struct Member {
 
 /// Flags of a root: it is joined to or touches a body that can't be pushed; that body moves; bodies turn fast
 /// enough to be checked; rows turn too fast; it lost energy in this step; it was limited in the substep
-/// before; it diverged.
+/// before; it diverged; its energy at the start of the substep is known.
 const HELD: u32 = 1;
 const CARRIED: u32 = 2;
 const SWIFT: u32 = 8;
@@ -55,6 +55,7 @@ const FAST: u32 = 16;
 const DAMPED: u32 = 32;
 const BOUND: u32 = 64;
 const WILDLY: u32 = 128;
+const KNOWN: u32 = 256;
 
 /// All nets.
 #[derive(Debug, Default)]
@@ -86,6 +87,11 @@ struct Ledger {
     kinetic: f64,
     /// Potential energy of external forces, relative to the start of the step.
     potential: f64,
+}
+
+/// Whether the substep can follow a net with such flags, or others give it energy.
+fn is_followed(flags: u32) -> bool {
+    flags & FAST == 0 || flags & CARRIED != 0
 }
 
 impl NetInput<'_, '_> {
@@ -241,21 +247,27 @@ impl Nets {
         if !self.linked {
             self.link(input, contacts, dynamic);
         }
-        self.all.iter_mut().for_each(|member| member.flags &= !(SWIFT | FAST));
-        let h = input.h;
+        self.all.iter_mut().for_each(|member| member.flags &= !(SWIFT | FAST | KNOWN));
         self.find_fast(input, swift);
         self.sum_springs(input, false);
         for body in 0..dynamic {
             // SAFETY: between stages this thread is alone.
             self.all[body].start = unsafe { input.motion.base.read(body) };
         }
-        for root in 0..dynamic {
-            if self.all[root].root as usize != root {
+        self.know_energies(input);
+    }
+
+    /// Finds the energy, before the rows of the substep, of nets that turn fast.
+    fn know_energies(&mut self, input: &NetInput<'_, '_>) {
+        for root in 0..self.all.len() {
+            let Member { root: own, flags, .. } = self.all[root];
+            if own as usize != root || flags & (SWIFT | KNOWN) != SWIFT {
                 continue;
             }
             let now = self.ledger(input, root, |body| {
                 let (mut v, pull) = (self.all[body].start, input.pull_of(body));
-                (v.linear, v.angular) = (v.linear - pull.linear * h, v.angular - pull.angular * h);
+                v.linear -= pull.linear * input.h;
+                v.angular -= pull.angular * input.h;
                 v
             });
             let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
@@ -264,6 +276,7 @@ impl Nets {
             let start = (now.kinetic + now.potential) as f32 + member.spring_energy;
             member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
             member.moving = given.max(now.kinetic) as f32 + member.spring_energy;
+            member.flags |= KNOWN;
         }
     }
 
@@ -315,9 +328,11 @@ impl Nets {
     #[inline(never)]
     pub(crate) fn hold_back(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
         self.find_fast(input, swift);
+        // Some may have become fast within the substep.
+        self.know_energies(input);
         for root in 0..self.all.len() {
-            let Member { root: own, flags, moving, .. } = self.all[root];
-            if own as usize == root && flags & SWIFT != 0 {
+            let Member { moving, .. } = self.all[root];
+            if self.may_gain(input, root) {
                 // The speed that corrects errors does not last.
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
@@ -339,8 +354,8 @@ impl Nets {
         self.sum_springs(input, true);
         self.rest();
         for root in 0..self.all.len() {
-            let Member { root: own, flags, most, spring_energy, .. } = self.all[root];
-            if own as usize == root && flags & SWIFT != 0 {
+            let Member { most, spring_energy, .. } = self.all[root];
+            if self.may_gain(input, root) {
                 let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
                 let most = f64::from(most - spring_energy) - potential;
                 self.bound(input, root, most);
@@ -355,11 +370,28 @@ impl Nets {
         ledger
     }
 
+    /// Whether a body is the root of a net whose energy has to be looked at: that turns too fast to be
+    /// followed, or whose velocities are out of range.
+    fn may_gain(&self, input: &NetInput<'_, '_>, root: usize) -> bool {
+        let Member { root: own, flags, .. } = self.all[root];
+        if own as usize != root || flags & SWIFT == 0 {
+            return false;
+        }
+        let mut sound = is_followed(flags);
+        self.around(root, |body| {
+            let v = input.velocity(body);
+            // The sum of what is no number is none.
+            sound &= v.linear.abs().max(v.angular.abs()).max_element() <= RUNAWAY
+                && (v.linear.element_sum() + v.angular.element_sum()).is_finite();
+        });
+        !sound
+    }
+
     /// Limits the kinetic energy of a net that turns too fast [J]. A net with far more, or with an energy
     /// that is not finite, moves on as one rigid piece without rotation.
     fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
         let flags = self.all[root].flags;
-        let followed = flags & FAST == 0 || flags & CARRIED != 0;
+        let followed = is_followed(flags);
         let now = self.ledger(input, root, |body| input.velocity(body));
         let mut fastest = 0.0_f32;
         self.around(root, |body| {

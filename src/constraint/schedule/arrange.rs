@@ -112,7 +112,8 @@ impl PrepareScratch {
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let lists =
             [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges), self.keys.bytes()];
-        let bodies = self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes(), self.facts.bytes()]);
+        let bodies =
+            self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes(), self.facts.bytes()]);
         sum_bytes(lists.into_iter().chain(bodies))
     }
 }
