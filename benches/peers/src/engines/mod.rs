@@ -41,6 +41,10 @@ pub(crate) enum Continuous {
 
 /// What an engine is asked for; all else stays at its defaults, except that nothing damps motion.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    not(any(feature = "box3d", feature = "rapier", feature = "jolt", feature = "physx")),
+    allow(dead_code, reason = "backstop alone has no limit of speeds, and keeps to all ranges")
+)]
 pub(crate) struct Config {
     pub(crate) threads: usize,
     /// How many times the engine's default number of substeps, or whatever it counts instead.
