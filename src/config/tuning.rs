@@ -28,7 +28,7 @@ pub(crate) const RECYCLE_DISTANCE: f32 = 0.005;
 
 /// The share of it where a round surface touches at one or two points: what rests keeps its contact, what
 /// rolls does not.
-pub(crate) const ROUND_RECYCLE: f32 = 0.02;
+pub(crate) const ROUND_RECYCLE: f32 = 0.01;
 
 /// Slip speed below which friction is static [m/s per length unit]: above what the solver leaves of what
 /// rests, below what anyone sees slide.

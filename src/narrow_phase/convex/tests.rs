@@ -24,6 +24,7 @@ fn check(pair: &Pair) -> RawManifold {
     let what = format!("{kinds:?} {:?}\n{manifold:?}\ndistance {distance}", pair.rel);
     if manifold.count == 0 {
         assert!(distance > margin - tolerance, "missed: {what}");
+        assert!(f64::from(manifold.gap()) < distance + tolerance, "nearer than said: {what}");
         return manifold;
     }
     assert!(distance < margin + tolerance, "too far: {what}");

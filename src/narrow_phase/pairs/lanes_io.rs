@@ -105,7 +105,10 @@ impl<L: Lanes> ManifoldLanes<L> {
             }
         }
         out.count = count as u16;
-        if count == 0 { RawManifold::apart(self.gap.lane(i)) } else { out }
+        if count == 0 {
+            out.points[0].separation = self.gap.lane(i);
+        }
+        out
     }
 }
 

@@ -61,6 +61,7 @@ mod tests {
             let (into_b, half) =
                 (relative.rotation.as_dquat().inverse(), DVec3::new(b[0] as f64, b[1] as f64, b[2] as f64));
             let truth = signed(into_b * -relative.position.as_dvec3(), half) - a[0] as f64;
+            assert!(m.gap() as f64 <= truth.max(0.0) + 1e-5);
             assert!(m.size() == (truth < *margin as f64) as u32 || (truth - *margin as f64).abs() < 1e-5);
             for point in m.points() {
                 assert!((point.separation as f64 - truth).abs() < 1e-5);

@@ -129,6 +129,7 @@ mod tests {
         for (m, (relative, a, b, margin)) in found.iter().zip(&pairs) {
             let into_b = relative.rotation.as_dquat().inverse();
             let truth = slow(into_b * -relative.position.as_dvec3(), b) - a[0] as f64;
+            assert!(m.gap() as f64 <= truth.max(0.0) + 1e-5);
             assert!(m.size() == (truth < *margin as f64) as u32 || (truth - *margin as f64).abs() < 1e-5);
             for point in m.points() {
                 assert!((point.separation as f64 - truth).abs() < 2e-5, "{} {truth}", point.separation);

@@ -31,6 +31,7 @@ mod tests {
         for (m, (relative, a, b, margin)) in found.iter().zip(&pairs).skip(2) {
             let centre = relative.position.as_dvec3();
             let truth = centre.length() - a[0] as f64 - b[0] as f64;
+            assert!(m.gap() as f64 <= truth.max(0.0) + 1e-5);
             assert_eq!(m.size(), (truth < *margin as f64) as u32);
             for point in m.points() {
                 assert!((point.separation as f64 - truth).abs() < 1e-6);

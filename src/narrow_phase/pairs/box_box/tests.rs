@@ -119,6 +119,7 @@ fn check(found: &[RawManifold], pairs: &[Pair]) -> [u32; 3] {
         }
         if truth > pair.3 as f64 + tolerance {
             assert_eq!(m.count, 0);
+            assert!(m.gap() as f64 <= truth + 1e-5, "{} {truth} {pair:?}", m.gap());
         }
         if truth < pair.3 as f64 - tolerance {
             let deepest = deepest(m) as f64;

@@ -94,6 +94,7 @@ fn check(found: &[RawManifold], pairs: &[Pair]) {
             two += (m.count == 2) as u32;
         } else if truth > pair.3 as f64 + tolerance {
             assert_eq!(m.count, 0);
+            assert!(m.gap() as f64 <= truth + 5e-5, "{} {truth} {pair:?}", m.gap());
         }
     }
     assert!(deep > 50 && two > 100, "{deep} {two}");

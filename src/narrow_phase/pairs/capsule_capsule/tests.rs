@@ -46,6 +46,7 @@ fn check(found: &[crate::narrow_phase::RawManifold], pairs: &[Pair]) {
             assert!((deepest - truth).abs() < 5e-5, "{deepest} {truth} {relative:?} {a:?} {b:?}");
         } else if truth > *margin as f64 + 1e-5 {
             assert_eq!(m.count, 0);
+            assert!(m.gap() as f64 <= truth + 5e-5, "{} {truth} {relative:?}", m.gap());
         }
     }
 }
