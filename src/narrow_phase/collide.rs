@@ -1,10 +1,10 @@
 //! The narrow phase of a step: pairs in, contacts out.
 //!
-//! Three passes, and a fourth where ground has seams. *Place*: the relative pose of every pair, eight at a
-//! time; a pair that hardly moved since its contact was found keeps it. *Bins*: the others are binned by
-//! shape pair and go through their kernel in lanes. *Commit*, by one thread and in the order of the pairs:
-//! contacts come and go. *Seams*: what touches ground of several pieces is judged against all of it
-//! ([`seams`](super::seams)).
+//! Three passes, and a fourth where ground has seams. *Place*: the relative pose of every pair that is not
+//! known to be apart, eight at a time; a pair that hardly moved since its contact was found keeps it. *Bins*:
+//! the others are binned by shape pair and go through their kernel in lanes. *Commit*, by one thread and in
+//! the order of the pairs: contacts come and go. *Seams*: what touches ground of several pieces is judged
+//! against all of it ([`seams`](super::seams)).
 
 use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
