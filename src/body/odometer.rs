@@ -16,8 +16,10 @@ pub(crate) struct Odometer {
     ahead: u32,
 }
 
+// Rounding: finer than a pair's readings, which have 64 units in 16 bits.
 /// Ticks a length unit.
 const UNIT: f32 = 262_144.0;
+// Guard: an eighth of what readings can tell apart.
 /// The most that counts as known [length units].
 const MOST: f32 = 4.0;
 /// More than any motion that is known: what was put elsewhere, if the step does not move it.

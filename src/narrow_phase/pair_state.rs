@@ -61,7 +61,7 @@ impl PackedState {
     }
 }
 
-/// The pairs whose states are such, in order. Most pairs of a step are of no interest to most who ask, so they
+/// The pairs whose states are such, in order. Most pairs of a step are of no interest to most who ask: they
 /// are passed over many at a time.
 pub(crate) fn pairs_that(
     states: &[PackedState],
