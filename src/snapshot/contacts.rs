@@ -9,7 +9,6 @@ use crate::error::Error;
 use crate::limits;
 use crate::memory::Allowance;
 use crate::narrow_phase::{Contact, ContactRef, Contacts, MAX_POINTS, NO_CONTACT, Point, UNKNOWN_LOAD};
-use crate::shape::{ColliderSummary, Kind};
 use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
 
@@ -88,9 +87,8 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
 
 /// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in
 /// `collide.rs`.
-fn may_be_kept(first: ContactRef<'_>, summaries: &[ColliderSummary]) -> bool {
-    let rolls = |c: u32| matches!(summaries[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
-    first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
+fn may_be_kept(first: ContactRef<'_>) -> bool {
+    first.fraction == 0.0 && first.count > 0
 }
 
 /// Writes the contacts of pairs, each with whether it may rest: the contact of a body that sleeps is kept as
@@ -98,12 +96,11 @@ fn may_be_kept(first: ContactRef<'_>, summaries: &[ColliderSummary]) -> bool {
 pub(super) fn save_contacts<'a>(
     pairs: impl Iterator<Item = (&'a Pair, bool)>,
     contacts: &Contacts,
-    summaries: &[ColliderSummary],
     out: &mut Vec<u32>,
 ) -> u32 {
     let mut count = 0;
     for (pair, rests) in pairs.filter(|(pair, _)| pair.contact != NO_CONTACT) {
-        let kept = rests || may_be_kept(contacts.at(pair.contact), summaries);
+        let kept = rests || may_be_kept(contacts.at(pair.contact));
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
             let contact = contacts.at(slot);

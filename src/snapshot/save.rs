@@ -92,7 +92,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
     debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
     let start = out.len();
-    counts.contacts = save_contacts(pairs, contacts, &colliders.summaries, out);
+    counts.contacts = save_contacts(pairs, contacts, out);
     counts.contact_words = (out.len() - start) as u32;
     counts.sleep = sleep.save(out);
     counts.joints = joints.save(out);
