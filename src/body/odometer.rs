@@ -65,8 +65,7 @@ impl Odometer {
 #[inline(always)]
 pub(crate) fn reading(a: Odometer, b: Odometer, spare: f32) -> u16 {
     let spare = spare * (1.0 - ROUNDING.0) - ROUNDING.1;
-    // Not if it is no number either.
-    if !(spare > 0.0) {
+    if spare.is_nan() || spare <= 0.0 {
         return 0;
     }
     let spare = (spare.min(MOST) * UNIT) as u32;
@@ -99,7 +98,7 @@ mod tests {
             let mut odometers = [Odometer::default(); 2];
             let mut at = [0.0f64, f64::from(random.range(0.5, 40.0))];
             let mut limit = 0;
-            let speed = 10f32.powf(random.range(-6.0, 1.0));
+            let speed = [1e-6, 1e-4, 1e-2, 0.1, 1.0, 10.0][random.below(6)];
             for step in 0..500 {
                 let motion = [0, 1].map(|_| random.range(-speed, speed));
                 for i in 0..2 {
