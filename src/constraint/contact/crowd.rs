@@ -45,6 +45,11 @@ impl Crowd {
         self.overlaps.is_empty()
     }
 
+    /// Whether the velocity of any body is limited, if all overlaps are known.
+    pub(crate) fn limits_any(&self) -> bool {
+        self.overlaps.iter().any(|&overlaps| overlaps >= SEVERAL)
+    }
+
     /// Records that two bodies overlap; `bodies`: number of dynamic bodies.
     pub(crate) fn overlap(&mut self, a: usize, b: usize, bodies: usize) {
         if a < bodies && b < bodies {

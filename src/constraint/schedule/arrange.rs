@@ -1,8 +1,8 @@
 //! Decides which contacts get rows, and in which order: by importance, colour and size.
 
-use super::budget::{Ahead, Thrift, is_ahead};
+use super::budget::{Ahead, Thrift};
 use super::colour::{Colouring, OVERFLOW};
-use super::facts::{Fact, Facts, each_of};
+use super::facts::{Fact, Facts, each_contact};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Stage};
 use super::part::Part;
@@ -14,7 +14,7 @@ use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactCount, ContactRef, MAX_POINTS, Weight};
+use crate::narrow_phase::{ContactCount, MAX_POINTS, Weight};
 use crate::threads::Workers;
 
 /// Counts of the preparation.
@@ -170,24 +170,13 @@ pub(crate) fn arrange(
 /// Number of parts, without contacts beyond the limit of continuous collision.
 fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
     let mut parts = 0;
-    each_contact(input, |_, contact| {
-        if !is_ahead(input, contact) || ahead.admits(contact.count.into(), group_of(input, contact)) {
-            parts += if input.per_point { u32::from(contact.count) } else { 1 };
+    each_contact(input, |slot, contact| {
+        let fact = Fact::of(input, slot, contact);
+        if !fact.is_ahead() || ahead.admits(fact.count.into(), fact.group()) {
+            parts += if input.per_point { u32::from(fact.count) } else { 1 };
         }
     });
     parts
-}
-
-/// Calls `f` with each contact that has rows.
-pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, f: impl FnMut(u32, ContactRef<'a>)) {
-    each_of(input, 0..input.pairs.len(), f);
-}
-
-pub(super) fn group_of(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> Group {
-    let movers = input.bodies.movers();
-    let still = |c: u32| input.summaries[c as usize].body as usize >= movers;
-    let potential = contact.points().iter().all(|p| p.separation > input.real);
-    Group::of(still(contact.a) || still(contact.b), potential)
 }
 
 impl PrepareScratch {
@@ -289,7 +278,7 @@ fn sort(
     let mut allowance = Allowance::ENDLESS;
     // With bodies that may move and with static ones, by number of points.
     let mut ahead = [[0usize; 4]; 2];
-    let take = |fact: Fact| {
+    let mut take = |fact: Fact| {
         let (group, a, b) = (fact.group(), fact.a as usize, fact.b as usize);
         if fact.is_deep() {
             crowd.overlap(a, b, dynamic);
@@ -336,47 +325,33 @@ fn sort(
             enter(Part::of(fact.slot, if kept == all { 0 } else { kept }), kept.count_ones() as usize);
         }
     };
-    each_fact(workers, input, facts, take);
-    if !crowd.is_empty() {
-        let movers = input.bodies.movers();
-        let touch = |fact: Fact| {
-            crowd.touch(fact.a as usize, fact.b as usize, &input.bodies.velocity, movers);
-        };
-        each_fact(workers, input, facts, touch);
+    match workers {
+        Some(workers) => facts.each(workers, input, take),
+        None => each_contact(input, |slot, contact| take(Fact::of(input, slot, contact))),
     }
+    note_crowd(input, crowd, workers.is_none());
     scratch.line_up(input, &mut allowance);
     scratch.note_ahead(input, &ahead);
     (prepared, fits)
 }
 
-/// Calls `f` with what matters of each contact; `workers`: none if memory has a limit.
-fn each_fact(
-    workers: Option<&Workers<'_>>,
-    input: &PrepareInput<'_>,
-    facts: &mut Facts,
-    mut f: impl FnMut(Fact),
-) {
-    match workers {
-        Some(workers) => facts.each(workers, input, f),
-        None => each_contact(input, |slot, contact| f(Fact::of(input, slot, contact))),
+/// Tells bodies that overlap several others of what they touch. `bounded`: overlaps may be left out.
+fn note_crowd(input: &PrepareInput<'_>, crowd: &mut Crowd, bounded: bool) {
+    let limits = if bounded { !crowd.is_empty() } else { crowd.limits_any() };
+    if !limits {
+        return;
     }
-}
-
-/// Whether springs act between the two shapes.
-pub(super) fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
-    let soft = |c: u32, part: u8| input.colliders[c as usize].is_soft(part);
-    input.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
+    let movers = input.bodies.movers();
+    each_contact(input, |_, contact| {
+        let body = |c: u32| input.summaries[c as usize].body as usize;
+        crowd.touch(body(contact.a), body(contact.b), &input.bodies.velocity, movers);
+    });
 }
 
 /// Bytes of batches of potential contacts, with their friction: for bodies that may move and for static ones,
 /// by number of points.
 pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
     Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
-}
-
-/// Whether a body is in a tree of joints.
-pub(super) fn tree_body(input: &PrepareInput<'_>, body: u32) -> bool {
-    input.tree_slots.of(body as usize).is_some()
 }
 
 /// The tree slot of the body of a contact with static geometry.

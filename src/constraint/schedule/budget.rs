@@ -1,7 +1,8 @@
 //! Decides what gets no rows where memory is short, by how little it is missed, and limits the memory of what
 //! only continuous collision makes.
 
-use super::arrange::{ahead_lanes, each_contact, group_of};
+use super::arrange::ahead_lanes;
+use super::facts::{Fact, each_contact};
 use super::order::Group;
 use crate::constraint::contact::input::PrepareInput;
 use crate::narrow_phase::{ContactCount, ContactRef, Threshold, Weight};
@@ -99,10 +100,10 @@ impl Ahead {
             }),
         };
         let mut of_static = 0;
-        each_contact(input, |_, contact| {
-            let group = group_of(input, contact);
-            if is_ahead(input, contact) && group.is_static() {
-                of_static += whole.cost(contact.count.into(), group);
+        each_contact(input, |slot, contact| {
+            let fact = Fact::of(input, slot, contact);
+            if fact.is_ahead() && fact.group().is_static() {
+                of_static += whole.cost(fact.count.into(), fact.group());
             }
         });
         let of_static = of_static.min(input.ahead);
@@ -121,9 +122,4 @@ impl Ahead {
         *left = rest.unwrap_or(*left);
         rest.is_some()
     }
-}
-
-/// Whether only continuous collision looks for its points.
-pub(super) fn is_ahead(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
-    contact.points().iter().all(|p| p.separation > input.near)
 }

@@ -1,8 +1,6 @@
 //! What sorting has to know of contacts, looked up by all threads: contacts lie far apart in memory, and the
 //! sorting itself is for one thread.
 
-use super::arrange::{is_soft, tree_body};
-use super::budget::is_ahead;
 use super::order::Group;
 use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::contact::input::PrepareInput;
@@ -39,10 +37,11 @@ impl Fact {
         let flag = |flag: u8, is_set: bool| if is_set { flag } else { 0 };
         let movers = input.bodies.movers() as u32;
         let is_static = a >= movers || b >= movers;
+        let in_tree = |body: u32| input.tree_slots.of(body as usize).is_some();
         let flags = flag(DEEP, contact.points().iter().any(deep) && !is_soft(input, contact))
-            | flag(AHEAD, is_ahead(input, contact))
+            | flag(AHEAD, contact.points().iter().all(|p| p.separation > input.near))
             | flag(STATIC, is_static)
-            | flag(IN_TREE, is_static && tree_body(input, a.min(b)) && !is_soft(input, contact));
+            | flag(IN_TREE, is_static && in_tree(a.min(b)) && !is_soft(input, contact));
         Fact { slot, a, b, count: contact.count, touching, flags }
     }
 
@@ -132,13 +131,20 @@ impl Facts {
     }
 }
 
+/// Whether springs act between the two shapes.
+fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
+    let soft = |c: u32, part: u8| input.colliders[c as usize].is_soft(part);
+    input.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
+}
+
+/// Calls `f` with each contact that has rows.
+pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, f: impl FnMut(u32, ContactRef<'a>)) {
+    each_of(input, 0..input.pairs.len(), f);
+}
+
 /// Calls `f` with the contacts of some pairs that have rows.
 #[inline(always)]
-pub(super) fn each_of<'a>(
-    input: &PrepareInput<'a>,
-    pairs: Range<usize>,
-    mut f: impl FnMut(u32, ContactRef<'a>),
-) {
+fn each_of<'a>(input: &PrepareInput<'a>, pairs: Range<usize>, mut f: impl FnMut(u32, ContactRef<'a>)) {
     let dynamic = input.bodies.dynamic();
     for pair in &input.pairs[pairs] {
         if pair.contact == NO_CONTACT || pair.is_idle(input.summaries, dynamic) {
