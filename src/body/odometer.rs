@@ -45,9 +45,12 @@ impl Odometer {
     #[inline(always)]
     pub(crate) fn advance(&mut self, [old, new]: [&Pose; 2], radius: f32, motion: f32, per_metre: f32) {
         let travel = (new.position - old.position).as_vec3().length();
-        let turn = new.rotation * old.rotation.conjugate();
-        // The chord of a point: twice the sine of half the angle.
-        let chord = 2.0 * turn.xyz().length();
+        // The chord of a point is twice the sine of half the angle; twice the distance of two unit quaternions
+        // is more than that, and costs no product.
+        let [x, y, z, w] = new.rotation.to_array();
+        let [i, j, k, l] = old.rotation.to_array();
+        let apart = [x - i, y - j, z - k, w - l].map(|d| d * d);
+        let chord = 2.0 * ((apart[0] + apart[1]) + (apart[2] + apart[3])).sqrt();
         let travel = if chord > 0.0 { travel + chord * radius } else { travel };
         let jumped = self.ahead.wrapping_sub(self.now) == JUMP;
         self.now = self.now.wrapping_add(if jumped { ticks(MOST) } else { ticks(travel * per_metre) });
@@ -86,7 +89,7 @@ mod tests {
     use super::*;
     use crate::math::Quat;
     use crate::random::Random;
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     /// Two points on a line. Whenever a step passes over them, they have to be further apart than the reach
     /// of their motion, whatever they did before: creep, run, or jump.
@@ -125,6 +128,23 @@ mod tests {
             }
         }
         assert!(passed > 2 * looks, "{passed} passed over, {looks} looked at");
+    }
+
+    /// The way of a point of a shape that turns, however far and about whatever axis.
+    #[test]
+    fn a_turn_counts_for_as_much_as_it_moves_points() {
+        let mut random = Random(8);
+        for _ in 0..2000 {
+            let turn = |v: Vec3| Quat::from_xyzw(v.x, v.y, v.z, 1.0).normalize();
+            let [from, by] = [10.0, 10f32.powi(-(random.below(6) as i32))].map(|s| turn(random.cube() * s));
+            let pose = |rotation: Quat| Pose { position: DVec3::ZERO, rotation };
+            let mut odometer = Odometer::default();
+            odometer.advance([&pose(from), &pose(by * from)], 0.5, 0.0, 1.0);
+            let point = random.direction() * 0.5;
+            let way = ((by * from) * point - from * point).length();
+            let counted = odometer.now as f32 / UNIT;
+            assert!(counted >= way - 1e-6, "{counted} m for {way} m");
+        }
     }
 
     #[test]
