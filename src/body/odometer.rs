@@ -45,8 +45,8 @@ impl Odometer {
     #[inline(always)]
     pub(crate) fn advance(&mut self, [old, new]: [&Pose; 2], radius: f32, motion: f32, per_metre: f32) {
         let travel = (new.position - old.position).as_vec3().length();
-        // The chord of a point is twice the sine of half the angle; twice the distance of two unit quaternions
-        // is more than that, and costs no product.
+        // The chord of a point is twice the sine of half the angle; twice the distance of two unit
+        // quaternions is more than that, and costs no product.
         let [x, y, z, w] = new.rotation.to_array();
         let [i, j, k, l] = old.rotation.to_array();
         let apart = [x - i, y - j, z - k, w - l].map(|d| d * d);
