@@ -8,9 +8,10 @@
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{Closing, keep_out};
-use super::node::{Node, TreeWidth};
+use super::node::{Node, TreeWidth, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
+use super::sweep::gather_again;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
@@ -123,64 +124,90 @@ impl<L: TreeWidth> TreeBatch<L> {
         contacts: &[TreeContacts],
         mut solve: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
     ) {
+        let bodies = &mut self.nodes[..self.real];
         for _ in 0..TRAVERSALS {
-            self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
-            let (mut at, mut left) = (NONE, contacts);
-            for i in 0..self.real {
-                while at != self.nodes[i].parent {
-                    at = self.towards_root(at);
+            bodies.iter_mut().for_each(|node| node.pending = Twist::zero());
+            let mut at = NONE;
+            for batch in contacts {
+                if batch.node != at {
+                    walk(bodies, at, batch.node);
+                    at = batch.node;
                 }
-                let (parent, node) = self.with_parent(i);
-                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-                let here = left.partition_point(|batch| batch.node as usize == i);
-                for batch in &left[..here] {
-                    let mut velocity = node.velocity;
-                    velocity.add(node.change);
-                    let mut body = TreeBody::new(velocity, &node.whole);
-                    solve(batch, &mut body);
-                    let push = body.push;
-                    node.change.add(node.whole.mul(&push));
-                    node.pending.add(push);
-                    node.pushed.add(push);
-                }
-                left = &left[here..];
-                at = i as u32;
+                let node = &mut bodies[at as usize];
+                let mut velocity = node.velocity;
+                velocity.add(node.change);
+                let mut body = TreeBody::new(velocity, &node.whole);
+                solve(batch, &mut body);
+                let push = body.push;
+                node.change.add(node.whole.mul(&push));
+                node.pending.add(push);
+                node.pushed.add(push);
             }
-            while at != NONE {
-                at = self.towards_root(at);
-            }
+            walk(bodies, at, NONE);
         }
+        gather_again(bodies);
     }
+}
 
-    /// Adds the impulses that a body received to its parent, and returns the parent.
-    fn towards_root(&mut self, from: u32) -> u32 {
-        let (parent, node) = self.with_parent(from as usize);
-        node.carried.add(node.pending);
-        if node.jointed {
-            let [arm, other] = node.arm_now;
-            let requested = node.free.mul(&node.pending).seen_at(arm);
-            node.requested.add(requested);
-            if let Some(parent) = parent {
-                let push = node.stiff.mul(&requested).moved(other);
-                parent.pending.add(push);
-                parent.change.add(parent.whole.mul(&push));
+on_nodes! {
+    /// Goes on from one body to one that comes after it, or from outside to the first, or back out: up to
+    /// what both hang on, which learns what was pushed below, and down again. Each body on the way down has
+    /// the change of velocity that follows from what has been pushed so far.
+    fn walk<'a, L>(bodies, from: u32, to: u32) {
+        let range = from.wrapping_add(1) as usize..to.wrapping_add(1) as usize;
+        // A subtree is contiguous: what `to` hangs on and comes after `from` is on the way.
+        let mut next = to;
+        for i in range.clone().rev() {
+            let node = &mut bodies[i];
+            node.is_ahead = i as u32 == next;
+            if node.is_ahead {
+                next = node.parent;
             }
         }
-        node.parent
+        let mut at = from;
+        while at != next {
+            at = towards_root(bodies, at);
+        }
+        for i in range {
+            if bodies[i].is_ahead {
+                let (parent, node) = with_parent(bodies, i);
+                node.change = node.answered(parent.map(|parent| &parent.change));
+            }
+        }
     }
+}
+
+/// Adds the impulses that a body received to its parent, and returns the parent.
+#[inline(always)]
+fn towards_root<L: Lanes>(bodies: &mut [Node<L>], from: u32) -> u32 {
+    let (parent, node) = with_parent(bodies, from as usize);
+    node.carried.add(node.pending);
+    if node.jointed {
+        let [arm, other] = node.arm_now;
+        let requested = node.free.mul(&node.pending).seen_at(arm);
+        node.requested.add(requested);
+        if let Some(parent) = parent {
+            let push = node.push(&node.stiff, &requested).moved(other);
+            parent.pending.add(push);
+            parent.change.add(parent.whole.mul(&push));
+        }
+    }
+    node.parent
 }
 
 impl<L: Lanes> Node<L> {
     /// The change of velocity that follows from the impulses carried up and the velocities requested of the
-    /// joints.
+    /// joints. `above`: that of the parent.
     #[inline(always)]
-    pub(crate) fn answered(&self, above: Twist<L>) -> Twist<L> {
+    fn answered(&self, above: Option<&Twist<L>>) -> Twist<L> {
         let mut push = self.carried;
         if self.jointed {
             let [arm, other] = self.arm_now;
             let mut requested = self.requested;
-            requested.subtract(above.seen_at(other));
-            push.subtract(self.stiff.mul(&requested).moved(arm));
+            if let Some(above) = above {
+                requested.subtract(above.seen_at(other));
+            }
+            push.subtract(self.push(&self.stiff, &requested).moved(arm));
         }
         self.free.mul(&push)
     }

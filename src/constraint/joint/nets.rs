@@ -38,11 +38,13 @@ struct Member {
     /// For a root: the maximum energy, and that of motion and springs at the start of the substep [J].
     most: f32,
     moving: f32,
-    /// Energy of springs [J].
+    /// Energy of springs, now and at the start of the substep [J].
     spring_energy: f32,
+    start_springs: f32,
     flags: u32,
-    /// Velocity before joints acted in the substep.
+    /// Velocity before joints acted in the substep, and the displacement at its start.
     start: Record,
+    moved: Record,
 }
 
 /// Flags of a root: it is joined to or touches a body that can't be pushed; that body moves; bodies turn fast
@@ -100,6 +102,12 @@ impl NetInput<'_, '_> {
         unsafe { self.motion.velocity.read(body) }
     }
 
+    /// Velocity and displacement.
+    fn state(&self, body: usize) -> [Record; 2] {
+        // SAFETY: between stages this thread is alone.
+        [self.velocity(body), unsafe { self.motion.delta.read(body) }]
+    }
+
     /// Velocity of a body, the same before joints acted, and its displacement.
     ///
     /// # Safety
@@ -122,10 +130,8 @@ impl NetInput<'_, '_> {
         self.pull.get(body).copied().unwrap_or_default()
     }
 
-    /// Adds a body at a velocity.
-    fn add(&self, ledger: &mut Ledger, body: usize, v: &Record) {
-        // SAFETY: between stages this thread is alone.
-        let d = unsafe { self.motion.delta.read(body) };
+    /// Adds a body at a velocity and a displacement.
+    fn add(&self, ledger: &mut Ledger, body: usize, [v, d]: [&Record; 2]) {
         let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
         let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
         // Bodies of trees that conserve energy have turned already; the inertia of others turns at the end of
@@ -250,34 +256,34 @@ impl Nets {
         self.all.iter_mut().for_each(|member| member.flags &= !(SWIFT | FAST | KNOWN));
         self.find_fast(input, swift);
         self.sum_springs(input, false);
-        for body in 0..dynamic {
+        for (body, member) in self.all.iter_mut().enumerate() {
             // SAFETY: between stages this thread is alone.
-            self.all[body].start = unsafe { input.motion.base.read(body) };
+            (member.start, member.moved) =
+                unsafe { (input.motion.base.read(body), input.motion.delta.read(body)) };
+            member.start_springs = member.spring_energy;
         }
-        self.know_energies(input);
     }
 
-    /// Finds the energy, before the rows of the substep, of nets that turn fast.
-    fn know_energies(&mut self, input: &NetInput<'_, '_>) {
-        for root in 0..self.all.len() {
-            let Member { root: own, flags, .. } = self.all[root];
-            if own as usize != root || flags & (SWIFT | KNOWN) != SWIFT {
-                continue;
-            }
-            let now = self.ledger(input, root, |body| {
-                let (mut v, pull) = (self.all[body].start, input.pull_of(body));
-                v.linear -= pull.linear * input.h;
-                v.angular -= pull.angular * input.h;
-                v
-            });
-            let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
-            let member = &mut self.all[root];
-            // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
-            let start = (now.kinetic + now.potential) as f32 + member.spring_energy;
-            member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
-            member.moving = given.max(now.kinetic) as f32 + member.spring_energy;
-            member.flags |= KNOWN;
+    /// Finds the energy of a net before the rows of the substep. Only what is asked for: most nets are
+    /// followed.
+    fn know_energy(&mut self, input: &NetInput<'_, '_>, root: usize) {
+        if self.all[root].flags & KNOWN != 0 {
+            return;
         }
+        let before = |body: usize| {
+            let (Member { start, moved, .. }, pull) = (&self.all[body], input.pull_of(body));
+            let linear = start.linear - pull.linear * input.h;
+            let angular = start.angular - pull.angular * input.h;
+            [Record { linear, angular, ..*start }, *moved]
+        };
+        let now = self.ledger(input, root, before);
+        let given = self.ledger(input, root, |body| [self.all[body].start, self.all[body].moved]).kinetic;
+        let member = &mut self.all[root];
+        // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
+        let start = (now.kinetic + now.potential) as f32 + member.start_springs;
+        member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
+        member.moving = given.max(now.kinetic) as f32 + member.start_springs;
+        member.flags |= KNOWN;
     }
 
     /// Sums the energy of springs; if `done`, also what motors gave in the substep.
@@ -327,12 +333,12 @@ impl Nets {
     #[cold]
     #[inline(never)]
     pub(crate) fn hold_back(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
-        self.find_fast(input, swift);
         // Some may have become fast within the substep.
-        self.know_energies(input);
+        self.find_fast(input, swift);
         for root in 0..self.all.len() {
-            let Member { moving, .. } = self.all[root];
             if self.may_gain(input, root) {
+                self.know_energy(input, root);
+                let Member { moving, .. } = self.all[root];
                 // The speed that corrects errors does not last.
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
@@ -351,12 +357,17 @@ impl Nets {
             batch.lost(input.motion, input.h, &mut |body| self.flag(body, FAST));
             batch.unsolved(input.motion, &mut |body| self.flag(body, FAST));
         });
+        for root in 0..self.all.len() {
+            if self.may_gain(input, root) {
+                self.know_energy(input, root);
+            }
+        }
         self.sum_springs(input, true);
         self.rest();
         for root in 0..self.all.len() {
             let Member { most, spring_energy, .. } = self.all[root];
             if self.may_gain(input, root) {
-                let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
+                let potential = self.ledger(input, root, |body| input.state(body)).potential;
                 let most = f64::from(most - spring_energy) - potential;
                 self.bound(input, root, most);
             }
@@ -364,9 +375,9 @@ impl Nets {
         self.forget_wild(input);
     }
 
-    fn ledger(&self, input: &NetInput<'_, '_>, root: usize, velocity: impl Fn(usize) -> Record) -> Ledger {
+    fn ledger(&self, input: &NetInput<'_, '_>, root: usize, state: impl Fn(usize) -> [Record; 2]) -> Ledger {
         let mut ledger = Ledger::default();
-        self.around(root, |body| input.add(&mut ledger, body, &velocity(body)));
+        self.around(root, |body| input.add(&mut ledger, body, state(body).each_ref()));
         ledger
     }
 
@@ -392,7 +403,7 @@ impl Nets {
     fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
         let flags = self.all[root].flags;
         let followed = is_followed(flags);
-        let now = self.ledger(input, root, |body| input.velocity(body));
+        let now = self.ledger(input, root, |body| input.state(body));
         let mut fastest = 0.0_f32;
         self.around(root, |body| {
             let v = input.velocity(body);
@@ -400,7 +411,7 @@ impl Nets {
         });
         let far = most.max(0.0) * WILD_ENERGY + now.mass;
         // The motion of the centre of mass is that before joints acted: they don't change it.
-        let whole = self.ledger(input, root, |body| self.all[body].start);
+        let whole = self.ledger(input, root, |body| [self.all[body].start, self.all[body].moved]);
         let free = flags & HELD == 0 && now.mass > 0.0;
         let mean_of = |of: &Ledger| if free { of.momentum / of.mass } else { DVec3::ZERO };
         let mean = mean_of(&whole);
