@@ -22,7 +22,7 @@ use crate::constraint::contact::row::{
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8, kernel, with_best};
-use bytemuck::{must_cast, must_cast_ref};
+use bytemuck::{must_cast_mut, must_cast_ref};
 
 /// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
 const TRAVERSALS: u32 = 2;
@@ -65,17 +65,16 @@ impl TreeLanes for f32x8 {
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             with_best!(Wide => {
-                let (velocity, whole) = (must_cast(body.velocity), must_cast_ref(body.whole));
+                let (own, whole) = (must_cast_mut(&mut body.own), must_cast_ref(body.whole));
                 let rows = lanes.friction.cast::<Wide>();
                 let friction = if contacts.potential { None } else { rows.touching(contacts.batch) };
                 let (p1, p2, p3, p4) = (&lanes.p1, &lanes.p2, &lanes.p3, &lanes.p4);
-                let [velocity, push] = match contacts.batch.points {
-                    1 => touch(p1.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    2 => touch(p2.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    3 => touch(p3.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    _ => touch(p4.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                };
-                (body.velocity, body.push) = (must_cast(velocity), must_cast(push));
+                match contacts.batch.points {
+                    1 => touch(p1.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    2 => touch(p2.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    3 => touch(p3.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    _ => touch(p4.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                }
             })
         }
     }
@@ -93,26 +92,24 @@ impl TreeLanes for f32 {
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
             let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };
-            let (velocity, whole) = (body.velocity, body.whole);
-            [body.velocity, body.push] = touch(single.all.get(i), friction, request, velocity, whole, motion);
+            touch(single.all.get(i), friction, request, &mut body.own, body.whole, motion);
         }
     }
 }
 
 /// A body of a tree while its contacts are solved.
 pub(crate) struct TreeBody<'a, L> {
-    velocity: Twist<L>,
+    /// Its velocity, and the impulse of its contacts.
+    own: [Twist<L>; 2],
     whole: &'a Sym6<L>,
-    /// Impulse of its contacts.
-    push: Twist<L>,
 }
 
 impl<'a, L: Lanes> TreeBody<'a, L> {
     pub(crate) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
-        TreeBody { velocity, whole, push: Twist::zero() }
+        TreeBody { own: [velocity, Twist::zero()], whole }
     }
     pub(crate) fn velocity(&self) -> Twist<L> {
-        self.velocity
+        self.own[0]
     }
 }
 
@@ -138,8 +135,9 @@ impl<L: TreeWidth> TreeBatch<L> {
                 velocity.add(node.change);
                 let mut body = TreeBody::new(velocity, &node.whole);
                 solve(batch, &mut body);
-                let push = body.push;
-                node.change.add(node.whole.mul(&push));
+                let [mut change, push] = body.own;
+                change.subtract(velocity);
+                node.change.add(change);
                 node.pending.add(push);
                 node.pushed.add(push);
             }
@@ -294,8 +292,8 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
 }
 
 kernel! {
-    /// Solves the contacts of one body of each tree. Returns its new velocity, and the impulse of the
-    /// contacts.
+    /// Solves the contacts of one body of each tree. `own`: its velocity, which changes, and the impulse of
+    /// the contacts.
     ///
     /// # Safety
     /// No other thread works on the batch, and none writes displacements.
@@ -303,40 +301,37 @@ kernel! {
         batch: &'a mut Batch<L, P, 0>,
         friction: Option<&'a mut FrictionRow<L, 0>>,
         request: Request<'a>,
-        velocity: Twist<L>,
+        own: &'a mut [Twist<L>; 2],
         whole: &'a Sym6<L>,
         motion: &'a Motion<'a, 'a>,
-    ) -> [Twist<L>; 2] {
+    ) {
         if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
             // SAFETY: by the contract.
             unsafe { follow(batch, motion) };
         }
-        let (zero, v) = (Vec3::zero(), velocity);
-        let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-        let push = match (request, friction) {
+        let (zero, [v, push]) = (Vec3::zero(), own);
+        let mut pair = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+        match (request, friction) {
             (Request::Solve(pass), None) => {
                 let mut whole = Whole::new(whole, batch, None);
-                sweep::<L, P, 0, false, _>(batch, None, None, &mut v, pass, &mut whole);
-                whole.push
+                sweep::<L, P, 0, false, _>(batch, None, None, &mut pair, pass, &mut whole);
+                *push = whole.push;
             }
             (Request::Solve(pass), Some(friction)) => {
                 let mut whole = Whole::new(whole, batch, Some(friction));
                 // SAFETY: by the contract: each batch has a row of its own.
                 let rolling = unsafe { pass.rolling.find(batch.rolling as usize) };
-                sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut v, pass, &mut whole);
-                whole.push
+                sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut pair, pass, &mut whole);
+                *push = whole.push;
             }
             (Request::Push(closing), _) => {
                 let mut whole = Whole::new(whole, batch, None);
-                keep_out(batch, &mut v, closing, &mut whole);
-                whole.push
+                keep_out(batch, &mut pair, closing, &mut whole);
+                *push = whole.push;
             }
-            (Request::Stop(closing), _) => {
-                keep_out(batch, &mut v, closing, &mut Free);
-                Twist::zero()
-            }
-        };
-        [Twist { linear: v.va, angular: v.wa }, push]
+            (Request::Stop(closing), _) => keep_out(batch, &mut pair, closing, &mut Free),
+        }
+        *v = Twist { linear: pair.va, angular: pair.wa };
     }
 }
 

@@ -121,9 +121,15 @@ impl NetInput<'_, '_> {
     /// Energy that a body may have while an error is corrected [J].
     fn closing_energy(&self, body: usize) -> f64 {
         let (mass, Recovery { linear, angular }) = (&self.mass[body], self.recovery);
-        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        let m = self.mass_of(body);
         let inertia = f64::from(mass.inertia.max_element().min(f32::MAX));
         0.5 * (m * f64::from(linear).powi(2) + inertia * f64::from(angular).powi(2))
+    }
+
+    /// Mass [kg]; zero of what can't be moved.
+    fn mass_of(&self, body: usize) -> f64 {
+        let inverse = self.mass[body].inverse;
+        if inverse > 0.0 { 1.0 / f64::from(inverse) } else { 0.0 }
     }
 
     fn pull_of(&self, body: usize) -> Record {
@@ -133,20 +139,23 @@ impl NetInput<'_, '_> {
     /// Adds a body at a velocity and a displacement.
     fn add(&self, ledger: &mut Ledger, body: usize, [v, d]: [&Record; 2]) {
         let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
-        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        let m = self.mass_of(body);
         // Bodies of trees that conserve energy have turned already; the inertia of others turns at the end of
         // the step.
         let turn = if d.is_turned() { exp_map(d.angular) * pose.rotation } else { pose.rotation };
+        let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
         let spin_energy = |a: Vec3, b: Vec3| {
             let [a, b] = [a, b].map(|x| turn.conjugate() * x);
-            let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
             a.as_dvec3().dot(inertia.as_dvec3() * b.as_dvec3())
         };
         let linear = v.linear.as_dvec3();
         ledger.mass += m;
         ledger.momentum += linear * m;
         ledger.kinetic += 0.5 * (m * linear.length_squared() + spin_energy(v.angular, v.angular));
-        ledger.potential -= m * f64::from(pull.linear.dot(d.linear)) + spin_energy(pull.angular, d.angular);
+        ledger.potential -= m * f64::from(pull.linear.dot(d.linear));
+        if pull.angular != Vec3::ZERO {
+            ledger.potential -= spin_energy(pull.angular, d.angular);
+        }
     }
 }
 
@@ -270,13 +279,12 @@ impl Nets {
         if self.all[root].flags & KNOWN != 0 {
             return;
         }
-        let before = |body: usize| {
+        let now = self.ledger(input, root, |body| {
             let (Member { start, moved, .. }, pull) = (&self.all[body], input.pull_of(body));
             let linear = start.linear - pull.linear * input.h;
             let angular = start.angular - pull.angular * input.h;
             [Record { linear, angular, ..*start }, *moved]
-        };
-        let now = self.ledger(input, root, before);
+        });
         let given = self.ledger(input, root, |body| [self.all[body].start, self.all[body].moved]).kinetic;
         let member = &mut self.all[root];
         // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
@@ -343,7 +351,8 @@ impl Nets {
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
                 let most = CHORD_ENERGY * f64::from(moving) + closing;
-                self.bound(input, root, most);
+                let now = self.ledger(input, root, |body| input.state(body));
+                self.bound(input, root, &now, most);
             }
         }
         self.forget_wild(input);
@@ -367,9 +376,9 @@ impl Nets {
         for root in 0..self.all.len() {
             let Member { most, spring_energy, .. } = self.all[root];
             if self.may_gain(input, root) {
-                let potential = self.ledger(input, root, |body| input.state(body)).potential;
-                let most = f64::from(most - spring_energy) - potential;
-                self.bound(input, root, most);
+                let now = self.ledger(input, root, |body| input.state(body));
+                let most = f64::from(most - spring_energy) - now.potential;
+                self.bound(input, root, &now, most);
             }
         }
         self.forget_wild(input);
@@ -400,10 +409,9 @@ impl Nets {
 
     /// Limits the kinetic energy of a net that turns too fast [J]. A net with far more, or with an energy
     /// that is not finite, moves on as one rigid piece without rotation.
-    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
+    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, now: &Ledger, most: f64) {
         let flags = self.all[root].flags;
         let followed = is_followed(flags);
-        let now = self.ledger(input, root, |body| input.state(body));
         let mut fastest = 0.0_f32;
         self.around(root, |body| {
             let v = input.velocity(body);
@@ -411,10 +419,13 @@ impl Nets {
         });
         let far = most.max(0.0) * WILD_ENERGY + now.mass;
         // The motion of the centre of mass is that before joints acted: they don't change it.
-        let whole = self.ledger(input, root, |body| [self.all[body].start, self.all[body].moved]);
         let free = flags & HELD == 0 && now.mass > 0.0;
-        let mean_of = |of: &Ledger| if free { of.momentum / of.mass } else { DVec3::ZERO };
-        let mean = mean_of(&whole);
+        let mean_of = |momentum: DVec3| if free { momentum / now.mass } else { DVec3::ZERO };
+        let mut before = DVec3::ZERO;
+        if free {
+            self.around(root, |body| before += self.all[body].start.linear.as_dvec3() * input.mass_of(body));
+        }
+        let mean = mean_of(before);
         if !now.kinetic.is_finite() || fastest > RUNAWAY || (!followed && now.kinetic > far) {
             self.all[root].flags |= DAMPED | WILDLY;
             self.around(root, |body| {
@@ -439,7 +450,7 @@ impl Nets {
         if now.kinetic - most > COUNTED * now.kinetic {
             self.all[root].flags |= DAMPED;
         }
-        let own = mean_of(&now);
+        let own = mean_of(now.momentum);
         let energy_of = |mean: DVec3| 0.5 * now.mass * mean.length_squared();
         let share = (most - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
         let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);
