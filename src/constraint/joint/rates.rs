@@ -330,7 +330,7 @@ impl<L: TreeWidth> Watched for TreeBatch<L> {
 impl<L: TreeWidth> TreeBatch<L> {
     /// Calls `f` with a body of each tree in some lanes.
     fn each_root(&self, lanes: u32, f: &mut dyn FnMut(u32)) {
-        for root in self.nodes.first() {
+        if let Some(root) = self.nodes.first() {
             ones(root.write & lanes).for_each(|lane| f(root.body[lane]));
         }
     }
