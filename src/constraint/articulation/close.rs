@@ -43,9 +43,9 @@ impl<L: TreeWidth> TreeBatch<L> {
         mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        // SAFETY: by the contract.
+        unsafe { self.follow(motion) };
         for _ in 0..ROUNDS {
-            // SAFETY: by the contract.
-            unsafe { self.follow(motion) };
             if !self.is_open(closing.tolerance) {
                 return;
             }
@@ -69,8 +69,8 @@ impl<L: TreeWidth> TreeBatch<L> {
             let sound = shift(&mut self.nodes);
             // SAFETY: by the contract.
             unsafe { self.shift(motion, sound) };
+            self.place(0.0);
         }
-        self.place(0.0);
     }
 
     /// Whether any joint is open by more than the tolerance.
@@ -142,6 +142,34 @@ on_nodes! {
     }
 }
 
+/// How much room a displacement of body `a` of each lane leaves a point, beside the overlap that is tolerated.
+#[inline(always)]
+fn room<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P, 0>,
+    i: usize,
+    moved: &BodyPair<L>,
+    closing: &Closing,
+) -> L {
+    let point = &batch.points[i];
+    let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
+    relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance
+}
+
+/// Whether a displacement crosses a contact further than is tolerated.
+#[inline(always)]
+pub(crate) fn crosses<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P, 0>,
+    moved: &BodyPair<L>,
+    closing: &Closing,
+) -> bool {
+    let mut crosses = L::zero().gt(L::zero());
+    for i in 0..P {
+        let stands = batch.points[i].mass.gt(L::zero());
+        crosses = crosses | (stands & room(batch, i, moved, closing).lt(L::zero()));
+    }
+    crosses.any()
+}
+
 /// Limits the displacement of body `a` of each lane so that it crosses contacts no further than the overlap
 /// that is tolerated.
 #[inline(always)]
@@ -151,11 +179,9 @@ pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     closing: &Closing,
     response: &mut impl Response<L, P, 0>,
 ) {
-    for (i, point) in batch.points.iter().enumerate() {
-        let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
-        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance;
-        let mass = response.mass(batch, i);
+    for i in 0..P {
+        let (over, mass) = (room(batch, i, moved, closing), response.mass(batch, i));
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
-        response.apply(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
+        response.apply(batch, moved, batch.normal * p, batch.points[i].arm_a * p, Vec3::zero());
     }
 }

@@ -7,7 +7,7 @@
 //! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
-use super::close::{Closing, keep_out};
+use super::close::{Closing, crosses, keep_out};
 use super::node::{Node, TreeWidth, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
@@ -17,7 +17,7 @@ use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::friction::impact::potential_load;
 use crate::constraint::contact::row::{
-    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, relative, row, sweep,
+    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, is_idle, relative, row, sweep,
 };
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
@@ -312,6 +312,8 @@ kernel! {
         let (zero, [v, push]) = (Vec3::zero(), own);
         let mut pair = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
         match (request, friction) {
+            // Most potential contacts are idle, and how their body responds costs more than to see that.
+            (Request::Solve(pass), None) if is_idle(batch, &pair, pass) => {}
             (Request::Solve(pass), None) => {
                 let mut whole = Whole::new(whole, batch, None);
                 sweep::<L, P, 0, false, _>(batch, None, None, &mut pair, pass, &mut whole);
@@ -324,6 +326,7 @@ kernel! {
                 sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut pair, pass, &mut whole);
                 *push = whole.push;
             }
+            (Request::Push(closing), _) if !crosses(batch, &pair, closing) => {}
             (Request::Push(closing), _) => {
                 let mut whole = Whole::new(whole, batch, None);
                 keep_out(batch, &mut pair, closing, &mut whole);

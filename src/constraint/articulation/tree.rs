@@ -235,8 +235,6 @@ impl<L: TreeWidth> TreeBatch<L> {
     ) {
         let warm = !self.all_exact();
         if pass.moved && warm {
-            // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion) };
             if self.is_alone().any() {
                 // A load may arrive within a substep.
                 self.add_geometric_stiffness();

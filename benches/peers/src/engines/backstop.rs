@@ -11,8 +11,6 @@ use std::sync::Arc;
 struct Backstop {
     world: World,
     bodies: Vec<BodyHandle>,
-    /// For more than one thread.
-    pool: Option<rayon::ThreadPool>,
 }
 
 pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
@@ -32,11 +30,11 @@ pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::
     let mut world = World::new(settings).context("these settings are refused")?;
     let scene = with_own_meshes(scene, meshes)?;
     let bodies = scene.add_to(&mut world).context("the scene is refused")?.bodies;
-    let pool = match config.threads {
-        1 => None,
-        threads => Some(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?),
-    };
-    Ok(Box::new(Backstop { world, bodies, pool }))
+    if config.threads > 1 {
+        // A process is one run: the pool may be there already, and then has as many threads.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(config.threads).build_global();
+    }
+    Ok(Box::new(Backstop { world, bodies }))
 }
 
 /// The scene with meshes made anew, which the world then shares with nobody: they are part of what it takes.
@@ -53,11 +51,7 @@ fn with_own_meshes(scene: &Scene, meshes: &Meshes) -> anyhow::Result<Scene> {
 
 impl Engine for Backstop {
     fn step(&mut self, dt: f32) -> anyhow::Result<()> {
-        let world = &mut self.world;
-        match &self.pool {
-            Some(pool) => pool.install(|| world.step(dt).map(drop))?,
-            None => world.step(dt).map(drop)?,
-        }
+        self.world.step(dt)?;
         Ok(())
     }
 
