@@ -38,13 +38,16 @@ pub(crate) struct Drift<L> {
     more: Vec3<L>,
     /// The velocity before the pass.
     pub(crate) before: Twist<L>,
+    /// The velocity before joints acted in the substep, or in the part of it.
+    from: Twist<L>,
 }
 
 impl<L: Lanes> Default for Drift<L> {
     fn default() -> Self {
         let moments = Moments::default();
         let zero = Vec3::zero();
-        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: Twist::zero() }
+        let still = Twist::zero();
+        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: still, from: still }
     }
 }
 
@@ -233,8 +236,9 @@ impl<L: TreeWidth> TreeBatch<L> {
 
     /// Finds the impulses that close the joints of some lanes at the end of the substep; where nothing else
     /// acts, to the last digit. Returns the lanes whose last prediction holds, and those in which no solution
-    /// was found.
+    /// was found: their velocities fit the joints where they are.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
+        self.nodes.iter_mut().for_each(|node| node.drift.from = node.velocity);
         self.sweep(pass, lanes, &[], |_, _| {});
         let mut open = alone;
         for _ in 0..ROUNDS {
@@ -247,7 +251,27 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         let known = alone & !open;
         self.predict_turns(open);
-        (known.bits(), open & self.misses(LOST))
+        let lost = open & self.misses(LOST);
+        if lost.any() {
+            self.give_up(lost);
+        }
+        (known.bits(), lost)
+    }
+
+    /// Takes back what was tried in some lanes. Where a linkage folds flat, or light links between bodies
+    /// that part, there may be no solution: each round asks for more, and what it finds is no motion.
+    /// Velocities that fit the joints where they are add no energy.
+    #[cold]
+    fn give_up(&mut self, lanes: L::Mask) {
+        let zero = Vec3::zero();
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.drift.from;
+            node.velocity.linear = Vec3::select(lanes, linear, node.velocity.linear);
+            node.velocity.angular = Vec3::select(lanes, angular, node.velocity.angular);
+            node.impulse = Vec3::select(lanes, zero, node.impulse);
+            node.twist = Vec3::select(lanes, zero, node.twist);
+        }
+        self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
     }
 
     /// Whether only joints and external forces act on the trees: then they fall as free bodies do, along
@@ -387,12 +411,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.predict_turns(exact);
             let (known, lost) = self.close_ahead(&solving, exact, exact);
             self.known = known;
-            if lost.any() {
-                self.astray |= lost.bits();
-                // There may be no solution where light links lie folded between bodies that separate.
-                // Velocities that fit the joints where they are add no energy.
-                self.sweep(&still, lost, &[], |_, _| {});
-            }
+            self.astray |= lost.bits();
             self.drift(L::zero());
             self.place(whole - self.h * part as f32);
             self.factor();
@@ -524,7 +543,7 @@ on_nodes! {
 on_nodes! {
     /// See [`TreeBatch::misses`]; with the squares of the errors that may remain, of lengths and of angles.
     fn misses<'a, L>(nodes, h: f32, most: [f32; 2]) -> u32 {
-        let (h, mut misses) = (L::splat(h), L::zero().gt(L::zero()));
+        let (h, mut hits) = (L::splat(h), L::zero().eq(L::zero()));
         for i in 0..nodes.len() {
             let (parent, node) = with_parent(nodes, i);
             if !node.jointed {
@@ -536,16 +555,16 @@ on_nodes! {
             };
             let [arm, other] = node.arm_now;
             let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
-            misses = misses | (apart * h).length_squared().gt(L::splat(most[0]));
+            hits = hits & (apart * h).length_squared().le(L::splat(most[0]));
             if node.turns != Turns::Freely {
                 let mut error = node.velocity.angular - above.angular + node.bend.angular;
                 if node.turns == Turns::AboutAxis {
                     error -= node.axis_now[0] * node.axis_now[0].dot(error);
                 }
-                misses = misses | (error * h).length_squared().gt(L::splat(most[1]));
+                hits = hits & (error * h).length_squared().le(L::splat(most[1]));
             }
         }
-        misses.bits()
+        !hits.bits()
     }
 }
 
