@@ -142,7 +142,7 @@ on_nodes! {
     }
 }
 
-/// How much room a displacement of body `a` of each lane leaves a point, beside the overlap that is tolerated.
+/// How much room a displacement of body `a` of each lane leaves a point, with the overlap that is tolerated.
 #[inline(always)]
 fn room<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
