@@ -42,8 +42,8 @@ fn ring(random: &mut Random, substeps: u32) -> (World, Vec<JointHandle>) {
 }
 
 /// Nothing acts on a ring, so it can't gain energy; open joints are closed to 0.5 mm in each substep, and
-/// 1 cm may be open where it folds. The energy of one in hundreds grows by up to 15 % in ten seconds at 120 Hz:
-/// what is allowed is a fifth. `COUNT=100 cargo test --release --test joints -- rings` for more of them.
+/// 1 cm may be open where it folds. The energy of one in hundreds grows by up to 15 % in ten seconds at
+/// 120 Hz: what is allowed is a fifth. `COUNT=100 cargo test --release --test joints -- rings` for more.
 #[test]
 fn rings_fold_flat_and_stay_closed() {
     let count = std::env::var("COUNT").map_or(12, |count| count.parse().unwrap());
