@@ -50,7 +50,6 @@ pub(crate) trait Lanes:
     + Copy
     + Debug
     + Default
-    + bytemuck::Zeroable
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

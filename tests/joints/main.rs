@@ -15,7 +15,6 @@ mod motors;
 mod physics;
 mod poses;
 mod ragdolls;
-mod rings;
 mod touching;
 mod turns;
 mod vehicle;

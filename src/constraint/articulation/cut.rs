@@ -221,8 +221,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 other.pushed.add(push.moved(direction.arm[1]));
             }
         }
-        self.nodes[..self.real].iter_mut().for_each(|node| node.requested = Twist::zero());
-        self.gather_up();
+        self.gather_up_bodies(|_, _| Twist::zero());
         self.answer_bodies();
     }
 
