@@ -50,6 +50,7 @@ pub(crate) trait Lanes:
     + Copy
     + Debug
     + Default
+    + bytemuck::Zeroable
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

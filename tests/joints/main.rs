@@ -15,6 +15,7 @@ mod motors;
 mod physics;
 mod poses;
 mod ragdolls;
+mod rings;
 mod touching;
 mod turns;
 mod vehicle;

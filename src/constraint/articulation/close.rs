@@ -7,7 +7,7 @@
 //! must not be crossed; where a joint can't be closed without crossing one, it stays open.
 
 use super::contacts::{Request, TreeBody};
-use super::node::TreeWidth;
+use super::node::{TreeWidth, on_nodes};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
@@ -43,70 +43,131 @@ impl<L: TreeWidth> TreeBatch<L> {
         mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        // SAFETY: by the contract.
+        unsafe { self.follow(motion) };
         for _ in 0..ROUNDS {
-            // SAFETY: by the contract.
-            unsafe { self.follow(motion) };
             if !self.is_open(closing.tolerance) {
                 return;
             }
-            for node in &mut self.nodes {
-                (node.velocity, node.pushed) = (Twist::zero(), Twist::zero());
-            }
+            self.nodes.iter_mut().for_each(|node| node.velocity = Twist::zero());
             self.factor();
-            self.gather_up(|node, _| node.open());
+            self.request_closing();
+            self.gather_up();
             if !own.is_empty() {
                 self.traverse(own, |batch, body| touch(batch, Request::Push(closing), body));
-                self.gather_up(|node, _| node.open());
             }
             self.extra.shifts = true;
             self.answer_all();
             self.extra.shifts = false;
-            let most =
-                self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
-            // At most a radian: beyond that the linearisation says nothing.
-            let share = L::one() / most.sqrt();
-            self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
+            limit(&mut self.nodes);
             for batch in own {
                 let node = &mut self.nodes[batch.node as usize];
                 let mut body = TreeBody::new(node.change, &node.whole);
                 touch(batch, Request::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
-            // A tree stays open if the displacement of one of its bodies is not finite, because its joints
-            // contradict each other.
-            let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
-                let square = node.change.linear.length_squared() + node.change.angular.length_squared();
-                sound & (square.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
-            });
-            let sound_lanes = L::Mask::from_bits(sound);
-            for node in &mut self.nodes {
-                let (zero, Twist { linear, angular }) = (Vec3::zero(), node.change);
-                node.shift(Twist {
-                    linear: Vec3::select(sound_lanes, linear, zero),
-                    angular: Vec3::select(sound_lanes, angular, zero),
-                });
-            }
+            let sound = shift(&mut self.nodes);
             // SAFETY: by the contract.
             unsafe { self.shift(motion, sound) };
+            self.place(0.0);
         }
-        self.place(L::zero());
     }
 
     /// Whether any joint is open by more than the tolerance.
-    pub(crate) fn is_open(&self, tolerance: f32) -> bool {
-        let most = self.tolerances(tolerance);
-        self.nodes.iter().filter(|node| node.jointed).any(|node| {
-            let open =
-                node.apart_now.length_squared().gt(most[0]) | node.error_now.length_squared().gt(most[1]);
-            open.bits() & node.write != 0
-        })
+    pub(crate) fn is_open(&mut self, tolerance: f32) -> bool {
+        let lanes = self.nodes.first().map_or(0, |root| root.write);
+        open_by(&mut self.nodes, squares(self.unit, tolerance))[0] & lanes != 0
     }
 
-    /// The squares of the errors that may remain, as lengths and as angles; `share`: in length units, and in
-    /// radians.
-    pub(crate) fn tolerances(&self, share: f32) -> [L; 2] {
-        [share * self.unit, share].map(|most| L::splat(most * most))
+    /// Lanes in which a joint is open by more than the tolerance, or nobody knows how far.
+    pub(crate) fn open_by(&mut self, tolerance: f32) -> L::Mask {
+        L::Mask::from_bits(open_by(&mut self.nodes, squares(self.unit, tolerance))[1])
     }
+}
+
+/// The squares of the errors that may remain, as lengths and as angles; `share`: in length units, and in
+/// radians.
+pub(super) fn squares(unit: f32, share: f32) -> [f32; 2] {
+    [share * unit, share].map(|most| most * most)
+}
+
+on_nodes! {
+    /// Lanes in which a joint is open, and those in which one is not closed: what is no number is neither.
+    fn open_by<'a, L>(nodes, most: [f32; 2]) -> [u32; 2] {
+        let most = [L::splat(most[0]), L::splat(most[1])];
+        let (mut open, mut closed) = (L::zero().gt(L::zero()), L::zero().eq(L::zero()));
+        for node in nodes {
+            if node.jointed {
+                let (apart, error) = (node.apart_now.length_squared(), node.error_now.length_squared());
+                open = open | apart.gt(most[0]) | error.gt(most[1]);
+                closed = closed & apart.lt(most[0]) & error.lt(most[1]);
+            }
+        }
+        [open.bits(), !closed.bits()]
+    }
+}
+
+on_nodes! {
+    /// Limits the displacements of the solution to a radian: beyond that the linearisation says nothing.
+    fn limit<'a, L>(nodes) {
+        let mut most = L::one();
+        for node in &mut *nodes {
+            most = most.max(node.change.angular.length_squared());
+        }
+        let share = L::one() / most.sqrt();
+        for node in nodes {
+            node.change = node.change.scaled(share);
+        }
+    }
+}
+
+on_nodes! {
+    /// Moves the trees by the displacements of the solution, if these are finite: joints may contradict each
+    /// other. Returns the lanes of trees that moved.
+    fn shift<'a, L>(nodes) -> u32 {
+        let (mut sound, zero) = (u32::MAX, Vec3::zero());
+        for node in &mut *nodes {
+            let square = node.change.linear.length_squared() + node.change.angular.length_squared();
+            sound &= square.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write;
+        }
+        let lanes = L::Mask::from_bits(sound);
+        for node in nodes {
+            let Twist { linear, angular } = node.change;
+            node.shift(Twist {
+                linear: Vec3::select(lanes, linear, zero),
+                angular: Vec3::select(lanes, angular, zero),
+            });
+        }
+        sound
+    }
+}
+
+/// How much room a displacement of body `a` of each lane leaves a point, with the overlap that is tolerated.
+#[inline(always)]
+fn room<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P, 0>,
+    i: usize,
+    moved: &BodyPair<L>,
+    closing: &Closing,
+) -> L {
+    let point = &batch.points[i];
+    let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
+    relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance
+}
+
+/// Whether a displacement crosses a contact further than is tolerated.
+#[inline(always)]
+pub(crate) fn crosses<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P, 0>,
+    moved: &BodyPair<L>,
+    closing: &Closing,
+) -> bool {
+    let mut crosses = L::zero().gt(L::zero());
+    for i in 0..P {
+        let stands = batch.points[i].mass.gt(L::zero());
+        crosses = crosses | (stands & room(batch, i, moved, closing).lt(L::zero()));
+    }
+    crosses.any()
 }
 
 /// Limits the displacement of body `a` of each lane so that it crosses contacts no further than the overlap
@@ -118,11 +179,9 @@ pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     closing: &Closing,
     response: &mut impl Response<L, P, 0>,
 ) {
-    for (i, point) in batch.points.iter().enumerate() {
-        let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
-        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance;
-        let mass = response.mass(batch, i);
+    for i in 0..P {
+        let (over, mass) = (room(batch, i, moved, closing), response.mass(batch, i));
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
-        response.apply(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
+        response.apply(batch, moved, batch.normal * p, batch.points[i].arm_a * p, Vec3::zero());
     }
 }

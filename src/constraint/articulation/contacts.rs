@@ -7,21 +7,22 @@
 //! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
-use super::close::{Closing, keep_out};
-use super::node::{Node, TreeWidth};
+use super::close::{Closing, crosses, keep_out};
+use super::node::{Node, TreeWidth, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
+use super::sweep::gather_again;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::friction::impact::potential_load;
 use crate::constraint::contact::row::{
-    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, relative, row, sweep,
+    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, is_idle, relative, row, sweep,
 };
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8, kernel, with_best};
-use bytemuck::{must_cast, must_cast_ref};
+use bytemuck::{must_cast_mut, must_cast_ref};
 
 /// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
 const TRAVERSALS: u32 = 2;
@@ -64,17 +65,16 @@ impl TreeLanes for f32x8 {
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             with_best!(Wide => {
-                let (velocity, whole) = (must_cast(body.velocity), must_cast_ref(body.whole));
+                let (own, whole) = (must_cast_mut(&mut body.own), must_cast_ref(body.whole));
                 let rows = lanes.friction.cast::<Wide>();
                 let friction = if contacts.potential { None } else { rows.touching(contacts.batch) };
                 let (p1, p2, p3, p4) = (&lanes.p1, &lanes.p2, &lanes.p3, &lanes.p4);
-                let [velocity, push] = match contacts.batch.points {
-                    1 => touch(p1.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    2 => touch(p2.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    3 => touch(p3.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                    _ => touch(p4.get(i).cast::<Wide>(), friction, request, velocity, whole, motion),
-                };
-                (body.velocity, body.push) = (must_cast(velocity), must_cast(push));
+                match contacts.batch.points {
+                    1 => touch(p1.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    2 => touch(p2.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    3 => touch(p3.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                    _ => touch(p4.get(i).cast::<Wide>(), friction, request, own, whole, motion),
+                }
             })
         }
     }
@@ -92,26 +92,24 @@ impl TreeLanes for f32 {
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
             let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };
-            let (velocity, whole) = (body.velocity, body.whole);
-            [body.velocity, body.push] = touch(single.all.get(i), friction, request, velocity, whole, motion);
+            touch(single.all.get(i), friction, request, &mut body.own, body.whole, motion);
         }
     }
 }
 
 /// A body of a tree while its contacts are solved.
 pub(crate) struct TreeBody<'a, L> {
-    velocity: Twist<L>,
+    /// Its velocity, and the impulse of its contacts.
+    own: [Twist<L>; 2],
     whole: &'a Sym6<L>,
-    /// Impulse of its contacts.
-    push: Twist<L>,
 }
 
 impl<'a, L: Lanes> TreeBody<'a, L> {
     pub(crate) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
-        TreeBody { velocity, whole, push: Twist::zero() }
+        TreeBody { own: [velocity, Twist::zero()], whole }
     }
     pub(crate) fn velocity(&self) -> Twist<L> {
-        self.velocity
+        self.own[0]
     }
 }
 
@@ -123,64 +121,91 @@ impl<L: TreeWidth> TreeBatch<L> {
         contacts: &[TreeContacts],
         mut solve: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
     ) {
+        let bodies = &mut self.nodes[..self.real];
         for _ in 0..TRAVERSALS {
-            self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
-            let (mut at, mut left) = (NONE, contacts);
-            for i in 0..self.real {
-                while at != self.nodes[i].parent {
-                    at = self.towards_root(at);
+            bodies.iter_mut().for_each(|node| node.pending = Twist::zero());
+            let mut at = NONE;
+            for batch in contacts {
+                if batch.node != at {
+                    walk(bodies, at, batch.node);
+                    at = batch.node;
                 }
-                let (parent, node) = self.with_parent(i);
-                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-                let here = left.partition_point(|batch| batch.node as usize == i);
-                for batch in &left[..here] {
-                    let mut velocity = node.velocity;
-                    velocity.add(node.change);
-                    let mut body = TreeBody::new(velocity, &node.whole);
-                    solve(batch, &mut body);
-                    let push = body.push;
-                    node.change.add(node.whole.mul(&push));
-                    node.pending.add(push);
-                    node.pushed.add(push);
-                }
-                left = &left[here..];
-                at = i as u32;
+                let node = &mut bodies[at as usize];
+                let mut velocity = node.velocity;
+                velocity.add(node.change);
+                let mut body = TreeBody::new(velocity, &node.whole);
+                solve(batch, &mut body);
+                let [mut change, push] = body.own;
+                change.subtract(velocity);
+                node.change.add(change);
+                node.pending.add(push);
+                node.pushed.add(push);
             }
-            while at != NONE {
-                at = self.towards_root(at);
-            }
+            walk(bodies, at, NONE);
         }
+        gather_again(bodies);
     }
+}
 
-    /// Adds the impulses that a body received to its parent, and returns the parent.
-    fn towards_root(&mut self, from: u32) -> u32 {
-        let (parent, node) = self.with_parent(from as usize);
-        node.carried.add(node.pending);
-        if node.jointed {
-            let [arm, other] = node.arm_now;
-            let requested = node.free.mul(&node.pending).seen_at(arm);
-            node.requested.add(requested);
-            if let Some(parent) = parent {
-                let push = node.stiff.mul(&requested).moved(other);
-                parent.pending.add(push);
-                parent.change.add(parent.whole.mul(&push));
+on_nodes! {
+    /// Goes on from one body to one that comes after it, or from outside to the first, or back out: up to
+    /// what both hang on, which learns what was pushed below, and down again. Each body on the way down has
+    /// the change of velocity that follows from what has been pushed so far.
+    fn walk<'a, L>(bodies, from: u32, to: u32) {
+        let range = from.wrapping_add(1) as usize..to.wrapping_add(1) as usize;
+        // A subtree is contiguous: what `to` hangs on and comes after `from` is on the way.
+        let mut next = to;
+        for i in range.clone().rev() {
+            let node = &mut bodies[i];
+            node.is_ahead = i as u32 == next;
+            if node.is_ahead {
+                next = node.parent;
             }
         }
-        node.parent
+        let mut at = from;
+        while at != next {
+            at = towards_root(bodies, at);
+        }
+        for i in range {
+            if bodies[i].is_ahead {
+                let (parent, node) = with_parent(bodies, i);
+                node.change = node.answered(parent.map(|parent| &parent.change));
+            }
+        }
     }
+}
+
+/// Adds the impulses that a body received to its parent, and returns the parent.
+#[inline(always)]
+fn towards_root<L: Lanes>(bodies: &mut [Node<L>], from: u32) -> u32 {
+    let (parent, node) = with_parent(bodies, from as usize);
+    node.carried.add(node.pending);
+    if node.jointed {
+        let [arm, other] = node.arm_now;
+        let requested = node.free.mul(&node.pending).seen_at(arm);
+        node.requested.add(requested);
+        if let Some(parent) = parent {
+            let push = node.push(&node.stiff, &requested).moved(other);
+            parent.pending.add(push);
+            parent.change.add(parent.whole.mul(&push));
+        }
+    }
+    node.parent
 }
 
 impl<L: Lanes> Node<L> {
     /// The change of velocity that follows from the impulses carried up and the velocities requested of the
-    /// joints.
+    /// joints. `above`: that of the parent.
     #[inline(always)]
-    pub(crate) fn answered(&self, above: Twist<L>) -> Twist<L> {
+    fn answered(&self, above: Option<&Twist<L>>) -> Twist<L> {
         let mut push = self.carried;
         if self.jointed {
             let [arm, other] = self.arm_now;
             let mut requested = self.requested;
-            requested.subtract(above.seen_at(other));
-            push.subtract(self.stiff.mul(&requested).moved(arm));
+            if let Some(above) = above {
+                requested.subtract(above.seen_at(other));
+            }
+            push.subtract(self.push(&self.stiff, &requested).moved(arm));
         }
         self.free.mul(&push)
     }
@@ -267,8 +292,8 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
 }
 
 kernel! {
-    /// Solves the contacts of one body of each tree. Returns its new velocity, and the impulse of the
-    /// contacts.
+    /// Solves the contacts of one body of each tree. `own`: its velocity, which changes, and the impulse of
+    /// the contacts.
     ///
     /// # Safety
     /// No other thread works on the batch, and none writes displacements.
@@ -276,40 +301,40 @@ kernel! {
         batch: &'a mut Batch<L, P, 0>,
         friction: Option<&'a mut FrictionRow<L, 0>>,
         request: Request<'a>,
-        velocity: Twist<L>,
+        own: &'a mut [Twist<L>; 2],
         whole: &'a Sym6<L>,
         motion: &'a Motion<'a, 'a>,
-    ) -> [Twist<L>; 2] {
+    ) {
         if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
             // SAFETY: by the contract.
             unsafe { follow(batch, motion) };
         }
-        let (zero, v) = (Vec3::zero(), velocity);
-        let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-        let push = match (request, friction) {
+        let (zero, [v, push]) = (Vec3::zero(), own);
+        let mut pair = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+        match (request, friction) {
+            // Most potential contacts are idle, and how their body responds costs more than to see that.
+            (Request::Solve(pass), None) if is_idle(batch, &pair, pass) => {}
             (Request::Solve(pass), None) => {
                 let mut whole = Whole::new(whole, batch, None);
-                sweep::<L, P, 0, false, _>(batch, None, None, &mut v, pass, &mut whole);
-                whole.push
+                sweep::<L, P, 0, false, _>(batch, None, None, &mut pair, pass, &mut whole);
+                *push = whole.push;
             }
             (Request::Solve(pass), Some(friction)) => {
                 let mut whole = Whole::new(whole, batch, Some(friction));
                 // SAFETY: by the contract: each batch has a row of its own.
                 let rolling = unsafe { pass.rolling.find(batch.rolling as usize) };
-                sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut v, pass, &mut whole);
-                whole.push
+                sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut pair, pass, &mut whole);
+                *push = whole.push;
             }
+            (Request::Push(closing), _) if !crosses(batch, &pair, closing) => {}
             (Request::Push(closing), _) => {
                 let mut whole = Whole::new(whole, batch, None);
-                keep_out(batch, &mut v, closing, &mut whole);
-                whole.push
+                keep_out(batch, &mut pair, closing, &mut whole);
+                *push = whole.push;
             }
-            (Request::Stop(closing), _) => {
-                keep_out(batch, &mut v, closing, &mut Free);
-                Twist::zero()
-            }
-        };
-        [Twist { linear: v.va, angular: v.wa }, push]
+            (Request::Stop(closing), _) => keep_out(batch, &mut pair, closing, &mut Free),
+        }
+        *v = Twist { linear: pair.va, angular: pair.wa };
     }
 }
 

@@ -221,7 +221,8 @@ impl<L: TreeWidth> TreeBatch<L> {
                 other.pushed.add(push.moved(direction.arm[1]));
             }
         }
-        self.gather_up_bodies(|_, _| Twist::zero());
+        self.nodes[..self.real].iter_mut().for_each(|node| node.requested = Twist::zero());
+        self.gather_up();
         self.answer_bodies();
     }
 

@@ -79,7 +79,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { self.fetch(motion, self.exact) };
-        self.place(L::zero());
+        self.place(0.0);
         for node in self.nodes.iter().filter(|node| node.jointed) {
             let [a, b] = node.arm_now;
             let reach = a.length_squared() + b.length_squared();
@@ -102,7 +102,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
             node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
         }
-        self.place(L::zero());
+        self.place(0.0);
         self.find_closed(closing, lanes);
         let held = self.open_by(closing.tolerance) & lanes;
         if held.any() {
@@ -157,15 +157,16 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.repeat_bodies();
             self.factor();
             // The anchor has moved already.
-            self.gather_up(|node, parent| {
+            for i in 0..self.nodes.len() {
+                let (parent, node) = self.with_parent(i);
                 let [arm, other] = node.arm_now;
-                let mut requested = node.velocity.seen_at(arm);
+                node.requested = node.velocity.seen_at(arm);
                 if let Some(parent) = parent {
-                    requested.subtract(parent.velocity.seen_at(other));
+                    node.requested.subtract(parent.velocity.seen_at(other));
                 }
-                requested.add(node.open());
-                requested
-            });
+                node.requested.add(node.open());
+            }
+            self.gather_up();
             self.extra.shifts = true;
             self.answer_all();
             self.extra.shifts = false;
@@ -185,7 +186,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 node.impulse = Vec3::select(left, force.linear, node.impulse);
                 node.twist = Vec3::select(left, force.angular, node.twist);
             }
-            self.place(L::zero());
+            self.place(0.0);
             left = left & (self.open_by(TREE_CLOSED * closing.tolerance) | most.gt(L::one()));
             if !left.any() {
                 break;
@@ -238,7 +239,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.impulse = Vec3::select(lanes, zero, node.impulse);
             node.twist = Vec3::select(lanes, zero, node.twist);
         }
-        self.place(L::zero());
+        self.place(0.0);
     }
 
     /// Kinetic energy [J].
@@ -325,17 +326,5 @@ impl<L: TreeWidth> TreeBatch<L> {
             let body = self.body_of(i);
             self.nodes[body].pushed.add(own);
         }
-    }
-
-    /// Lanes in which a joint is open by more than the tolerance.
-    pub(crate) fn open_by(&self, tolerance: f32) -> L::Mask {
-        let most = self.tolerances(tolerance);
-        let mut open = L::zero().gt(L::zero());
-        for node in self.nodes.iter().filter(|node| node.jointed) {
-            let closed =
-                node.apart_now.length_squared().lt(most[0]) & node.error_now.length_squared().lt(most[1]);
-            open = open | !closed;
-        }
-        open
     }
 }

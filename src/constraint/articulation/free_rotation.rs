@@ -1,6 +1,6 @@
 //! Rotation of the bodies of trees within a substep: rotation vectors, and torque-free rotation, over lanes.
 
-use crate::lanes::{Lanes, Mask, Quat, Sym3, Vec3};
+use crate::lanes::{Lanes, Mask, Quat, Sym3, Vec3, kernel};
 use std::f32::consts::TAU;
 
 /// The sine of half an angle divided by the angle, and the cosine of half of it, from the square of the
@@ -74,16 +74,17 @@ pub(crate) fn log_near<L: Lanes>(q: Quat<L>, near: Vec3<L>) -> Vec3<L> {
     if near.length_squared().gt(L::splat(8.0)).any() { with_turns(v, near) } else { v }
 }
 
-#[cold]
-fn with_turns<L: Lanes>(v: Vec3<L>, near: Vec3<L>) -> Vec3<L> {
-    let length = v.length();
-    let some = length.gt(L::zero());
-    let over = L::one() / L::select(some, length, L::one());
-    // Adding this rounds to an integer in `f32`.
-    let whole = L::splat(1.5 * (1 << 23) as f32);
-    let off = (near.dot(v) * over - length) * L::splat(1.0 / TAU);
-    let turns = L::select(some, (off + whole) - whole, L::zero());
-    v + v * (turns * L::splat(TAU) * over)
+kernel! {
+    fn with_turns<'a, L: Lanes>(v: Vec3<L>, near: Vec3<L>) -> Vec3<L> {
+        let length = v.length();
+        let some = length.gt(L::zero());
+        let over = L::one() / L::select(some, length, L::one());
+        // Adding this rounds to an integer in `f32`.
+        let whole = L::splat(1.5 * (1 << 23) as f32);
+        let off = (near.dot(v) * over - length) * L::splat(1.0 / TAU);
+        let turns = L::select(some, (off + whole) - whole, L::zero());
+        v + v * (turns * L::splat(TAU) * over)
+    }
 }
 
 /// The change of a vector by a rotation, without cancellation when that is small.

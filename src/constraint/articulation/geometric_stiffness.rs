@@ -1,11 +1,11 @@
 //! Geometric stiffness of joints under load, as additional inertia.
 
-use super::node::{Node, TreeWidth};
+use super::node::{Node, TreeWidth, on_nodes, with_parent};
 use super::spatial::{plus, scaled};
 use super::tree::TreeBatch;
 use crate::config::tuning::TREE_SAFE_FREQUENCY;
 use crate::constraint::joint::ends::inverse;
-use crate::lanes::{Lanes, Sym3, Vec3};
+use crate::lanes::{Lanes, Mask, Sym3, Vec3};
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// A load that pulls at an arm turns the body back, the faster the lighter it is: a chain that bears a
@@ -19,12 +19,29 @@ impl<L: TreeWidth> TreeBatch<L> {
 
     /// The same; `alone`: lanes in which no impulse counts as a blow.
     pub(crate) fn add_geometric_stiffness_where(&mut self, alone: L::Mask) {
-        for node in &mut self.nodes {
+        stiffen(&mut self.nodes, self.real, self.h, alone.bits());
+        self.turn_inertias();
+    }
+
+    /// Turns the inertias of trees that conserve energy to the current orientation. Those of others stay as
+    /// at the start of the step.
+    pub(super) fn turn_inertias(&mut self) {
+        if self.exact == 0 {
+            return;
+        }
+        turn_inertias(&mut self.nodes, self.exact);
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::add_geometric_stiffness_where`].
+    fn stiffen<'a, L>(nodes, real: usize, h: f32, alone: u32) {
+        let (h, alone) = (L::splat(h), L::Mask::from_bits(alone));
+        for node in &mut *nodes {
             (node.stiffened, node.pulled) = (Sym3::default(), L::zero());
         }
-        let h = L::splat(self.h);
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
             if !node.jointed {
                 continue;
             }
@@ -36,27 +53,24 @@ impl<L: TreeWidth> TreeBatch<L> {
             if let Some(parent) = parent {
                 parent.pull(-impulse, other, h);
             }
-            let own = self.body_of(i);
-            self.nodes[own].pull(impulse, arm, h);
+            let body = if i < real { i } else { node.own as usize };
+            nodes[body].pull(impulse, arm, h);
         }
-        for node in &mut self.nodes {
+        for node in nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
             let (pull, own) = (node.pulled, L::splat(0.5 * TREE_SAFE_FREQUENCY) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
             node.stiffened = plus(&node.inertia, &scaled(&node.stiffened, share));
             node.stiffened_inverse = inverse(&node.stiffened);
         }
-        self.turn_inertias();
     }
+}
 
-    /// Turns the inertias of trees that conserve energy to the current orientation. Those of others stay as
-    /// at the start of the step.
-    pub(super) fn turn_inertias(&mut self) {
-        if self.exact == 0 {
-            return;
-        }
-        let exact = self.exact();
-        for node in &mut self.nodes {
+on_nodes! {
+    /// See [`TreeBatch::turn_inertias`].
+    fn turn_inertias<'a, L>(nodes, exact: u32) {
+        let exact = L::Mask::from_bits(exact);
+        for node in nodes {
             let [inertia, inverse] = node.drift.turned(node.turn);
             node.stiffened = Sym3::select(exact, inertia, node.stiffened);
             node.stiffened_inverse = Sym3::select(exact, inverse, node.stiffened_inverse);

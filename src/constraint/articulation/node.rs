@@ -4,9 +4,10 @@
 use super::damp::Start;
 use super::free_rotation::{exp, log_near};
 use super::rattle::Drift;
-use super::spatial::{Map, Sym6, Twist};
+use super::spatial::{Sym6, Twist, less_sandwich, plus};
 use crate::constraint::joint::ends::{NONE, across, inverse};
 use crate::lanes::{GatherLanes, Lanes, Quat, Sym3, Vec3, f32x8, kernel, with_best};
+use bytemuck::{Zeroable, write_zeroes};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +36,8 @@ pub(crate) struct Node<L> {
     pub(crate) own: u32,
     /// Whether there is a joint.
     pub(crate) jointed: bool,
+    /// Whether a traversal comes by it next (see [`TreeBatch::traverse`]).
+    pub(super) is_ahead: bool,
     pub(crate) body: [u32; 8],
     /// What a root hangs on: a body that the joint can't push.
     pub(crate) anchor: [u32; 8],
@@ -120,62 +123,16 @@ pub(crate) fn with_parent<L>(nodes: &mut [Node<L>], i: usize) -> (Option<&mut No
     (before.get_mut(node.parent as usize), node)
 }
 
+// SAFETY: it is numbers, flags and an enum with a variant that is zero; lanes are numbers.
+unsafe impl<L: Lanes> Zeroable for Node<L> {}
+
 impl<L: Lanes> Default for Node<L> {
     fn default() -> Self {
-        let (zero, one) = (Vec3::zero(), L::one());
-        Node {
-            owner: [NONE; 8],
-            turn_owner: [NONE; 8],
-            turns: Turns::Freely,
-            side: 0,
-            parent: NONE,
-            own: NONE,
-            jointed: false,
-            body: [0; 8],
-            anchor: [0; 8],
-            write: 0,
-            // Identity, so that inert lanes stay finite.
-            inverse_mass: one,
-            inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
-            arm: [zero; 2],
-            apart: zero,
-            axis: [Vec3::new(one, L::zero(), L::zero()); 2],
-            error: zero,
-            arm_now: [zero; 2],
-            apart_now: zero,
-            axis_now: [zero; 2],
-            error_now: zero,
-            bend: Twist::zero(),
-            drift: Drift::default(),
-            moved: Twist::zero(),
-            turn: Quat { v: zero, w: one },
-            impulse: zero,
-            twist: zero,
-            steady: L::zero(),
-            stiffened: Sym3::default(),
-            stiffened_inverse: Sym3::default(),
-            gained: zero,
-            free: Sym6::zero(),
-            stiff: Sym6::zero(),
-            whole: Sym6::zero(),
-            pending: Twist::zero(),
-            pushed: Twist::zero(),
-            pushes: Twist::zero(),
-            beside: Twist::zero(),
-            force: Twist::zero(),
-            before: [Twist::zero(); 2],
-            pushed_before: Twist::zero(),
-            start: Start::default(),
-            joined: Sym6::zero(),
-            rest: Sym6::zero(),
-            pulled: L::zero(),
-            velocity: Twist::zero(),
-            anchored: Twist::zero(),
-            anchor_moved: Twist::zero(),
-            carried: Twist::zero(),
-            requested: Twist::zero(),
-            change: Twist::zero(),
-        }
+        let mut node = Node::zeroed();
+        (node.owner, node.turn_owner) = ([NONE; 8], [NONE; 8]);
+        (node.parent, node.own) = (NONE, NONE);
+        node.set_to_identity();
+        node
     }
 }
 
@@ -183,16 +140,32 @@ impl<L: Lanes> Node<L> {
     /// Keeps its place in the tree and nothing else.
     pub(super) fn forget(&mut self) {
         let Node { owner, turn_owner, turns, side, parent, own, jointed, .. } = *self;
-        *self = Node { owner, turn_owner, turns, side, parent, own, jointed, ..Node::default() };
+        // In place: a node is ten kilobytes, and to make another one and to copy it took 4 % of ragdolls.
+        write_zeroes(self);
+        (self.owner, self.turn_owner) = (owner, turn_owner);
+        (self.turns, self.side) = (turns, side);
+        (self.parent, self.own, self.jointed) = (parent, own, jointed);
+        self.set_to_identity();
     }
 
-    /// Impulse at the joint per velocity that the joint forbids, for a mobility there.
+    /// Makes inert lanes finite.
+    fn set_to_identity(&mut self) {
+        let one = L::one();
+        self.inverse_mass = one;
+        self.inertia = Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() };
+        self.axis = [Vec3::new(one, L::zero(), L::zero()); 2];
+        self.axis_now = self.axis;
+        self.drift = Drift::default();
+        self.turn.w = one;
+    }
+
+    /// Impulse at a hinge or a weld per velocity that it forbids, for a mobility there.
     #[inline(always)]
     pub(super) fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
-        mobility.inverse_with(match self.turns {
-            Turns::Freely => Sym3::default(),
-            Turns::AboutAxis => across(&mobility.angular, self.axis_now[0]),
-            Turns::Not => inverse(&mobility.angular),
+        mobility.inverse_with(if self.turns == Turns::Not {
+            inverse(&mobility.angular)
+        } else {
+            across(&mobility.angular, self.axis_now[0])
         })
     }
 
@@ -223,33 +196,72 @@ impl<L: Lanes> Node<L> {
     }
 }
 
+/// Work on the nodes of a batch. All that it does in lanes has to be inlined, or be a kernel itself.
+pub(crate) trait NodeWork {
+    type Output;
+    /// Implementations are `#[inline(always)]`.
+    fn run<L: GatherLanes>(self, nodes: &mut [Node<L>]) -> Self::Output;
+}
+
 /// Widths in which trees are solved: eight at a time, or one.
 pub(crate) trait TreeWidth: GatherLanes {
-    /// From the leaves to the root: the mobility of each body with all that hangs on it. `answers`: also how
-    /// each body responds as part of the whole tree. `real`: how many nodes are bodies; they come first.
-    fn factor(nodes: &mut [Node<Self>], real: usize, answers: bool);
-    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
-    /// velocity by them and by other impulses, of nodes that are bodies.
-    fn pass_down(bodies: &mut [Node<Self>]);
+    /// Does work on nodes in lanes that suit the processor.
+    fn on<W: NodeWork>(nodes: &mut [Node<Self>], work: W) -> W::Output;
 }
 
 impl TreeWidth for f32x8 {
-    fn factor(nodes: &mut [Node<f32x8>], real: usize, answers: bool) {
-        with_best!(Wide => factor::<Wide>(in_lanes(nodes), real, answers));
-    }
-    fn pass_down(bodies: &mut [Node<f32x8>]) {
-        with_best!(Wide => pass_down::<Wide>(in_lanes(bodies)));
+    fn on<W: NodeWork>(nodes: &mut [Node<f32x8>], work: W) -> W::Output {
+        with_best!(Wide => compute::<Wide, W>(in_lanes(nodes), work))
     }
 }
 
 impl TreeWidth for f32 {
-    fn factor(nodes: &mut [Node<f32>], real: usize, answers: bool) {
-        factor(nodes, real, answers);
-    }
-    fn pass_down(bodies: &mut [Node<f32>]) {
-        pass_down(bodies);
+    fn on<W: NodeWork>(nodes: &mut [Node<f32>], work: W) -> W::Output {
+        compute(nodes, work)
     }
 }
+
+kernel! {
+    fn compute<'a, L: GatherLanes; W: NodeWork>(nodes: &'a mut [Node<L>], work: W) -> W::Output {
+        work.run(nodes)
+    }
+}
+
+/// A function on the nodes of a batch, of any width, whose body is compiled for the lanes that suit the
+/// processor. Its references have one lifetime.
+macro_rules! on_nodes {
+    ($(#[$attribute:meta])* $vis:vis unsafe fn $($rest:tt)*) => {
+        $crate::constraint::articulation::node::on_nodes!(@ [$(#[$attribute])* $vis unsafe fn] $($rest)*);
+    };
+    ($(#[$attribute:meta])* $vis:vis fn $($rest:tt)*) => {
+        $crate::constraint::articulation::node::on_nodes!(@ [$(#[$attribute])* $vis fn] $($rest)*);
+    };
+    (@ [$($head:tt)*] $name:ident<$a:lifetime, $L:ident>(
+        $nodes:ident $(, $argument:ident: $of:ty)* $(,)?
+    ) $(-> $output:ty)? $body:block) => {
+        $($head)* $name<$a, T: $crate::constraint::articulation::node::TreeWidth>(
+            $nodes: &mut [$crate::constraint::articulation::node::Node<T>] $(, $argument: $of)*
+        ) $(-> $output)? {
+            struct Work<$a> {
+                $($argument: $of,)*
+                lifetime: std::marker::PhantomData<&$a ()>,
+            }
+            impl<$a> $crate::constraint::articulation::node::NodeWork for Work<$a> {
+                type Output = $crate::lanes::kernel!(@output $($output)?);
+                #[inline(always)]
+                fn run<$L: $crate::lanes::GatherLanes>(
+                    self,
+                    $nodes: &mut [$crate::constraint::articulation::node::Node<$L>],
+                ) -> Self::Output {
+                    let Work { $($argument,)* lifetime: _ } = self;
+                    $body
+                }
+            }
+            T::on($nodes, Work { $($argument,)* lifetime: std::marker::PhantomData })
+        }
+    };
+}
+pub(crate) use on_nodes;
 
 /// The same nodes with another type of eight lanes.
 fn in_lanes<W: Lanes>(nodes: &mut [Node<f32x8>]) -> &mut [Node<W>] {
@@ -260,9 +272,10 @@ fn in_lanes<W: Lanes>(nodes: &mut [Node<f32x8>]) -> &mut [Node<W>] {
     unsafe { &mut *(std::ptr::from_mut(nodes) as *mut [Node<W>]) }
 }
 
-kernel! {
-    /// See [`TreeWidth::factor`].
-    fn factor<'a, L: Lanes>(nodes: &'a mut [Node<L>], real: usize, answers: bool) {
+on_nodes! {
+    /// From the leaves to the root: the mobility of each body with all that hangs on it. `answers`: also how
+    /// each body responds as part of the whole tree. `real`: how many nodes are bodies; they come first.
+    pub(super) fn factor<'a, L>(nodes, real: usize, answers: bool) {
         for node in &mut *nodes {
             let mass = node.inverse_mass;
             let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
@@ -270,59 +283,87 @@ kernel! {
         }
         for i in (0..real).rev() {
             let (parent, node) = with_parent(nodes, i);
-            if !node.jointed {
-                continue;
-            }
-            let [arm, above] = node.arm_now;
-            let mut mobility = node.free.mobility_at(arm);
-            node.stiff = node.held_by(&mobility);
-            if let Some(parent) = parent {
-                node.rest = parent.free;
-                mobility.add(&node.rest.mobility_at(above));
-                node.joined = node.held_by(&mobility);
-                parent.free = node.rest.joined_at(above, &node.joined);
+            if node.jointed {
+                let parent = parent.map(|parent| &mut parent.free);
+                if node.turns == Turns::Freely { node.pin(parent) } else { node.join(parent) }
             }
         }
-        if answers {
-            for i in 0..real {
-                let (parent, node) = with_parent(nodes, i);
-                node.whole = Sym6::by_columns(&Answer { node, parent: parent.as_deref() });
-            }
+        for i in 0..if answers { real } else { 0 } {
+            let (parent, node) = with_parent(nodes, i);
+            node.answer(parent.map(|parent| &parent.whole));
         }
     }
 }
 
-/// How a body responds to an impulse on it, as part of the whole tree.
-struct Answer<'a, L> {
-    node: &'a Node<L>,
-    parent: Option<&'a Node<L>>,
-}
-
-impl<L: Lanes> Map<L> for Answer<'_, L> {
+impl<L: Lanes> Node<L> {
+    /// What a joint needs that leaves rotations free. `parent`: the mobility of the parent, from which it
+    /// takes what the branch does.
     #[inline(always)]
-    fn of(&self, unit: Twist<L>) -> Twist<L> {
-        let Answer { node, parent } = self;
-        let mut push = unit;
-        if node.jointed {
-            let [arm, other] = node.arm_now;
-            let mut requested = node.free.mul(&unit).seen_at(arm);
-            if let Some(parent) = parent {
-                let above = parent.whole.mul(&node.stiff.mul(&requested).moved(other));
-                requested.subtract(above.seen_at(other));
-            }
-            push.subtract(node.stiff.mul(&requested).moved(arm));
+    fn pin(&mut self, parent: Option<&mut Sym6<L>>) {
+        let [arm, above] = self.arm_now;
+        let mobility = self.free.through(arm).at(arm);
+        self.stiff.linear = inverse(&mobility);
+        if let Some(parent) = parent {
+            self.rest = *parent;
+            let through = parent.through(above);
+            self.joined.linear = inverse(&plus(&mobility, &through.at(above)));
+            *parent = self.rest.pinned(&through, &self.joined.linear);
         }
-        node.free.mul(&push)
+    }
+
+    /// The same of a hinge or a weld.
+    #[inline(always)]
+    fn join(&mut self, parent: Option<&mut Sym6<L>>) {
+        let [arm, above] = self.arm_now;
+        let mut mobility = self.free.mobility_at(arm);
+        self.stiff = self.held_by(&mobility);
+        if let Some(parent) = parent {
+            self.rest = *parent;
+            mobility.add(&parent.mobility_at(above));
+            self.joined = self.held_by(&mobility);
+            *parent = self.rest.joined_at(above, &self.joined);
+        }
+    }
+
+    /// How the body responds to an impulse on it, as part of the whole tree. `parent`: how its parent does.
+    #[inline(always)]
+    fn answer(&mut self, parent: Option<&Sym6<L>>) {
+        let [arm, other] = self.arm_now;
+        if !self.jointed {
+            self.whole = self.free;
+        } else if self.turns == Turns::Freely {
+            let mut held = self.stiff.linear;
+            if let Some(parent) = parent {
+                held = less_sandwich(&held, &parent.through(other).at(other));
+            }
+            self.whole = self.free.pinned(&self.free.through(arm), &held);
+        } else {
+            let mut held = self.stiff;
+            if let Some(parent) = parent {
+                held = held.less_sandwich(&parent.mobility_at(other));
+            }
+            self.whole = self.free.joined_at(arm, &held);
+        }
+    }
+
+    /// The impulse of the joint that meets what is requested of it, by a response: `stiff` or `joined`.
+    #[inline(always)]
+    pub(crate) fn push(&self, response: &Sym6<L>, requested: &Twist<L>) -> Twist<L> {
+        if self.turns == Turns::Freely {
+            return Twist { linear: response.linear.mul(requested.linear), angular: Vec3::zero() };
+        }
+        response.mul(requested)
     }
 }
 
-kernel! {
-    /// See [`TreeWidth::pass_down`].
+on_nodes! {
+    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
+    /// velocity by them and by other impulses, of nodes that are bodies.
     ///
     /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own
     /// inertia: the net impulse on a light body between heavy ones is a small difference of what passes
     /// through it, and would be lost otherwise.
-    fn pass_down<'a, L: Lanes>(bodies: &'a mut [Node<L>]) {
+    pub(super) fn pass_down<'a, L>(bodies) {
         for i in 0..bodies.len() {
             let (parent, node) = with_parent(bodies, i);
             node.pushes = node.pushed;
@@ -335,11 +376,11 @@ kernel! {
                     let mut requested = node.requested;
                     node.beside.add(parent.pushes);
                     requested.subtract(node.rest.mul(&node.beside).seen_at(other));
-                    let force = node.unspun(node.joined.mul(&requested));
+                    let force = node.unspun(node.push(&node.joined, &requested));
                     parent.pushes.add(force.moved(other));
                     force
                 }
-                None => node.unspun(node.stiff.mul(&node.requested)),
+                None => node.unspun(node.push(&node.stiff, &node.requested)),
             };
             node.pushes.subtract(node.force.moved(arm));
         }

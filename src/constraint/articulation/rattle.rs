@@ -10,10 +10,10 @@
 //! frequency is too high for the substep ([`choose`](TreeBatch::choose)). Other trees are linearised at the
 //! start of the substep, warm-started and stiffened.
 
-use super::close::Closing;
+use super::close::{Closing, squares};
 use super::contacts::{Request, TreeBody};
 use super::free_rotation::{Moments, exp, log, log_near, moved_by};
-use super::node::{Node, TreeWidth, Turns};
+use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
@@ -38,13 +38,16 @@ pub(crate) struct Drift<L> {
     more: Vec3<L>,
     /// The velocity before the pass.
     pub(crate) before: Twist<L>,
+    /// The velocity before joints acted in the substep, or in the part of it.
+    from: Twist<L>,
 }
 
 impl<L: Lanes> Default for Drift<L> {
     fn default() -> Self {
         let moments = Moments::default();
         let zero = Vec3::zero();
-        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: Twist::zero() }
+        let still = Twist::zero();
+        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: still, from: still }
     }
 }
 
@@ -224,32 +227,18 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn guess(&mut self, motion: &Motion<'_, '_>, alone: L::Mask) {
-        self.nodes.iter_mut().for_each(|node| node.carried.angular = Vec3::zero());
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
-            if let Some(parent) = parent {
-                parent.carried.angular -= other;
-            }
-            let body = self.body_of(i);
-            self.nodes[body].carried.angular += own;
-        }
+        sum_last_moments(&mut self.nodes, self.real);
         self.add_motors(|node| &mut node.carried.angular);
-        for node in &mut self.nodes {
-            // SAFETY: by the contract.
-            let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
-            let half = node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
-            let Twist { linear: own, angular: spin } = node.velocity;
-            node.velocity.linear = Vec3::select(alone, own, linear);
-            node.velocity.angular = Vec3::select(alone, spin + half, angular);
-        }
+        // SAFETY: by the contract.
+        unsafe { guess(&mut self.nodes, motion, alone.bits()) };
         self.repeat_bodies();
     }
 
     /// Finds the impulses that close the joints of some lanes at the end of the substep; where nothing else
     /// acts, to the last digit. Returns the lanes whose last prediction holds, and those in which no solution
-    /// was found.
+    /// was found: their velocities fit the joints where they are.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
+        self.nodes.iter_mut().for_each(|node| node.drift.from = node.velocity);
         self.sweep(pass, lanes, &[], |_, _| {});
         let mut open = alone;
         for _ in 0..ROUNDS {
@@ -262,7 +251,27 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         let known = alone & !open;
         self.predict_turns(open);
-        (known.bits(), open & self.misses(LOST))
+        let lost = open & self.misses(LOST);
+        if lost.any() {
+            self.give_up(lost);
+        }
+        (known.bits(), lost)
+    }
+
+    /// Takes back what was tried in some lanes. Where a linkage folds flat, or light links between bodies
+    /// that part, there may be no solution: each round asks for more, and what it finds is no motion.
+    /// Velocities that fit the joints where they are add no energy.
+    #[cold]
+    fn give_up(&mut self, lanes: L::Mask) {
+        let zero = Vec3::zero();
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.drift.from;
+            node.velocity.linear = Vec3::select(lanes, linear, node.velocity.linear);
+            node.velocity.angular = Vec3::select(lanes, angular, node.velocity.angular);
+            node.impulse = Vec3::select(lanes, zero, node.impulse);
+            node.twist = Vec3::select(lanes, zero, node.twist);
+        }
+        self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
     }
 
     /// Whether only joints and external forces act on the trees: then they fall as free bodies do, along
@@ -270,75 +279,19 @@ impl<L: TreeWidth> TreeBatch<L> {
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn is_free(&self, motion: &Motion<'_, '_>) -> L::Mask {
+    pub(crate) unsafe fn is_free(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
         // SAFETY: by the contract.
-        let read = |i| unsafe { motion.base.read(i) };
-        let mut same = L::zero().eq(L::zero());
-        for node in &self.nodes {
-            let (v, w): (Vec3<L>, Vec3<L>) = gather(read, &node.body);
-            let own = &node.velocity;
-            same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
-            same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
-        }
-        same
+        L::Mask::from_bits(unsafe { is_free(&mut self.nodes, motion) })
     }
 
     /// Predicts where the velocities take the bodies in the substep, with free rotation.
     fn predict_turns(&mut self, lanes: L::Mask) {
-        let (h, over, lag) = (L::splat(self.h), L::splat(1.0 / self.h), self.lag);
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let own = node.velocity;
-            (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, own.angular, h);
-            if !node.jointed {
-                continue;
-            }
-            let (above, turn, pull) = match parent {
-                Some(parent) => (parent.velocity, parent.turn, parent.drift.pull),
-                None => (node.anchored, exp(node.anchored.angular * h), Vec3::zero()),
-            };
-            let [arm, other] = node.arm_now;
-            let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
-            let linear = (at - there) * over
-                - (own.angular.cross(arm) - above.angular.cross(other))
-                - (node.drift.pull - pull) * lag;
-            node.bend.linear = Vec3::select(lanes, linear, node.bend.linear);
-            let faster = own.angular - above.angular;
-            let angular = match node.turns {
-                Turns::Freely => continue,
-                Turns::AboutAxis => {
-                    let [a, b] = node.axis_now;
-                    let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
-                    // (b + there) x (a + at) - b x a
-                    (b.cross(at) + there.cross(a + at)) * over - faster
-                }
-                Turns::Not => {
-                    let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
-                    (error - node.error_now) * over - faster
-                }
-            };
-            node.bend.angular = Vec3::select(lanes, angular, node.bend.angular);
-        }
+        predict_turns(&mut self.nodes, lanes.bits(), self.h, &self.lag.eight());
     }
 
     /// Lanes in which a joint would be open by more than this at the end of the substep [m] or [rad].
-    fn misses(&self, by: f32) -> L::Mask {
-        let (h, most) = (L::splat(self.h), self.tolerances(by));
-        let mut misses = L::zero().gt(L::zero());
-        for node in self.nodes.iter().filter(|node| node.jointed) {
-            let above = self.nodes.get(node.parent as usize).map_or(node.anchored, |parent| parent.velocity);
-            let [arm, other] = node.arm_now;
-            let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
-            misses = misses | (apart * h).length_squared().gt(most[0]);
-            if node.turns != Turns::Freely {
-                let mut error = node.velocity.angular - above.angular + node.bend.angular;
-                if node.turns == Turns::AboutAxis {
-                    error -= node.axis_now[0] * node.axis_now[0].dot(error);
-                }
-                misses = misses | (error * h).length_squared().gt(most[1]);
-            }
-        }
-        misses
+    fn misses(&mut self, by: f32) -> L::Mask {
+        L::Mask::from_bits(misses(&mut self.nodes, self.h, squares(self.unit, by)))
     }
 
     /// Moves the bodies on by a substep and closes joints that are open then. In trees that are warm-started
@@ -420,7 +373,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion, self.exact) };
-        self.place(L::zero());
+        self.place(0.0);
     }
 
     /// Number of parts in which the next substep is followed.
@@ -437,20 +390,8 @@ impl<L: TreeWidth> TreeBatch<L> {
 
     /// Free motion over `self.h`.
     fn drift(&mut self, lag: L) {
-        let (h, exact, zero) = (L::splat(self.h), self.exact(), Vec3::zero());
         let known = self.known == self.exact;
-        for node in &mut self.nodes {
-            let Twist { linear, angular } = node.velocity;
-            if !known {
-                (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, angular, h);
-            }
-            let (turn, more) = (node.turn, node.drift.more);
-            node.moved.linear += Vec3::select(exact, (linear - node.drift.pull * lag) * h, zero);
-            let near = node.moved.angular + angular * h;
-            let turned = log_near(turn.compose(exp(node.moved.angular)), near);
-            node.moved.angular = Vec3::select(exact, turned, node.moved.angular);
-            node.velocity.angular += Vec3::select(exact, more, zero);
-        }
+        drift(&mut self.nodes, self.exact, known, self.h, &lag.eight());
     }
 
     /// The same in parts, where a body spins so fast that the impulses of joints would not be found. Each
@@ -470,14 +411,9 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.predict_turns(exact);
             let (known, lost) = self.close_ahead(&solving, exact, exact);
             self.known = known;
-            if lost.any() {
-                self.astray |= lost.bits();
-                // There may be no solution where light links lie folded between bodies that separate.
-                // Velocities that fit the joints where they are add no energy.
-                self.sweep(&still, lost, &[], |_, _| {});
-            }
+            self.astray |= lost.bits();
             self.drift(L::zero());
-            self.place(L::splat(whole - self.h * part as f32));
+            self.place(whole - self.h * part as f32);
             self.factor();
             self.settle();
             self.sweep(&still, exact, &[], |_, _| {});
@@ -490,8 +426,8 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// Closes joints that are open after free motion.
     fn settle(&mut self) {
         let exact = self.exact();
-        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
-        self.gather_up(|node, _| node.open());
+        self.request_closing();
+        self.gather_up();
         self.extra.shifts = true;
         self.answer_all();
         self.extra.shifts = false;
@@ -503,6 +439,150 @@ impl<L: TreeWidth> TreeBatch<L> {
                 angular: Vec3::select(exact, angular, zero),
             });
         }
-        self.place(L::zero());
+        self.place(0.0);
+    }
+}
+
+on_nodes! {
+    /// Sums the angular impulses of joints on each body in the last substep.
+    fn sum_last_moments<'a, L>(nodes, real: usize) {
+        for node in &mut *nodes {
+            node.carried.angular = Vec3::zero();
+        }
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            let [arm, above] = node.arm_now;
+            let own = arm.cross(node.impulse) + node.twist;
+            if let Some(parent) = parent {
+                parent.carried.angular -= above.cross(node.impulse) + node.twist;
+            }
+            let body = if i < real { i } else { node.own as usize };
+            nodes[body].carried.angular += own;
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::guess`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn guess<'a, L>(nodes, motion: &'a Motion<'a, 'a>, alone: u32) {
+        let alone = L::Mask::from_bits(alone);
+        for node in nodes {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
+            let half = node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
+            let Twist { linear: own, angular: spin } = node.velocity;
+            node.velocity.linear = Vec3::select(alone, own, linear);
+            node.velocity.angular = Vec3::select(alone, spin + half, angular);
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::is_free`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn is_free<'a, L>(nodes, motion: &'a Motion<'a, 'a>) -> u32 {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.base.read(i) };
+        let mut same = L::zero().eq(L::zero());
+        for node in nodes {
+            let (v, w): (Vec3<L>, Vec3<L>) = gather(read, &node.body);
+            let own = &node.velocity;
+            same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
+            same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
+        }
+        same.bits()
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::predict_turns`].
+    fn predict_turns<'a, L>(nodes, lanes: u32, h: f32, lag: &'a [f32; 8]) {
+        let (h, over, lag) = (L::splat(h), L::splat(1.0 / h), L::load(lag));
+        let lanes = L::Mask::from_bits(lanes);
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            let own = node.velocity;
+            (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, own.angular, h);
+            if !node.jointed {
+                continue;
+            }
+            let (above, turn, pull) = match parent {
+                Some(parent) => (parent.velocity, parent.turn, parent.drift.pull),
+                None => (node.anchored, exp(node.anchored.angular * h), Vec3::zero()),
+            };
+            let [arm, other] = node.arm_now;
+            let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
+            let linear = (at - there) * over
+                - (own.angular.cross(arm) - above.angular.cross(other))
+                - (node.drift.pull - pull) * lag;
+            node.bend.linear = Vec3::select(lanes, linear, node.bend.linear);
+            let faster = own.angular - above.angular;
+            let angular = match node.turns {
+                Turns::Freely => continue,
+                Turns::AboutAxis => {
+                    let [a, b] = node.axis_now;
+                    let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
+                    // (b + there) x (a + at) - b x a
+                    (b.cross(at) + there.cross(a + at)) * over - faster
+                }
+                Turns::Not => {
+                    let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
+                    (error - node.error_now) * over - faster
+                }
+            };
+            node.bend.angular = Vec3::select(lanes, angular, node.bend.angular);
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::misses`]; with the squares of the errors that may remain, of lengths and of angles.
+    fn misses<'a, L>(nodes, h: f32, most: [f32; 2]) -> u32 {
+        let (h, mut hits) = (L::splat(h), L::zero().eq(L::zero()));
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            if !node.jointed {
+                continue;
+            }
+            let above = match parent {
+                Some(parent) => parent.velocity,
+                None => node.anchored,
+            };
+            let [arm, other] = node.arm_now;
+            let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
+            hits = hits & (apart * h).length_squared().le(L::splat(most[0]));
+            if node.turns != Turns::Freely {
+                let mut error = node.velocity.angular - above.angular + node.bend.angular;
+                if node.turns == Turns::AboutAxis {
+                    error -= node.axis_now[0] * node.axis_now[0].dot(error);
+                }
+                hits = hits & (error * h).length_squared().le(L::splat(most[1]));
+            }
+        }
+        !hits.bits()
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::drift`].
+    fn drift<'a, L>(nodes, exact: u32, known: bool, h: f32, lag: &'a [f32; 8]) {
+        let (h, lag, exact, zero) = (L::splat(h), L::load(lag), L::Mask::from_bits(exact), Vec3::zero());
+        for node in nodes {
+            let Twist { linear, angular } = node.velocity;
+            if !known {
+                (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, angular, h);
+            }
+            let (turn, more) = (node.turn, node.drift.more);
+            node.moved.linear += Vec3::select(exact, (linear - node.drift.pull * lag) * h, zero);
+            let near = node.moved.angular + angular * h;
+            let turned = log_near(turn.compose(exp(node.moved.angular)), near);
+            node.moved.angular = Vec3::select(exact, turned, node.moved.angular);
+            node.velocity.angular += Vec3::select(exact, more, zero);
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Spatial vectors: velocities and impulses with a linear and an angular part, and the matrices between them.
 
 use crate::constraint::joint::ends::inverse;
-use crate::lanes::{Lanes, Sym3, Vec3};
+use crate::lanes::{Lanes, Sym3, Vec3, kernel};
 use bytemuck::{Pod, Zeroable};
 
 /// A matrix by its columns.
@@ -72,25 +72,26 @@ unsafe impl<L: Zeroable> Zeroable for Sym6<L> {}
 // SAFETY: as for `Twist`.
 unsafe impl<L: Pod> Pod for Sym6<L> {}
 
-/// A linear map of velocities or impulses.
-pub(crate) trait Map<L> {
-    fn of(&self, unit: Twist<L>) -> Twist<L>;
+/// What impulses at a point of a body do to it: its velocities per impulse along each axis, by columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Through<L> {
+    linear: Mat3<L>,
+    angular: Mat3<L>,
 }
 
-/// See [`Sym6::joined_at`].
-struct Joined<'a, L> {
-    mobility: &'a Sym6<L>,
-    arm: Vec3<L>,
-    joined: &'a Sym6<L>,
-}
-
-impl<L: Lanes> Map<L> for Joined<'_, L> {
+impl<L: Lanes> Through<L> {
+    /// The velocity of the point, which is at an arm, per impulse there.
     #[inline(always)]
-    fn of(&self, unit: Twist<L>) -> Twist<L> {
-        let mut left = self.mobility.mul(&unit);
-        let push = self.joined.mul(&left.seen_at(self.arm)).moved(self.arm);
-        left.subtract(self.mobility.mul(&push));
-        left
+    pub(crate) fn at(&self, arm: Vec3<L>) -> Sym3<L> {
+        let ([x, y, z], [u, v, w]) = (self.linear, self.angular);
+        Sym3 {
+            xx: x.x + (u.y * arm.z - u.z * arm.y),
+            yy: y.y + (v.z * arm.x - v.x * arm.z),
+            zz: z.z + (w.x * arm.y - w.y * arm.x),
+            xy: y.x + (v.y * arm.z - v.z * arm.y),
+            xz: z.x + (w.y * arm.z - w.z * arm.y),
+            yz: z.y + (w.z * arm.x - w.x * arm.z),
+        }
     }
 }
 
@@ -113,6 +114,43 @@ fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
 #[inline(always)]
 fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
     Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
+}
+
+#[inline(always)]
+fn transposed<L: Lanes>(m: &Mat3<L>) -> Mat3<L> {
+    [Vec3::new(m[0].x, m[1].x, m[2].x), Vec3::new(m[0].y, m[1].y, m[2].y), Vec3::new(m[0].z, m[1].z, m[2].z)]
+}
+
+/// The product of a matrix and the matrix of the cross product with an arm.
+#[inline(always)]
+fn times_cross<L: Lanes>(m: &Mat3<L>, arm: Vec3<L>) -> Mat3<L> {
+    [m[1] * arm.z - m[2] * arm.y, m[2] * arm.x - m[0] * arm.z, m[0] * arm.y - m[1] * arm.x]
+}
+
+/// The product of two matrices.
+#[inline(always)]
+fn times<L: Lanes>(a: &Mat3<L>, b: &Mat3<L>) -> Mat3<L> {
+    [mul(a, b[0]), mul(a, b[1]), mul(a, b[2])]
+}
+
+/// The product of a matrix and the transpose of another, if it is symmetric.
+#[inline(always)]
+fn outer<L: Lanes>(a: &Mat3<L>, b: &Mat3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a[0].x * b[0].x + a[1].x * b[1].x + a[2].x * b[2].x,
+        yy: a[0].y * b[0].y + a[1].y * b[1].y + a[2].y * b[2].y,
+        zz: a[0].z * b[0].z + a[1].z * b[1].z + a[2].z * b[2].z,
+        xy: a[0].x * b[0].y + a[1].x * b[1].y + a[2].x * b[2].y,
+        xz: a[0].x * b[0].z + a[1].x * b[1].z + a[2].x * b[2].z,
+        yz: a[0].y * b[0].z + a[1].y * b[1].z + a[2].y * b[2].z,
+    }
+}
+
+/// `s - s k s`.
+#[inline(always)]
+pub(crate) fn less_sandwich<L: Lanes>(s: &Sym3<L>, k: &Sym3<L>) -> Sym3<L> {
+    let s = columns(s);
+    minus(&symmetric(&s), &outer(&times(&s, &columns(k)), &s))
 }
 
 #[inline(always)]
@@ -145,47 +183,57 @@ pub(crate) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 impl<L: Lanes> Sym6<L> {
-    /// From a body's mobility, its velocity per impulse, that of a point at an arm.
+    /// From a body's mobility, its velocity per impulse, what impulses at a point at an arm do to it.
     #[inline(always)]
-    pub(crate) fn mobility_at(&self, arm: Vec3<L>) -> Self {
-        let (x, y, z) = axes::<L>();
-        let over = [arm.cross(x), arm.cross(y), arm.cross(z)];
-        let (own, rows, turned) = (columns(&self.linear), self.transposed_mixed(), columns(&self.angular));
-        // Columns: the effect there of an impulse at the point without a torque, and of a torque.
-        let (mut linear, mut mixed) = ([Vec3::zero(); 3], [Vec3::zero(); 3]);
-        for k in 0..3 {
-            let own = own[k] + mul(&self.mixed, over[k]);
-            linear[k] = own + (rows[k] + self.angular.mul(over[k])).cross(arm);
-            mixed[k] = self.mixed[k] + turned[k].cross(arm);
+    pub(crate) fn through(&self, arm: Vec3<L>) -> Through<L> {
+        let linear = times_cross(&self.mixed, arm);
+        let angular = times_cross(&columns(&self.angular), arm);
+        let (own, rows) = (columns(&self.linear), transposed(&self.mixed));
+        Through {
+            linear: [own[0] + linear[0], own[1] + linear[1], own[2] + linear[2]],
+            angular: [rows[0] + angular[0], rows[1] + angular[1], rows[2] + angular[2]],
         }
-        Sym6 { linear: symmetric(&linear), mixed, angular: self.angular }
     }
 
-    /// The mobility of a body after a point at an arm has been joined to something else. `joined`: the
-    /// impulse there per velocity that the joint forbids, of both together.
+    /// The mobility of the point at an arm.
+    #[inline(always)]
+    pub(crate) fn mobility_at(&self, arm: Vec3<L>) -> Self {
+        let through = self.through(arm);
+        Sym6 { linear: through.at(arm), mixed: transposed(&through.angular), angular: self.angular }
+    }
+
+    /// The mobility of a body after a point of it has been joined to something else, which it turns about
+    /// freely. `joined`: the impulse there per velocity of the point.
     ///
     /// Computed as a subtraction from the mobility: in terms of inertia, what remains of a light body with a
     /// heavy load is a difference of large numbers.
     #[inline(always)]
-    pub(crate) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
-        Self::by_columns(&Joined { mobility: self, arm, joined })
-    }
-
-    /// The matrix of a map that is symmetric, from its product with each unit vector.
-    #[inline(always)]
-    pub(crate) fn by_columns(map: &impl Map<L>) -> Self {
-        let (x, y, z) = axes::<L>();
-        let zero = Vec3::zero();
-        let (mut linear, mut mixed, mut angular) = ([zero; 3], [zero; 3], [zero; 3]);
-        for (k, axis) in [x, y, z].into_iter().enumerate() {
-            linear[k] = map.of(Twist { linear: axis, angular: zero }).linear;
-            Twist { linear: mixed[k], angular: angular[k] } = map.of(Twist { linear: zero, angular: axis });
+    pub(crate) fn pinned(&self, through: &Through<L>, joined: &Sym3<L>) -> Self {
+        let joined = columns(joined);
+        let Through { linear, angular } = through;
+        let more = times(linear, &joined);
+        let mut mixed = self.mixed;
+        let rows = transposed(angular);
+        for (mixed, row) in mixed.iter_mut().zip(rows) {
+            *mixed -= mul(&more, row);
         }
-        Sym6 { linear: symmetric(&linear), mixed, angular: symmetric(&angular) }
+        Sym6 {
+            linear: minus(&self.linear, &outer(&more, linear)),
+            mixed,
+            angular: minus(&self.angular, &outer(&times(angular, &joined), angular)),
+        }
     }
 
-    pub(crate) fn zero() -> Self {
-        Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
+    /// The same, joined in rotations too. `joined`: the impulse there per velocity that the joint forbids.
+    #[inline(always)]
+    pub(crate) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
+        less(self, &self.through(arm), joined)
+    }
+
+    /// `s - s k s`.
+    #[inline(always)]
+    pub(crate) fn less_sandwich(&self, k: &Sym6<L>) -> Self {
+        less(self, &Through { linear: columns(&self.linear), angular: transposed(&self.mixed) }, k)
     }
 
     #[inline(always)]
@@ -213,7 +261,7 @@ impl<L: Lanes> Sym6<L> {
         for (qr, column) in qr.iter_mut().zip(columns(&r)) {
             *qr = mul(&self.mixed, column);
         }
-        for (taken, row) in taken.iter_mut().zip(self.transposed_mixed()) {
+        for (taken, row) in taken.iter_mut().zip(transposed(&self.mixed)) {
             *taken = mul(&qr, row);
         }
         let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
@@ -225,20 +273,129 @@ impl<L: Lanes> Sym6<L> {
         }
         Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
     }
+}
 
-    #[inline(always)]
-    fn transposed_mixed(&self) -> Mat3<L> {
-        let m = &self.mixed;
-        [
-            Vec3::new(m[0].x, m[1].x, m[2].x),
-            Vec3::new(m[0].y, m[1].y, m[2].y),
-            Vec3::new(m[0].z, m[1].z, m[2].z),
-        ]
+kernel! {
+    /// A mobility less what something takes that is pushed by its velocities at a point: `joined` is the
+    /// impulse there per velocity.
+    fn less<'a, L: Lanes>(of: &'a Sym6<L>, through: &'a Through<L>, joined: &'a Sym6<L>) -> Sym6<L> {
+        let Through { linear, angular } = through;
+        let (mixed, own) = (&of.mixed, columns(&of.angular));
+        let (along, about, across) = (columns(&joined.linear), columns(&joined.angular), &joined.mixed);
+        // Velocities per velocity of the point: what impulses there do, and what torques do.
+        let back = transposed(across);
+        let mut more = [times(linear, &along), times(angular, &along)];
+        let mut turned = [times(linear, across), times(angular, across)];
+        for k in 0..3 {
+            more[0][k] += mul(mixed, back[k]);
+            more[1][k] += mul(&own, back[k]);
+            turned[0][k] += mul(mixed, about[k]);
+            turned[1][k] += mul(&own, about[k]);
+        }
+        let mut left = *mixed;
+        let rows = transposed(angular);
+        for k in 0..3 {
+            left[k] -= mul(&more[0], rows[k]) + mul(&turned[0], own[k]);
+        }
+        Sym6 {
+            linear: minus(&of.linear, &plus(&outer(&more[0], linear), &outer(&turned[0], mixed))),
+            mixed: left,
+            angular: minus(&of.angular, &plus(&outer(&more[1], angular), &outer(&turned[1], &own))),
+        }
     }
 }
 
-#[inline(always)]
-fn axes<L: Lanes>() -> (Vec3<L>, Vec3<L>, Vec3<L>) {
-    let (zero, one) = (L::zero(), L::one());
-    (Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    type Dense = [[f64; 6]; 6];
+
+    fn rows(of: &Sym6<f32>) -> Dense {
+        let mixed = transposed(&of.mixed);
+        let block = |m: &Mat3<f32>, i: usize, k: usize| f64::from(m[k].lane(0)[i]);
+        std::array::from_fn(|i| {
+            std::array::from_fn(|k| match (i < 3, k < 3) {
+                (true, true) => block(&columns(&of.linear), i, k),
+                (true, false) => block(&of.mixed, i, k - 3),
+                (false, true) => block(&mixed, i - 3, k),
+                (false, false) => block(&columns(&of.angular), i - 3, k - 3),
+            })
+        })
+    }
+
+    fn product(a: &Dense, b: &Dense) -> Dense {
+        std::array::from_fn(|i| std::array::from_fn(|k| (0..6).map(|j| a[i][j] * b[j][k]).sum()))
+    }
+
+    fn turned(a: &Dense) -> Dense {
+        std::array::from_fn(|i| std::array::from_fn(|k| a[k][i]))
+    }
+
+    fn difference(a: &Dense, b: &Dense) -> Dense {
+        std::array::from_fn(|i| std::array::from_fn(|k| a[i][k] - b[i][k]))
+    }
+
+    /// A symmetric matrix with positive eigenvalues.
+    fn positive(random: &mut Random) -> Sym6<f32> {
+        let a: Dense = std::array::from_fn(|_| std::array::from_fn(|_| f64::from(random.signed())));
+        let mut m = product(&a, &turned(&a));
+        (0..6).for_each(|i| m[i][i] += 0.3);
+        let at = |i: usize, k: usize| m[i][k] as f32;
+        let block = |o: usize| Sym3 {
+            xx: at(o, o),
+            yy: at(o + 1, o + 1),
+            zz: at(o + 2, o + 2),
+            xy: at(o, o + 1),
+            xz: at(o, o + 2),
+            yz: at(o + 1, o + 2),
+        };
+        let mixed = std::array::from_fn(|k| Vec3::new(at(0, k + 3), at(1, k + 3), at(2, k + 3)));
+        Sym6 { linear: block(0), mixed, angular: block(3) }
+    }
+
+    /// From velocities of a body to those of its point at an arm.
+    fn seen_at(arm: Vec3<f32>) -> Dense {
+        let [x, y, z] = [arm.x, arm.y, arm.z].map(f64::from);
+        let mut m = [[0.0; 6]; 6];
+        (0..6).for_each(|i| m[i][i] = 1.0);
+        (m[0][4], m[0][5], m[1][3], m[1][5], m[2][3], m[2][4]) = (z, -y, -z, x, y, -x);
+        m
+    }
+
+    fn check(what: &str, found: &Dense, expected: &Dense, size: f64) {
+        let off = difference(found, expected);
+        let most = off.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert!(most < 1e-6 * size, "{what}: off by {most} at sizes of {size}");
+    }
+
+    /// Beside the products of dense matrices in `f64`.
+    #[test]
+    fn matrices_are_what_their_dense_ones_give() {
+        for seed in 0..200 {
+            let mut random = Random(seed);
+            let (m, k, arm) = (positive(&mut random), positive(&mut random), Vec3::splat(random.cube()));
+            let (dense, joined, to) = (rows(&m), rows(&k), seen_at(arm));
+            let back = turned(&to);
+            // The largest entries are below 15.
+            let there = product(&to, &product(&dense, &back));
+            check("at a point", &rows(&m.mobility_at(arm)), &there, 100.0);
+            let pushed = product(&dense, &back);
+            let less = |j: &Dense| difference(&dense, &product(&pushed, &product(j, &turned(&pushed))));
+            check("joined", &rows(&m.joined_at(arm, &k)), &less(&joined), 1e4);
+            let mut point = [[0.0; 6]; 6];
+            (0..3).for_each(|i| point[i][..3].copy_from_slice(&joined[i][..3]));
+            check("pinned", &rows(&m.pinned(&m.through(arm), &k.linear)), &less(&point), 1e4);
+            let sandwich = difference(&dense, &product(&dense, &product(&joined, &dense)));
+            check("sandwich", &rows(&m.less_sandwich(&k)), &sandwich, 1e4);
+            let own = less_sandwich(&m.linear, &k.linear);
+            let padded = |linear| Sym6 { linear, mixed: [Vec3::zero(); 3], angular: Sym3::default() };
+            let [s, k] = [m.linear, k.linear].map(|linear| rows(&padded(linear)));
+            let expected = difference(&s, &product(&s, &product(&k, &s)));
+            check("small sandwich", &rows(&padded(own)), &expected, 1e4);
+            let one = product(&dense, &rows(&m.inverse_with(inverse(&m.angular))));
+            check("inverse", &one, &seen_at(Vec3::zero()), 1e3);
+        }
+    }
 }

@@ -2,17 +2,17 @@
 
 use super::contacts::TreeBody;
 use super::cut::Drives;
-use super::node::{Node, TreeWidth};
+use super::node::{TreeWidth, factor, on_nodes, pass_down, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::joint::ends::JointPass;
-use crate::lanes::Vec3;
+use crate::lanes::{Mask, Vec3};
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// From the leaves to the root: the mobility of each body with all that hangs on it.
     pub(crate) fn factor(&mut self) {
-        L::factor(&mut self.nodes, self.real, self.contacts.0 < self.contacts.1);
+        factor(&mut self.nodes, self.real, self.contacts.0 < self.contacts.1);
         if self.has_extra() {
             self.factor_extra();
         }
@@ -26,39 +26,19 @@ impl<L: TreeWidth> TreeBatch<L> {
         contacts: &[TreeContacts],
         touch: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
     ) {
-        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         self.extra.drives = match (self.extra.idle, pass.relax) {
             (true, _) => Drives::None,
             (_, true) => Drives::Rigid,
             _ => Drives::All,
         };
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        let requested = |node: &Node<L>, parent: Option<&Node<L>>| {
-            let [arm, other] = node.arm_now;
-            let mut requested = node.velocity.seen_at(arm);
-            requested.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
-            requested.linear += pass.linear_bias(node.apart_now, rate);
-            requested.angular += pass.angular_bias(node.error_now, rate);
-            if !pass.relax {
-                requested.add(node.bend);
-            }
-            requested
-        };
-        self.gather_up(requested);
+        request_velocities(&mut self.nodes, pass, &rate.eight());
+        self.gather_up();
         if !contacts.is_empty() {
             self.traverse(contacts, touch);
-            self.gather_up(requested);
         }
         self.answer_all();
-        let zero = Vec3::zero();
-        for node in &mut self.nodes {
-            node.impulse -= Vec3::select(lanes, node.force.linear, zero);
-            node.twist -= Vec3::select(lanes, node.force.angular, zero);
-            let gained = node.change.angular - node.stiffened_inverse.mul(node.pushed.angular);
-            node.gained += Vec3::select(lanes, gained, zero);
-            node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
-            node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
-        }
+        apply(&mut self.nodes, lanes.bits());
         for motor in &mut self.extra.motors {
             motor.impulse -= L::select(lanes, motor.less, L::zero());
         }
@@ -76,38 +56,102 @@ impl<L: TreeWidth> TreeBatch<L> {
 
     /// The same without cut joints.
     pub(crate) fn answer_bodies(&mut self) {
-        L::pass_down(&mut self.nodes[..self.real]);
+        pass_down(&mut self.nodes[..self.real]);
     }
 
-    /// Collects what is requested of each joint, less what the joints below it do.
-    #[inline(always)]
-    pub(crate) fn gather_up(&mut self, requested: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
-        for i in self.real..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.requested = requested(node, parent.as_deref());
+    /// Collects from the leaves to the root, without cut joints, what is requested of each joint, less what
+    /// the joints below it do.
+    pub(crate) fn gather_up(&mut self) {
+        gather_up(&mut self.nodes[..self.real]);
+    }
+
+    /// Requests that all joints close what is open. Nothing else pushes.
+    pub(crate) fn request_closing(&mut self) {
+        for node in &mut self.nodes {
+            (node.requested, node.pushed) = (node.open(), Twist::zero());
         }
-        self.gather_up_bodies(requested);
     }
+}
 
-    /// From the leaves to the root, without cut joints.
-    #[inline(always)]
-    pub(crate) fn gather_up_bodies(&mut self, requested: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
-        self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
-        for i in (0..self.real).rev() {
-            let (parent, node) = self.with_parent(i);
+on_nodes! {
+    /// Requests velocities that the joints allow, and those that correct their errors. Nothing pushes yet.
+    fn request_velocities<'a, L>(nodes, pass: &'a JointPass, rate: &'a [f32; 8]) {
+        let rate = L::load(rate);
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            node.pushed = Twist::zero();
+            let [arm, other] = node.arm_now;
+            let mut requested = node.velocity.seen_at(arm);
+            let above = match parent {
+                Some(parent) => parent.velocity,
+                None => node.anchored,
+            };
+            requested.subtract(above.seen_at(other));
+            requested.linear += pass.linear_bias(node.apart_now, rate);
+            requested.angular += pass.angular_bias(node.error_now, rate);
+            if !pass.relax {
+                requested.add(node.bend);
+            }
+            node.requested = requested;
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::gather_up`].
+    fn gather_up<'a, L>(bodies) {
+        for node in &mut *bodies {
+            node.carried = Twist::zero();
+        }
+        for i in (0..bodies.len()).rev() {
+            let (parent, node) = with_parent(bodies, i);
             if !node.jointed {
                 continue;
             }
             let mut carried = node.carried;
             carried.add(node.pushed);
-            let carried = node.free.mul(&carried);
-            let mut all = carried.seen_at(node.arm_now[0]);
-            all.add(requested(node, parent.as_deref()));
+            let mut all = node.free.mul(&carried).seen_at(node.arm_now[0]);
+            all.add(node.requested);
             node.requested = node.unspun(all);
             if let Some(parent) = parent {
                 node.beside = parent.carried;
-                parent.carried.add(node.stiff.mul(&node.requested).moved(node.arm_now[1]));
+                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
             }
+        }
+    }
+}
+
+on_nodes! {
+    /// The same after requests have changed: what each joint passes on.
+    pub(super) fn gather_again<'a, L>(bodies) {
+        for node in &mut *bodies {
+            node.carried = Twist::zero();
+        }
+        for i in (0..bodies.len()).rev() {
+            let (parent, node) = with_parent(bodies, i);
+            if !node.jointed {
+                continue;
+            }
+            node.requested = node.unspun(node.requested);
+            if let Some(parent) = parent {
+                node.beside = parent.carried;
+                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
+            }
+        }
+    }
+}
+
+on_nodes! {
+    /// Adds the solution to velocities and impulses, in some lanes.
+    fn apply<'a, L>(nodes, lanes: u32) {
+        let (lanes, zero) = (L::Mask::from_bits(lanes), Vec3::zero());
+        for node in nodes {
+            node.impulse -= Vec3::select(lanes, node.force.linear, zero);
+            node.twist -= Vec3::select(lanes, node.force.angular, zero);
+            let gained = node.change.angular - node.stiffened_inverse.mul(node.pushed.angular);
+            node.gained += Vec3::select(lanes, gained, zero);
+            node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
+            node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }
     }
 }

@@ -1,52 +1,19 @@
 //! What a tree reads of its bodies and writes back: velocities and displacements.
 
 use super::free_rotation::{exp, log, moved_by};
-use super::node::{TreeWidth, Turns};
+use super::node::{TreeWidth, Turns, on_nodes, with_parent};
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::{NONE, bend, swerve};
 use crate::constraint::joint::fill::put;
-use crate::lanes::{Mask, Record, Vec3, gather, scatter};
+use crate::lanes::{Mask, Record, Vec3, gather, ones, scatter};
 
 // Guard: beyond, the numbers are no motion.
 /// Bodies that are faster than this [m/s] or [rad/s] move on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
 impl<L: TreeWidth> TreeBatch<L> {
-    /// Predicts by how much velocities at the joints change in a substep as bodies turn. Uses the angular
-    /// velocities before rows acted: rows whose requests can't be met, and light links under a load, would
-    /// turn arbitrarily within the substep.
-    ///
-    /// # Safety
-    /// No thread writes these velocities.
-    pub(super) unsafe fn predict_bend(&mut self, motion: &Motion<'_, '_>, h: f32) {
-        // SAFETY: by the contract.
-        let read = |i| unsafe { motion.base.read(i) };
-        let exact = self.exact();
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let own = gather(read, &node.body).1;
-            node.change.angular = own;
-            if !node.jointed {
-                continue;
-            }
-            let above = match parent {
-                Some(parent) => parent.change.angular,
-                // SAFETY: what stands still or is moved by the caller is written by no row.
-                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
-            };
-            let ([arm, other], h) = (node.arm_now, L::splat(h));
-            let linear = bend(own, arm, h) - bend(above, other, h);
-            node.bend.linear = Vec3::select(exact, node.bend.linear, linear);
-            if node.turns == Turns::AboutAxis {
-                let axis = node.axis_now[0];
-                let angular = swerve(own, axis, h) - swerve(above, axis, h);
-                node.bend.angular = Vec3::select(exact, node.bend.angular, angular);
-            }
-        }
-    }
-
     /// Arms and separations after displacements that others wrote.
     ///
     /// # Safety
@@ -54,7 +21,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     pub(crate) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe { self.fetch(motion, 0) };
-        self.place(L::zero());
+        self.place(0.0);
     }
 
     /// Reads displacements, except in lanes that know theirs.
@@ -63,49 +30,21 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// No thread writes displacements of the trees.
     pub(crate) unsafe fn fetch(&mut self, motion: &Motion<'_, '_>, known: u32) {
         // SAFETY: by the contract.
-        let read = |i| unsafe { motion.delta.read(i) };
-        let known = L::Mask::from_bits(known);
-        for node in &mut self.nodes {
-            let (linear, angular) = gather(read, &node.body);
-            node.moved.linear = Vec3::select(known, node.moved.linear, linear);
-            node.moved.angular = Vec3::select(known, node.moved.angular, angular);
-            if node.parent == NONE {
-                let (linear, angular) = gather(read, &node.anchor);
-                node.anchor_moved = Twist { linear, angular };
-            }
-        }
+        unsafe { read_displacements(&mut self.nodes, motion, known) };
+    }
+
+    /// Reads velocities.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { read_velocities(&mut self.nodes, motion) };
     }
 
     /// Arms and separations after displacements, `left` seconds before the anchors reach the ends of theirs.
-    pub(crate) fn place(&mut self, left: L) {
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.turn = exp(node.moved.angular);
-            if !node.jointed {
-                continue;
-            }
-            let (above, turn) = match parent {
-                Some(parent) => (parent.moved.linear, parent.turn),
-                None => {
-                    let (end, v) = (node.anchor_moved, node.anchored);
-                    (end.linear - v.linear * left, exp(end.angular - v.angular * left))
-                }
-            };
-            let [arm, other] = node.arm;
-            let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
-            node.arm_now = [arm + at, other + there];
-            node.apart_now = node.apart + (node.moved.linear - above) + (at - there);
-            match node.turns {
-                Turns::Freely => {}
-                Turns::AboutAxis => {
-                    node.axis_now = [node.turn.rotate(node.axis[0]), turn.rotate(node.axis[1])];
-                    node.error_now = node.axis_now[1].cross(node.axis_now[0]);
-                }
-                Turns::Not => {
-                    node.error_now = log(node.turn.compose(exp(node.error)).compose(turn.conjugate()));
-                }
-            }
-        }
+    pub(crate) fn place(&mut self, left: f32) {
+        place(&mut self.nodes, left);
         self.turn_inertias();
     }
 
@@ -137,14 +76,118 @@ impl<L: TreeWidth> TreeBatch<L> {
         cuts.iter_mut().for_each(|cut| cut.moved = bodies[cut.own as usize].moved);
     }
 
-    /// Reads velocities.
+    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
+    /// start for the next substep: it is added to the velocities before rows acted too.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
+    pub(crate) unsafe fn save(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
+        let real = self.real;
+        // SAFETY: by the contract.
+        unsafe { save(&mut self.nodes[..real], motion, lanes, self.exact) };
+    }
+}
+
+on_nodes! {
+    /// Predicts by how much velocities at the joints change in a substep as bodies turn, in trees that are
+    /// warm-started. Uses the angular velocities before rows acted: rows whose requests can't be met, and
+    /// light links under a load, would turn arbitrarily within the substep.
+    ///
+    /// # Safety
+    /// No thread writes these velocities.
+    pub(super) unsafe fn predict_bend<'a, L>(nodes, motion: &'a Motion<'a, 'a>, h: f32, exact: u32) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.base.read(i) };
+        let (exact, h) = (L::Mask::from_bits(exact), L::splat(h));
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            let own = gather(read, &node.body).1;
+            node.change.angular = own;
+            if !node.jointed {
+                continue;
+            }
+            let above = match parent {
+                Some(parent) => parent.change.angular,
+                // SAFETY: what stands still or is moved by the caller is written by no row.
+                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
+            };
+            let [arm, other] = node.arm_now;
+            let linear = bend(own, arm, h) - bend(above, other, h);
+            node.bend.linear = Vec3::select(exact, node.bend.linear, linear);
+            if node.turns == Turns::AboutAxis {
+                let axis = node.axis_now[0];
+                let angular = swerve(own, axis, h) - swerve(above, axis, h);
+                node.bend.angular = Vec3::select(exact, node.bend.angular, angular);
+            }
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::fetch`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn read_displacements<'a, L>(nodes, motion: &'a Motion<'a, 'a>, known: u32) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.delta.read(i) };
+        let known = L::Mask::from_bits(known);
+        for node in nodes {
+            let (linear, angular) = gather(read, &node.body);
+            node.moved.linear = Vec3::select(known, node.moved.linear, linear);
+            node.moved.angular = Vec3::select(known, node.moved.angular, angular);
+            if node.parent == NONE {
+                let (linear, angular) = gather(read, &node.anchor);
+                node.anchor_moved = Twist { linear, angular };
+            }
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::place`].
+    fn place<'a, L>(nodes, left: f32) {
+        let left = L::splat(left);
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            node.turn = exp(node.moved.angular);
+            if !node.jointed {
+                continue;
+            }
+            let (above, turn) = match parent {
+                Some(parent) => (parent.moved.linear, parent.turn),
+                None => {
+                    let (end, v) = (node.anchor_moved, node.anchored);
+                    (end.linear - v.linear * left, exp(end.angular - v.angular * left))
+                }
+            };
+            let [arm, other] = node.arm;
+            let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
+            node.arm_now = [arm + at, other + there];
+            node.apart_now = node.apart + (node.moved.linear - above) + (at - there);
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    node.axis_now = [node.turn.rotate(node.axis[0]), turn.rotate(node.axis[1])];
+                    node.error_now = node.axis_now[1].cross(node.axis_now[0]);
+                }
+                Turns::Not => {
+                    node.error_now = log(node.turn.compose(exp(node.error)).compose(turn.conjugate()));
+                }
+            }
+        }
+    }
+}
+
+on_nodes! {
+    /// See [`TreeBatch::load`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn read_velocities<'a, L>(nodes, motion: &'a Motion<'a, 'a>) {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let read = |i| unsafe { motion.velocity.read(i) };
-        for node in &mut self.nodes {
+        for node in nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
             node.drift.before = node.velocity;
@@ -154,27 +197,28 @@ impl<L: TreeWidth> TreeBatch<L> {
             }
         }
     }
+}
 
-    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
-    /// start for the next substep: it is added to the velocities before rows acted too.
+on_nodes! {
+    /// See [`TreeBatch::save`].
     ///
     /// # Safety
-    /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn save(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
-        for node in self.of_bodies() {
+    /// As there.
+    unsafe fn save<'a, L>(bodies, motion: &'a Motion<'a, 'a>, lanes: u32, exact: u32) {
+        for node in bodies {
             let before = &node.drift.before;
             let all = scatter(node.velocity.linear, node.velocity.angular);
             let mut own = [Record::default(); 8];
-            if self.exact != 0 {
+            if exact != 0 {
                 let (linear, angular) = (node.velocity.linear, node.velocity.angular);
                 own = scatter(linear - before.linear, angular - before.angular);
             }
-            for lane in (0..L::N).filter(|lane| (node.write & lanes) >> lane & 1 != 0) {
+            for lane in ones(node.write & lanes) {
                 let body = node.body[lane] as usize;
                 // SAFETY: by the contract; no body is twice in a batch.
                 let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
                 let new = all[lane];
-                if self.exact >> lane & 1 != 0 {
+                if exact >> lane & 1 != 0 {
                     let fastest = new.linear.abs().max(new.angular.abs()).max_element();
                     if !(fastest < RUNAWAY && new.linear.is_finite() && new.angular.is_finite()) {
                         // Not finite, or as good as that.

@@ -10,9 +10,10 @@
 
 use super::contacts::TreeBody;
 use super::cut::Extra;
-use super::node::{Node, TreeWidth, Turns, with_parent};
+use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Twist, scaled};
+use super::transfer::predict_bend;
 use crate::config::tuning::{LIGHTEST_LINK, TREE_RECOVERY_TOUCHING};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
@@ -169,7 +170,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract; what velocities were is not written while rows are solved.
         unsafe {
-            self.predict_bend(motion, self.h);
+            predict_bend(&mut self.nodes, motion, self.h, self.exact);
             self.load(motion);
         }
         let exact = self.exact();
@@ -192,28 +193,9 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// Recomputes the angular velocities that bodies get from impulses and external forces, at the current
     /// arms: warm starting adds impulses as if bodies had not turned, and a pendulum would gain energy.
     fn turn_along(&mut self) {
-        for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
-            // A hinge transmits nothing about its axis, which has turned.
-            node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
-        }
-        self.nodes.iter_mut().for_each(|node| node.requested = Twist::zero());
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
-            if let Some(parent) = parent {
-                parent.requested.angular -= other;
-            }
-            let body = self.body_of(i);
-            self.nodes[body].requested.angular += own;
-        }
+        sum_moments(&mut self.nodes, self.real);
         self.add_motors(|node| &mut node.requested.angular);
-        let exact = self.exact();
-        for node in &mut self.nodes {
-            let own = node.velocity.angular - node.gained;
-            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.requested.angular);
-            node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
-            node.gained = now - own;
-        }
+        turn_along(&mut self.nodes, self.exact);
         self.repeat_bodies();
     }
 
@@ -253,8 +235,6 @@ impl<L: TreeWidth> TreeBatch<L> {
     ) {
         let warm = !self.all_exact();
         if pass.moved && warm {
-            // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion) };
             if self.is_alone().any() {
                 // A load may arrive within a substep.
                 self.add_geometric_stiffness();
@@ -265,7 +245,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         let fresh = warm && !pass.relax && std::mem::take(&mut self.fresh);
         if fresh {
             // SAFETY: these velocities are not written while rows are solved.
-            unsafe { self.predict_bend(motion, 1.0 / pass.inverse_h) };
+            unsafe { predict_bend(&mut self.nodes, motion, 1.0 / pass.inverse_h, self.exact) };
         }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
@@ -290,5 +270,41 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion, lanes.bits()) };
+    }
+}
+
+on_nodes! {
+    /// Sums the angular impulses of joints on each body, at the current arms.
+    fn sum_moments<'a, L>(nodes, real: usize) {
+        for node in &mut *nodes {
+            if node.turns == Turns::AboutAxis {
+                // A hinge transmits nothing about its axis, which has turned.
+                node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
+            }
+            node.requested.angular = Vec3::zero();
+        }
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            let [arm, above] = node.arm_now;
+            let own = arm.cross(node.impulse) + node.twist;
+            if let Some(parent) = parent {
+                parent.requested.angular -= above.cross(node.impulse) + node.twist;
+            }
+            let body = if i < real { i } else { node.own as usize };
+            nodes[body].requested.angular += own;
+        }
+    }
+}
+
+on_nodes! {
+    /// Gives bodies the angular velocities by the sums of angular impulses, where trees are warm-started.
+    fn turn_along<'a, L>(nodes, exact: u32) {
+        let exact = L::Mask::from_bits(exact);
+        for node in nodes {
+            let own = node.velocity.angular - node.gained;
+            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.requested.angular);
+            node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
+            node.gained = now - own;
+        }
     }
 }

@@ -235,6 +235,16 @@ pub(crate) fn sweep<
     true
 }
 
+/// Whether nothing closes and nothing bears load, however heavy the bodies are: a sweep would change nothing.
+#[inline(always)]
+pub(crate) fn is_idle<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    v: &BodyPair<L>,
+    pass: &Pass<'_>,
+) -> bool {
+    !NormalRows::new(batch, v, pass, &Free).act(batch)
+}
+
 /// By how much a pass changed the impulses along the normal: all of them [N s], and their moments about each
 /// body's centre of mass.
 pub(super) struct ImpulseChange<L> {

@@ -22,7 +22,7 @@ pub(crate) struct JointPass {
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
     pub(crate) recovery: Recovery,
-    /// Bodies were moved since the rows were last looked at.
+    /// Bodies were moved since the rows were last looked at. Trees follow when their bodies are moved.
     pub(crate) moved: bool,
     /// No pass was solved since then: impulses of the last substep are turned with the bodies.
     pub(crate) fresh: bool,

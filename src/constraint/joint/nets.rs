@@ -38,11 +38,13 @@ struct Member {
     /// For a root: the maximum energy, and that of motion and springs at the start of the substep [J].
     most: f32,
     moving: f32,
-    /// Energy of springs [J].
+    /// Energy of springs, now and at the start of the substep [J].
     spring_energy: f32,
+    start_springs: f32,
     flags: u32,
-    /// Velocity before joints acted in the substep.
+    /// Velocity before joints acted in the substep, and the displacement at its start.
     start: Record,
+    moved: Record,
 }
 
 /// Flags of a root: it is joined to or touches a body that can't be pushed; that body moves; bodies turn fast
@@ -100,6 +102,12 @@ impl NetInput<'_, '_> {
         unsafe { self.motion.velocity.read(body) }
     }
 
+    /// Velocity and displacement.
+    fn state(&self, body: usize) -> [Record; 2] {
+        // SAFETY: between stages this thread is alone.
+        [self.velocity(body), unsafe { self.motion.delta.read(body) }]
+    }
+
     /// Velocity of a body, the same before joints acted, and its displacement.
     ///
     /// # Safety
@@ -113,34 +121,41 @@ impl NetInput<'_, '_> {
     /// Energy that a body may have while an error is corrected [J].
     fn closing_energy(&self, body: usize) -> f64 {
         let (mass, Recovery { linear, angular }) = (&self.mass[body], self.recovery);
-        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        let m = self.mass_of(body);
         let inertia = f64::from(mass.inertia.max_element().min(f32::MAX));
         0.5 * (m * f64::from(linear).powi(2) + inertia * f64::from(angular).powi(2))
+    }
+
+    /// Mass [kg]; zero of what can't be moved.
+    fn mass_of(&self, body: usize) -> f64 {
+        let inverse = self.mass[body].inverse;
+        if inverse > 0.0 { 1.0 / f64::from(inverse) } else { 0.0 }
     }
 
     fn pull_of(&self, body: usize) -> Record {
         self.pull.get(body).copied().unwrap_or_default()
     }
 
-    /// Adds a body at a velocity.
-    fn add(&self, ledger: &mut Ledger, body: usize, v: &Record) {
-        // SAFETY: between stages this thread is alone.
-        let d = unsafe { self.motion.delta.read(body) };
+    /// Adds a body at a velocity and a displacement.
+    fn add(&self, ledger: &mut Ledger, body: usize, [v, d]: [&Record; 2]) {
         let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
-        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        let m = self.mass_of(body);
         // Bodies of trees that conserve energy have turned already; the inertia of others turns at the end of
         // the step.
         let turn = if d.is_turned() { exp_map(d.angular) * pose.rotation } else { pose.rotation };
+        let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
         let spin_energy = |a: Vec3, b: Vec3| {
             let [a, b] = [a, b].map(|x| turn.conjugate() * x);
-            let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
             a.as_dvec3().dot(inertia.as_dvec3() * b.as_dvec3())
         };
         let linear = v.linear.as_dvec3();
         ledger.mass += m;
         ledger.momentum += linear * m;
         ledger.kinetic += 0.5 * (m * linear.length_squared() + spin_energy(v.angular, v.angular));
-        ledger.potential -= m * f64::from(pull.linear.dot(d.linear)) + spin_energy(pull.angular, d.angular);
+        ledger.potential -= m * f64::from(pull.linear.dot(d.linear));
+        if pull.angular != Vec3::ZERO {
+            ledger.potential -= spin_energy(pull.angular, d.angular);
+        }
     }
 }
 
@@ -250,34 +265,33 @@ impl Nets {
         self.all.iter_mut().for_each(|member| member.flags &= !(SWIFT | FAST | KNOWN));
         self.find_fast(input, swift);
         self.sum_springs(input, false);
-        for body in 0..dynamic {
+        for (body, member) in self.all.iter_mut().enumerate() {
             // SAFETY: between stages this thread is alone.
-            self.all[body].start = unsafe { input.motion.base.read(body) };
+            (member.start, member.moved) =
+                unsafe { (input.motion.base.read(body), input.motion.delta.read(body)) };
+            member.start_springs = member.spring_energy;
         }
-        self.know_energies(input);
     }
 
-    /// Finds the energy, before the rows of the substep, of nets that turn fast.
-    fn know_energies(&mut self, input: &NetInput<'_, '_>) {
-        for root in 0..self.all.len() {
-            let Member { root: own, flags, .. } = self.all[root];
-            if own as usize != root || flags & (SWIFT | KNOWN) != SWIFT {
-                continue;
-            }
-            let now = self.ledger(input, root, |body| {
-                let (mut v, pull) = (self.all[body].start, input.pull_of(body));
-                v.linear -= pull.linear * input.h;
-                v.angular -= pull.angular * input.h;
-                v
-            });
-            let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
-            let member = &mut self.all[root];
-            // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
-            let start = (now.kinetic + now.potential) as f32 + member.spring_energy;
-            member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
-            member.moving = given.max(now.kinetic) as f32 + member.spring_energy;
-            member.flags |= KNOWN;
+    /// Finds the energy of a net before the rows of the substep. Only what is asked for: most nets are
+    /// followed.
+    fn know_energy(&mut self, input: &NetInput<'_, '_>, root: usize) {
+        if self.all[root].flags & KNOWN != 0 {
+            return;
         }
+        let now = self.ledger(input, root, |body| {
+            let (Member { start, moved, .. }, pull) = (&self.all[body], input.pull_of(body));
+            let linear = start.linear - pull.linear * input.h;
+            let angular = start.angular - pull.angular * input.h;
+            [Record { linear, angular, ..*start }, *moved]
+        });
+        let given = self.ledger(input, root, |body| [self.all[body].start, self.all[body].moved]).kinetic;
+        let member = &mut self.all[root];
+        // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
+        let start = (now.kinetic + now.potential) as f32 + member.start_springs;
+        member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
+        member.moving = given.max(now.kinetic) as f32 + member.start_springs;
+        member.flags |= KNOWN;
     }
 
     /// Sums the energy of springs; if `done`, also what motors gave in the substep.
@@ -327,17 +341,18 @@ impl Nets {
     #[cold]
     #[inline(never)]
     pub(crate) fn hold_back(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
-        self.find_fast(input, swift);
         // Some may have become fast within the substep.
-        self.know_energies(input);
+        self.find_fast(input, swift);
         for root in 0..self.all.len() {
-            let Member { moving, .. } = self.all[root];
             if self.may_gain(input, root) {
+                self.know_energy(input, root);
+                let Member { moving, .. } = self.all[root];
                 // The speed that corrects errors does not last.
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
                 let most = CHORD_ENERGY * f64::from(moving) + closing;
-                self.bound(input, root, most);
+                let now = self.ledger(input, root, |body| input.state(body));
+                self.bound(input, root, &now, most);
             }
         }
         self.forget_wild(input);
@@ -351,22 +366,27 @@ impl Nets {
             batch.lost(input.motion, input.h, &mut |body| self.flag(body, FAST));
             batch.unsolved(input.motion, &mut |body| self.flag(body, FAST));
         });
+        for root in 0..self.all.len() {
+            if self.may_gain(input, root) {
+                self.know_energy(input, root);
+            }
+        }
         self.sum_springs(input, true);
         self.rest();
         for root in 0..self.all.len() {
             let Member { most, spring_energy, .. } = self.all[root];
             if self.may_gain(input, root) {
-                let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
-                let most = f64::from(most - spring_energy) - potential;
-                self.bound(input, root, most);
+                let now = self.ledger(input, root, |body| input.state(body));
+                let most = f64::from(most - spring_energy) - now.potential;
+                self.bound(input, root, &now, most);
             }
         }
         self.forget_wild(input);
     }
 
-    fn ledger(&self, input: &NetInput<'_, '_>, root: usize, velocity: impl Fn(usize) -> Record) -> Ledger {
+    fn ledger(&self, input: &NetInput<'_, '_>, root: usize, state: impl Fn(usize) -> [Record; 2]) -> Ledger {
         let mut ledger = Ledger::default();
-        self.around(root, |body| input.add(&mut ledger, body, &velocity(body)));
+        self.around(root, |body| input.add(&mut ledger, body, state(body).each_ref()));
         ledger
     }
 
@@ -389,10 +409,9 @@ impl Nets {
 
     /// Limits the kinetic energy of a net that turns too fast [J]. A net with far more, or with an energy
     /// that is not finite, moves on as one rigid piece without rotation.
-    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
+    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, now: &Ledger, most: f64) {
         let flags = self.all[root].flags;
         let followed = is_followed(flags);
-        let now = self.ledger(input, root, |body| input.velocity(body));
         let mut fastest = 0.0_f32;
         self.around(root, |body| {
             let v = input.velocity(body);
@@ -400,10 +419,13 @@ impl Nets {
         });
         let far = most.max(0.0) * WILD_ENERGY + now.mass;
         // The motion of the centre of mass is that before joints acted: they don't change it.
-        let whole = self.ledger(input, root, |body| self.all[body].start);
         let free = flags & HELD == 0 && now.mass > 0.0;
-        let mean_of = |of: &Ledger| if free { of.momentum / of.mass } else { DVec3::ZERO };
-        let mean = mean_of(&whole);
+        let mean_of = |momentum: DVec3| if free { momentum / now.mass } else { DVec3::ZERO };
+        let mut before = DVec3::ZERO;
+        if free {
+            self.around(root, |body| before += self.all[body].start.linear.as_dvec3() * input.mass_of(body));
+        }
+        let mean = mean_of(before);
         if !now.kinetic.is_finite() || fastest > RUNAWAY || (!followed && now.kinetic > far) {
             self.all[root].flags |= DAMPED | WILDLY;
             self.around(root, |body| {
@@ -428,7 +450,7 @@ impl Nets {
         if now.kinetic - most > COUNTED * now.kinetic {
             self.all[root].flags |= DAMPED;
         }
-        let own = mean_of(&now);
+        let own = mean_of(now.momentum);
         let energy_of = |mean: DVec3| 0.5 * now.mass * mean.length_squared();
         let share = (most - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
         let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);

@@ -10,11 +10,10 @@ use super::measure::Measure;
 use super::row::RowBatch;
 use super::run::JointViews;
 use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
-use crate::constraint::articulation::node::TreeWidth;
-use crate::constraint::articulation::node::{Node, Turns};
+use crate::constraint::articulation::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
-use crate::lanes::{GatherLanes, Lanes, Mask, Record};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, gather, ones};
 use glam::Vec3;
 
 /// The indices of two joined bodies, and which of them can be pushed.
@@ -27,9 +26,9 @@ pub(crate) struct Link {
 pub(crate) trait Watched {
     fn links(&self, f: &mut dyn FnMut(Link));
     /// Calls `f` with a body of each joint with a direction that turns too far in a substep.
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
     /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
-    fn lost(&self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
+    fn lost(&mut self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
     /// Calls `f` with a body of each lock whose error still grows after velocities were relaxed: its rows did
     /// not converge.
     fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
@@ -142,7 +141,7 @@ impl<L: GatherLanes> Watched for PointBatch<L> {
         clear(lanes, [&mut self.impulse, &mut self.lasting]);
         clear(lanes, self.moment.each_mut());
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v| turn_of_arms(v, self.arm_now.map(|arm| arm.lane(lane)));
         self.ends.too_fast(motion, h, &turn, f);
     }
@@ -163,7 +162,7 @@ impl<L: GatherLanes> Watched for LineBatch<L> {
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         self.point.forget(of);
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
             let arms = turn_of_arms(v, self.point.arm_now.map(|arm| arm.lane(lane)));
             arms.max(v[0].angular.cross(self.axis_now.lane(lane)).length())
@@ -188,7 +187,7 @@ impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
         let lanes = self.ends.lanes_of(of);
         clear(lanes, [&mut self.impulse, &mut self.lasting]);
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
             let axis = self.axis_now.lane(lane);
             // Welded bodies turn as one: only the difference counts.
@@ -223,7 +222,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
         self.lasting = L::select(lanes, L::zero(), self.lasting);
         self.resume();
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         self.ends.too_fast(motion, h, &|lane, v| self.measure.turns(lane, &self.lever, v), f);
     }
     fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
@@ -292,24 +291,20 @@ impl<L: TreeWidth> Watched for TreeBatch<L> {
             motor.impulse = L::select(lanes, L::zero(), motor.impulse);
         }
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let in_parts = if self.is_cut() { FOLLOWED_TURN } else { FOLLOWED_IN_PARTS };
+        let most = [FOLLOWED_TURN, in_parts].map(|turn| turn / h);
+        // SAFETY: between stages this thread is alone.
+        let [warm, exact] = unsafe { turning(&mut self.nodes, motion, most) };
         // Watched trees lose energy in a way of their own (see
         // [`damp`](crate::constraint::articulation::damp)).
-        self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
-            let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED_TURN };
-            if exceeds(turn * h, most) {
-                f(body);
-            }
-        });
+        self.each_root((exact & self.exact | warm & !self.exact) & !self.watched, f);
     }
-    fn lost(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn lost(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         if self.astray != 0 {
-            self.each_turn(motion, self.astray, &mut |body, _, turn| {
-                if exceeds(turn * h, FOLLOWED_TURN) {
-                    f(body);
-                }
-            });
+            // SAFETY: between stages this thread is alone.
+            let [lost, _] = unsafe { turning(&mut self.nodes, motion, [FOLLOWED_TURN / h; 2]) };
+            self.each_root(lost & self.astray, f);
         }
     }
     fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
@@ -333,24 +328,47 @@ impl<L: TreeWidth> Watched for TreeBatch<L> {
 }
 
 impl<L: TreeWidth> TreeBatch<L> {
-    /// Calls `f` with a body of each joint in some lanes, its lane, and the angular speed of its arms or its
-    /// axis [rad/s].
-    fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
-        for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
-            let own = &self.nodes[self.body_of(i)];
-            let above = self.nodes.get(node.parent as usize);
-            for lane in (0..L::N).filter(|lane| (own.write & lanes) >> lane & 1 != 0) {
-                let body = own.body[lane];
-                let other = above.map_or(node.anchor[lane], |above| above.body[lane]);
-                // SAFETY: between stages this thread is alone.
-                let v = [body, other].map(|body| unsafe { motion.velocity.read(body as usize) });
-                let mut turn = turn_of_arms(v, node.arm_now.map(|arm| arm.lane(lane)));
-                if node.turns == Turns::AboutAxis {
-                    turn = turn.max(v[0].angular.cross(node.axis_now[0].lane(lane)).length());
-                }
-                f(body, lane, turn);
-            }
+    /// Calls `f` with a body of each tree in some lanes.
+    fn each_root(&self, lanes: u32, f: &mut dyn FnMut(u32)) {
+        if let Some(root) = self.nodes.first() {
+            ones(root.write & lanes).for_each(|lane| f(root.body[lane]));
         }
+    }
+}
+
+on_nodes! {
+    /// Lanes in which the arms or the axis of a joint turn faster than each of two speeds [rad/s], or nobody
+    /// knows how fast. Where arms move by the rotation of their bodies, the longer one counts.
+    ///
+    /// # Safety
+    /// No thread writes velocities.
+    unsafe fn turning<'a, L>(nodes, motion: &'a Motion<'a, 'a>, most: [f32; 2]) -> [u32; 2] {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.velocity.read(i) };
+        let most = [L::splat(most[0]), L::splat(most[1])];
+        let mut within = [L::zero().eq(L::zero()); 2];
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
+            let own = gather(read, &node.body).1;
+            node.change.angular = own;
+            if !node.jointed {
+                continue;
+            }
+            let above = match parent {
+                Some(parent) => parent.change.angular,
+                None => gather(read, &node.anchor).1,
+            };
+            let [arm, other] = node.arm_now;
+            let longest = arm.length().max(other.length());
+            let some = longest.gt(L::zero());
+            let speed = own.cross(arm).length().max(above.cross(other).length());
+            let mut turn = L::select(some, speed / L::select(some, longest, L::one()), L::zero());
+            if node.turns == Turns::AboutAxis {
+                turn = turn.max(own.cross(node.axis_now[0]).length());
+            }
+            within = [within[0] & turn.le(most[0]), within[1] & turn.le(most[1])];
+        }
+        [!within[0].bits(), !within[1].bits()]
     }
 }
 

@@ -278,7 +278,7 @@ impl Watched for CouplingBlock {
             }
         }
     }
-    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         for one in self.rows.iter().flat_map(CouplingRow::motions) {
             let turns = |_: usize, v: [Record; 2]| one.turns(v);
             one.ends.too_fast(motion, h, &turns, f);
