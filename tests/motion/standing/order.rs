@@ -101,7 +101,8 @@ fn pressed(force: f32, facing: f32) -> f64 {
     let wall = ShapeDesc::new(Geometry::cuboid(1.0, 5.0, 5.0));
     let wall = world.add_body(&BodyDesc::fixed().at(DVec3::X).with_shape(wall)).unwrap();
     let skeleton = Skeleton::humanoid();
-    let figure = skeleton.add_to(&mut world, DVec3::NEG_X, Quat::from_rotation_y(facing), Vec3::ZERO).unwrap();
+    let facing = Quat::from_rotation_y(facing);
+    let figure = skeleton.add_to(&mut world, DVec3::NEG_X, facing, Vec3::ZERO).unwrap();
     let hips = figure.bodies[0];
     let frames = world.frames_at([wall, hips], world.position(hips).unwrap(), Quat::IDENTITY).unwrap();
     let joint = JointDesc::new([wall, hips], frames)
