@@ -44,6 +44,7 @@ impl World {
     /// Runs the stages.
     fn run(&mut self, workers: &Workers<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let mut clock = self.begin_step(dt);
+        let lengths = self.lengths(dt);
         let mut did = StepCounts::default();
         clock.stage(self, Stage::Broad, |world| {
             world.damp(dt);
@@ -57,24 +58,24 @@ impl World {
         clock.stage(self, Stage::Narrow, |world| did.narrow = world.find_contacts(workers, dt));
         clock.stage(self, Stage::Hooks, |world| world.part(Part::Hooks, |world| world.ask_hooks(hooks)));
         clock.stage(self, Stage::Prepare, |world| {
-            world.estimate_loads(did.narrow.touching, dt);
+            world.estimate_loads(did.narrow.touching, lengths);
             world.reserve_impulses();
-            did.prepared = world.prepare(workers, dt);
+            did.prepared = world.prepare(workers, lengths);
             if did.shed() > 0 {
                 world.buffers.prepare.crowd.shed();
             }
         });
         clock.stage(self, Stage::Solve, |world| {
             world.measure_rows(dt);
-            let in_range = solver::solve(workers, world.solver_input(dt));
+            let in_range = solver::solve(workers, world.solver_input(lengths));
             world.measure_solution();
             if !in_range {
-                did.prepared = world.solve_without_faults(workers, dt, did.prepared);
+                did.prepared = world.solve_without_faults(workers, lengths, did.prepared);
             }
             did.prepared.impacts = world.buffers.restitution.count;
             world.forget_forces();
             world.part(Part::Joints, |world| world.store_joints(dt));
-            did.pushed = world.store_contacts(workers, dt);
+            did.pushed = world.store_contacts(workers, lengths);
             world.part(Part::Events, World::record_contact_events);
         });
         let demand = clock.demand;
@@ -92,6 +93,6 @@ impl World {
             world.part(Part::Sleeping, |world| world.rest(workers, dt));
             world.release(demand);
         });
-        self.end_step(clock, &did, dt);
+        self.end_step(clock, &did, lengths);
     }
 }

@@ -120,7 +120,7 @@ pub fn preparing(mut world: World) -> Kernel {
     std::mem::swap(&mut rows, &mut world.buffers.rows);
     let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NO_CONTACT).count();
     Kernel::new("prepare", count, move || {
-        let input = world.prepare_input(1.0 / 60.0, usize::MAX);
+        let input = world.prepare_input(world.lengths(1.0 / 60.0), usize::MAX);
         prepare(&Workers::alone(), &input, &mut rows, &mut scratch, &mut Allowances::ENDLESS.clone());
         black_box(&mut rows);
     })

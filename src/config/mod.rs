@@ -1,6 +1,7 @@
 //! Settings, the order of rows, and the numbers that are chosen once for all worlds.
 
 mod builders;
+mod measures;
 mod order;
 mod settings;
 pub(crate) mod tuning;
@@ -8,6 +9,7 @@ pub(crate) mod tuning;
 pub(crate) mod unbounded;
 
 pub(crate) use builders::with_fields;
+pub(crate) use measures::Measures;
 pub(crate) use order::Place;
 pub use order::{Order, RowGroup};
 pub(crate) use settings::Start;

@@ -1,7 +1,7 @@
 //! Points of contact: real, potential, ghost; with normals, gaps and impulses.
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
-use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP, TOUCH_DISTANCE};
+use crate::config::tuning::GHOST_GAP;
 use crate::narrow_phase::{ContactRef, NO_CONTACT, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry};
 use crate::world::{Place, World, place_of, relative_now};
@@ -20,10 +20,10 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
 
 fn draw_contact(world: &World, contact: ContactRef<'_>, options: &DrawOptions, out: &mut dyn DebugDraw) {
     let now = relative_now(world, contact);
-    let unit = world.settings.length_unit;
+    let measures = world.settings.measures();
     let palette = &options.palette;
-    let ghost = contact.pushed && are_apart(world, contact, &now, GHOST_GAP * CONTACT_MARGIN * unit);
-    let real = |point: &Point| point.separation <= TOUCH_DISTANCE * unit;
+    let ghost = contact.pushed && are_apart(world, contact, &now, GHOST_GAP * measures.margin);
+    let real = |point: &Point| point.separation <= measures.touch;
     for (point, gap) in contact.points().iter().zip(contact.separations(&now)) {
         let Place { on_a, normal, gap } = place_of(world, contact, point, gap, &now);
         let along = |length: f32| (normal * length).as_dvec3();

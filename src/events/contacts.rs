@@ -3,7 +3,6 @@
 use super::{Approach, ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::narrow_phase::{ContactRef, Contacts, NO_CONTACT, Point};
 
 /// Input of contact events.
@@ -29,7 +28,7 @@ impl Touching<'_> {
     }
 
     fn record_pair(&self, pair: &mut Pair, events: &mut Events) {
-        let real = TOUCH_DISTANCE * self.settings.length_unit;
+        let real = self.settings.measures().touch;
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, ContactRef<'_>, &Point)>);
         let mut slot = pair.contact;

@@ -27,7 +27,7 @@ use turned::BLOCK;
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, STACK};
-use crate::config::tuning::{STRAY_DISTANCE, TOUCH_DISTANCE};
+use crate::config::tuning::STRAY_DISTANCE;
 use crate::config::{Continuous, Settings};
 use crate::constraint::{JointRows, Restitution, Rows, TreeSlot};
 use crate::forces::Forces;
@@ -190,23 +190,23 @@ struct Moved {
 /// Moves each body independently, in blocks.
 fn move_all(workers: &Workers<'_>, guard: &Guard<'_>, input: &mut Input<'_>, buffers: &mut Buffers) -> Moved {
     let Input { bodies, colliders, broad, forces, narrow, impacts, delta, joint_rows, .. } = input;
-    let (movers, dynamic, unit) = (bodies.movers(), bodies.dynamic(), input.settings.length_unit);
+    let (movers, dynamic, measures) = (bodies.movers(), bodies.dynamic(), input.settings.measures());
     let blocks = movers.div_ceil(BLOCK);
     let Buffers { stacks, clear, beside, cut, .. } = buffers;
     if input.continuous {
         stacks_of(stacks).reserve_total(blocks);
     }
     clear.resize(if input.continuous { dynamic } else { 0 }, Clear::default());
-    let (summaries, touching) = (&colliders.summaries, TOUCH_DISTANCE * unit);
+    let summaries = &colliders.summaries;
     mark_beside(beside, input.fast, movers, dynamic, &broad.pairs, summaries, |pair, body| {
-        narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), touching)
+        narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), measures.touch)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
     let prediction = Prediction {
         motion: &forces.motion,
         start: &forces.start,
         summaries,
-        least: STRAY_DISTANCE * unit,
+        least: STRAY_DISTANCE * measures.unit,
         dt: input.dt,
     };
     let moving = Moving {

@@ -21,8 +21,8 @@ use super::guard::{Guard, Held};
 use super::moving::{is_in_range, stop_body};
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{SearchSet, aabb_of};
-use crate::config::Settings;
 use crate::config::tuning::STRAY_DISTANCE;
+use crate::config::{Measures, Settings};
 use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
@@ -88,7 +88,7 @@ pub(super) fn settle_off_path(
     settings: &Settings,
     moved: &mut Moved,
 ) {
-    let slop = settings.slop * settings.length_unit;
+    let Measures { unit, slop, .. } = settings.measures();
     for i in (0..bodies.dynamic()).filter(|&i| delta[i].is_off_path()) {
         let own = bodies.colliders[i].as_slice();
         let body = Settling {
@@ -96,7 +96,7 @@ pub(super) fn settle_off_path(
             traits: &bodies.traits[i],
             pull: acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
             slop,
-            least: (STRAY_DISTANCE * settings.length_unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
+            least: (STRAY_DISTANCE * unit).min(0.5 * guard.inner(own)).max(2.0 * slop),
         };
         let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
         let start = *pose;

@@ -1,7 +1,7 @@
 //! Where bodies went in the last step, and whether they got through something: what judges methods of
 //! continuous collision.
 
-use crate::config::tuning::{CONTACT_MARGIN, GHOST_GAP};
+use crate::config::tuning::GHOST_GAP;
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::math::Quat;
@@ -44,7 +44,7 @@ fn ways(world: &World, collider: u32) -> [BodyPath; 2] {
 fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPath)) -> bool {
     let [a, b] = [a, b].map(|c| &world.colliders.all[c as usize]);
     let motion = Motion::new(a, path_a, b, path_b);
-    let near = GHOST_GAP * CONTACT_MARGIN * world.settings.length_unit;
+    let near = GHOST_GAP * world.settings.measures().margin;
     match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, near).is_some(),
         Kind::Mesh | Kind::HeightField => {

@@ -9,7 +9,6 @@ use super::{Islands, Sleep};
 use crate::body::{Bodies, BodyKind};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::events::Events;
 use crate::joint::Joints;
 use crate::memory::{Allowance, buffers};
@@ -223,7 +222,7 @@ impl Islands<'_> {
 
     /// Finds the islands of all awake bodies.
     pub(crate) fn find(&mut self, rest: RestTime) {
-        let touching = TOUCH_DISTANCE * self.unit;
+        let touching = self.measures.touch;
         let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         let (summaries, pairs) = (&colliders.summaries, &broad.pairs);
         sleep.groups.find(&Ties { bodies, summaries, pairs, contacts, joints, touching }, rest);

@@ -14,6 +14,7 @@ pub(crate) use save::{SavedSleep, SleepLists};
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair};
+use crate::config::Measures;
 use crate::handle::BodyHandle;
 use crate::joint::Joints;
 use crate::memory::{Buffer, buffers, bytes_of};
@@ -55,8 +56,7 @@ pub(crate) struct Islands<'a> {
     pub(crate) broad: &'a mut BroadPhase,
     pub(crate) contacts: &'a mut Contacts,
     pub(crate) joints: &'a mut Joints,
-    /// The length unit [m].
-    pub(crate) unit: f32,
+    pub(crate) measures: Measures,
 }
 
 /// Bodies that sleep together.

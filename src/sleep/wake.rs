@@ -7,7 +7,6 @@
 use super::islands::touches;
 use super::{Islands, Sleep};
 use crate::broad_phase::{Aabb, Pair, aabb_of};
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::lanes::Record;
 use crate::narrow_phase::NO_CONTACT;
 use glam::Vec3;
@@ -55,7 +54,7 @@ impl Islands<'_> {
     /// Whether a collider of an awake moving body gets so near to a sleeping one within the step that their
     /// boxes meet; or, of a body at rest, touches it.
     fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair, motion: &[Record]) -> bool {
-        let real = TOUCH_DISTANCE * self.unit;
+        let real = self.measures.touch;
         let body = self.colliders.summaries[comer as usize].body as usize;
         let (bodies, colliders) = (&*self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {

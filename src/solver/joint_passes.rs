@@ -108,5 +108,5 @@ impl Passes<'_> {
 
 /// How far the joints of trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
-    Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
+    Closing { tolerance: JOINT_OPEN, slop: settings.measures().slop }
 }

@@ -19,8 +19,8 @@ use crate::constraint::contact::friction::FrictionView;
 use crate::constraint::contact::row::{Motion, Pass, carry, solve as solve_batch, warm_start};
 use crate::constraint::schedule::order::Stage;
 use crate::constraint::{
-    Batch, Group, JointRows, JointViews, Restitution, Rows, TouchInput, Views, guard, solve_impact_friction,
-    usual_substep, with_batch,
+    Batch, Group, JointRows, JointViews, Restitution, Rows, StepLengths, TouchInput, Views, guard,
+    solve_impact_friction, usual_substep, with_batch,
 };
 use crate::forces::Forces;
 use crate::lanes::{GatherLanes, Record, kernel, with_best};
@@ -87,8 +87,7 @@ pub(crate) trait Witness {
 /// Input of [`solve`]: the rows of a step, and the bodies that they act on.
 pub(crate) struct SolverInput<'a> {
     pub(crate) settings: &'a Settings,
-    /// Length of the step [s].
-    pub(crate) dt: f32,
+    pub(crate) lengths: StepLengths,
     pub(crate) bodies: &'a mut Bodies,
     pub(crate) colliders: &'a [Collider],
     pub(crate) forces: &'a mut Forces,
@@ -104,9 +103,9 @@ pub(crate) struct SolverInput<'a> {
 
 /// Solves the rows over a step. Returns whether all velocities stayed in range.
 pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
-    let SolverInput { settings, dt, bodies, forces, joints, restitution, state, .. } = input;
+    let SolverInput { settings, lengths, bodies, forces, joints, restitution, state, .. } = input;
     let (movers, dynamic) = (bodies.movers(), bodies.dynamic());
-    let h = dt / settings.substeps as f32;
+    let (dt, h) = (lengths.dt(), lengths.now());
     state.reset(movers);
     state.usual_h = usual_substep(state.usual_h, h);
     let joint_stages = std::mem::take(&mut joints.stages);

@@ -1,7 +1,7 @@
 //! Numbers of a pass over the rows that follow from the settings and the length of a substep.
 
 use crate::config::tuning::{
-    JOINT_DAMPING, JOINT_HERTZ, JOINT_PUSH_SPEED, LOAD_SHIFT_SPEED, STIFFEST_SPRING_SHARE, TOUCH_DISTANCE,
+    JOINT_DAMPING, JOINT_HERTZ, JOINT_PUSH_SPEED, LOAD_SHIFT_SPEED, STIFFEST_SPRING_SHARE,
 };
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::Recovery;
@@ -27,7 +27,7 @@ pub(super) struct PassParameters {
 impl PassParameters {
     /// For substeps of `h`, and springs tuned for those of `usual_h` [s].
     pub(super) fn new(settings: &Settings, usual_h: f32, h: f32) -> PassParameters {
-        let count = settings.iterations + 1;
+        let (count, measures) = (settings.iterations + 1, settings.measures());
         let hertz = settings.contact_hertz.min(STIFFEST_SPRING_SHARE * Softness::stiffest(count, usual_h));
         // Contacts with static bodies are twice as stiff; both are too stiff for a substep, or none is.
         let spring = Softness::for_substep(hertz, settings.contact_damping, count, h);
@@ -37,12 +37,12 @@ impl PassParameters {
             inverse_h: 1.0 / h,
             dynamic: spring,
             fixed,
-            push_speed: settings.push_speed * settings.length_unit,
-            load_shift_speed: LOAD_SHIFT_SPEED * settings.length_unit,
-            touch_distance: TOUCH_DISTANCE * settings.length_unit,
+            push_speed: measures.push_speed,
+            load_shift_speed: LOAD_SHIFT_SPEED * measures.unit,
+            touch_distance: measures.touch,
             friction_box: settings.friction_cone == FrictionCone::Box,
             joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
-            recovery: Recovery { linear: JOINT_PUSH_SPEED * settings.length_unit, angular: JOINT_PUSH_SPEED },
+            recovery: Recovery { linear: JOINT_PUSH_SPEED * measures.unit, angular: JOINT_PUSH_SPEED },
         }
     }
 }

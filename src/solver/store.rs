@@ -54,11 +54,10 @@ pub(crate) struct Stored {
     pub(crate) unknown_load: bool,
 }
 
-/// Writes impulses back to the contacts, after a step of `dt` seconds.
+/// Writes impulses back to the contacts.
 pub(crate) fn store(
     workers: &Workers<'_>,
     rows: &mut Rows,
-    dt: f32,
     lengths: StepLengths,
     contacts: &SharedContacts<'_>,
 ) -> Stored {
@@ -74,7 +73,7 @@ pub(crate) fn store(
                 if let (Some(rolling), Some(f)) = (views.rolling_of(batch), rows.as_deref()) {
                     store_rolling(batch, rolling, f, contacts);
                 }
-                store_in_contacts(batch, rows.as_deref(), potential, dt, lengths, contacts)
+                store_in_contacts(batch, rows.as_deref(), potential, lengths, contacts)
             }))
         };
         if stored.pushed > 0 {
@@ -110,7 +109,6 @@ kernel! {
         batch: &'a Batch<L, P, B>,
         friction: Option<&'a FrictionRow<L, B>>,
         potential: bool,
-        dt: f32,
         lengths: StepLengths,
         contacts: &'a SharedContacts<'a>,
     ) -> Stored {
@@ -145,7 +143,7 @@ kernel! {
             (contact.friction, contact.twist) = (friction, twist);
             let (before, now) = (contact.mean_friction.into(), friction.extend(twist));
             contact.mean_friction = lengths.follow(before, now).into();
-            stored.unknown_load |= contact.bear(dt, lengths.now());
+            stored.unknown_load |= contact.bear(lengths.dt(), lengths.now());
             forget_unsound(&mut contact);
         });
         stored

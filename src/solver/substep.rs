@@ -134,7 +134,7 @@ impl Substeps<'_> {
             done: h * substep as f32,
             h: *h,
             left: h * (settings.substeps - substep) as f32,
-            threshold: settings.restitution_threshold * settings.length_unit,
+            threshold: settings.measures().bounce_speed,
             together: BOUNCE_TOGETHER * settings.length_unit,
         };
         let Some(witness) = self.witness.as_deref_mut() else {
@@ -290,7 +290,7 @@ impl Substeps<'_> {
         if !crowd.is_empty() {
             // SAFETY: between stages this thread is alone.
             let MotionSlices { velocity, base, .. } = unsafe { self.context.slices() };
-            crowd.calm(velocity, base, settings.push_speed * settings.length_unit);
+            crowd.calm(velocity, base, settings.measures().push_speed);
         }
     }
 

@@ -15,7 +15,7 @@ use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::config::tuning::REST_STEPS_OF_FALL;
-use crate::config::tuning::STATIC_SLIP_SPEED;
+use crate::constraint::StepLengths;
 use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Category, buffers, bytes_of};
 use crate::narrow_phase::{CHANGED_LOAD, ContactMut, ContactRef, Contacts};
@@ -133,13 +133,12 @@ pub(crate) struct Structure<'a> {
 }
 
 impl Statics {
-    /// Estimates unknown loads, before rows are made for a step of `dt` seconds with a last substep of `h`.
+    /// Estimates unknown loads, before rows are made.
     pub(crate) fn estimate(
         &mut self,
         structure: &mut Structure<'_>,
         settings: &Settings,
-        dt: f32,
-        h: f32,
+        lengths: StepLengths,
         allowances: &mut Allowances,
     ) {
         let gravity = settings.gravity.length();
@@ -155,13 +154,13 @@ impl Statics {
         if !self.pending || self.wait > 0 {
             return;
         }
-        let unit = settings.length_unit;
+        let measures = settings.measures();
         let rest = Rest {
             up: settings.gravity / -gravity,
-            touching: settings.slop * unit,
-            closing: REST_STEPS_OF_FALL * gravity * dt,
-            slip: STATIC_SLIP_SPEED * unit,
-            h,
+            touching: measures.slop,
+            closing: REST_STEPS_OF_FALL * gravity * lengths.dt(),
+            slip: measures.static_slip_speed,
+            h: lengths.last(),
         };
         if fits && structure.find_supports(self, &rest) {
             structure.add_known_loads(self, &rest);

@@ -1,21 +1,11 @@
 //! First touch of two colliders on the rest of their paths.
 
+use crate::config::Measures;
 use crate::narrow_phase::{
     BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance,
 };
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
-
-/// Tolerance of the search.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
-    /// Share of the engine's own tolerance for a touch.
-    pub(super) share: f32,
-    /// The length unit [m].
-    pub(super) unit: f32,
-    /// A triangle nearer than this at the start, or in whose plane a shape slides, is left to the solver [m].
-    pub(super) resting: f32,
-}
 
 /// A touch of two colliders.
 #[derive(Clone, Copy, Debug)]
@@ -31,20 +21,22 @@ impl Touch {
 }
 
 /// When the shapes first touch, as a fraction of the paths. Shapes that touch at their beginning don't count:
-/// the contacts of the start of the step have handled them.
+/// the contacts of the start of the step have handled them; so they do triangles that touch then, or in whose plane
+/// a shape slides. `share`: of the engine's own tolerance for a touch.
 pub(super) fn first_touch(
     a: &Collider,
     path_a: &BodyPath,
     b: &Collider,
     path_b: &BodyPath,
-    search: Search,
+    share: f32,
+    measures: Measures,
 ) -> Option<Touch> {
     let motion = Motion::new(a, path_a, b, path_b);
-    let close = (tolerance(a, b, search.unit) * search.share).max(2.0 * f32::EPSILON * a.radius);
+    let close = (tolerance(a, b, measures.unit) * share).max(2.0 * f32::EPSILON * a.radius);
     let touch = match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, close),
         Kind::Mesh | Kind::HeightField => {
-            let cast = MeshCast::first(close, search.resting.max(close));
+            let cast = MeshCast::first(close, measures.touch.max(close));
             match cast_mesh(a, b, &motion.relative(0.0), &motion, cast, None) {
                 CastResult::First(touch) => Some(touch),
                 CastResult::Near | CastResult::Free => None,

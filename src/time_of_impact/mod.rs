@@ -25,7 +25,6 @@ mod track;
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, SearchSet, aabb_of};
 use crate::config::tuning::IMPACT_TOLERANCE;
-use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::config::{Continuous, ContinuousMethod, Settings};
 use crate::forces::Forces;
 use crate::joint::Joints;
@@ -33,7 +32,7 @@ use crate::lanes::Record;
 use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::{MeshScratch, RawManifold};
 use crate::threads::{Shared, Workers, per_block};
-use first_touch::{Search, Touch, first_touch};
+use first_touch::{Touch, first_touch};
 use glam::Vec3;
 use queue::{Hit, Queue};
 use track::Track;
@@ -209,7 +208,7 @@ impl Run<'_, '_> {
     /// Makes tracks for bodies that leave the path that the broad phase checked, because something pushed
     /// them.
     fn find_strays(&mut self) {
-        let (margin, linear) = (CONTACT_MARGIN * self.on.settings.length_unit, self.rules.linear);
+        let (margin, linear) = (self.on.settings.measures().margin, self.rules.linear);
         for i in 0..self.on.bodies.dynamic() {
             let on = &*self.on;
             let (went, meant) = (&on.delta[i], &on.forces.motion[i]);
@@ -388,9 +387,8 @@ impl View<'_> {
         let path = |c: u32| self.way(shape(c).body as usize).rest(since);
         let turns = self.turns(a).max(self.turns(b));
         let share = if self.rules.linear { IMPACT_TOLERANCE } else { tightness(turns) };
-        let unit = self.on.settings.length_unit;
-        let search = Search { share, unit, resting: TOUCH_DISTANCE * unit };
-        let touch = first_touch(shape(a), &path(a), shape(b), &path(b), search);
+        let measures = self.on.settings.measures();
+        let touch = first_touch(shape(a), &path(a), shape(b), &path(b), share, measures);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }
 

@@ -5,7 +5,6 @@ use super::queue::Hit;
 use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::finish::is_in_range;
 use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
@@ -51,7 +50,7 @@ impl Run<'_, '_> {
         let law = Law {
             friction: x.friction_with(y).1,
             restitution: x.restitution_with(y),
-            threshold: self.on.settings.restitution_threshold * self.on.settings.length_unit,
+            threshold: self.on.settings.measures().bounce_speed,
         };
         let met = resolve(&mut a, &mut b, &points[..count], law);
         let (parting, normal) = met.unwrap_or((0.0, hit.touch.normal));
@@ -164,7 +163,7 @@ impl Run<'_, '_> {
             position: back * (at_b.position - at_a.position).as_vec3(),
             rotation: back * at_b.rotation,
         };
-        let margin = TOUCH_DISTANCE * on.settings.length_unit;
+        let margin = on.settings.measures().touch;
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
         let one: [RawManifold; 1];
         let manifolds = if matches!(b.kind, Kind::Mesh | Kind::HeightField) {

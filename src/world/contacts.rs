@@ -3,7 +3,6 @@
 use super::World;
 use crate::body::{BodyKind, Pose, exp_map};
 use crate::broad_phase::{Pair, Places};
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Quat;
@@ -102,7 +101,7 @@ impl World {
 
     /// The contacts of a pair that touch or pushed; `turned`: with the second shape as the first.
     fn contacts_of_pair(&self, pair: &Pair, turned: bool) -> impl Iterator<Item = BodyContact> + '_ {
-        let touching = TOUCH_DISTANCE * self.settings.length_unit;
+        let touching = self.settings.measures().touch;
         let next = |slot: u32| Some(slot).filter(|&slot| slot != NO_CONTACT);
         let all = std::iter::successors(next(pair.contact), move |&slot| next(self.contacts.at(slot).next));
         all.map(|slot| self.contacts.at(slot))

@@ -2,7 +2,6 @@
 
 use super::{Buffers, Change, World};
 use crate::broad_phase::Aabb;
-use crate::config::tuning::TOUCH_DISTANCE;
 use crate::error::Error;
 use crate::events::Events;
 use crate::handle::BodyHandle;
@@ -150,13 +149,13 @@ impl World {
             pairs: &self.broad.pairs,
             contacts: &self.contacts,
             joints: &self.joints,
-            touching: TOUCH_DISTANCE * self.settings.length_unit,
+            touching: self.settings.measures().touch,
         })
     }
 
     fn split_islands(&mut self) -> (Islands<'_>, &mut Buffers, &mut Events) {
-        let unit = self.settings.length_unit;
+        let measures = self.settings.measures();
         let World { sleep, bodies, colliders, broad, contacts, joints, buffers, events, .. } = self;
-        (Islands { sleep, bodies, colliders, broad, contacts, joints, unit }, buffers, events)
+        (Islands { sleep, bodies, colliders, broad, contacts, joints, measures }, buffers, events)
     }
 }

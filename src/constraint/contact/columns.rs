@@ -278,7 +278,7 @@ impl<const P: usize> Columns<P> {
             lasting = if share > 0.0 { lasting / share } else { 0.0 };
         }
         let thinnest = shape_a.thickness().min(shape_b.thickness());
-        [self.rest[lane], self.reach[lane]] = contact.spring(input.slop.min(THIN_SLOP * thinnest));
+        [self.rest[lane], self.reach[lane]] = contact.spring(input.measures.slop.min(THIN_SLOP * thinnest));
         for (i, point) in ones(points).map(|i| &contact.points()[i]).enumerate().take(P) {
             put3(&mut self.position[i], lane, point.position);
             self.separation[i][lane] = point.separation;

@@ -3,7 +3,7 @@
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
-use crate::config::Order;
+use crate::config::{Measures, Order};
 use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
 use crate::joint::Joints;
@@ -23,18 +23,11 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) motion: &'a [Record],
     /// World inverse inertia of each dynamic body.
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// A point with a separation up to this touches [m].
-    pub(crate) real: f32,
-    /// Without continuous collision, nothing further apart than this is looked for [m].
-    pub(crate) near: f32,
-    /// Maximum bytes of contacts further apart than that, with their rows.
+    pub(crate) measures: Measures,
+    /// Maximum bytes of contacts further apart than discrete collision detection looks, with their rows.
     pub(crate) ahead: usize,
     /// The substeps of this step and the last, by which impulses are scaled.
     pub(crate) lengths: StepLengths,
-    /// Slip speed below which friction is static [m/s].
-    pub(crate) static_slip_speed: f32,
-    /// [m]
-    pub(crate) slop: f32,
     /// The order in which groups of rows are solved.
     pub(crate) order: Order,
     /// Bodies whose contacts with static geometry are solved along with their trees of joints.

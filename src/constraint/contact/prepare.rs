@@ -398,6 +398,7 @@ fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
         slip += vec3::<L>(&columns.past);
     }
     let slip = slip - n * slip.dot(n);
-    let sticks = slip.length_squared().lt(L::splat(input.static_slip_speed * input.static_slip_speed));
+    let slowest = input.measures.static_slip_speed;
+    let sticks = slip.length_squared().lt(L::splat(slowest * slowest));
     f.coefficient = L::select(sticks, sticking, sliding);
 }

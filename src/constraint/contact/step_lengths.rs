@@ -26,7 +26,7 @@ pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
     before + (even - before) * EVENNESS_SHARE
 }
 
-/// The substeps of the last step and of this one.
+/// This step, its substeps, and those of the last step.
 ///
 /// An impulse consists of what a load requires in a substep and of what the last pass did besides, to stop
 /// the remaining velocities. The load scales with the length of the substep. The rest is a momentum and not a
@@ -38,6 +38,7 @@ pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
 /// steps. While steps are equally long nothing is stored.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
+    dt: f32,
     /// Substep of the last step, or of this one if it is the first [s].
     last: f32,
     now: f32,
@@ -59,7 +60,12 @@ impl StepLengths {
     /// For a step of `dt` seconds with substeps of `now` seconds, after substeps of `last` seconds or zero.
     pub(crate) fn new(last: f32, now: f32, dt: f32, evenness: f32, warm_starting: bool) -> Self {
         let share = (dt / LOAD_TIME).max(NEW_FORCE_SHARE * (1.0 - evenness).powi(2)).min(1.0);
-        StepLengths { last: if last > 0.0 { last } else { now }, now, share, warm_starting }
+        StepLengths { dt, last: if last > 0.0 { last } else { now }, now, share, warm_starting }
+    }
+
+    /// The whole of this step [s].
+    pub(crate) fn dt(self) -> f32 {
+        self.dt
     }
 
     /// The substep of the last step, or of this one if it is the first [s].

@@ -3,6 +3,7 @@
 use super::{Link, NONE, Restitution, Site, Spot, Struck};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
+use crate::config::Measures;
 use crate::constraint::{Tweak, tweak_of};
 use crate::joint::Joints;
 use crate::lanes::Record;
@@ -25,10 +26,8 @@ pub(crate) struct FindInput<'a> {
     pub(crate) acceleration: &'a [Record],
     /// What hooks changed about each contact; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
-    /// Approach speeds below this don't bounce [m/s].
-    pub(crate) threshold: f32,
-    /// A point with a separation up to this touches [m].
-    pub(crate) real: f32,
+    pub(crate) measures: Measures,
+    /// Length of the step [s].
     pub(crate) dt: f32,
 }
 
@@ -208,7 +207,8 @@ impl FindInput<'_> {
         let pull = spot.speed(|body| self.acceleration.get(body).copied().unwrap_or_default());
         let speed = spot.speed(|body| self.bodies.velocity.get(body).copied().unwrap_or_default());
         let approach = -speed + (-pull * self.dt).max(0.0);
-        approach > self.threshold && spot.separation - 2.0 * approach * self.dt <= self.real
+        let Measures { bounce_speed, touch, .. } = self.measures;
+        approach > bounce_speed && spot.separation - 2.0 * approach * self.dt <= touch
     }
 }
 

@@ -32,14 +32,14 @@ impl Fact {
     pub(super) fn of(input: &PrepareInput<'_>, slot: u32, contact: ContactRef<'_>) -> Fact {
         let body = |c: u32| input.summaries[c as usize].body;
         let (a, b) = (body(contact.a), body(contact.b));
-        let touching = contact.points().iter().map(|p| u8::from(p.separation <= input.real)).sum();
-        let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.slop;
+        let touching = contact.points().iter().map(|p| u8::from(p.separation <= input.measures.touch)).sum();
+        let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.measures.slop;
         let flag = |flag: u8, is_set: bool| if is_set { flag } else { 0 };
         let movers = input.bodies.movers() as u32;
         let is_static = a >= movers || b >= movers;
         let in_tree = |body: u32| input.tree_slots.of(body as usize).is_some();
         let flags = flag(DEEP, contact.points().iter().any(deep) && !is_soft(input, contact))
-            | flag(AHEAD, contact.points().iter().all(|p| p.separation > input.near))
+            | flag(AHEAD, contact.points().iter().all(|p| p.separation > 2.0 * input.measures.margin))
             | flag(STATIC, is_static)
             | flag(IN_TREE, is_static && in_tree(a.min(b)) && !is_soft(input, contact));
         Fact { slot, a, b, count: contact.count, touching, flags }

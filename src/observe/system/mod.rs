@@ -160,7 +160,7 @@ impl System {
     pub(crate) fn assemble(world: &mut World, dt: f32) -> System {
         let mut system = System {
             dt: dt.into(),
-            threshold: (world.settings.restitution_threshold * world.settings.length_unit).into(),
+            threshold: world.settings.measures().bounce_speed.into(),
             ..System::default()
         };
         system.take_bodies(world);

@@ -219,7 +219,7 @@ impl World {
 
     /// Whether a box stands over another, within the margin of contacts.
     fn touches_from_above(&self, one: &Aabb, other: &Aabb, up: Vec3) -> bool {
-        let reach = up.abs() * self.settings.length_unit * crate::config::tuning::TOUCH_DISTANCE;
+        let reach = up.abs() * self.settings.measures().touch;
         Aabb { min: one.min - reach, max: one.max + reach }.overlaps(other)
     }
 

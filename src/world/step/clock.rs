@@ -1,7 +1,7 @@
 //! Bookkeeping around the stages of a step: clocks, the name of the current stage, and hashes for recordings.
 
 use crate::clock::Instant;
-use crate::constraint::evenness;
+use crate::constraint::{StepLengths, evenness};
 use crate::world::{Demand, Part, PartTimes, Stage, StageTimes, StepCounts, World};
 
 /// The clock of a step, and the features that the step needs.
@@ -86,9 +86,8 @@ impl World {
     }
 
     /// Ends a step: completes its report, and allows the next one.
-    pub(crate) fn end_step(&mut self, clock: Clock, did: &StepCounts, dt: f32) {
+    pub(crate) fn end_step(&mut self, clock: Clock, did: &StepCounts, lengths: StepLengths) {
         let times = StageTimes { step: microseconds(clock.last - clock.start), ..clock.times };
-        let lengths = self.lengths(dt);
         self.buffers.evenness = evenness(self.buffers.evenness, lengths);
         self.buffers.last_h = lengths.now();
         self.report = self.report_of(times, did);

@@ -1,6 +1,6 @@
 //! Bodies that a step had to stop, and a step that restarts without them.
 
-use crate::constraint::Prepared;
+use crate::constraint::{Prepared, StepLengths};
 use crate::faults::{ATTEMPTS, culprits, pulled};
 use crate::forces::predict;
 use crate::handle::BodyHandle;
@@ -36,7 +36,7 @@ impl World {
     pub(crate) fn solve_without_faults(
         &mut self,
         workers: &Workers<'_>,
-        dt: f32,
+        lengths: StepLengths,
         mut prepared: Prepared,
     ) -> Prepared {
         for attempt in 1..=ATTEMPTS {
@@ -51,11 +51,11 @@ impl World {
                 .copy_from_slice(&self.buffers.forces.start);
             self.freeze(&slots);
             self.forget_impulses();
-            self.predict_all(workers, dt);
+            self.predict_all(workers, lengths.dt());
             self.reserve_impulses();
-            prepared = self.prepare(workers, dt);
-            self.measure_rows(dt);
-            let in_range = solver::solve(workers, self.solver_input(dt));
+            prepared = self.prepare(workers, lengths);
+            self.measure_rows(lengths.dt());
+            let in_range = solver::solve(workers, self.solver_input(lengths));
             self.measure_solution();
             if in_range {
                 break;

@@ -3,10 +3,8 @@
 use super::stage::Part;
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::PairMemory;
-use crate::config::tuning::{
-    CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, RECYCLE_DISTANCE, STATIC_SLIP_SPEED, TOUCH_DISTANCE,
-};
-use crate::config::{ContinuousMethod, FrictionModel, Settings};
+use crate::config::tuning::{CAST_MOTION, JOINT_HOLD_TIME, RECYCLE_DISTANCE};
+use crate::config::{ContinuousMethod, FrictionModel, Measures, Settings};
 use crate::constraint::{
     Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend,
     prepare,
@@ -69,7 +67,7 @@ impl World {
 
     /// Finds the contacts of the step.
     pub(crate) fn find_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> NarrowStats {
-        let unit = self.settings.length_unit;
+        let Measures { unit, touch, margin, .. } = self.settings.measures();
         let mut allowances = self.allowances();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
@@ -83,8 +81,8 @@ impl World {
             motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
-            margin: CONTACT_MARGIN * unit,
-            touch_distance: TOUCH_DISTANCE * unit,
+            margin,
+            touch_distance: touch,
             unit,
             fast: CAST_MOTION * unit,
             recycle: if self.settings.recycling { RECYCLE_DISTANCE * unit } else { -1.0 },
@@ -110,8 +108,8 @@ impl World {
     }
 
     /// Estimates loads of contacts that are not known. `touching`: some contact is new.
-    pub(crate) fn estimate_loads(&mut self, touching: bool, dt: f32) {
-        let (mut allowances, h) = (self.allowances(), self.lengths(dt).last());
+    pub(crate) fn estimate_loads(&mut self, touching: bool, lengths: StepLengths) {
+        let mut allowances = self.allowances();
         let Buffers { statics, forces, .. } = &mut self.buffers;
         statics.pending |= touching;
         let mut structure = Structure {
@@ -121,16 +119,16 @@ impl World {
             contacts: &mut self.contacts,
             acceleration: &forces.acceleration,
         };
-        statics.estimate(&mut structure, &self.settings, dt, h, &mut allowances);
+        statics.estimate(&mut structure, &self.settings, lengths, &mut allowances);
     }
 
     /// Makes the rows of the step.
-    pub(crate) fn prepare(&mut self, workers: &Workers<'_>, dt: f32) -> Prepared {
+    pub(crate) fn prepare(&mut self, workers: &Workers<'_>, lengths: StepLengths) -> Prepared {
         let mut allowances = self.allowances();
-        let lost = self.part(Part::Restitution, |world| world.find_impacts(dt, &mut allowances));
-        self.part(Part::Joints, |world| world.arrange_joints(workers, dt));
-        let prepared = self.prepare_contacts(workers, dt, &mut allowances);
-        self.part(Part::Joints, |world| world.fill_joints(workers, dt));
+        let lost = self.part(Part::Restitution, |world| world.find_impacts(lengths.dt(), &mut allowances));
+        self.part(Part::Joints, |world| world.arrange_joints(workers, lengths));
+        let prepared = self.prepare_contacts(workers, lengths, &mut allowances);
+        self.part(Part::Joints, |world| world.fill_joints(workers, lengths));
         Prepared { shed: prepared.shed + lost, ..prepared }
     }
 
@@ -141,7 +139,6 @@ impl World {
             restitution.clear();
             return 0;
         }
-        let unit = self.settings.length_unit;
         let input = FindInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
@@ -152,16 +149,14 @@ impl World {
             motion: &forces.motion,
             acceleration: &forces.acceleration,
             tweaks: &self.events.tweaks,
-            threshold: self.settings.restitution_threshold * unit,
-            real: TOUCH_DISTANCE * unit,
+            measures: self.settings.measures(),
             dt,
         };
         allowances.within(Category::Scratch, |allowance| find(&input, restitution, allowance))
     }
 
     /// Arranges joints in trees and batches, if they changed, and fills the trees.
-    fn arrange_joints(&mut self, workers: &Workers<'_>, dt: f32) {
-        let lengths = self.lengths(dt);
+    fn arrange_joints(&mut self, workers: &Workers<'_>, lengths: StepLengths) {
         let Buffers { joints: rows, forces, .. } = &mut self.buffers;
         if self.joints.changed {
             let (joints, bodies) = (&mut self.joints, &self.bodies);
@@ -191,21 +186,27 @@ impl World {
         }
     }
 
-    fn prepare_contacts(&mut self, workers: &Workers<'_>, dt: f32, allowances: &mut Allowances) -> Prepared {
+    fn prepare_contacts(
+        &mut self,
+        workers: &Workers<'_>,
+        lengths: StepLengths,
+        allowances: &mut Allowances,
+    ) -> Prepared {
         let ahead = self.room_ahead(allowances);
         if self.needs.rolling > 0 {
             allowances.within(Category::Manifolds, |allowance| self.contacts.fit_rolling(allowance));
         }
         let mut rows = std::mem::take(&mut self.buffers.rows);
         let mut scratch = std::mem::take(&mut self.buffers.prepare);
-        let prepared = prepare(workers, &self.prepare_input(dt, ahead), &mut rows, &mut scratch, allowances);
+        let prepared =
+            prepare(workers, &self.prepare_input(lengths, ahead), &mut rows, &mut scratch, allowances);
         (self.buffers.rows, self.buffers.prepare) = (rows, scratch);
         prepared
     }
 
     /// What the rows of contacts are made from. `ahead`: bytes that those of continuous collision may take.
-    pub(crate) fn prepare_input(&self, dt: f32, ahead: usize) -> PrepareInput<'_> {
-        let (unit, forces) = (self.settings.length_unit, &self.buffers.forces);
+    pub(crate) fn prepare_input(&self, lengths: StepLengths, ahead: usize) -> PrepareInput<'_> {
+        let forces = &self.buffers.forces;
         PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
@@ -215,12 +216,9 @@ impl World {
             pairs: &self.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
-            real: TOUCH_DISTANCE * unit,
-            near: 2.0 * CONTACT_MARGIN * unit,
+            measures: self.settings.measures(),
             ahead,
-            lengths: self.lengths(dt),
-            static_slip_speed: STATIC_SLIP_SPEED * unit,
-            slop: self.settings.slop * unit,
+            lengths,
             order: self.settings.order,
             tree_slots: &self.buffers.joints.tree_slots,
             tweaks: &self.events.tweaks,
@@ -234,15 +232,14 @@ impl World {
             acceleration: &forces.acceleration,
             marks: &[],
             rare: &self.colliders.rare,
-            scale: scale(&self.colliders, &self.bodies, forces, &self.settings, dt),
+            scale: scale(&self.colliders, &self.bodies, forces, &self.settings, lengths.dt()),
         }
     }
 
-    fn fill_joints(&mut self, workers: &Workers<'_>, dt: f32) {
+    fn fill_joints(&mut self, workers: &Workers<'_>, lengths: StepLengths) {
         if self.joints.count == 0 {
             return;
         }
-        let lengths = self.lengths(dt);
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let Buffers { joints: batches, forces, rows, prepare, .. } = &mut self.buffers;
         prepare.crowd.leave_out(|body: usize| joints.of_body(slots[body]).next().is_some());
@@ -263,7 +260,7 @@ impl World {
     }
 
     /// The rows of the step for the solver, and the bodies that they act on.
-    pub(crate) fn solver_input(&mut self, dt: f32) -> SolverInput<'_> {
+    pub(crate) fn solver_input(&mut self, lengths: StepLengths) -> SolverInput<'_> {
         #[cfg(feature = "observe")]
         let witness = self.meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
         #[cfg(not(feature = "observe"))]
@@ -271,7 +268,7 @@ impl World {
         let buffers = &mut self.buffers;
         SolverInput {
             settings: &self.settings,
-            dt,
+            lengths,
             bodies: &mut self.bodies,
             colliders: &self.colliders.all,
             forces: &mut buffers.forces,
@@ -344,8 +341,7 @@ impl World {
     }
 
     /// Stores the loads of contacts. Returns how many pushed before they touched.
-    pub(crate) fn store_contacts(&mut self, workers: &Workers<'_>, dt: f32) -> u32 {
-        let lengths = self.lengths(dt);
+    pub(crate) fn store_contacts(&mut self, workers: &Workers<'_>, lengths: StepLengths) -> u32 {
         let (dynamic, summaries) = (self.bodies.dynamic(), &self.colliders.summaries);
         let solved = self.broad.pairs.iter().filter(|pair| !pair.is_idle(summaries, dynamic));
         let per_point = self.settings.friction_model == FrictionModel::Point;
@@ -356,13 +352,13 @@ impl World {
         }
         let stored = {
             let contacts = self.contacts.share();
-            solver::store(workers, rows, dt, lengths, &contacts)
+            solver::store(workers, rows, lengths, &contacts)
         };
         statics.pending |= stored.unknown_load;
         if per_point {
             // The load of a contact whose points were solved separately is that of its points.
             self.contacts.for_each_of(solved, |_, contact| {
-                statics.pending |= contact.bear(dt, lengths.now());
+                statics.pending |= contact.bear(lengths.dt(), lengths.now());
             });
         }
         stored.pushed
