@@ -2,18 +2,15 @@
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::config::tuning::GHOST_GAP;
-use crate::narrow_phase::{ContactRef, NO_CONTACT, Point, Relative, Support, distance};
+use crate::narrow_phase::{ContactRef, Point, Relative, Support, distance};
 use crate::shape::{Collider, Geometry};
 use crate::world::{Place, World, place_of, relative_now};
 use glam::{DVec3, Vec3};
 
 pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
     for pair in &world.broad.pairs {
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = world.contacts.at(slot);
+        for (_, contact) in world.contacts.chain(pair.contact) {
             draw_contact(world, contact, options, out);
-            slot = contact.next;
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Approach, ContactEnd, ContactEvent, Events, StartOfStep, push};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
-use crate::narrow_phase::{ContactRef, Contacts, NO_CONTACT, Point};
+use crate::narrow_phase::{ContactRef, Contacts, Point};
 
 /// Input of contact events.
 pub(crate) struct Touching<'a> {
@@ -31,9 +31,7 @@ impl Touching<'_> {
         let real = self.settings.measures().touch;
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, ContactRef<'_>, &Point)>);
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = self.contacts.at(slot);
+        for (slot, contact) in self.contacts.chain(pair.contact) {
             let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;
             for point in contact.points() {
@@ -46,7 +44,6 @@ impl Touching<'_> {
                     }
                 }
             }
-            slot = contact.next;
         }
         let began = touches && !pair.touching;
         let shapes = [pair.a, pair.b].map(|c| self.start.colliders.handle(c));

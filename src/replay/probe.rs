@@ -3,7 +3,6 @@
 use super::hash::Hash;
 use super::hooks::Decision;
 use crate::lanes::Record;
-use crate::narrow_phase::NO_CONTACT;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -218,16 +217,13 @@ fn broad(world: &World, hash: &mut Hash) {
 
 fn narrow(world: &World, hash: &mut Hash) {
     for pair in &world.broad.pairs {
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let (own, contact) = (slot, world.contacts.at(slot));
-            slot = contact.next;
+        for (slot, contact) in world.contacts.chain(pair.contact) {
             hash.pair(contact.a, contact.b);
             hash.pair(contact.count.into(), contact.fraction.to_bits());
             hash.vectors(contact.normal, contact.friction);
             hash.number(contact.twist);
             if world.needs.rolling > 0 {
-                hash.vector(world.contacts.rolling(own));
+                hash.vector(world.contacts.rolling(slot));
             }
             hash.pair(contact.lasting_force.to_bits(), contact.static_load.to_bits());
             hash.number(contact.rest);

@@ -131,15 +131,7 @@ impl Groups {
 
 /// Whether a pair touches, or pushed within the step.
 pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
-    let mut slot = pair.contact;
-    while slot != NO_CONTACT {
-        let contact = contacts.at(slot);
-        if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
-            return true;
-        }
-        slot = contact.next;
-    }
-    false
+    contacts.chain(pair.contact).any(|(_, contact)| contact.touches(real))
 }
 
 /// Counts how long bodies have been at rest. Returns whether a dynamic one has been for long enough to fall

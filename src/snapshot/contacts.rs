@@ -101,11 +101,8 @@ pub(super) fn save_contacts<'a>(
     let mut count = 0;
     for (pair, rests) in pairs.filter(|(pair, _)| pair.contact != NO_CONTACT) {
         let kept = rests || may_be_kept(contacts.at(pair.contact));
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = contacts.at(slot);
+        for (slot, contact) in contacts.chain(pair.contact) {
             save_contact(contact, contacts.rolling(slot), kept, out);
-            slot = contact.next;
             count += 1;
         }
     }

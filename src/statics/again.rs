@@ -30,8 +30,8 @@ impl Statics {
         reached.clear();
         let mut bore = false;
         for pair in gone {
-            for slot in chain(remains.contacts, pair.contact) {
-                let Some([upper, lower]) = remains.weighed(remains.contacts.at(slot)) else { continue };
+            for [upper, lower] in remains.contacts.chain(pair.contact).filter_map(|(_, c)| remains.weighed(c))
+            {
                 bore |= lower == own;
                 remains.list(if lower == own { upper } else { lower }, reached);
             }
@@ -68,22 +68,15 @@ impl Remains<'_> {
         let places = self.broad.places_of(self.bodies.colliders[body as usize].as_slice());
         let rest = if places.is_none() { all.as_slice() } else { &[] };
         for pair in places.into_iter().flat_map(Places::into_iter).map(|place| &all[place]).chain(rest) {
-            let mut slot = pair.contact;
-            while slot != NO_CONTACT {
-                let contact = self.contacts.at(slot);
-                let (below, next) = (self.weighed(contact).filter(|[upper, _]| *upper == body), contact.next);
-                if let Some([_, lower]) = below {
+            let mut next = pair.contact;
+            while next != NO_CONTACT {
+                let (slot, contact) = (next, self.contacts.at(next));
+                next = contact.next;
+                if let Some([_, lower]) = self.weighed(contact).filter(|[upper, _]| *upper == body) {
                     self.contacts.at_mut(slot).forget_weight();
                     self.list(lower, reached);
                 }
-                slot = next;
             }
         }
     }
-}
-
-/// The slots of the contacts of a pair, by its first.
-fn chain(contacts: &Contacts, first: u32) -> impl Iterator<Item = u32> + '_ {
-    let some = |slot: u32| Some(slot).filter(|&slot| slot != NO_CONTACT);
-    std::iter::successors(some(first), move |&slot| some(contacts.at(slot).next))
 }

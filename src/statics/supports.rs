@@ -97,10 +97,7 @@ impl Structure<'_> {
             if of_pair == [NOWHERE; 2] {
                 continue;
             }
-            let mut slot = pair.contact;
-            while slot != NO_CONTACT {
-                let contact = self.contacts.at(slot);
-                slot = contact.next;
+            for (_, contact) in self.contacts.chain(pair.contact) {
                 let normal = contact.frame * contact.normal;
                 let steep = normal.dot(rest.up);
                 if contact.is_unknown() || steep.abs() < STEEPEST_SUPPORT || contact.bears() == 0.0 {

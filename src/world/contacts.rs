@@ -101,14 +101,9 @@ impl World {
 
     /// The contacts of a pair that touch or pushed; `turned`: with the second shape as the first.
     fn contacts_of_pair(&self, pair: &Pair, turned: bool) -> impl Iterator<Item = BodyContact> + '_ {
-        let touching = self.settings.measures().touch;
-        let next = |slot: u32| Some(slot).filter(|&slot| slot != NO_CONTACT);
-        let all = std::iter::successors(next(pair.contact), move |&slot| next(self.contacts.at(slot).next));
-        all.map(|slot| self.contacts.at(slot))
-            .filter(move |contact| {
-                contact.points().iter().any(|p| p.separation <= touching || p.impulse > 0.0)
-            })
-            .map(move |contact| self.body_contact(contact, turned))
+        let touch = self.settings.measures().touch;
+        let met = self.contacts.chain(pair.contact).filter(move |(_, contact)| contact.touches(touch));
+        met.map(move |(_, contact)| self.body_contact(contact, turned))
     }
 
     fn body_contact(&self, contact: ContactRef<'_>, turned: bool) -> BodyContact {

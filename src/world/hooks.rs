@@ -200,12 +200,7 @@ impl World {
             let listed = passes && allowance.push(vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
             self.events.lost += u32::from(passes && !listed);
             if listed {
-                let mut slot = pair.contact;
-                while slot != NO_CONTACT {
-                    let mut contact = self.contacts.at_mut(slot);
-                    (contact.count, contact.pushed) = (0, false);
-                    slot = contact.next;
-                }
+                self.contacts.for_each_of([&pair], |_, contact| (contact.count, contact.pushed) = (0, false));
             }
         }
         self.events.vetoed.sort_unstable();

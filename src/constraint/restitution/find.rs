@@ -154,12 +154,9 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     if own.0 <= 0.0 && input.tweaks.is_empty() && y.geometry.materials().is_empty() {
         return;
     }
-    let mut slot = pair.contact;
-    while slot != NO_CONTACT {
-        let contact = input.contacts.at(slot);
+    for (slot, contact) in input.contacts.chain(pair.contact) {
         // The spring of a soft contact throws back what it stops.
         if x.is_soft(0) || y.is_soft(contact.material) {
-            slot = contact.next;
             continue;
         }
         let tweak = tweak_of(input.tweaks, slot as usize);
@@ -196,7 +193,6 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
                 return;
             }
         }
-        slot = contact.next;
     }
 }
 

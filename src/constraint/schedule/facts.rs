@@ -150,13 +150,8 @@ fn each_of<'a>(input: &PrepareInput<'a>, pairs: Range<usize>, mut f: impl FnMut(
         if pair.contact == NO_CONTACT || pair.is_idle(input.summaries, dynamic) {
             continue;
         }
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = input.contacts.at(slot);
-            if contact.count > 0 {
-                f(slot, contact);
-            }
-            slot = contact.next;
+        for (slot, contact) in input.contacts.chain(pair.contact).filter(|(_, contact)| contact.count > 0) {
+            f(slot, contact);
         }
     }
 }

@@ -249,6 +249,11 @@ impl<'a> ContactRef<'a> {
         Contact { header: *self.header, points }
     }
 
+    /// Whether it touches, or pushed within the step. `real`: largest separation that counts as touching [m].
+    pub(crate) fn touches(self, real: f32) -> bool {
+        self.points.iter().any(|p| p.separation <= real || p.impulse > 0.0)
+    }
+
     /// Whether it touches and statics has not estimated its load yet. `real`: largest separation that counts
     /// as touching [m].
     pub(crate) fn touches_anew(self, real: f32) -> bool {

@@ -80,7 +80,7 @@ impl MeshBlock {
         for (&Looked { pair, start, end }, (more, _)) in self.looked.iter().zip(self.more(pairs, contacts)) {
             let new: u32 = self.many[start as usize..end as usize].iter().map(|found| found.raw.size()).sum();
             let slot = pairs[pair as usize].contact;
-            let old: usize = contacts.chain(slot).map(|contact| contact.points().len()).sum();
+            let old: usize = contacts.chain(slot).map(|(_, contact)| contact.points().len()).sum();
             count.contacts += more.len();
             count.points += (new as usize).saturating_sub(old);
         }
@@ -126,7 +126,7 @@ impl Exchange<'_> {
             let pair = &mut pairs[pair as usize];
             let now = FoundAt::of(pair, input, 0.0);
             chain.clear();
-            for contact in contacts.chain(pair.contact) {
+            for (_, contact) in contacts.chain(pair.contact) {
                 // The worst case is an impulse that is not inherited.
                 allowance.push(chain, contact.to_owned());
             }

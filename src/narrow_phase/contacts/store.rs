@@ -107,13 +107,15 @@ impl Contacts {
         }
     }
 
-    /// Slots that a chain of contacts goes through.
-    pub(crate) fn chain(&self, first: u32) -> impl Iterator<Item = ContactRef<'_>> {
-        let mut slot = first;
+    /// The contacts of a chain, each with its slot.
+    #[inline(always)]
+    pub(crate) fn chain(&self, first: u32) -> impl Iterator<Item = (u32, ContactRef<'_>)> {
+        let mut next = first;
         std::iter::from_fn(move || {
+            let slot = next;
             let contact = (slot != NO_CONTACT).then(|| self.at(slot))?;
-            slot = contact.next;
-            Some(contact)
+            next = contact.next;
+            Some((slot, contact))
         })
     }
 
@@ -325,12 +327,10 @@ impl Contacts {
 
     /// The sum of them over a chain.
     pub(crate) fn rolling_of_chain(&self, first: u32) -> Vec3 {
-        let (mut slot, mut sum) = (first, Vec3::ZERO);
-        while slot != NO_CONTACT && !self.rolling.is_empty() {
-            sum += self.rolling(slot);
-            slot = self.slots[slot as usize].header.next;
+        if self.rolling.is_empty() {
+            return Vec3::ZERO;
         }
-        sum
+        self.chain(first).fold(Vec3::ZERO, |sum, (slot, _)| sum + self.rolling(slot))
     }
 
     /// Sets that of a contact; `allowance`: for the column.
@@ -381,7 +381,7 @@ impl Contacts {
 
     /// How many contacts of a chain pushed in the last step.
     pub(crate) fn count_pushed(&self, slot: u32) -> u32 {
-        self.chain(slot).map(|contact| u32::from(contact.pushed)).sum()
+        self.chain(slot).map(|(_, contact)| u32::from(contact.pushed)).sum()
     }
 
     /// Live and reserved bytes.

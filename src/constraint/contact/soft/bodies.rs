@@ -8,7 +8,6 @@
 use crate::constraint::contact::input::PrepareInput;
 use crate::lanes::Record;
 use crate::memory::Allowance;
-use crate::narrow_phase::NO_CONTACT;
 
 /// Bits of a body's mark: it has a soft contact; something else holds it.
 const YIELDS: u8 = 1;
@@ -23,10 +22,8 @@ pub(crate) fn mark(marks: &mut Vec<u8>, input: &PrepareInput<'_>, allowance: &mu
         return;
     }
     marks.resize(dynamic, 0);
-    for pair in pairs.iter().filter(|pair| pair.contact != NO_CONTACT) {
-        let mut slot = pair.contact;
-        while slot != NO_CONTACT {
-            let contact = contacts.at(slot);
+    for pair in pairs {
+        for (_, contact) in contacts.chain(pair.contact) {
             let [a, b] = [contact.a, contact.b].map(|c| &colliders[c as usize]);
             let is_soft = a.is_soft(0) || b.is_soft(contact.material);
             let mark = if is_soft { YIELDS } else { HELD };
@@ -35,7 +32,6 @@ pub(crate) fn mark(marks: &mut Vec<u8>, input: &PrepareInput<'_>, allowance: &mu
                     *own |= mark;
                 }
             }
-            slot = contact.next;
         }
     }
     if joints.count > 0 {
