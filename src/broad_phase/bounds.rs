@@ -145,27 +145,12 @@ impl MapWith for Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::{BaseMaterial, Filter};
     use glam::{EulerRot, dvec3, vec3};
     use std::sync::Arc;
 
-    fn collider(geometry: Geometry, size: [f32; 4]) -> Collider {
-        Collider {
-            kind: Kind::of(&geometry),
-            body: 0,
-            place: 0,
-            size,
-            position: vec3(0.3, -0.2, 0.1),
-            rotation: Quat::from_rotation_z(0.4),
-            radius: 3.0,
-            inner_radius: 0.1,
-            geometry,
-            material: BaseMaterial::default(),
-            filter: Filter::default(),
-            density: 1000.0,
-            flags: 0,
-            user_data: 0,
-        }
+    fn collider(geometry: Geometry) -> Collider {
+        let (position, rotation) = (vec3(0.3, -0.2, 0.1), Quat::from_rotation_z(0.4));
+        Collider { position, rotation, ..Collider::new(geometry) }
     }
 
     /// The furthest point of a shape along a direction of its own frame, by definition.
@@ -195,17 +180,11 @@ mod tests {
         let points: Vec<Vec3> = (0..20).map(corner).collect();
         let hull = ConvexHull::new(&points).unwrap();
         let shapes = [
-            collider(Geometry::Sphere { radius: 0.7 }, [0.7, 0.0, 0.0, 0.0]),
-            collider(
-                Geometry::Capsule { half_height: 1.2, radius_bottom: 0.5, radius_top: 0.2 },
-                [1.2, 0.5, 0.2, 0.0],
-            ),
-            collider(Geometry::cuboid(0.5, 1.0, 2.0), [0.5, 1.0, 2.0, 0.0]),
-            collider(
-                Geometry::Cylinder { half_height: 0.8, radius_bottom: 0.6, radius_top: 0.0 },
-                [0.8, 0.6, 0.0, 0.0],
-            ),
-            collider(Geometry::Hull(Arc::new(hull)), [0.0; 4]),
+            collider(Geometry::Sphere { radius: 0.7 }),
+            collider(Geometry::Capsule { half_height: 1.2, radius_bottom: 0.5, radius_top: 0.2 }),
+            collider(Geometry::cuboid(0.5, 1.0, 2.0)),
+            collider(Geometry::Cylinder { half_height: 0.8, radius_bottom: 0.6, radius_top: 0.0 }),
+            collider(Geometry::Hull(Arc::new(hull))),
         ];
         for (at, tight) in [(dvec3(1.0, 2.0, 3.0), 5e-6), (dvec3(1e7 + 0.3, -1e7, 12_345.678), 1.01)] {
             for i in 0..200 {
@@ -229,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_level_plane_ends_at_its_surface_and_a_tilted_one_nowhere() {
-        let mut plane = collider(Geometry::Plane, [0.0; 4]);
+        let mut plane = collider(Geometry::Plane);
         (plane.position, plane.rotation) = (Vec3::ZERO, Quat::IDENTITY);
         let level = aabb_of(&plane, dvec3(5.0, 2.0, 0.0), Quat::IDENTITY);
         assert_eq!(level.max, vec3(f32::INFINITY, 2.0, f32::INFINITY));

@@ -3,7 +3,7 @@
 use crate::math::Quat;
 use crate::narrow_phase::cast::motion::BodyPath;
 use crate::random::Random;
-use crate::shape::{BaseMaterial, Collider, ConvexHull, Filter, Geometry, Kind};
+use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DQuat, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -67,31 +67,7 @@ pub(crate) const CONVEX: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Ki
 
 /// A shape in the middle of its body.
 pub(crate) fn collider(geometry: Geometry) -> Collider {
-    let size = match geometry {
-        Geometry::Sphere { radius } => [radius, 0.0, 0.0, 0.0],
-        Geometry::Capsule { half_height, radius_bottom, radius_top }
-        | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            [half_height, radius_bottom, radius_top, 0.0]
-        }
-        Geometry::Box { half_extents: h } => [h.x, h.y, h.z, 0.0],
-        _ => [0.0; 4],
-    };
-    Collider {
-        kind: Kind::of(&geometry),
-        body: 0,
-        place: 0,
-        size,
-        position: Vec3::ZERO,
-        rotation: Quat::IDENTITY,
-        radius: geometry.radius(),
-        inner_radius: geometry.inner_radius(),
-        geometry,
-        material: BaseMaterial::default(),
-        filter: Filter::default(),
-        density: 1000.0,
-        flags: 0,
-        user_data: 0,
-    }
+    Collider { body: 0, ..Collider::new(geometry) }
 }
 
 /// How far a point is inside a convex shape's surface along the direction in which it is least so, by

@@ -1,7 +1,7 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
-use super::flags::{EVENTS, HOOKS, SENSOR, SOFT, STATICS};
-use super::{BaseMaterial, Filter, Geometry, Material, ShapeDesc};
+use super::flags::{EVENTS, HOOKS, RARE, SENSOR, SOFT, STATICS};
+use super::{BaseMaterial, Filter, Geometry, Material, RareMaterial, ShapeDesc};
 use crate::config::Continuous;
 use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
@@ -91,25 +91,53 @@ impl Collider {
         let along = |i: usize, k: usize| turn[i] * reach[k] + turn[k] * reach[i];
         Vec3::new(along(1, 2), along(2, 0), along(0, 1)).length()
     }
-    /// A shape on a body of its own, whose frame is that of the body.
-    pub(crate) fn of(shape: &ShapeDesc) -> Collider {
-        let geometry = &shape.geometry;
+    /// A form on no body, by itself.
+    pub(crate) fn new(geometry: Geometry) -> Collider {
         Collider {
-            kind: Kind::of(geometry),
-            body: 0,
+            kind: Kind::of(&geometry),
+            body: u32::MAX,
             place: 0,
             size: geometry.size(),
-            position: shape.position,
-            rotation: Quat::from(shape.rotation).normalize(),
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
             radius: geometry.radius(),
             inner_radius: geometry.inner_radius(),
-            geometry: geometry.clone(),
+            material: BaseMaterial::default(),
+            filter: Filter::default(),
+            density: ShapeDesc::default_density(),
+            flags: geometry.rare_flags(),
+            user_data: 0,
+            geometry,
+        }
+    }
+
+    /// A shape on a body of its own, whose frame is that of the body.
+    pub(crate) fn of(shape: &ShapeDesc) -> Collider {
+        Collider {
+            position: shape.position,
+            rotation: Quat::from(shape.rotation).normalize(),
             material: shape.material.base(),
             filter: shape.filter,
             density: shape.density,
             flags: shape.flags(),
             user_data: shape.user_data,
+            ..Collider::new(shape.geometry.clone())
         }
+    }
+
+    /// Replaces its form, and what follows from that. `own`: the rare part of its material.
+    pub(crate) fn set_geometry(&mut self, geometry: Geometry, own: RareMaterial) {
+        let form = Collider::new(geometry);
+        let flags = self.flags & !RARE | own.flags() | form.flags;
+        let Collider { body, place, position, rotation, material, filter, density, user_data, .. } = *self;
+        *self =
+            Collider { body, place, position, rotation, material, filter, density, flags, user_data, ..form };
+    }
+
+    /// Replaces its material, and what follows from that but for the column of rare ones.
+    pub(crate) fn set_material(&mut self, material: &Material) {
+        self.material = material.base();
+        self.flags = self.flags & !RARE | material.rare().flags() | self.geometry.rare_flags();
     }
 
     pub(crate) fn is_sensor(&self) -> bool {

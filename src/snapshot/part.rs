@@ -463,20 +463,14 @@ fn read_collider(
         return Err(broken("a material"));
     }
     let collider = Collider {
-        kind: Kind::of(&geometry),
-        body: u32::MAX,
-        place: 0,
-        size: geometry.size(),
         position,
         rotation,
-        radius: geometry.radius(),
-        inner_radius: geometry.inner_radius(),
-        geometry,
         material: material.base(),
         filter,
         density,
         flags,
         user_data,
+        ..Collider::new(geometry)
     };
     let fixed = kind == BodyKind::Static;
     let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };

@@ -4,10 +4,10 @@ use crate::body::{BodyKind, Odometer, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
 use crate::math::Quat;
-use crate::shape::{BaseMaterial, Collider, Filter, Geometry, Kind, RareMaterial, ShapeDesc};
+use crate::shape::{Collider, Geometry, RareMaterial, ShapeDesc};
 use crate::statics::Remains;
 use crate::world::{Needs, World};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 impl World {
     pub(in crate::world) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
@@ -59,22 +59,7 @@ impl World {
 
     /// Removes all shapes, and prepares so many slots.
     pub(crate) fn clear_colliders(&mut self, slots: usize) {
-        let nothing = Collider {
-            kind: Kind::Plane,
-            body: u32::MAX,
-            place: 0,
-            size: [0.0; 4],
-            position: Vec3::ZERO,
-            rotation: Quat::IDENTITY,
-            radius: 0.0,
-            inner_radius: 0.0,
-            geometry: Geometry::Plane,
-            material: BaseMaterial::default(),
-            filter: Filter::default(),
-            density: 0.0,
-            flags: 0,
-            user_data: 0,
-        };
+        let nothing = Collider::new(Geometry::Plane);
         let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
         let shapes = &mut self.colliders;
         self.assets.list.clear();

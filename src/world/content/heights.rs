@@ -245,10 +245,9 @@ impl World {
             self.leave_broad(collider);
         }
         let World { colliders, needs, assets, bodies, .. } = self;
+        let rare = colliders.rare(collider);
         let own = &mut colliders.all[collider as usize];
-        own.geometry = Geometry::HeightField(field);
-        own.size = own.geometry.size();
-        (own.radius, own.inner_radius) = (own.geometry.radius(), own.geometry.inner_radius());
+        own.set_geometry(Geometry::HeightField(field), rare);
         needs.count(own, 1);
         assets.add(&own.geometry);
         colliders.summaries[collider as usize] = own.summaries(bodies.mode(own.body as usize));

@@ -7,7 +7,7 @@ use crate::handle::ShapeHandle;
 use crate::limits;
 use crate::limits::unit_quat;
 use crate::math::Quat;
-use crate::shape::{Collider, Geometry, Kind, MassProperties, RARE};
+use crate::shape::{Collider, Geometry, MassProperties};
 use crate::world::{Change, World};
 use glam::Vec3;
 
@@ -49,17 +49,11 @@ impl World {
         let mass = self.mass_with(collider, &Part { geometry: &geometry, ..self.part_of(collider) })?;
         self.reserve_for_geometry(&geometry)?;
         self.note(Change::SetGeometry(shape, &geometry));
-        let own = self.colliders.rare(collider).flags();
+        let own = self.colliders.rare(collider);
         // Its bytes count before the ends of pairs take any.
         let kept = geometry.clone();
         self.assets.add(&kept);
-        self.reshape(collider, mass, |collider, _| {
-            collider.kind = Kind::of(&geometry);
-            collider.flags = collider.flags & !RARE | own | geometry.rare_flags();
-            collider.size = geometry.size();
-            (collider.radius, collider.inner_radius) = (geometry.radius(), geometry.inner_radius());
-            collider.geometry = geometry;
-        });
+        self.reshape(collider, mass, |collider, _| collider.set_geometry(geometry, own));
         self.assets.remove(&kept);
         Ok(())
     }

@@ -123,10 +123,7 @@ impl World {
         self.revise(body);
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
-        collider.material = material.base();
-        collider.flags = collider.flags & (SENSOR | EVENTS | HOOKS | STATICS)
-            | rare.flags()
-            | collider.geometry.rare_flags();
+        collider.set_material(&material);
         self.needs.count(collider, 1);
         self.colliders.summaries[index].flags = collider.flags;
         self.colliders.set_rare(index as u32, rare);

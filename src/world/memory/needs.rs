@@ -1,6 +1,7 @@
 //! Features that the content of the world requires of a step: counted when content is added, changed or
 //! removed, never searched for.
 
+use crate::constraint::Beside;
 use crate::shape::{BELT, Collider, EVENTS, HOOKS, Kind, Material, RARE, ROLLS, SENSOR, SOFT, STATICS};
 
 /// Numbers of shapes that need a feature; a feature that nothing needs costs nothing.
@@ -30,6 +31,11 @@ pub(crate) struct Needs {
 }
 
 impl Needs {
+    /// What rows of contacts have beside them.
+    pub(in crate::world) fn beside(&self) -> Beside {
+        Beside { surfaces: self.belts > 0, rolling: self.rolling > 0, soft: self.soft > 0 }
+    }
+
     /// Counts a collider that is added (1) or removed (-1).
     pub(in crate::world) fn count(&mut self, collider: &Collider, change: i32) {
         let has = |flag: u8| collider.flags & flag != 0;

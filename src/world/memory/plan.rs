@@ -3,12 +3,12 @@
 use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
-use crate::constraint::{Beside, JOINT_BYTES};
+use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointAdditions, JointDesc};
 use crate::memory::{Amounts, Category};
 use crate::narrow_phase::{ContactCount, FRESH_BYTES};
-use crate::shape::{BELT, ROLLS, SOFT};
-use crate::world::World;
+use crate::shape::Collider;
+use crate::world::{Needs, World};
 use glam::Vec3;
 
 /// Maximum numbers of pairs, contacts and other content that varies from step to step.
@@ -75,19 +75,10 @@ fn planned<'a>(
 ) -> Amounts {
     // No body is ever added to it: it only provides sizes.
     let mut empty = World { settings: settings.clone(), ..World::default() };
-    let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
-    let mut beside = Beside { surfaces: false, rolling: false, soft: false };
-    let friction = shapes.fold(false, |friction, shape| {
-        let materials = std::iter::once(&shape.material).chain(shape.geometry.materials());
-        materials.fold(friction || shape.hooks, |friction, material| {
-            let flags = material.rare().flags();
-            beside.rolling |= flags & ROLLS != 0;
-            beside.surfaces |= flags & BELT != 0;
-            beside.soft |= flags & SOFT != 0;
-            let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
-            friction || rubs || flags & ROLLS != 0
-        })
-    });
+    let mut needs = Needs::default();
+    let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes);
+    shapes.for_each(|shape| needs.count(&Collider::of(shape), 1));
+    let (friction, beside) = (needs.friction > 0, needs.beside());
     let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
 
     let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());

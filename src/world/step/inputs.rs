@@ -6,8 +6,7 @@ use crate::broad_phase::PairMemory;
 use crate::config::tuning::{CAST_MOTION, JOINT_HOLD_TIME, RECYCLE_DISTANCE};
 use crate::config::{ContinuousMethod, FrictionModel, Measures, Settings};
 use crate::constraint::{
-    Beside, FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend,
-    prepare,
+    FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend, prepare,
 };
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
@@ -92,8 +91,7 @@ impl World {
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let (friction, model) = (self.needs.friction > 0, self.settings.friction_model);
-        let needs = &self.needs;
-        let beside = Beside { surfaces: needs.belts > 0, rolling: needs.rolling > 0, soft: needs.soft > 0 };
+        let beside = self.needs.beside();
         let mut lists = statics.lists();
         if beside.rolling {
             lists.0 += size_of::<Vec3>();
