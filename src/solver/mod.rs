@@ -154,33 +154,39 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         impulses: input.impulses,
         witness: input.witness.map(|witness| witness as &mut dyn Witness),
     };
-    let mut in_range = true;
-    for substep in 0..settings.substeps {
-        substeps.solve_impacts(substep);
-        let check = substeps.integrate_velocities(substep);
-        if substep == 0 {
-            passes.run(PassKind::WarmStart);
-        }
-        substeps.carry(substep);
-        passes.predict_trees();
-        for _ in 0..settings.iterations {
-            passes.run(PassKind::Solve);
-        }
-        let check = substeps.hold_back(check);
-        in_range &= substeps.integrate_displacements();
-        substeps.advance_impacts_and_trees();
-        // If friction of what pushed before it touched shifts much load, points share it in one more pass.
-        let potential_points_push = passes.run(PassKind::Relax);
-        if potential_points_push && substeps.solve_impact_friction() {
-            passes.run(PassKind::Relax);
-        }
-        substeps.end(check);
-    }
+    let in_range = (0..settings.substeps).fold(true, |in_range, substep| substeps.run(substep) && in_range);
     integrator.mark_relaxed();
     substeps.release_standing_bodies();
     joints.nets = nets;
     joints.stages = joint_stages;
     in_range
+}
+
+impl Substeps<'_> {
+    /// One substep. Returns whether all velocities stayed in range.
+    fn run(&mut self, substep: u32) -> bool {
+        let Context { passes, settings, .. } = self.context;
+        self.solve_impacts(substep);
+        let check = self.integrate_velocities(substep);
+        if substep == 0 {
+            passes.run(PassKind::WarmStart);
+        }
+        self.carry(substep);
+        passes.predict_trees();
+        for _ in 0..settings.iterations {
+            passes.run(PassKind::Solve);
+        }
+        let check = self.hold_back(check);
+        let in_range = self.integrate_displacements();
+        self.advance_impacts_and_trees();
+        // If friction of what pushed before it touched shifts much load, points share it in one more pass.
+        let potential_points_push = passes.run(PassKind::Relax);
+        if potential_points_push && self.solve_impact_friction() {
+            passes.run(PassKind::Relax);
+        }
+        self.end(check);
+        in_range
+    }
 }
 
 /// The operation of a pass.

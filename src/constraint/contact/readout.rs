@@ -1,7 +1,7 @@
 //! The rows and their impulses, read lane by lane, for the lab.
 
 use super::batch::{Batch, BatchRef};
-use super::friction::FrictionView;
+use super::friction::{FrictionRow, FrictionView};
 use super::rows::{Views, with_batch};
 use crate::constraint::joint::run::JointViews;
 use crate::constraint::joint::store::{Report, RowImpulse, report_locks, report_motors};
@@ -134,45 +134,14 @@ impl Views<'_> {
         // SAFETY: by the contract.
         let mut rolling = if potential { None } else { unsafe { self.rolling_of(batch) } };
         for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
-            let mut out = ContactLane {
-                part: batch.contact[lane],
-                potential,
-                normal: batch.normal.lane(lane),
-                // A static body is replaced by the first one.
-                bodies: (
-                    batch.a[lane],
-                    batch.b.first().map(|b| b.index[lane]).filter(|b| *b != batch.a[lane]),
-                ),
-                points: [PointLane::default(); 4],
-                count: 0,
-                friction: None,
-                rolling: None,
-                impact: impact.map(|row| ImpactLane {
-                    coefficient: row.coefficient.lane(lane),
-                    along: row.along.lane(lane),
-                    to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
-                }),
-            };
-            // A missing point has an infinite separation.
-            for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {
-                out.points[out.count] = PointLane {
-                    arms: [
-                        point.arm_a.lane(lane),
-                        point.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane)),
-                    ],
-                    separation: point.separation.lane(lane),
-                    impulse: point.impulse.lane(lane),
-                };
-                out.count += 1;
-            }
-            out.friction = rows.as_ref().map(|f| FrictionLane {
-                tangent: f.tangent.lane(lane),
-                arms: [f.arm_a.lane(lane), f.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane))],
-                coefficient: f.coefficient.lane(lane),
-                radius: f.radius.lane(lane),
-                surface: self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane])),
-                impulse: [f.impulse[0].lane(lane), f.impulse[1].lane(lane), f.twist.lane(lane)],
+            let mut out = ContactLane { potential, ..ContactLane::of(batch, lane) };
+            out.impact = impact.map(|row| ImpactLane {
+                coefficient: row.coefficient.lane(lane),
+                along: row.along.lane(lane),
+                to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
             });
+            let surface = self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane]));
+            out.friction = rows.as_ref().map(|row| FrictionLane { surface, ..FrictionLane::of(row, lane) });
             let resists = rolling.as_ref().map(|row| RollingLane {
                 arm: row.arm[lane],
                 spin_arm: row.spin_arm[lane],
@@ -190,10 +159,52 @@ impl Views<'_> {
                 friction.twist.set_lane(lane, friction_impulses[2]);
             }
             if let (Some(row), Some(_)) = (&mut rolling, out.rolling) {
-                for (impulse, new) in row.impulse.iter_mut().zip(rolls) {
-                    impulse[lane] = new;
-                }
+                row.impulse.iter_mut().zip(rolls).for_each(|(impulse, new)| impulse[lane] = new);
             }
+        }
+    }
+}
+
+impl ContactLane {
+    /// The normal rows of a lane.
+    fn of<L: Lanes, const P: usize, const B: usize>(batch: &Batch<L, P, B>, lane: usize) -> ContactLane {
+        let other = batch.b.first().map(|b| b.index[lane]);
+        let mut out = ContactLane {
+            part: batch.contact[lane],
+            potential: false,
+            normal: batch.normal.lane(lane),
+            // A static body is replaced by the first one.
+            bodies: (batch.a[lane], other.filter(|b| *b != batch.a[lane])),
+            points: [PointLane::default(); 4],
+            count: 0,
+            friction: None,
+            rolling: None,
+            impact: None,
+        };
+        // A missing point has an infinite separation.
+        for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {
+            let arm_b = point.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane));
+            out.points[out.count] = PointLane {
+                arms: [point.arm_a.lane(lane), arm_b],
+                separation: point.separation.lane(lane),
+                impulse: point.impulse.lane(lane),
+            };
+            out.count += 1;
+        }
+        out
+    }
+}
+
+impl FrictionLane {
+    /// The friction rows of a lane, on surfaces that do not move.
+    fn of<L: Lanes, const B: usize>(row: &FrictionRow<L, B>, lane: usize) -> FrictionLane {
+        FrictionLane {
+            tangent: row.tangent.lane(lane),
+            arms: [row.arm_a.lane(lane), row.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane))],
+            coefficient: row.coefficient.lane(lane),
+            radius: row.radius.lane(lane),
+            surface: [0.0; 2],
+            impulse: [row.impulse[0].lane(lane), row.impulse[1].lane(lane), row.twist.lane(lane)],
         }
     }
 }
