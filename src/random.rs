@@ -2,7 +2,7 @@
 //! `examples/`: the same on every machine and in every run.
 #![allow(dead_code, reason = "each user has a use for a part of it")]
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014), by its state:
 /// the numbers of the `Rng` with which scenes are made.
@@ -100,11 +100,11 @@ impl Random {
     }
 
     /// Any rotation, not evenly.
-    pub(crate) fn rotation(&mut self) -> Quat {
+    pub(crate) fn rotation(&mut self) -> glam::Quat {
         // By hand: glam sums in another order on each instruction set.
         let q = self.cube().extend(self.range(0.01, 1.0)).to_array();
         let scale = 1.0 / q.iter().map(|part| part * part).sum::<f32>().sqrt();
-        Quat::from_array(q.map(|part| part * scale))
+        glam::Quat::from_array(q.map(|part| part * scale))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Benchmarks of nearby pairs of shapes. An element is a pair.
 
 use super::Kernel;
+use crate::config::tuning::CONTACT_MARGIN;
 use crate::lanes::{Lanes, with_best};
 use crate::math::Quat;
 use crate::narrow_phase::kernels::{
@@ -19,8 +20,9 @@ use std::sync::Arc;
 
 /// Too many for the branch predictor to memorise, and few enough for L2.
 const PAIRS: usize = 512;
-/// What the step adds to a body's motion [m].
-const MARGIN: f32 = 0.02;
+// Guard: ends the range in which points are looked for.
+/// What the step adds to the motions of two bodies [m].
+const MARGIN: f32 = 2.0 * CONTACT_MARGIN;
 
 fn sphere() -> Collider {
     collider(Geometry::Sphere { radius: 0.4 })

@@ -4,6 +4,7 @@ use super::Kernel;
 use crate::broad_phase::kernels::Tree;
 use crate::broad_phase::{Aabb, BroadPhase, Mover, Pair, PairMemory, Rules};
 use crate::config::Continuous;
+use crate::config::tuning::FAT_MARGIN;
 use crate::memory::Allowances;
 use crate::threads::Workers;
 use glam::{Vec3, vec3};
@@ -17,8 +18,6 @@ struct Crowd {
 }
 
 const CUBES: u32 = 16 * 16 * 16;
-/// How far boxes are kept beyond what is in them [m].
-const MARGIN: f32 = 0.1;
 
 /// At rest, falling, with bullets; and building a tree of all.
 pub fn kernels() -> Vec<Kernel> {
@@ -73,7 +72,7 @@ impl Crowd {
         let order = |i: u32, j: u32| (i.min(j), i.max(j));
         let rules = Rules { may_collide: &|_, _| true, order: &order, missing: &|_| 0, still: false };
         self.broad.start_movers();
-        self.broad.place_movers(&self.movers, MARGIN);
+        self.broad.place_movers(&self.movers, FAT_MARGIN);
         let allowances = &mut Allowances::ENDLESS.clone();
         let mut memory = PairMemory { allowances, give_up: &mut |_| 0 };
         self.broad.update_within(&Workers::alone(), &rules, &mut self.removed, &mut memory);

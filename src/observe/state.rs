@@ -71,6 +71,7 @@ fn each_of_joints(world: &mut World, mut visit: impl FnMut(&mut f32)) {
 /// State variables of a body, three each: position, rotation, linear and angular velocity.
 pub const BODY_VARIABLES: usize = 12;
 
+// Guard: keeps the unit of impulse far above rounding of poses.
 /// The unit of impulse is the weight of this many bodies over a substep: contacts are stiff, and rounding of
 /// poses alone shifts their loads by a thousandth of a weight. A displacement of 5e-5 is then 0.5 % of one.
 const STIFF: f64 = 100.0;

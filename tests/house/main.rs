@@ -12,7 +12,7 @@
 //! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in
 //!   `src/limits.rs`: elsewhere `const NAME: f32` and `f64` are no choices, and a comment above says which
 //!   kind they are: `// Rounding: ...` bounds rounding errors, `// Sentinel: ...` marks a state,
-//!   `// Guard: ...` ends a range or a search. Unit tests, `bench/` and `observe/` may have others.
+//!   `// Guard: ...` ends a range or a search. Unit tests may have others.
 //! - glam's types whose arithmetic differs between instruction sets are not imported: engine code computes
 //!   with `crate::math::Quat`, and says `glam::Quat` where a caller passes or gets one. Tests may.
 //! - Paths, types and functions that pages name in backticks exist.
@@ -42,8 +42,8 @@ const PACKAGES: &[&str] = &["", "crates/command/", "crates/lab/", "crates/scene/
 /// Folders whose files may know each other in circles of any size until they are rebuilt.
 const KNOTTED: &[&str] = &["src/constraint/articulation/", "src/constraint/joint/"];
 
-/// Files and folders that may have float constants of any kind.
-const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs", "src/bench/", "src/observe/"];
+/// Files whose purpose float constants are.
+const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs"];
 
 /// Beginnings of the comment above a float constant that is no choice.
 const MARKS: &[&str] = &["// Rounding:", "// Sentinel:", "// Guard:"];
@@ -103,12 +103,11 @@ fn long_lines(sources: &[Source]) -> Vec<String> {
 }
 
 fn stray_constants(sources: &[Source]) -> Vec<String> {
-    let free = |path: &str| TUNED.iter().any(|free| path.starts_with(free));
     let tests: Vec<String> = sources.iter().flat_map(Source::test_modules).collect();
     let is_test =
         |path: &str| tests.iter().any(|t| path == format!("{t}.rs") || path.starts_with(&format!("{t}/")));
     let mut offences = Vec::new();
-    for source in sources.iter().filter(|s| !free(&s.path) && !is_test(&s.path)) {
+    for source in sources.iter().filter(|s| !TUNED.contains(&&*s.path) && !is_test(&s.path)) {
         let lines: Vec<String> = source.chars.split(|&c| c == '\n').map(String::from_iter).collect();
         for at in words(&source.code, "const").into_iter().filter(|&at| !source.is_for_tests(at)) {
             let name_at = skip_space(&source.code, at + "const".len());
@@ -132,10 +131,8 @@ fn stray_constants(sources: &[Source]) -> Vec<String> {
 
 /// Imports of types whose bits depend on the target.
 fn imports_of_simd(sources: &[Source]) -> Vec<String> {
-    let free = ["src/random.rs"];
-    let engine = sources.iter().filter(|s| !free.iter().any(|place| s.path.starts_with(place)));
     let mut offences = Vec::new();
-    for source in engine.filter(|s| !s.path.ends_with("tests.rs")) {
+    for source in sources.iter().filter(|s| !s.path.ends_with("tests.rs")) {
         let text: String = source.code.iter().collect();
         // Unit tests at the end of a file are indented.
         for import in text.split("\nuse glam::").skip(1) {
