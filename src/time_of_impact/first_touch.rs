@@ -20,9 +20,9 @@ impl Touch {
     pub(super) const NEVER: Touch = Touch { time: 2.0, normal: Vec3::Y };
 }
 
-/// When the shapes first touch, as a fraction of the paths. What touches at their beginning doesn't count, nor
-/// does a triangle in whose plane a shape slides: the contacts of the start of the step have handled these.
-/// `share`: of the engine's own tolerance for a touch.
+/// When the shapes first touch, as a fraction of the paths. What touches at their beginning doesn't count,
+/// nor does a triangle in whose plane a shape slides: the contacts of the start of the step have handled
+/// these. `share`: of the engine's own tolerance for a touch.
 pub(super) fn first_touch(
     a: &Collider,
     path_a: &BodyPath,
