@@ -75,7 +75,7 @@ impl Trees<'_> {
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         let views = self.joints.views();
         // SAFETY: there is no other thread.
-        unsafe { JointRows::close(&views, slot.place().0, &motion, &self.closing, &along) };
+        unsafe { views.close(slot.place().0, &motion, &self.closing, &along) };
     }
 }
 

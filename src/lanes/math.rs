@@ -71,6 +71,11 @@ impl<L: Lanes> Vec3<L> {
     pub(crate) fn lane(self, i: usize) -> glam::Vec3 {
         glam::Vec3::new(self.x.lane(i), self.y.lane(i), self.z.lane(i))
     }
+    pub(crate) fn set_lane(&mut self, i: usize, value: glam::Vec3) {
+        self.x.set_lane(i, value.x);
+        self.y.set_lane(i, value.y);
+        self.z.set_lane(i, value.z);
+    }
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         Vec3 { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
@@ -245,6 +250,19 @@ pub(crate) struct Sym3<L> {
 }
 
 impl<L: Lanes> Sym3<L> {
+    pub(crate) fn lane(&self, i: usize) -> Sym3<f32> {
+        let Sym3 { xx, yy, zz, xy, xz, yz } = *self;
+        let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(i));
+        Sym3 { xx, yy, zz, xy, xz, yz }
+    }
+    pub(crate) fn set_lane(&mut self, i: usize, value: &Sym3<f32>) {
+        self.xx.set_lane(i, value.xx);
+        self.yy.set_lane(i, value.yy);
+        self.zz.set_lane(i, value.zz);
+        self.xy.set_lane(i, value.xy);
+        self.xz.set_lane(i, value.xz);
+        self.yz.set_lane(i, value.yz);
+    }
     /// Every entry by a factor.
     #[inline(always)]
     pub(crate) fn scaled(self, by: L) -> Self {

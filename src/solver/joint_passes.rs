@@ -5,7 +5,7 @@ use super::{BLOCK, PassKind, Passes, share_out};
 use crate::config::Settings;
 use crate::config::tuning::JOINT_OPEN;
 use crate::constraint::{
-    Closing, JointPass, JointRows, JointStage, JointType, JointViews, Recovery, TouchInput, TreeRef,
+    Closing, JointPass, JointStage, JointType, JointViews, Recovery, TouchInput, TreeRef,
 };
 
 /// Batches of joint rows, in the order in which they are solved.
@@ -57,9 +57,7 @@ impl Passes<'_> {
             let pass = (kind != PassKind::WarmStart).then_some(&pass);
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
             // colour, and then one thread has all of it.
-            let one = |i: usize| unsafe {
-                JointRows::step(&self.joints.views, stage, i, self.motion, pass, contacts)
-            };
+            let one = |i: usize| unsafe { self.joints.views.step(stage, i, self.motion, pass, contacts) };
             let batches = stage.start as usize..stage.end as usize;
             share_out(self.workers, batches, block_of(stage), &one);
         }
@@ -71,7 +69,7 @@ impl Passes<'_> {
         for stage in self.joints.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no dynamic body is in two.
             let one = |i: usize| unsafe {
-                JointRows::predict(&self.joints.views, TreeRef::new(i, stage.single), self.motion, &pass);
+                self.joints.views.predict(TreeRef::new(i, stage.single), self.motion, &pass);
             };
             share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
@@ -87,14 +85,14 @@ impl Passes<'_> {
         for stage in (0..JOINT_SWEEPS).flat_map(|_| *stages).filter(|stage| stage.kind.is_lock()) {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
             // colour, and then one thread has all of it.
-            let one = |i: usize| unsafe { JointRows::close_locks(views, stage, i, self.motion, most) };
+            let one = |i: usize| unsafe { views.close_locks(stage, i, self.motion, most) };
             share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
         for stage in stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no dynamic body is in two.
             let one = |i: usize| unsafe {
                 let tree = TreeRef::new(i, stage.single);
-                JointRows::go(views, tree, self.motion, closing, &self.contacts);
+                views.go(tree, self.motion, closing, &self.contacts);
             };
             share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }

@@ -15,7 +15,7 @@ use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
-use crate::constraint::joint::row::{ENDLESS, before_stops};
+use crate::constraint::joint::spring::{ENDLESS, before_stops};
 use crate::lanes::{Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
@@ -322,7 +322,7 @@ impl<L: TreeWidth> TreeBatch<L> {
 
 impl<L: Lanes> Extra<L> {
     /// Keeps its motors and its memory, and nothing else.
-    pub(super) fn forget(&mut self) {
+    pub(in crate::constraint::articulation) fn forget(&mut self) {
         let Extra { mut motors, mut directions, mut answers, mut alone, .. } = std::mem::take(self);
         motors.iter_mut().for_each(|motor| *motor = Motor { owner: motor.owner, ..Motor::new(motor.node) });
         directions.clear();

@@ -21,31 +21,12 @@ use super::tree::TreeBatch;
 use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
-use crate::lanes::{Lanes, Mask, Vec3, scatter};
+use crate::lanes::{Mask, Vec3, scatter};
 
 /// Maximum number of Newton rounds, and the largest rotation of a body in one [rad].
 const ROUNDS: u32 = 24;
 // Guard: Newton's method goes no further at once.
 const FURTHEST: f32 = 0.5;
-
-/// State of a body from which its substep is solved again.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(crate) struct Start<L> {
-    /// Displacement at the start of the substep.
-    pub(crate) moved: Twist<L>,
-    /// Velocity without the joints of the tree; in trees that conserve energy, that at the start of the
-    /// substep.
-    pub(crate) free: Twist<L>,
-    /// Angular velocity that motors give it.
-    driven: Vec3<L>,
-}
-
-impl<L: Lanes> Default for Start<L> {
-    fn default() -> Self {
-        Start { moved: Twist::zero(), free: Twist::zero(), driven: Vec3::zero() }
-    }
-}
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// Returns those of the watched lanes in which velocities open joints wide or gain energy. Stores where

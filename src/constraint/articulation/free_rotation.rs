@@ -153,20 +153,10 @@ impl<L: Lanes> Moments<L> {
             _ => crate::math::Quat::IDENTITY,
         };
         let axes = axes * renamed;
-        self.axes.v.x.set_lane(lane, axes.x);
-        self.axes.v.y.set_lane(lane, axes.y);
-        self.axes.v.z.set_lane(lane, axes.z);
+        self.axes.v.set_lane(lane, glam::Vec3::new(axes.x, axes.y, axes.z));
         self.axes.w.set_lane(lane, axes.w);
-        crate::constraint::joint::fill::put(
-            &mut self.inertia,
-            lane,
-            glam::Vec3::from_array(order.map(|i| inertia[i])),
-        );
-        crate::constraint::joint::fill::put(
-            &mut self.inverse,
-            lane,
-            glam::Vec3::from_array(order.map(|i| inverse[i])),
-        );
+        self.inertia.set_lane(lane, glam::Vec3::from_array(order.map(|i| inertia[i])));
+        self.inverse.set_lane(lane, glam::Vec3::from_array(order.map(|i| inverse[i])));
     }
 
     /// Inertia and its inverse in world axes, of a body whose axes these are now.

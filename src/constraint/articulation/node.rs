@@ -1,9 +1,7 @@
 //! A body of a tree, and the joint between it and its parent; and what is done with all nodes at once, in the
 //! widths in which trees are solved.
 
-use super::damp::Start;
-use super::free_rotation::{exp, log_near};
-use super::rattle::Drift;
+use super::free_rotation::{Moments, exp, log_near};
 use super::spatial::{Sym6, Twist, less_sandwich, plus};
 use crate::constraint::joint::ends::{NONE, across, inverse};
 use crate::lanes::{GatherLanes, Lanes, Quat, Sym3, Vec3, f32x8, kernel, with_best};
@@ -16,6 +14,54 @@ pub(crate) enum Turns {
     Freely,
     AboutAxis,
     Not,
+}
+
+/// How a body moves without joints.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Drift<L> {
+    pub(crate) moments: Moments<L>,
+    /// Principal axes after the last substep.
+    pub(super) axes_now: Quat<L>,
+    /// Acceleration by external forces [m/s²].
+    pub(crate) pull: Vec3<L>,
+    /// Change of the angular velocity by free rotation in the substep.
+    pub(super) more: Vec3<L>,
+    /// The velocity before the pass.
+    pub(crate) before: Twist<L>,
+    /// The velocity before joints acted in the substep, or in the part of it.
+    pub(super) from: Twist<L>,
+}
+
+impl<L: Lanes> Default for Drift<L> {
+    fn default() -> Self {
+        let moments = Moments::default();
+        let zero = Vec3::zero();
+        let still = Twist::zero();
+        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: still, from: still }
+    }
+}
+
+impl<L: Lanes> Drift<L> {
+    /// The inertia and its inverse, after a rotation since the start of the step.
+    #[inline(always)]
+    pub(crate) fn turned(&mut self, by: Quat<L>) -> [Sym3<L>; 2] {
+        self.axes_now = by.compose(self.moments.axes);
+        self.moments.in_world(self.axes_now)
+    }
+}
+
+/// State of a body from which its substep is solved again.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Start<L> {
+    /// Displacement at the start of the substep.
+    pub(crate) moved: Twist<L>,
+    /// Velocity without the joints of the tree; in trees that conserve energy, that at the start of the
+    /// substep.
+    pub(crate) free: Twist<L>,
+    /// Angular velocity that motors give it.
+    pub(super) driven: Vec3<L>,
 }
 
 /// A body and the joint between it and its parent.

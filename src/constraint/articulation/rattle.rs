@@ -12,7 +12,7 @@
 
 use super::close::{Closing, squares};
 use super::contacts::{Request, TreeBody};
-use super::free_rotation::{Moments, exp, log, log_near, moved_by};
+use super::free_rotation::{exp, log, log_near, moved_by};
 use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
@@ -23,42 +23,7 @@ use crate::config::tuning::{
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::joint::Lock;
-use crate::lanes::{Lanes, Mask, Quat, Sym3, Vec3, gather};
-
-/// How a body moves without joints.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(crate) struct Drift<L> {
-    pub(crate) moments: Moments<L>,
-    /// Principal axes after the last substep.
-    axes_now: Quat<L>,
-    /// Acceleration by external forces [m/s²].
-    pub(crate) pull: Vec3<L>,
-    /// Change of the angular velocity by free rotation in the substep.
-    more: Vec3<L>,
-    /// The velocity before the pass.
-    pub(crate) before: Twist<L>,
-    /// The velocity before joints acted in the substep, or in the part of it.
-    from: Twist<L>,
-}
-
-impl<L: Lanes> Default for Drift<L> {
-    fn default() -> Self {
-        let moments = Moments::default();
-        let zero = Vec3::zero();
-        let still = Twist::zero();
-        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: still, from: still }
-    }
-}
-
-impl<L: Lanes> Drift<L> {
-    /// The inertia and its inverse, after a rotation since the start of the step.
-    #[inline(always)]
-    pub(crate) fn turned(&mut self, by: Quat<L>) -> [Sym3<L>; 2] {
-        self.axes_now = by.compose(self.moments.axes);
-        self.moments.in_world(self.axes_now)
-    }
-}
+use crate::lanes::{Mask, Vec3, gather};
 
 /// Maximum number of Newton rounds in a substep, and the error at which they end [length units], [rad].
 const ROUNDS: u32 = 6;

@@ -6,7 +6,6 @@ use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::{NONE, bend, swerve};
-use crate::constraint::joint::fill::put;
 use crate::lanes::{Mask, Record, Vec3, gather, ones, scatter};
 
 // Guard: beyond, the numbers are no motion.
@@ -67,8 +66,8 @@ impl<L: TreeWidth> TreeBatch<L> {
                 if delta[lane].linear.is_finite() && delta[lane].angular.is_finite() {
                     (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
                 } else {
-                    put(&mut node.moved.linear, lane, to.linear);
-                    put(&mut node.moved.angular, lane, to.angular);
+                    node.moved.linear.set_lane(lane, to.linear);
+                    node.moved.angular.set_lane(lane, to.angular);
                 }
             }
         }

@@ -3,8 +3,9 @@
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView};
 use super::rows::{Views, with_batch};
+use crate::constraint::joint::batch::{Report, RowImpulse};
 use crate::constraint::joint::run::JointViews;
-use crate::constraint::joint::store::{Report, RowImpulse, report_locks, report_motors};
+use crate::constraint::joint::store::{report_locks, report_motors};
 use crate::constraint::schedule::part::Part;
 use crate::lanes::Lanes;
 use glam::Vec3;

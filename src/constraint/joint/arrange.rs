@@ -1,41 +1,29 @@
 //! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
 //! filled in in every step.
 
+use super::batch::JointInput;
 use super::coupling::block::CouplingBlock;
 use super::coupling::plan::{Plan, PlanInput};
 use super::ends::NONE;
-use super::fill::{fill_tree, get_sym};
-use super::kinds::{JointType, Tables};
+use super::fill::fill_tree;
+use super::kinds::{JointStage, JointType, Tables};
 use super::nets::Nets;
+use super::run::JointViews;
 use super::table::{AnyTable, Owners};
 use crate::body::Bodies;
-use crate::broad_phase::Pair;
 use crate::config::{Order, RowGroup};
 use crate::constraint::articulation::cut::{Extra, Motor};
 use crate::constraint::articulation::node::Node;
-use crate::constraint::articulation::slots::{TreeContacts, TreeRef, TreeSlot, TreeSlots};
+use crate::constraint::articulation::slots::{TreeRef, TreeSlot, TreeSlots};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::articulation::trees::{Found, Tree, find};
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::Place;
 use crate::joint::{Joints, Row, RowKind};
-use crate::lanes::{Lanes, Record, Sym3, f32x8};
+use crate::lanes::{Lanes, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
 use crate::narrow_phase::NO_CONTACT;
-use crate::shape::ColliderSummary;
 use crate::threads::{Shared, Workers};
-
-/// Batches of one type that may be solved at the same time: one colour of one group.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct JointStage {
-    pub(crate) place: Place,
-    pub(crate) kind: JointType,
-    /// Range of batches of this type; of its single ones, if `single`.
-    pub(crate) start: u32,
-    pub(crate) end: u32,
-    /// Batches of one lane: rows that found no colour, one after another, or single trees.
-    pub(crate) single: bool,
-}
 
 /// All rows of joints of a step.
 #[derive(Debug, Default)]
@@ -62,27 +50,6 @@ pub(crate) struct JointRows {
 /// The number of the last arrangement.
 static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 
-/// Input of the preparation of joints.
-pub(crate) struct JointInput<'a> {
-    pub(crate) bodies: &'a Bodies,
-    pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// Acceleration of bodies; empty if there is none.
-    pub(crate) acceleration: &'a [Record],
-    pub(crate) joints: &'a Joints,
-    pub(crate) pairs: &'a [Pair],
-    pub(crate) summaries: &'a [ColliderSummary],
-    /// Contacts that are solved along with trees.
-    pub(crate) tree_contacts: &'a [TreeContacts],
-    /// The order in which groups of rows are solved.
-    pub(crate) order: Order,
-    /// Factor on the impulses of the last step.
-    pub(crate) warm: f32,
-    /// Substep [s].
-    pub(crate) h: f32,
-    /// The length unit [m].
-    pub(crate) unit: f32,
-}
-
 // Not by `buffers!`: trees and tables have buffers of several types within.
 impl JointRows {
     /// Calls `f` with each buffer that has an entry for each body that can be pushed.
@@ -90,6 +57,16 @@ impl JointRows {
         f(&mut self.touching, dynamic);
         self.tree_slots.each(dynamic, f);
         self.nets.each(dynamic, f);
+    }
+
+    /// For several threads.
+    pub(crate) fn views(&mut self) -> JointViews<'_> {
+        JointViews {
+            tables: self.tables.views(),
+            trees: Shared::new(&mut self.trees),
+            single_trees: Shared::new(&mut self.single_trees),
+            couplings: Shared::new(&mut self.couplings),
+        }
     }
 
     /// Releases all memory: there are no joints any more.
@@ -366,7 +343,7 @@ fn each_body<L: Lanes>(
                 batch.place,
                 TreeSlot::new(tree, i, lane),
                 node.body[lane],
-                get_sym(&node.stiffened_inverse, lane),
+                node.stiffened_inverse.lane(lane),
             );
         }
     }
@@ -421,5 +398,4 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
 }
 
 #[cfg(test)]
-#[path = "bytes_tests.rs"]
 mod bytes_tests;

@@ -1,26 +1,21 @@
 //! Fills the batches of joints in a step: positions and masses of the bodies, and the impulses of the step
 //! before.
 
-use super::arrange::JointInput;
+use super::batch::{Filled, JointInput};
 use super::ends::{Ends, Lever, NONE, across, inverse};
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch, mobility};
 use super::measure::Measure;
-use super::row::{ENDLESS, RowBatch};
+use super::row::RowBatch;
+use super::spring::{ENDLESS, implicit};
 use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
 use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::node::TreeWidth;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
-use crate::joint::{Axes, Axis, Joint, Joints, LockKind, Motion, Placed, Row, RowKind, SpringCoefficients};
+use crate::joint::{Axes, Axis, Joint, Joints, LockKind, Motion, Placed, Row, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
-
-pub(crate) fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
-    v.x.set_lane(lane, value.x);
-    v.y.set_lane(lane, value.y);
-    v.z.set_lane(lane, value.z);
-}
 
 /// Enters a joint's bodies into a lane and returns where its frames are.
 pub(super) fn place<L: Lanes>(
@@ -43,7 +38,7 @@ pub(super) fn place<L: Lanes>(
             ends.locks[side] |= lock_bits(bodies.traits[i].locks, lane);
         }
         let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
-        put_sym(&mut ends.inverse_inertia[side], lane, &inertia);
+        ends.inverse_inertia[side].set_lane(lane, &inertia);
     }
     ends.owner[lane] = owner;
     Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames)
@@ -60,26 +55,131 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
     }
 }
 
-pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = PointBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        place_point(batch, lane, owner, input);
+impl<L: GatherLanes> Filled for PointBatch<L> {
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        *self = Self::default();
+        for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            place_point(self, lane, owner, input);
+        }
+        close(&mut self.ends);
+        (self.arm_now, self.apart_now) = (self.arm, self.apart);
+        self.moment = [0, 1].map(|side| self.arm[side].cross(self.impulse));
+        self.mass = inverse(&mobility(&self.ends, &self.arm));
     }
-    close(&mut batch.ends);
-    (batch.arm_now, batch.apart_now) = (batch.arm, batch.apart);
-    batch.moment = [0, 1].map(|side| batch.arm[side].cross(batch.impulse));
-    batch.mass = inverse(&mobility(&batch.ends, &batch.arm));
 }
 
-pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = LineBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let LockKind::Line(axis) = input.joints.locks[owner as usize].kind else { continue };
-        let at = place_point(&mut batch.point, lane, owner, input);
-        put(&mut batch.axis, lane, at.axis(0, axis));
+impl<L: GatherLanes> Filled for LineBatch<L> {
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        *self = Self::default();
+        for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            let LockKind::Line(axis) = input.joints.locks[owner as usize].kind else { continue };
+            let at = place_point(&mut self.point, lane, owner, input);
+            self.axis.set_lane(lane, at.axis(0, axis));
+        }
+        close(&mut self.point.ends);
+        self.begin();
     }
-    close(&mut batch.point.ends);
-    batch.begin();
+}
+
+impl<L: GatherLanes, const HINGE: bool> Filled for TurnBatch<L, HINGE> {
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        *self = Self::default();
+        for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            let lock = &input.joints.locks[owner as usize];
+            let at = place(&mut self.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+            let mut impulse = lock.impulse;
+            let error = if let LockKind::Hinge(axis) = lock.kind {
+                let axes = [0, 1].map(|side| at.axis(side, axis));
+                self.axis[0].set_lane(lane, axes[0]);
+                self.axis[1].set_lane(lane, axes[1]);
+                // A hinge transmits nothing about its axis, which has turned since.
+                impulse -= axes[0] * axes[0].dot(impulse);
+                axes[0].cross(axes[1])
+            } else {
+                at.turn()
+            };
+            self.impulse.set_lane(lane, impulse * input.warm);
+            self.lasting.set_lane(lane, impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+            self.error.set_lane(lane, error);
+        }
+        close(&mut self.ends);
+        (self.axis_now, self.error_now) = (self.axis[0], self.error);
+        let turning = self.ends.turning();
+        self.mass = if HINGE { across(&turning, self.axis_now) } else { inverse(&turning) };
+    }
+}
+
+impl<L: GatherLanes, M: Measure<L>> Filled for RowBatch<L, M> {
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        *self = Self::default();
+        let h = input.h;
+        let mut placed = [None; 8];
+        for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            let row = &input.joints.rows[owner as usize];
+            let at = place(&mut self.ends, lane, owner, &input.joints.all[row.joint as usize], input);
+            let mut value = self.measure.place(lane, &at, row.axes);
+            self.arm[0].set_lane(lane, at.arm[0] + at.apart);
+            self.arm[1].set_lane(lane, at.arm[1]);
+            placed[lane] = Some(at);
+            if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
+                value = with_turns(row, value, input.joints);
+            }
+            self.value.set_lane(lane, value);
+        }
+        close(&mut self.ends);
+        self.begin();
+        for (lane, at) in placed.iter().enumerate() {
+            let Some(at) = at else { continue };
+            let row = &input.joints.rows[owners[lane] as usize];
+            if !row.is_guided() || at.turned_by(row.beside[1]) > LOCK_AWRY {
+                continue;
+            }
+            let [force, torque] = borne(&self.ends, &self.lever, lane, at, &row.beside);
+            self.borne[0].set_lane(lane, force);
+            self.borne[1].set_lane(lane, torque);
+        }
+        self.begin();
+        let mobility = self.ends.mobility(&self.lever);
+        for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            let row = &input.joints.rows[owner as usize];
+            let mobility = mobility.lane(lane);
+            if mobility <= 0.0 {
+                continue;
+            }
+            let (mut most, mut target) = (f32::INFINITY, 0.0);
+            let (min, max, spring) = match row.kind {
+                RowKind::Limit { min, max } => (min, max, None),
+                RowKind::Yielding { min, max, spring } => (min, max, Some(spring)),
+                RowKind::Drive { position, velocity, spring, max_force } => {
+                    (most, target) = (max_force * h, velocity);
+                    (position, position, Some(spring))
+                }
+            };
+            let drive = matches!(row.kind, RowKind::Drive { .. });
+            if let Some([low, high]) = stops(row, self.value.lane(lane), input) {
+                self.stops[0].set_lane(lane, low);
+                self.stops[1].set_lane(lane, high);
+            }
+            if let Some(spring) = spring {
+                let spring = spring.coefficients().with_mobility(mobility);
+                let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
+                self.pull.set_lane(lane, pull);
+                self.give.set_lane(lane, give);
+                self.speed.set_lane(lane, speed);
+            }
+            self.most.set_lane(lane, most);
+            self.min.set_lane(lane, min);
+            self.max.set_lane(lane, max);
+            self.drives |= u32::from(drive) << lane;
+            self.springs |= u32::from(spring.is_some() && !drive) << lane;
+            self.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
+            self.lasting.set_lane(lane, row.lasting_impulse * input.warm);
+            for (impulse, old) in self.impulse.iter_mut().zip(row.impulse) {
+                impulse.set_lane(lane, old * input.warm);
+            }
+        }
+        self.resume();
+    }
 }
 
 /// Puts the points of a lock, and the impulse of the last step on them, into a lane.
@@ -91,132 +191,12 @@ fn place_point<L: GatherLanes>(
 ) -> Placed {
     let lock = &input.joints.locks[owner as usize];
     let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-    put(&mut batch.impulse, lane, lock.impulse * input.warm);
-    put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-    put(&mut batch.arm[0], lane, at.arm[0]);
-    put(&mut batch.arm[1], lane, at.arm[1]);
-    put(&mut batch.apart, lane, at.apart);
+    batch.impulse.set_lane(lane, lock.impulse * input.warm);
+    batch.lasting.set_lane(lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+    batch.arm[0].set_lane(lane, at.arm[0]);
+    batch.arm[1].set_lane(lane, at.arm[1]);
+    batch.apart.set_lane(lane, at.apart);
     at
-}
-
-pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
-    let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
-    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
-    Sym3 { xx, yy, zz, xy, xz, yz }
-}
-
-fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
-    m.xx.set_lane(lane, v.xx);
-    m.yy.set_lane(lane, v.yy);
-    m.zz.set_lane(lane, v.zz);
-    m.xy.set_lane(lane, v.xy);
-    m.xz.set_lane(lane, v.xz);
-    m.yz.set_lane(lane, v.yz);
-}
-
-pub(crate) fn fill_turn<L: GatherLanes, const HINGE: bool>(
-    batch: &mut TurnBatch<L, HINGE>,
-    owners: &[u32],
-    input: &JointInput<'_>,
-) {
-    *batch = TurnBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        let mut impulse = lock.impulse;
-        let error = if let LockKind::Hinge(axis) = lock.kind {
-            let axes = [0, 1].map(|side| at.axis(side, axis));
-            put(&mut batch.axis[0], lane, axes[0]);
-            put(&mut batch.axis[1], lane, axes[1]);
-            // A hinge transmits nothing about its axis, which has turned since.
-            impulse -= axes[0] * axes[0].dot(impulse);
-            axes[0].cross(axes[1])
-        } else {
-            at.turn()
-        };
-        put(&mut batch.impulse, lane, impulse * input.warm);
-        put(&mut batch.lasting, lane, impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
-        put(&mut batch.error, lane, error);
-    }
-    close(&mut batch.ends);
-    (batch.axis_now, batch.error_now) = (batch.axis[0], batch.error);
-    let turning = batch.ends.turning();
-    batch.mass = if HINGE { across(&turning, batch.axis_now) } else { inverse(&turning) };
-}
-
-pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
-    batch: &mut RowBatch<L, M>,
-    owners: &[u32],
-    input: &JointInput<'_>,
-) {
-    *batch = RowBatch::default();
-    let h = input.h;
-    let mut placed = [None; 8];
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let row = &input.joints.rows[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[row.joint as usize], input);
-        let mut value = batch.measure.place(lane, &at, row.axes);
-        put(&mut batch.arm[0], lane, at.arm[0] + at.apart);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        placed[lane] = Some(at);
-        if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
-            value = with_turns(row, value, input.joints);
-        }
-        batch.value.set_lane(lane, value);
-    }
-    close(&mut batch.ends);
-    batch.begin();
-    for (lane, at) in placed.iter().enumerate() {
-        let Some(at) = at else { continue };
-        let row = &input.joints.rows[owners[lane] as usize];
-        if !row.is_guided() || at.turned_by(row.beside[1]) > LOCK_AWRY {
-            continue;
-        }
-        let [force, torque] = borne(&batch.ends, &batch.lever, lane, at, &row.beside);
-        put(&mut batch.borne[0], lane, force);
-        put(&mut batch.borne[1], lane, torque);
-    }
-    batch.begin();
-    let mobility = batch.ends.mobility(&batch.lever);
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let row = &input.joints.rows[owner as usize];
-        let mobility = mobility.lane(lane);
-        if mobility <= 0.0 {
-            continue;
-        }
-        let (mut most, mut target) = (f32::INFINITY, 0.0);
-        let (min, max, spring) = match row.kind {
-            RowKind::Limit { min, max } => (min, max, None),
-            RowKind::Yielding { min, max, spring } => (min, max, Some(spring)),
-            RowKind::Drive { position, velocity, spring, max_force } => {
-                (most, target) = (max_force * h, velocity);
-                (position, position, Some(spring))
-            }
-        };
-        let drive = matches!(row.kind, RowKind::Drive { .. });
-        if let Some([low, high]) = stops(row, batch.value.lane(lane), input) {
-            batch.stops[0].set_lane(lane, low);
-            batch.stops[1].set_lane(lane, high);
-        }
-        if let Some(spring) = spring {
-            let spring = spring.coefficients().with_mobility(mobility);
-            let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
-            batch.pull.set_lane(lane, pull);
-            batch.give.set_lane(lane, give);
-            batch.speed.set_lane(lane, speed);
-        }
-        batch.most.set_lane(lane, most);
-        batch.min.set_lane(lane, min);
-        batch.max.set_lane(lane, max);
-        batch.drives |= u32::from(drive) << lane;
-        batch.springs |= u32::from(spring.is_some() && !drive) << lane;
-        batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
-        batch.lasting.set_lane(lane, row.lasting_impulse * input.warm);
-        for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
-            impulse.set_lane(lane, old * input.warm);
-        }
-    }
-    batch.resume();
 }
 
 /// An angle of a row with its whole turns: a drive has those that the limit of its hinge knows.
@@ -265,8 +245,7 @@ pub(super) fn borne<L: GatherLanes>(
     beside: &[Option<LockKind>; 2],
 ) -> [glam::Vec3; 2] {
     let inertia = [0, 1].map(|side| {
-        let Sym3 { xx, yy, zz, xy, xz, yz } = ends.inverse_inertia[side];
-        let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
+        let Sym3 { xx, yy, zz, xy, xz, yz } = ends.inverse_inertia[side].lane(lane);
         glam::Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     });
     let moving = ends.moving(Vec3::splat(glam::Vec3::ONE)).map(|on| on.lane(lane));
@@ -354,30 +333,30 @@ pub(crate) fn fill_tree<L: TreeWidth>(
             }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
-            put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
+            own_inverse.set_lane(lane, &inverse_inertia[own]);
             let (mass, drift) = (&bodies.mass[own], &mut node.drift);
             drift.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
             let pull = input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
-            put(&mut drift.pull, lane, pull);
-            put(&mut node.velocity.angular, lane, bodies.velocity[own].angular);
+            drift.pull.set_lane(lane, pull);
+            node.velocity.angular.set_lane(lane, bodies.velocity[own].angular);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
-                put(&mut node.arm[0], lane, at.arm[side]);
-                put(&mut node.arm[1], lane, at.arm[1 - side]);
-                put(&mut node.apart, lane, at.apart * sign);
-                put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
+                node.arm[0].set_lane(lane, at.arm[side]);
+                node.arm[1].set_lane(lane, at.arm[1 - side]);
+                node.apart.set_lane(lane, at.apart * sign);
+                node.impulse.set_lane(lane, lock.impulse * (sign * input.warm));
                 node.steady.set_lane(lane, lock.steady * input.warm);
                 if node.turn_owner[lane] != NONE {
                     let lock = &input.joints.locks[node.turn_owner[lane] as usize];
-                    put(&mut node.twist, lane, lock.impulse * (sign * input.warm));
+                    node.twist.set_lane(lane, lock.impulse * (sign * input.warm));
                     if let LockKind::Hinge(axis) = lock.kind {
                         let axes = [at.axis(side, axis), at.axis(1 - side, axis)];
-                        put(&mut node.axis[0], lane, axes[0]);
-                        put(&mut node.axis[1], lane, axes[1]);
-                        put(&mut node.error, lane, axes[1].cross(axes[0]));
+                        node.axis[0].set_lane(lane, axes[0]);
+                        node.axis[1].set_lane(lane, axes[1]);
+                        node.error.set_lane(lane, axes[1].cross(axes[0]));
                     } else {
-                        put(&mut node.error, lane, at.turn() * sign);
+                        node.error.set_lane(lane, at.turn() * sign);
                     }
                 }
             }
@@ -389,17 +368,6 @@ pub(crate) fn fill_tree<L: TreeWidth>(
     batch.share = L::load(&share);
     batch.begin(input.h, input.unit);
     batch.look_back(&input.joints.locks);
-}
-
-/// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
-/// impulse, and the requested speed beside that; none if there is neither.
-pub(super) fn implicit(spring: &SpringCoefficients, target: f32, h: f32) -> Option<[f32; 3]> {
-    let (k, c) = (spring.stiffness, spring.damping);
-    let d = h * k + c;
-    if d == f32::INFINITY {
-        return Some([0.0, 0.0, target]);
-    }
-    (d > 0.0).then(|| [k / d, 1.0 / (h * d), c / d * target])
 }
 
 /// Fills the motor of a hinge, as seen from the body of its node.

@@ -3,20 +3,31 @@
 //! A new type is a file with a batch that implements [`JointBatch`], a line here, and what asks for it in
 //! [`JointType::of_row`] or [`JointType::of_lock`].
 
-use super::arrange::JointStage;
+use super::batch::{JointBatch, Report, Watched};
 use super::ends::{JointPass, Recovery};
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch};
 use super::measure::{Distance, Slide, Tilt, Turn, Twist};
-use super::rates::Watched;
 use super::row::RowBatch;
-use super::store::Report;
-use super::table::{AnyTable, JointBatch, Owners, Table, TableView};
+use super::table::{AnyTable, Owners, Table, TableView};
 use crate::constraint::articulation::cut::ROW_BYTES;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::contact::row::Motion;
+use crate::constraint::schedule::order::Place;
 use crate::joint::{Axes, Lock, LockKind, Motion as Direction, Row};
 use crate::lanes::{f32x8, with_best};
+
+/// Batches of one type that may be solved at the same time: one colour of one group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointStage {
+    pub(crate) place: Place,
+    pub(crate) kind: JointType,
+    /// Range of batches of this type; of its single ones, if `single`.
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+    /// Batches of one lane: rows that found no colour, one after another, or single trees.
+    pub(crate) single: bool,
+}
 
 type SlideBatch<L> = RowBatch<L, Slide<L>>;
 type DistanceBatch<L> = RowBatch<L, Distance<L>>;
@@ -118,7 +129,7 @@ macro_rules! row_types {
                 unsafe {
                     match stage.kind {
                         $(JointType::$kind => with_best!(
-                            Wide => self.$table.step::<Wide, $batch<Wide>>(stage, i, motion, pass)
+                            Wide => self.$table.step::<Wide, $batch<Wide>>(stage.single, i, motion, pass)
                         ),)*
                         JointType::Coupling | JointType::Tree => {}
                     }
@@ -140,7 +151,7 @@ macro_rules! row_types {
                 unsafe {
                     match stage.kind {
                         $(JointType::$kind => with_best!(
-                            Wide => self.$table.close::<Wide, $batch<Wide>>(stage, i, motion, most)
+                            Wide => self.$table.close::<Wide, $batch<Wide>>(stage.single, i, motion, most)
                         ),)*
                         JointType::Coupling | JointType::Tree => {}
                     }
@@ -160,7 +171,7 @@ macro_rules! row_types {
                 // SAFETY: by the contract.
                 unsafe {
                     match stage.kind {
-                        $(JointType::$kind => self.$table.watch(stage, i, f),)*
+                        $(JointType::$kind => self.$table.watch(stage.single, i, f),)*
                         JointType::Coupling | JointType::Tree => {}
                     }
                 }

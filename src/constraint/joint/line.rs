@@ -1,12 +1,9 @@
 //! Locks a point of the second body to a line of the first: sliders, and the hubs of wheels. Its two
 //! directions are solved together, and turn with the first body.
 
-use super::arrange::JointInput;
+use super::batch::{JointBatch, Report};
 use super::ends::{Ends, JointPass, Recovery, across, seen};
-use super::fill::fill_line;
 use super::lock::{PointBatch, mobility};
-use super::store::Report;
-use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Vec3, turned};
 
@@ -63,10 +60,6 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
 
     fn ends(&self) -> &Ends<L> {
         &self.point.ends
-    }
-
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
-        fill_line(self, owners, input);
     }
 
     #[inline(always)]

@@ -4,11 +4,8 @@
 //! Bodies turn within a step, and a lock linearised at its start would let a swinging chain drift apart: arms
 //! turn with the bodies, and so does the effective mass.
 
-use super::arrange::JointInput;
+use super::batch::{JointBatch, Report};
 use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve};
-use super::fill::{fill_point, fill_turn};
-use super::store::Report;
-use super::table::JointBatch;
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, turned};
 
@@ -101,10 +98,6 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
 
     fn ends(&self) -> &Ends<L> {
         &self.ends
-    }
-
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
-        fill_point(self, owners, input);
     }
 
     #[inline(always)]
@@ -200,10 +193,6 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
 
     fn ends(&self) -> &Ends<L> {
         &self.ends
-    }
-
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
-        fill_turn(self, owners, input);
     }
 
     #[inline(always)]

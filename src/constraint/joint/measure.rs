@@ -2,7 +2,6 @@
 //! which an impulse changes it. Both follow the bodies within a step.
 
 use super::ends::{Lever, mean, seen};
-use super::fill::put;
 use crate::constraint::contact::row::BodyPair;
 use crate::joint::{Axes, Axis, Placed};
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3, turned};
@@ -47,8 +46,8 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
 
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = at.axis(0, axis_of(axes));
-        put(&mut self.axis, lane, axis);
-        put(&mut self.arm, lane, at.arm[0] + at.apart);
+        self.axis.set_lane(lane, axis);
+        self.arm.set_lane(lane, at.arm[0] + at.apart);
         axis.dot(at.apart)
     }
     #[inline(always)]
@@ -92,10 +91,10 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
 
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         if let Axes::Around(axis) = axes {
-            put(&mut self.axis, lane, at.axis(0, axis));
+            self.axis.set_lane(lane, at.axis(0, axis));
         }
-        put(&mut self.arm, lane, at.arm[0]);
-        put(&mut self.aside, lane, at.aside(axes));
+        self.arm.set_lane(lane, at.arm[0]);
+        self.aside.set_lane(lane, at.aside(axes));
         0.0
     }
     #[inline(always)]
@@ -148,8 +147,8 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
 
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = axis_of(axes);
-        put(&mut self.axis[0], lane, at.axis(0, axis));
-        put(&mut self.axis[1], lane, at.axis(1, axis));
+        self.axis[0].set_lane(lane, at.axis(0, axis));
+        self.axis[1].set_lane(lane, at.axis(1, axis));
         at.twist(axis)
     }
     #[inline(always)]
@@ -195,9 +194,9 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
 
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = axis_of(axes);
-        put(&mut self.axis[0], lane, at.axis(0, axis));
-        put(&mut self.axis[1], lane, at.axis(1, axis));
-        put(&mut self.aside, lane, at.aside(axes));
+        self.axis[0].set_lane(lane, at.axis(0, axis));
+        self.axis[1].set_lane(lane, at.axis(1, axis));
+        self.aside.set_lane(lane, at.aside(axes));
         0.0
     }
     #[inline(always)]
@@ -247,8 +246,8 @@ impl<L: GatherLanes> Measure<L> for Turn<L> {
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let error = at.turn();
         let half = 0.5 * error.length();
-        put(&mut self.error, lane, error);
-        put(&mut self.aside, lane, at.aside(axes));
+        self.error.set_lane(lane, error);
+        self.aside.set_lane(lane, at.aside(axes));
         self.share.set_lane(lane, if half < 1e-3 { 1.0 } else { half / libm::tanf(half) });
         0.0
     }

@@ -1,6 +1,7 @@
 //! Rows of joints: what they lock, limit, spring and drive, packed in batches of one row type.
 
 pub(crate) mod arrange;
+pub(crate) mod batch;
 mod coupling;
 pub(crate) mod ends;
 pub(crate) mod fill;
@@ -9,8 +10,8 @@ pub(crate) mod line;
 pub(crate) mod lock;
 pub(crate) mod measure;
 pub(crate) mod nets;
-pub(crate) mod rates;
 pub(crate) mod row;
 pub(crate) mod run;
+pub(crate) mod spring;
 pub(crate) mod store;
 pub(crate) mod table;

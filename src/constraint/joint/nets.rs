@@ -11,9 +11,11 @@
 //! Energy is kinetic energy, the potential of external forces, and that of springs. A stiff spring can give
 //! back less than it stores: what its displacement is worth as a speed over a substep.
 
-use super::arrange::JointStage;
+mod rates;
+
+use super::batch::{Link, Watched};
 use super::ends::Recovery;
-use super::rates::{Link, Watched, visit};
+use super::kinds::JointStage;
 use super::run::JointViews;
 use crate::body::{Mass, Pose, exp_map};
 use crate::config::tuning::{CHORD_ENERGY, WILD_ENERGY};
@@ -22,6 +24,7 @@ use crate::constraint::contact::rows::{Views, with_batch};
 use crate::lanes::Record;
 use crate::memory::buffers;
 use glam::{DVec3, Vec3};
+use rates::visit;
 
 // Guard: beyond, the numbers are no motion.
 /// Velocities above this [m/s] or [rad/s] are as good as not finite.

@@ -5,35 +5,12 @@
 //! d = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after
 //! the impulse.
 
-use super::arrange::JointInput;
+use super::batch::{JointBatch, Report, RowImpulse};
 use super::ends::{Ends, JointPass, Lever};
-use super::fill::fill_row;
 use super::measure::Measure;
-use super::store::{Report, RowImpulse};
-use super::table::JointBatch;
+use super::spring::{ENDLESS, before_stops};
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, turned};
-
-/// The stops of a motor that has none.
-pub(crate) const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
-
-/// The speed that a motor may have at a displacement, so that it does not pass its stops within a substep;
-/// beyond one it goes back as the stop asks, at `rate` and at most at `push`. Two rows that both must have
-/// their way would push each other ever harder.
-#[inline(always)]
-pub(crate) fn before_stops<L: Lanes>(
-    speed: L,
-    now: L,
-    stops: &[L; 2],
-    inverse_h: L,
-    [rate, push]: [L; 2],
-) -> L {
-    let [low, high] = [stops[0] - now, stops[1] - now];
-    let zero = L::zero();
-    let low = low.min(zero) * inverse_h + (low.max(zero) * rate).min(push);
-    let high = high.max(zero) * inverse_h + (high.min(zero) * rate).max(-push);
-    speed.max(low).min(high)
-}
 
 /// Up to eight rows.
 #[derive(Clone, Copy, Debug)]
@@ -177,10 +154,6 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
 
     fn ends(&self) -> &Ends<L> {
         &self.ends
-    }
-
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
-        fill_row(self, owners, input);
     }
 
     #[inline(always)]

@@ -1,11 +1,10 @@
 //! Dispatch of passes to the kernels of joint batches, on several threads.
 
-use super::arrange::{JointRows, JointStage};
+#[cfg(feature = "observe")]
+use super::batch::Report;
 use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
-use super::kinds::{JointType, TableViews};
-#[cfg(feature = "observe")]
-use super::store::Report;
+use super::kinds::{JointStage, JointType, TableViews};
 use crate::constraint::articulation::close::Closing;
 use crate::constraint::articulation::contacts::{Request, TreeLanes};
 use crate::constraint::articulation::slots::TreeRef;
@@ -62,23 +61,13 @@ impl JointViews<'_> {
     }
 }
 
-impl JointRows {
-    /// For several threads.
-    pub(crate) fn views(&mut self) -> JointViews<'_> {
-        JointViews {
-            tables: self.tables.views(),
-            trees: Shared::new(&mut self.trees),
-            single_trees: Shared::new(&mut self.single_trees),
-            couplings: Shared::new(&mut self.couplings),
-        }
-    }
-
+impl JointViews<'_> {
     /// Solves a batch of a stage or, without a pass, applies the impulses of the last step.
     ///
     /// # Safety
     /// No other thread writes the bodies of the batch.
     pub(crate) unsafe fn step(
-        views: &JointViews<'_>,
+        &self,
         stage: &JointStage,
         i: usize,
         motion: &Motion<'_, '_>,
@@ -89,16 +78,16 @@ impl JointRows {
         // SAFETY: by the contract; each batch is in one stage, and contacts go contacts with one.
         unsafe {
             if stage.kind == JointType::Coupling {
-                let block = views.couplings.get(i);
+                let block = self.couplings.get(i);
                 return match pass {
                     None => block.warm_start(motion),
                     Some(pass) => block.solve(motion, pass),
                 };
             }
             if stage.kind != JointType::Tree {
-                return views.tables.step(stage, i, motion, pass);
+                return self.tables.step(stage, i, motion, pass);
             }
-            on_trees!(views, stage.single, i, trees => match pass {
+            on_trees!(self, stage.single, i, trees => match pass {
                 None => trees.warm_start(motion),
                 Some(pass) => trees.solve(motion, pass, contacts.tree_contacts, |batch, body| {
                     TreeLanes::solve_contacts(contacts, batch, Request::Solve(contact_pass), body, motion)
@@ -112,28 +101,23 @@ impl JointRows {
     /// # Safety
     /// No other thread works on its bodies, and none writes their displacements.
     pub(crate) unsafe fn close_locks(
-        views: &JointViews<'_>,
+        &self,
         stage: &JointStage,
         i: usize,
         motion: &Motion<'_, '_>,
         most: Recovery,
     ) {
         // SAFETY: by the contract.
-        unsafe { views.tables.close(stage, i, motion, most) };
+        unsafe { self.tables.close(stage, i, motion, most) };
     }
 
     /// Lets the joints of trees that conserve energy act before any row of the substep is solved.
     ///
     /// # Safety
     /// No other thread works on its bodies.
-    pub(crate) unsafe fn predict(
-        views: &JointViews<'_>,
-        tree: TreeRef,
-        motion: &Motion<'_, '_>,
-        pass: &JointPass,
-    ) {
+    pub(crate) unsafe fn predict(&self, tree: TreeRef, motion: &Motion<'_, '_>, pass: &JointPass) {
         // SAFETY: by the contract.
-        unsafe { on_trees!(views, tree.is_single(), tree.index(), trees => trees.predict(motion, pass)) }
+        unsafe { on_trees!(self, tree.is_single(), tree.index(), trees => trees.predict(motion, pass)) }
     }
 
     /// Moves the bodies of trees that conserve energy on by a substep, and closes open joints of all trees.
@@ -141,7 +125,7 @@ impl JointRows {
     /// # Safety
     /// No other thread works on them.
     pub(crate) unsafe fn go(
-        views: &JointViews<'_>,
+        &self,
         tree: TreeRef,
         motion: &Motion<'_, '_>,
         closing: &Closing,
@@ -149,7 +133,7 @@ impl JointRows {
     ) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
-            on_trees!(views, tree.is_single(), tree.index(), trees => {
+            on_trees!(self, tree.is_single(), tree.index(), trees => {
                 trees.go(motion, closing, contacts.tree_contacts, |batch, request, body| {
                     TreeLanes::solve_contacts(contacts, batch, request, body, motion)
                 })
@@ -162,7 +146,7 @@ impl JointRows {
     /// # Safety
     /// No other thread works on its bodies, and none writes their displacements.
     pub(crate) unsafe fn close(
-        views: &JointViews<'_>,
+        &self,
         tree: TreeRef,
         motion: &Motion<'_, '_>,
         closing: &Closing,
@@ -170,7 +154,7 @@ impl JointRows {
     ) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
-            on_trees!(views, tree.is_single(), tree.index(), trees => {
+            on_trees!(self, tree.is_single(), tree.index(), trees => {
                 trees.close(motion, closing, contacts.tree_contacts, |batch, request, body| {
                     TreeLanes::solve_contacts(contacts, batch, request, body, motion)
                 })

@@ -1,6 +1,7 @@
 //! Impulses of joints, handed back to the joints they belong to.
 
 use super::arrange::JointRows;
+use super::batch::{Report, RowImpulse};
 use super::ends::NONE;
 use crate::body::Bodies;
 use crate::config::tuning::JOINT_LOAD_SHARE;
@@ -8,26 +9,6 @@ use crate::constraint::articulation::tree::TreeBatch;
 use crate::joint::{Joint, Joints, Lock, LockKind, Row};
 use crate::lanes::Lanes;
 use glam::Vec3;
-
-/// Takes the impulses of locks and rows, lane by lane.
-pub(crate) trait Report {
-    /// The impulse of a lock, on the second body.
-    fn lock(&mut self, owner: u32, impulse: Vec3);
-    /// The impulse of another row.
-    fn row(&mut self, owner: u32, impulse: RowImpulse);
-}
-
-/// What a row did in the last substep.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RowImpulse {
-    /// At the lower and the upper end of its range [N s] or [N m s].
-    pub(crate) ends: [f32; 2],
-    /// Directions of force and torque on the second body at its point.
-    pub(crate) force: Vec3,
-    pub(crate) torque: Vec3,
-    /// The displacement after it, if the row measures one [m] or [rad].
-    pub(crate) now: Option<f32>,
-}
 
 /// Writes impulses to the joints of a world.
 struct Store<'a> {

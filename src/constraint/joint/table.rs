@@ -1,41 +1,11 @@
 //! The batches of one row type, and what batches of all types do alike.
 
-use super::arrange::{JointInput, JointStage};
-use super::ends::{Ends, JointPass, NONE, Recovery};
-use super::rates::Watched;
-use super::store::Report;
-use crate::constraint::contact::row::{BodyPair, Motion};
+use super::batch::{JointBatch, JointInput, Report, Watched};
+use super::ends::{JointPass, NONE, Recovery};
+use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, f32x8, kernel};
 use crate::memory::{bytes_of, sum_bytes};
 use crate::threads::{Shared, Workers, per_block};
-
-/// A batch of one row type: the same lock or row of up to eight joints, a lane each.
-///
-/// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions
-/// follow their rotation, the rows are solved, the bodies are saved. A type supplies what differs. Its
-/// helpers are inlined into the steps, and the steps are kernels: two dozen of them in one function is more
-/// than the compiler inlines helpers into (12 % of the step of a net of joints).
-pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
-    /// Whether it locks directions all at once, without bounds.
-    const IS_LOCK: bool;
-    /// Whether its directions change as its bodies move, and not only as they turn.
-    const SLIDES: bool;
-
-    fn ends(&self) -> &Ends<L>;
-    /// Makes the batch of the locks or rows `owners` of this step's joints.
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>);
-    /// Updates directions, errors and effective masses to displacements of the bodies since the start of the
-    /// step.
-    fn follow(&mut self, moved: &BodyPair<L>);
-    /// Applies the impulses of the last substep.
-    fn apply(&self, v: &mut BodyPair<L>);
-    /// One Gauss-Seidel step.
-    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass);
-    /// Reduces the error of a lock by at most `most`, by displacements.
-    fn correct(&self, _moved: &mut BodyPair<L>, _most: Recovery) {}
-    /// Reports the impulse of a lane.
-    fn report(&self, lane: usize, to: &mut impl Report);
-}
 
 kernel! {
     /// Applies the impulses of the last step.
@@ -221,14 +191,14 @@ impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
     #[inline(always)]
     pub(super) unsafe fn step<L: GatherLanes, W: JointBatch<L>>(
         &self,
-        stage: &JointStage,
+        single: bool,
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
     ) {
         // SAFETY: by the contract; batches are laid out as in C.
         unsafe {
-            match (stage.single, pass) {
+            match (single, pass) {
                 (false, None) => warm_start(self.lanes.reinterpret::<W>().get(i), motion),
                 (false, Some(pass)) => solve(self.lanes.reinterpret::<W>().get(i), motion, pass),
                 (true, None) => warm_start(self.single.get(i), motion),
@@ -245,14 +215,14 @@ impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
     #[inline(always)]
     pub(super) unsafe fn close<L: GatherLanes, W: JointBatch<L>>(
         &self,
-        stage: &JointStage,
+        single: bool,
         i: usize,
         motion: &Motion<'_, '_>,
         most: Recovery,
     ) {
         // SAFETY: by the contract; batches are laid out as in C.
         unsafe {
-            if stage.single {
+            if single {
                 close(self.single.get(i), motion, most)
             } else {
                 close(self.lanes.reinterpret::<W>().get(i), motion, most)
@@ -264,9 +234,9 @@ impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
     ///
     /// # Safety
     /// No other thread works on the batch.
-    pub(super) unsafe fn watch(&self, stage: &JointStage, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
+    pub(super) unsafe fn watch(&self, single: bool, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
         // SAFETY: by the contract.
-        unsafe { if stage.single { f(self.single.get(i)) } else { f(self.lanes.get(i)) } };
+        unsafe { if single { f(self.single.get(i)) } else { f(self.lanes.get(i)) } };
     }
 
     /// Reports the impulses of all lanes.

@@ -7,10 +7,9 @@
 
 use super::{CouplingRow, Owner};
 use crate::constraint::contact::row::Motion;
-use crate::constraint::joint::arrange::JointInput;
+use crate::constraint::joint::batch::{JointInput, Link, Report, RowImpulse, Watched};
 use crate::constraint::joint::ends::JointPass;
-use crate::constraint::joint::rates::{Link, Spring, Watched};
-use crate::constraint::joint::store::{Report, RowImpulse};
+use crate::constraint::joint::spring::Spring;
 use crate::lanes::Record;
 
 /// The most rows of a block: beyond, trains are cut in pieces that are solved one after another.

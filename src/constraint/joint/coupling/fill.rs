@@ -2,10 +2,11 @@
 
 use super::{Coupled, CouplingRow, Gauge, Owner, Pull};
 use crate::config::tuning::LOCK_AWRY;
-use crate::constraint::joint::arrange::JointInput;
+use crate::constraint::joint::batch::JointInput;
 use crate::constraint::joint::ends::{Ends, Lever};
-use crate::constraint::joint::fill::{borne, implicit, place, put};
+use crate::constraint::joint::fill::{borne, place};
 use crate::constraint::joint::measure::Measure;
+use crate::constraint::joint::spring::implicit;
 use crate::joint::{Axes, LockKind, Motion, Placed, RowKind, Spring, Term};
 use crate::lanes::Vec3;
 use std::f32::consts::TAU;
@@ -106,8 +107,8 @@ fn coupled(owner: u32, term: &Term, factor: f32, input: &JointInput<'_>) -> (Cou
         (Motion::Linear, _) => Gauge::Distance(placed(&at, term.axes)),
     };
     let (mut arm, zero) = ([Vec3::zero(); 2], Vec3::zero());
-    put(&mut arm[0], 0, at.arm[0] + at.apart);
-    put(&mut arm[1], 0, at.arm[1]);
+    arm[0].set_lane(0, at.arm[0] + at.apart);
+    arm[1].set_lane(0, at.arm[1]);
     let value = at.displacement(term.motion, term.axes);
     let mut motion = Coupled {
         ends,
@@ -126,8 +127,8 @@ fn coupled(owner: u32, term: &Term, factor: f32, input: &JointInput<'_>) -> (Cou
     let beside = input.joints.locked_by(term.joint);
     if is_guided(term, beside[1]) && at.turned_by(beside[1]) <= LOCK_AWRY {
         let [force, torque] = borne(&motion.ends, &motion.lever, 0, &at, &beside);
-        put(&mut motion.borne[0], 0, force);
-        put(&mut motion.borne[1], 0, torque);
+        motion.borne[0].set_lane(0, force);
+        motion.borne[1].set_lane(0, torque);
         motion.begin();
     }
     (motion, value)

@@ -1,43 +1,21 @@
 //! What the check of nets needs from each batch of joints: the bodies it joins, how fast its directions turn,
 //! the energy of its springs.
 
-use super::arrange::JointStage;
-use super::ends::{Ends, NONE};
-use super::kinds::JointType;
-use super::line::LineBatch;
-use super::lock::{PointBatch, TurnBatch};
-use super::measure::Measure;
-use super::row::RowBatch;
-use super::run::JointViews;
 use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
 use crate::constraint::articulation::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
+use crate::constraint::joint::batch::{Link, Watched};
+use crate::constraint::joint::ends::{Ends, NONE};
+use crate::constraint::joint::kinds::{JointStage, JointType};
+use crate::constraint::joint::line::LineBatch;
+use crate::constraint::joint::lock::{PointBatch, TurnBatch};
+use crate::constraint::joint::measure::Measure;
+use crate::constraint::joint::row::RowBatch;
+use crate::constraint::joint::run::JointViews;
+use crate::constraint::joint::spring::Spring;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, gather, ones};
 use glam::Vec3;
-
-/// The indices of two joined bodies, and which of them can be pushed.
-pub(crate) struct Link {
-    pub(crate) bodies: [u32; 2],
-    pub(crate) moves: [bool; 2],
-}
-
-/// A batch of joints.
-pub(crate) trait Watched {
-    fn links(&self, f: &mut dyn FnMut(Link));
-    /// Calls `f` with a body of each joint with a direction that turns too far in a substep.
-    fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
-    /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
-    fn lost(&mut self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
-    /// Calls `f` with a body of each lock whose error still grows after velocities were relaxed: its rows did
-    /// not converge.
-    fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
-    /// Clears the impulses of the joints of some bodies.
-    fn forget(&mut self, of: &dyn Fn(u32) -> bool);
-    /// Calls `f` with a body of each spring or motor, the energy it can give back and the energy it gives in
-    /// a substep [J].
-    fn stored(&self, _h: f32, _f: &mut dyn FnMut(u32, [f32; 2])) {}
-}
 
 /// Calls `f` with each batch.
 pub(crate) fn visit(views: &JointViews<'_>, stages: &[JointStage], f: &mut dyn FnMut(&mut dyn Watched)) {
@@ -50,7 +28,7 @@ pub(crate) fn visit(views: &JointViews<'_>, stages: &[JointStage], f: &mut dyn F
 }
 
 impl<L: Lanes> Ends<L> {
-    pub(super) fn each(&self, f: &mut dyn FnMut(usize, Link)) {
+    pub(in crate::constraint::joint) fn each(&self, f: &mut dyn FnMut(usize, Link)) {
         for lane in (0..L::N).filter(|&lane| self.owner[lane] != NONE) {
             let side = |i: usize| self.body[i][lane];
             let moves = self.write.map(|write| write >> lane & 1 != 0);
@@ -59,7 +37,7 @@ impl<L: Lanes> Ends<L> {
     }
 
     /// A dynamic body of a lane.
-    pub(super) fn one(&self, lane: usize) -> u32 {
+    pub(in crate::constraint::joint) fn one(&self, lane: usize) -> u32 {
         self.body[usize::from(self.write[0] >> lane & 1 == 0)][lane]
     }
 
@@ -88,7 +66,7 @@ impl<L: Lanes> Ends<L> {
 
     /// Calls `f` with a body of each lane that turns too far; `turn`: angular speed by the velocities of its
     /// bodies [rad/s].
-    pub(super) fn too_fast(
+    pub(in crate::constraint::joint) fn too_fast(
         &self,
         motion: &Motion<'_, '_>,
         h: f32,
@@ -236,36 +214,6 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
             let spring = Spring { pull, give, speed, most, mobility: self.mobility.lane(lane) };
             f(self.ends.one(lane), spring.energy(over, self.impulse[0].lane(lane), h));
         }
-    }
-}
-
-/// A spring or a motor as a row has it: see [`RowBatch`].
-pub(super) struct Spring {
-    pub(super) pull: f32,
-    pub(super) give: f32,
-    pub(super) speed: f32,
-    pub(super) most: f32,
-    /// Speed per impulse of what it acts on.
-    pub(super) mobility: f32,
-}
-
-impl Spring {
-    /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
-    /// `impulse`: of the last substep of `h` seconds.
-    pub(super) fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
-        let &Spring { pull, give, speed, most, mobility } = self;
-        if give <= 0.0 {
-            // A motor that does not yield.
-            return [0.0, (impulse * speed).max(0.0)];
-        }
-        let d = 1.0 / (h * give);
-        let k = pull * d;
-        let c = d - h * k;
-        let k = k / (1.0 + h * h * k * mobility);
-        let force = most / h;
-        let stored = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
-        let requested = if c > 1e-6 * d { speed * d / c } else { 0.0 };
-        [stored, (impulse * requested).max(0.0)]
     }
 }
 
