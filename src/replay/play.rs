@@ -305,6 +305,7 @@ impl<R: Read> Replay<R> {
         if let Some(tape) = tape_mut(&mut self.world) {
             tape.touch(call.body());
         }
+        let Some(call) = call.make(&mut self.world)? else { return Ok(()) };
         match call {
             Call::Step(_) => {}
             Call::Hull(_) | Call::Mesh(_) | Call::Field(_) | Call::Again(_) => self.define(call)?,
@@ -313,7 +314,6 @@ impl<R: Read> Replay<R> {
                 self.bounded = bound(&mut settings, self.tally.memory.most());
                 self.world.set_settings(settings)?;
             }
-            Call::SetOrigin(origin) => self.world.set_origin(origin)?,
             Call::AddBody(body) => {
                 self.allow(1, 0)?;
                 let desc = self.body(&body)?;
@@ -324,12 +324,6 @@ impl<R: Read> Replay<R> {
                 let descs = bodies.iter().map(|body| self.body(body)).collect::<Result<Vec<_>, _>>()?;
                 self.world.add_bodies(&descs)?;
             }
-            Call::RemoveBody(body) => self.world.remove_body(body)?,
-            Call::AddShape(body, shape) => {
-                let desc = self.shape(&shape)?;
-                self.world.add_shape(body, &desc)?;
-            }
-            Call::RemoveShape(shape) => self.world.remove_shape(shape)?,
             Call::AddJoint(desc) => {
                 self.allow(0, 1)?;
                 self.world.add_joint(&desc)?;
@@ -338,29 +332,10 @@ impl<R: Read> Replay<R> {
                 self.allow(0, descs.len())?;
                 self.world.add_joints(&descs)?;
             }
-            Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
-            call @ (Call::SetJointDrive(..)
-            | Call::RemoveJointDrive(..)
-            | Call::SetJointTarget(..)
-            | Call::SetJointLimit(..)
-            | Call::RemoveJointLimit(..)
-            | Call::SetJointLimits(..)
-            | Call::SetJointDrives(..)
-            | Call::SetJointFrames(..)
-            | Call::SetJointCollide(..)
-            | Call::SetJointStrength(..)
-            | Call::SetJointThresholds(..)
-            | Call::SetJointUserData(..)
-            | Call::SolveJointAfter(..)) => change_joint(&mut self.world, call)?,
             Call::AddCoupling(desc) => {
                 self.allow(0, 1)?;
                 self.world.add_coupling(&desc)?;
             }
-            call @ (Call::RemoveCoupling(..)
-            | Call::SetCouplingFactors(..)
-            | Call::SetCouplingRange(..)
-            | Call::SetCouplingStrength(..)
-            | Call::SetCouplingUserData(..)) => change_coupling(&mut self.world, call)?,
             Call::NameRecorded(body, name) => {
                 self.names.insert(body.slot, (body.generation, name));
             }
@@ -372,7 +347,7 @@ impl<R: Read> Replay<R> {
                 self.parts.define(part.map_err(|_| Failed::Damaged("a part makes no sense"))?);
             }
             Call::Restore(state, hulls, parts) => self.restore(&state, &hulls, parts)?,
-            of_one => self.play_on_body(of_one)?,
+            of_joint => self.play_on_joint(of_joint)?,
         }
         Ok(())
     }
@@ -408,38 +383,21 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one body.
-    fn play_on_body(&mut self, call: Call) -> Result<(), Failed> {
+    /// Plays a call that changes one joint.
+    fn play_on_joint(&mut self, call: Call) -> Result<(), Failed> {
         let world = &mut self.world;
         match call {
-            Call::SetPose(body, position, rotation) => world.set_pose(body, position, rotation)?,
-            Call::SetVelocity(body, linear, angular) => world.set_velocity(body, linear, angular)?,
-            Call::AddForce(body, force, torque) => world.add_force(body, force, torque)?,
-            Call::ApplyImpulse(body, impulse, point) => world.apply_impulse(body, impulse, point)?,
-            Call::SetGravityScale(body, scale) => world.set_gravity_scale(body, scale)?,
-            Call::SetContinuous(body, mode) => world.set_continuous(body, mode)?,
-            Call::SolveBodyAfter(body, above) => world.solve_body_after(body, above)?,
-            Call::SetMass(body, mass) => world.set_mass(body, mass)?,
-            Call::Wake(body) => world.wake(body)?,
-            Call::SendToSleep(body) => world.send_to_sleep(body)?,
-            Call::SetCanSleep(body, can_sleep) => world.set_can_sleep(body, can_sleep)?,
-            Call::SetEnabled(body, enabled) => world.set_enabled(body, enabled)?,
-            Call::SetKind(body, kind) => world.set_kind(body, kind)?,
-            Call::SetUserData(body, user_data) => world.set_user_data(body, user_data)?,
-            Call::SetDamping(body, linear, angular) => world.set_damping(body, linear, angular)?,
-            Call::SetMaxSpeeds(body, linear, angular) => world.set_max_speeds(body, linear, angular)?,
-            Call::SetLocks(body, translation, rotation) => {
-                world.set_locks(body, translation, rotation)?;
+            Call::SetJointTarget(joint, motion, axis, [position, velocity]) => {
+                world.set_joint_target(joint, motion, axis, position, velocity)?;
             }
-            Call::SetLinearVelocity(body, linear) => world.set_linear_velocity(body, linear)?,
-            Call::SetAngularVelocity(body, angular) => world.set_angular_velocity(body, angular)?,
-            Call::MoveKinematic(body, position, rotation, dt) => {
-                world.move_kinematic(body, position, rotation, dt)?;
+            Call::SetJointLimits(joint, limits) => world.set_joint_limits(joint, &limits)?,
+            Call::SetJointDrives(joint, drives) => world.set_joint_drives(joint, &drives)?,
+            Call::SetJointStrength(joint, [force, torque]) => {
+                world.set_joint_strength(joint, force, torque)?
             }
-            Call::MoveKinematicAndStop(body, position, rotation, dt) => {
-                world.move_kinematic_and_stop(body, position, rotation, dt)?;
+            Call::SetJointThresholds(joint, [force, torque]) => {
+                world.set_joint_thresholds(joint, force, torque)?;
             }
-            Call::ApplyAngularImpulse(body, impulse) => world.apply_angular_impulse(body, impulse)?,
             of_shape => self.play_on_shape(of_shape)?,
         }
         Ok(())
@@ -459,7 +417,6 @@ impl<R: Read> Replay<R> {
                 let character = self.character(form, &words)?;
                 self.world.add_character(&character)?;
             }
-            Call::RemoveCharacter(character) => self.world.remove_character(character)?,
             Call::SetCharacter(character, form, words) => {
                 let to = self.character(form, &words)?;
                 self.world.set_character(character, &to)?;
@@ -476,74 +433,28 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one shape.
+    /// Plays a call that changes one shape, or adds one.
     fn play_on_shape(&mut self, call: Call) -> Result<(), Failed> {
-        let world = &mut self.world;
+        let usual = |two: [u32; 2]| two.map(|n| n as usize);
         match call {
-            Call::SetMaterial(shape, material) => world.set_material(shape, material)?,
-            Call::SetFilter(shape, filter) => world.set_filter(shape, filter)?,
-            Call::SetListening(shape, events, hooks) => world.set_listening(shape, events, hooks)?,
-            Call::SetSensor(shape, sensor) => world.set_sensor(shape, sensor)?,
-            Call::SetSensesStatic(shape, senses) => world.set_senses_static(shape, senses)?,
-            Call::SetShapeUserData(shape, user_data) => world.set_shape_user_data(shape, user_data)?,
+            Call::AddShape(body, shape) => {
+                let desc = self.shape(&shape)?;
+                self.world.add_shape(body, &desc)?;
+            }
             Call::SetGeometry(shape, form) => {
                 let geometry = self.geometries.geometry(form);
                 let geometry = geometry.map_err(|_| Failed::Damaged("a geometry is missing"))?;
-                world.set_geometry(shape, geometry)?;
+                self.world.set_geometry(shape, geometry)?;
             }
-            Call::SetShapePose(shape, position, rotation) => {
-                world.set_shape_pose(shape, position, rotation)?;
-            }
-            Call::SetDensity(shape, density) => world.set_density(shape, density)?,
             Call::SetHeights(shape, first, size, heights) => {
-                let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
-                world.set_heights(shape, first, size, &heights)?;
+                self.world.set_heights(shape, usual(first), usual(size), &heights)?;
             }
             Call::SetHoles(shape, first, size, holes) => {
-                let [first, size] = [first, size].map(|two| two.map(|n| n as usize));
-                world.set_holes(shape, first, size, &holes)?;
+                self.world.set_holes(shape, usual(first), usual(size), &holes)?;
             }
             of_character => self.play_on_character(of_character)?,
         }
         Ok(())
-    }
-}
-
-/// Changes a joint as a call did.
-fn change_joint(world: &mut World, call: Call) -> Result<(), Error> {
-    match call {
-        Call::SetJointDrive(joint, drive) => world.set_joint_drive(joint, drive),
-        Call::RemoveJointDrive(joint, motion, axis) => {
-            world.remove_joint_drive(joint, motion, axis).map(drop)
-        }
-        Call::SetJointTarget(joint, motion, axis, [position, velocity]) => {
-            world.set_joint_target(joint, motion, axis, position, velocity)
-        }
-        Call::SetJointLimit(joint, limit) => world.set_joint_limit(joint, limit),
-        Call::RemoveJointLimit(joint, motion, axes) => {
-            world.remove_joint_limit(joint, motion, axes).map(drop)
-        }
-        Call::SetJointLimits(joint, limits) => world.set_joint_limits(joint, &limits),
-        Call::SetJointDrives(joint, drives) => world.set_joint_drives(joint, &drives),
-        Call::SetJointFrames(joint, frames) => world.set_joint_frames(joint, frames),
-        Call::SetJointCollide(joint, collide) => world.set_joint_collide(joint, collide),
-        Call::SetJointStrength(joint, [force, torque]) => world.set_joint_strength(joint, force, torque),
-        Call::SetJointThresholds(joint, [force, torque]) => world.set_joint_thresholds(joint, force, torque),
-        Call::SetJointUserData(joint, user_data) => world.set_joint_user_data(joint, user_data),
-        Call::SolveJointAfter(joint, above) => world.solve_joint_after(joint, above),
-        _ => Ok(()),
-    }
-}
-
-/// Changes a coupling as a call did.
-fn change_coupling(world: &mut World, call: Call) -> Result<(), Error> {
-    match call {
-        Call::RemoveCoupling(coupling) => world.remove_coupling(coupling),
-        Call::SetCouplingFactors(coupling, factors) => world.set_coupling_factors(coupling, factors),
-        Call::SetCouplingRange(coupling, range) => world.set_coupling_range(coupling, range),
-        Call::SetCouplingStrength(coupling, most) => world.set_coupling_strength(coupling, most),
-        Call::SetCouplingUserData(coupling, data) => world.set_coupling_user_data(coupling, data),
-        _ => Ok(()),
     }
 }
 
