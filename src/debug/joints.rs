@@ -65,10 +65,7 @@ fn frames(world: &World, joint: &Joint) -> [Pose; 2] {
     [0, 1].map(|side| {
         let pose = &world.bodies.pose[world.bodies.slots.dense(joint.bodies[side]) as usize];
         let frame = &joint.frames[side];
-        Pose {
-            position: pose.position + (pose.rotation * frame.position).as_dvec3(),
-            rotation: pose.rotation * frame.rotation,
-        }
+        pose.of_part(frame.position, frame.rotation)
     })
 }
 

@@ -266,11 +266,7 @@ impl Guard<'_> {
             let wall = &self.colliders[other as usize];
             let old = &self.poses[other as usize];
             let from = self.centre_before(mover);
-            let pose = &bodies.pose[k];
-            let new = Pose {
-                position: pose.position + (pose.rotation * wall.position).as_dvec3(),
-                rotation: pose.rotation * wall.rotation,
-            };
+            let new = bodies.pose[k].of_part(wall.position, wall.rotation);
             let start = old.rotation.conjugate() * (from - old.position).as_vec3();
             let end = new.rotation.conjugate() * (bodies.pose[i].position - new.position).as_vec3();
             let moved = end - start;

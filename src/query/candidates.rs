@@ -189,11 +189,7 @@ impl World {
     #[inline]
     pub(super) fn candidate(&self, index: u32) -> Candidate<'_> {
         let shape = &self.colliders.all[index as usize];
-        let body = &self.bodies.pose[shape.body as usize];
-        let place = Pose {
-            position: body.position + (body.rotation * shape.position).as_dvec3(),
-            rotation: body.rotation * shape.rotation,
-        };
+        let place = self.bodies.pose[shape.body as usize].of_part(shape.position, shape.rotation);
         Candidate { index, shape, place }
     }
 

@@ -10,7 +10,7 @@ use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
-use crate::shape::{Collider, Kind};
+use crate::shape::Kind;
 use crate::solver::ImpactBody;
 use glam::Vec3;
 
@@ -157,7 +157,7 @@ impl Run<'_, '_> {
         let on = &*self.on;
         let [a, b] = [hit.a, hit.b].map(|c| &on.colliders.all[c as usize]);
         let [pose_a, pose_b] = bodies.map(|i| on.bodies.pose[i]);
-        let (at_a, at_b) = (place(a, &pose_a), place(b, &pose_b));
+        let (at_a, at_b) = (pose_a.of_part(a.position, a.rotation), pose_b.of_part(b.position, b.rotation));
         let back = at_a.rotation.conjugate();
         let rel = Relative {
             position: back * (at_b.position - at_a.position).as_vec3(),
@@ -205,13 +205,5 @@ impl Run<'_, '_> {
             add(normal, tip);
         }
         (points, count, manifolds.first().map_or(0, |raw| raw.material as u8))
-    }
-}
-
-/// Pose of a body's collider.
-fn place(shape: &Collider, body: &Pose) -> Pose {
-    Pose {
-        position: body.position + (body.rotation * shape.position).as_dvec3(),
-        rotation: body.rotation * shape.rotation,
     }
 }
