@@ -10,7 +10,7 @@
 //! straight into it: stopped, both would be where they were, and go the same way in the next step, for ever.
 
 use super::guard::{Guard, stop};
-use crate::body::{Bodies, Pose};
+use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::config::tuning::{GUARD_DISTANCE, PASSING_STEEPNESS};
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
@@ -181,10 +181,7 @@ impl Guard<'_> {
         let shape = &self.colliders[other as usize];
         let body = |c: u32| self.colliders[c as usize].body as usize;
         let (old, pose) = (&self.poses[other as usize], &bodies.pose[body(other)]);
-        let new = Pose {
-            position: pose.position + (pose.rotation * shape.position).as_dvec3(),
-            rotation: pose.rotation * shape.rotation,
-        };
+        let new = pose.of_part(shape.position, shape.rotation);
         let own = bodies.colliders[body(one)].as_slice();
         if !self.wants(&bodies.traits[body(one)], own) {
             return None;

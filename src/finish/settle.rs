@@ -262,10 +262,7 @@ impl Settling<'_> {
             if shape.is_sensor() {
                 continue;
             }
-            let here = Pose {
-                position: pose.position + (pose.rotation * shape.position).as_dvec3(),
-                rotation: pose.rotation * shape.rotation,
-            };
+            let here = pose.of_part(shape.position, shape.rotation);
             let bounds = aabb_of(shape, pose.position, pose.rotation);
             // A shape around its body's centre contains the segments to its ends.
             let mut may_cross = shape.position != Vec3::ZERO;

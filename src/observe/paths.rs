@@ -92,10 +92,8 @@ fn is_inside(world: &World, i: usize) -> bool {
     let at = world.bodies.pose[i].position;
     let point = Support::triangle([Vec3::ZERO; 3]);
     world.colliders.all.iter().filter(|shape| shape.body as usize != i).any(|shape| {
-        let body = &world.bodies.pose[shape.body as usize];
-        let origin = body.position + (body.rotation * shape.position).as_dvec3();
-        let back = (body.rotation * shape.rotation).conjugate();
-        let off = back * (at - origin).as_vec3();
+        let here = world.bodies.pose[shape.body as usize].of_part(shape.position, shape.rotation);
+        let off = here.rotation.conjugate() * (at - here.position).as_vec3();
         let rel = Relative { position: off, rotation: Quat::IDENTITY };
         off.length() <= shape.radius
             && Support::of(shape).is_some_and(|shape| {

@@ -28,7 +28,7 @@ pub(crate) const ROW_BYTES: usize = {
 };
 
 /// A motor or a spring about the axis of a hinge, as the body of its node sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Motor<L> {
     /// The row of each lane.
     pub(crate) owner: [u32; 8],
@@ -50,20 +50,7 @@ pub(crate) struct Motor<L> {
 
 impl<L: Lanes> Motor<L> {
     pub(crate) fn new(node: u32) -> Self {
-        let zero = L::zero();
-        let owner = [NONE; 8];
-        Motor {
-            owner,
-            node,
-            off: zero,
-            stops: ENDLESS.map(L::splat),
-            pull: zero,
-            speed: zero,
-            give: zero,
-            most: zero,
-            impulse: zero,
-            less: zero,
-        }
+        Motor { owner: [NONE; 8], node, stops: ENDLESS.map(L::splat), ..Motor::default() }
     }
 }
 
@@ -77,8 +64,9 @@ struct Direction<L> {
 }
 
 /// Which motors act.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum Drives {
+    #[default]
     None,
     /// Those that do not yield: springs act once a substep.
     Rigid,
@@ -86,7 +74,7 @@ pub(crate) enum Drives {
 }
 
 /// The rows of a batch of trees.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Extra<L> {
     pub(crate) motors: Vec<Motor<L>>,
     /// Which motors act in this pass.
@@ -103,34 +91,20 @@ pub(crate) struct Extra<L> {
     alone: Vec<[L; 2]>,
 }
 
-impl<L> Default for Extra<L> {
-    fn default() -> Self {
+impl<L: Default> Extra<L> {
+    /// Reserves memory for so many rows.
+    pub(crate) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
         Extra {
-            motors: Vec::new(),
-            drives: Drives::None,
-            idle: false,
-            shifts: false,
-            directions: Vec::new(),
-            answers: Vec::new(),
-            alone: Vec::new(),
+            motors,
+            directions: Vec::with_capacity(rows),
+            answers: Vec::with_capacity(rows * rows),
+            alone: Vec::with_capacity(rows),
+            ..Extra::default()
         }
     }
 }
 
 impl<L> Extra<L> {
-    /// Reserves memory for so many rows.
-    pub(crate) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
-        Extra {
-            motors,
-            drives: Drives::None,
-            idle: false,
-            shifts: false,
-            directions: Vec::with_capacity(rows),
-            answers: Vec::with_capacity(rows * rows),
-            alone: Vec::with_capacity(rows),
-        }
-    }
-
     pub(crate) fn reserved(&self) -> usize {
         size_of::<Motor<L>>() * self.motors.capacity()
             + size_of::<Direction<L>>() * self.directions.capacity()

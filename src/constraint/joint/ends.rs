@@ -5,6 +5,7 @@ use crate::constraint::contact::body_pair::Written;
 use crate::constraint::contact::row::{BodyPair, Motion, Softness};
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
+use bytemuck::Zeroable;
 
 /// Maximum speeds at which errors of joints are corrected.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,7 +59,7 @@ impl JointPass {
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// The bodies of up to eight rows; no dynamic body occurs twice.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct Ends<L> {
     /// [1/kg]
@@ -80,11 +81,8 @@ impl<L: Lanes> Default for Ends<L> {
         Ends {
             // Nonzero, so that inert lanes stay finite.
             inverse_mass: [L::one(), L::zero()],
-            inverse_inertia: [Sym3::default(); 2],
-            body: [[0; 8]; 2],
-            write: [0; 2],
-            locks: [0; 2],
             owner: [NONE; 8],
+            ..Zeroable::zeroed()
         }
     }
 }
@@ -178,7 +176,7 @@ impl<L: GatherLanes> Ends<L> {
 
 /// A direction of relative motion and of impulses: a force on the second body at a point, the opposite one on
 /// the first at the same point, and a torque.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct Lever<L> {
     pub(crate) force: Vec3<L>,

@@ -8,9 +8,10 @@ use super::batch::{JointBatch, Report};
 use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve};
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, turned};
+use bytemuck::Zeroable;
 
 /// Points that stay together.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct PointBatch<L> {
     pub(crate) ends: Ends<L>,
@@ -34,18 +35,7 @@ pub(crate) struct PointBatch<L> {
 impl<L: Lanes> Default for PointBatch<L> {
     #[inline(always)]
     fn default() -> Self {
-        let zero = Vec3::zero();
-        PointBatch {
-            ends: Ends::default(),
-            arm: [zero; 2],
-            apart: zero,
-            arm_now: [zero; 2],
-            moment: [zero; 2],
-            apart_now: zero,
-            mass: Sym3::default(),
-            impulse: zero,
-            lasting: zero,
-        }
+        PointBatch { ends: Ends::default(), ..Zeroable::zeroed() }
     }
 }
 
@@ -150,7 +140,7 @@ pub(crate) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
 }
 
 /// Bodies that turn as one, or (`HINGE`) about one axis only.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) ends: Ends<L>,
@@ -173,17 +163,7 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
     #[inline(always)]
     fn default() -> Self {
-        let zero = Vec3::zero();
-        TurnBatch {
-            ends: Ends::default(),
-            axis: [zero; 2],
-            axis_now: zero,
-            error: zero,
-            error_now: zero,
-            mass: Sym3::default(),
-            impulse: zero,
-            lasting: zero,
-        }
+        TurnBatch { ends: Ends::default(), ..Zeroable::zeroed() }
     }
 }
 

@@ -5,9 +5,10 @@ use super::ends::{Lever, mean, seen};
 use crate::constraint::contact::row::BodyPair;
 use crate::joint::{Axes, Axis, Placed};
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3, turned};
+use bytemuck::Zeroable;
 
 /// A measure of a row. The lever's arms are set before it is called.
-pub(crate) trait Measure<L: Lanes>: Copy + Default {
+pub(crate) trait Measure<L: Lanes>: Copy + Default + Zeroable {
     /// Whether it is an angle [rad] or a length [m].
     const IS_ANGLE: bool;
     /// Initialises a lane at the start of a step, and returns the displacement if that does not follow from
@@ -26,19 +27,13 @@ pub(crate) trait Measure<L: Lanes>: Copy + Default {
 }
 
 /// A displacement along an axis of the first body [m].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 #[repr(C)]
 pub(crate) struct Slide<L> {
     axis: Vec3<L>,
     /// The first body's arm at the start of the step.
     arm: Vec3<L>,
     axis_now: Vec3<L>,
-}
-
-impl<L: Lanes> Default for Slide<L> {
-    fn default() -> Self {
-        Slide { axis: Vec3::zero(), arm: Vec3::zero(), axis_now: Vec3::zero() }
-    }
 }
 
 impl<L: GatherLanes> Measure<L> for Slide<L> {
@@ -66,7 +61,7 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
 }
 
 /// A distance from a point, or from an axis of the first body [m].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 #[repr(C)]
 pub(crate) struct Distance<L> {
     /// Zero if it is from a point.
@@ -77,13 +72,6 @@ pub(crate) struct Distance<L> {
     axis_now: Vec3<L>,
     apart_now: Vec3<L>,
     along: Vec3<L>,
-}
-
-impl<L: Lanes> Default for Distance<L> {
-    fn default() -> Self {
-        let zero = Vec3::zero();
-        Distance { axis: zero, arm: zero, aside: zero, axis_now: zero, apart_now: zero, along: zero }
-    }
 }
 
 impl<L: GatherLanes> Measure<L> for Distance<L> {
@@ -130,16 +118,10 @@ impl<L: Lanes> Distance<L> {
 }
 
 /// The twist about an axis [rad].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 #[repr(C)]
 pub(crate) struct Twist<L> {
     axis: [Vec3<L>; 2],
-}
-
-impl<L: Lanes> Default for Twist<L> {
-    fn default() -> Self {
-        Twist { axis: [Vec3::zero(); 2] }
-    }
 }
 
 impl<L: GatherLanes> Measure<L> for Twist<L> {
@@ -172,7 +154,7 @@ fn between<L: Lanes>([a, b]: [Vec3<L>; 2]) -> Vec3<L> {
 }
 
 /// The angle between an axis of each body [rad].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 #[repr(C)]
 pub(crate) struct Tilt<L> {
     axis: [Vec3<L>; 2],
@@ -180,13 +162,6 @@ pub(crate) struct Tilt<L> {
     axis_now: [Vec3<L>; 2],
     about: Vec3<L>,
     now: L,
-}
-
-impl<L: Lanes> Default for Tilt<L> {
-    fn default() -> Self {
-        let zero = Vec3::zero();
-        Tilt { axis: [zero; 2], aside: zero, axis_now: [zero; 2], about: zero, now: L::zero() }
-    }
 }
 
 impl<L: GatherLanes> Measure<L> for Tilt<L> {
@@ -221,7 +196,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
 }
 
 /// The angle of all rotation [rad].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct Turn<L> {
     /// Rotation vector from the first body to the second.
@@ -235,8 +210,7 @@ pub(crate) struct Turn<L> {
 
 impl<L: Lanes> Default for Turn<L> {
     fn default() -> Self {
-        let zero = Vec3::zero();
-        Turn { error: zero, share: L::one(), aside: zero, error_now: zero, about: zero }
+        Turn { share: L::one(), ..Zeroable::zeroed() }
     }
 }
 

@@ -11,9 +11,10 @@ use super::measure::Measure;
 use super::spring::{ENDLESS, before_stops};
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, turned};
+use bytemuck::Zeroable;
 
 /// Up to eight rows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C)]
 pub(crate) struct RowBatch<L, M> {
     pub(crate) ends: Ends<L>,
@@ -56,33 +57,17 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) both: u32,
 }
 
-impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
+impl<L: Lanes, M: Default + Zeroable> Default for RowBatch<L, M> {
     #[inline(always)]
     fn default() -> Self {
-        let zero = L::zero();
         RowBatch {
             ends: Ends::default(),
             measure: M::default(),
-            arm: [Vec3::zero(); 2],
-            borne: [Vec3::zero(); 2],
-            lever: Lever::zero(),
             mobility: L::one(),
-            value: zero,
-            now: zero,
             min: L::splat(f32::NEG_INFINITY),
             max: L::splat(f32::INFINITY),
             stops: ENDLESS.map(L::splat),
-            pull: zero,
-            speed: zero,
-            give: zero,
-            most: zero,
-            impulse: [zero; 2],
-            acted: Vec3::zero(),
-            moment: [Vec3::zero(); 2],
-            lasting: zero,
-            drives: 0,
-            springs: 0,
-            both: 0,
+            ..Zeroable::zeroed()
         }
     }
 }

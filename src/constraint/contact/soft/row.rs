@@ -7,7 +7,7 @@ use crate::config::tuning::{LEAST_SOFT_DAMPING, SOFT_TURN};
 use crate::lanes::{GatherLanes, Vec3, kernel};
 
 /// What soft lanes of a batch need besides their normal rows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SoftRow {
     /// One in soft lanes, zero in others.
     pub(super) soft: [f32; 8],
@@ -22,21 +22,6 @@ pub(crate) struct SoftRow {
     pub(super) pull: [[f32; 8]; 4],
     /// One for points that the stop held in the last pass.
     pub(super) held: [[f32; 8]; 4],
-}
-
-impl Default for SoftRow {
-    fn default() -> Self {
-        let (zero, points) = ([0.0; 8], [[0.0; 8]; 4]);
-        SoftRow {
-            soft: zero,
-            start_share: zero,
-            stop: zero,
-            rate: points,
-            drag: points,
-            pull: points,
-            held: points,
-        }
-    }
 }
 
 kernel! {
