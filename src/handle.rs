@@ -129,9 +129,23 @@ impl Slots {
         self.slots.len()
     }
 
-    /// Free slots with their generations, in the order of their return.
-    pub(crate) fn free(&self) -> impl ExactSizeIterator<Item = (u32, u32)> + '_ {
-        self.free.iter().map(|&slot| (slot, self.slots[slot as usize].0))
+    /// Writes the free slots with their generations, in the order of their return.
+    pub(crate) fn save_free(&self, out: &mut Vec<u32>) {
+        out.push(self.free.len() as u32);
+        out.extend(self.free.iter().flat_map(|&slot| [slot, self.generation(slot)]));
+    }
+
+    /// Gives a value a slot, which is its index among all of its kind; returns it with its generation.
+    pub(crate) fn place<T>(&mut self, value: T, all: &mut Vec<T>) -> (u32, u32) {
+        let next = all.len() as u32;
+        let (slot, generation) = self.insert(next);
+        self.moved(slot, slot);
+        if slot == next {
+            all.push(value);
+        } else {
+            all[slot as usize] = value;
+        }
+        (slot, generation)
     }
 
     /// Makes them anew: what is taken (slot, generation, dense index), and what is free.

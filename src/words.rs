@@ -88,6 +88,19 @@ impl<'a> Reader<'a> {
         all_finite(words)?;
         Ok(record::<T, N>(words))
     }
+
+    /// Free slots with their generations.
+    pub(crate) fn free_slots(&mut self) -> Result<Vec<(u32, u32)>, Error> {
+        let count = self.one()?;
+        Ok(self.table(count, 2)?.as_chunks::<2>().0.iter().map(|&[slot, of]| (slot, of)).collect())
+    }
+}
+
+/// Whether free slots are those that nobody has, in whatever order.
+pub(crate) fn are_free(slots: &[(u32, u32)], nobodys: impl Iterator<Item = u32>) -> bool {
+    let mut slots: Vec<u32> = slots.iter().map(|(slot, _)| *slot).collect();
+    slots.sort_unstable();
+    nobodys.eq(slots)
 }
 
 /// Refuses words that are not finite numbers.

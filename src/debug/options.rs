@@ -166,52 +166,45 @@ impl Colour {
     }
 }
 
-/// Colours of what is drawn.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "each is named for what it is the colour of")]
-pub struct Palette {
-    pub static_body: Colour,
-    pub kinematic_body: Colour,
-    pub dynamic_body: Colour,
-    pub sleeping_body: Colour,
-    pub aabb: Colour,
-    pub fat_aabb: Colour,
-    pub motion: Colour,
-    pub real_point: Colour,
-    pub potential_point: Colour,
-    pub ghost_point: Colour,
-    pub gap: Colour,
-    pub normal: Colour,
-    pub impulse: Colour,
-    pub joint_limit: Colour,
-    pub joint_gap: Colour,
-    pub coupling: Colour,
-    pub centre_of_mass: Colour,
-    /// Colours of the axes of frames and of principal axes: x, y and z.
-    pub axes: [Colour; 3],
+/// The colours of a palette, each by its name, with their defaults.
+macro_rules! palette {
+    ($($name:ident: $red:literal $green:literal $blue:literal,)*) => {
+        /// Colours of what is drawn.
+        #[derive(Clone, Debug, PartialEq, Eq)]
+        #[allow(missing_docs, reason = "each is named for what it is the colour of")]
+        pub struct Palette {
+            $(pub $name: Colour,)*
+            /// Colours of the axes of frames and of principal axes: x, y and z.
+            pub axes: [Colour; 3],
+        }
+
+        impl Default for Palette {
+            fn default() -> Self {
+                Palette {
+                    $($name: Colour::new($red, $green, $blue),)*
+                    axes: [Colour::new(230, 80, 70), Colour::new(95, 195, 90), Colour::new(80, 130, 240)],
+                }
+            }
+        }
+    };
 }
 
-impl Default for Palette {
-    fn default() -> Self {
-        Palette {
-            static_body: Colour::new(140, 145, 152),
-            kinematic_body: Colour::new(90, 170, 160),
-            dynamic_body: Colour::new(225, 165, 85),
-            sleeping_body: Colour::new(125, 110, 90),
-            aabb: Colour::new(120, 205, 120),
-            fat_aabb: Colour::new(60, 125, 75),
-            motion: Colour::new(255, 225, 70),
-            real_point: Colour::new(255, 60, 50),
-            potential_point: Colour::new(70, 150, 255),
-            ghost_point: Colour::new(255, 70, 230),
-            gap: Colour::new(170, 200, 255),
-            normal: Colour::new(235, 235, 235),
-            impulse: Colour::new(255, 150, 40),
-            joint_limit: Colour::new(190, 150, 255),
-            joint_gap: Colour::new(255, 60, 50),
-            coupling: Colour::new(255, 200, 80),
-            centre_of_mass: Colour::new(255, 255, 255),
-            axes: [Colour::new(230, 80, 70), Colour::new(95, 195, 90), Colour::new(80, 130, 240)],
-        }
-    }
+palette! {
+    static_body: 140 145 152,
+    kinematic_body: 90 170 160,
+    dynamic_body: 225 165 85,
+    sleeping_body: 125 110 90,
+    aabb: 120 205 120,
+    fat_aabb: 60 125 75,
+    motion: 255 225 70,
+    real_point: 255 60 50,
+    potential_point: 70 150 255,
+    ghost_point: 255 70 230,
+    gap: 170 200 255,
+    normal: 235 235 235,
+    impulse: 255 150 40,
+    joint_limit: 190 150 255,
+    joint_gap: 255 60 50,
+    coupling: 255 200 80,
+    centre_of_mass: 255 255 255,
 }

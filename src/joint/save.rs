@@ -9,7 +9,7 @@ use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, is_bound};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::math::Quat;
-use crate::words::{Reader, all_loads, broken, record, words};
+use crate::words::{Reader, all_loads, are_free, broken, record, words};
 use glam::Vec3;
 
 /// How many of each there are in a saved state.
@@ -121,9 +121,7 @@ impl Joints {
         }
         self.rows.iter().for_each(|row| save_row(row, out));
         out.extend(&self.first[..first]);
-        let free = self.slots.free();
-        out.push(free.len() as u32);
-        free.for_each(|(slot, generation)| out.extend([slot, generation]));
+        self.slots.save_free(out);
         self.couplings.save_all(out);
     }
 
@@ -322,10 +320,7 @@ impl JointRecords {
             return Err(broken("the order of a joint's rows"));
         }
         records.first.extend(from.table(first, 1)?);
-        let free = from.one()?;
-        records.free.extend(
-            from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation)),
-        );
+        records.free = from.free_slots()?;
         records.check_lists(live)?;
         let exists = |joint: u32| records.all.get(joint as usize).is_some_and(Joint::is_there);
         records.couplings = CouplingRecords::read(from, exists)?;
@@ -348,14 +343,9 @@ impl JointRecords {
                 at = joint.next_of(body);
             }
         }
-        let mut free: Vec<u32> = self.free.iter().map(|(slot, _)| *slot).collect();
-        free.sort_unstable();
         let dead = (0u32..).zip(&self.all).filter(|(_, joint)| !joint.is_there()).map(|(slot, _)| slot);
-        if visits == 2 * live && dead.eq(free.iter().copied()) {
-            Ok(())
-        } else {
-            Err(broken("a list of joints"))
-        }
+        let whole = visits == 2 * live && are_free(&self.free, dead);
+        if whole { Ok(()) } else { Err(broken("a list of joints")) }
     }
 }
 

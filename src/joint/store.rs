@@ -189,13 +189,10 @@ impl Joints {
     }
 
     pub(crate) fn add(&mut self, desc: &JointDesc, frames: [JointFrame; 2]) -> JointHandle {
-        let next_slot = self.all.len() as u32;
         if self.stale && self.slots.spare() > 0 {
             // The slot will be used again.
             self.drop_stale();
         }
-        let (slot, generation) = self.slots.insert(next_slot);
-        self.slots.moved(slot, slot);
         let bodies = desc.bodies.map(|b| b.slot);
         let most = bodies[0].max(bodies[1]) as usize + 1;
         if self.first.len() < most {
@@ -211,16 +208,13 @@ impl Joints {
             user_data: desc.user_data,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
-            next: bodies.map(|b| std::mem::replace(&mut self.first[b as usize], slot)),
+            next: bodies.map(|b| self.first[b as usize]),
             start: [NONE; 2],
         };
         self.breakable += u32::from(is_bound(joint.strength));
         self.reporting += u32::from(is_bound(joint.threshold));
-        if slot == next_slot {
-            self.all.push(joint)
-        } else {
-            self.all[slot as usize] = joint
-        }
+        let (slot, generation) = self.slots.place(joint, &mut self.all);
+        bodies.into_iter().for_each(|b| self.first[b as usize] = slot);
         self.add_rows(slot, &desc.limits, &desc.drives);
         self.count += 1;
         self.changed = true;

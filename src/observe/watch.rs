@@ -1,7 +1,7 @@
 //! Observers of a world's steps.
 
 use super::system::{LaneRows, Sums, System, SystemIsland, Velocity, velocity};
-use crate::constraint::{ContactLane, JointViews, Views};
+use crate::constraint::ContactLane;
 use crate::lanes::Record;
 use crate::solver::Witness;
 use crate::world::{StepMeter, World};
@@ -134,28 +134,11 @@ fn watch(world: &World) -> Option<&Watch> {
     meter.downcast_ref()
 }
 
-impl Witness for Watch {
-    fn before(&mut self, velocity: &[Record]) {
-        self.sums.before(velocity);
-    }
-    fn after(&mut self, velocity: &[Record]) {
-        self.sums.after(velocity);
-    }
-    fn contacts(&self) -> usize {
-        self.sums.contacts()
-    }
-    fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
-        self.sums.impacts(impulses);
-    }
-    fn pull(&mut self, acceleration: &[Record], h: f32) {
-        self.sums.pull(acceleration, h);
-    }
-    fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>) {
-        self.sums.substep(rows, joints);
-    }
-}
-
 impl StepMeter for Watch {
+    fn witness(&mut self) -> &mut dyn Witness {
+        &mut self.sums
+    }
+
     fn before_rows(&mut self, world: &mut World, dt: f32) {
         self.system = System::assemble(world, dt);
         self.sums = Sums::new(world, &self.system);

@@ -170,7 +170,7 @@ impl Sleep {
         }
     }
 
-    /// Pairs of all that sleeps.
+    /// Pairs of all that sleeps, island by island: in this order [`Sleep::keep_pair`] takes them back.
     pub(crate) fn sleeping_pairs(&self) -> impl Iterator<Item = &Pair> {
         self.kept_by(&self.islands)
     }

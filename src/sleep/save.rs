@@ -29,11 +29,6 @@ pub(crate) struct SavedSleep<'a> {
 }
 
 impl Sleep {
-    /// Pairs of all islands, in the order in which [`Sleep::restore`] wants them.
-    pub(crate) fn saved_pairs(&self) -> impl Iterator<Item = &Pair> {
-        self.sleeping_pairs()
-    }
-
     /// Number of pairs that islands keep.
     pub(crate) fn pair_count(&self) -> usize {
         self.pair_count as usize

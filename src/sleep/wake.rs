@@ -18,8 +18,7 @@ impl Islands<'_> {
         if self.sleep.count() == 0 {
             return false;
         }
-        let mut waking = std::mem::take(&mut self.sleep.waking);
-        waking.clear();
+        let mut waking = self.to_wake();
         let asleep = self.bodies.asleep();
         for pair in &self.broad.pairs {
             let [a, b] = [pair.a, pair.b].map(|c| self.colliders.summaries[c as usize].body as usize);
@@ -39,11 +38,7 @@ impl Islands<'_> {
         // Bodies that a kinematic body drags along.
         for i in self.bodies.dynamic()..self.bodies.movers() {
             if self.bodies.rest[i] == 0.0 && self.joints.count > 0 {
-                for joint in self.joints.of_body(self.bodies.slot[i]) {
-                    let bodies = self.joints.all[joint as usize].bodies;
-                    let islands = bodies.iter().filter_map(|&slot| self.sleep.island_of(slot));
-                    islands.for_each(|island| Sleep::note(&mut waking, island));
-                }
+                self.note_joined(self.bodies.slot[i], &mut waking);
             }
         }
         let any = !waking.is_empty();
@@ -98,8 +93,7 @@ impl Islands<'_> {
         if self.bodies.sleepers() == 0 {
             return index;
         }
-        let mut waking = std::mem::take(&mut self.sleep.waking);
-        waking.clear();
+        let mut waking = self.to_wake();
         let summaries = &self.colliders.summaries;
         let own = |c: u32| summaries[c as usize].body as usize == index;
         let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[summaries[c as usize].body as usize]);
@@ -110,11 +104,7 @@ impl Islands<'_> {
                 islands.for_each(|island| Sleep::note(&mut waking, island));
             }
         }
-        for joint in self.joints.of_body(slot) {
-            let bodies = self.joints.all[joint as usize].bodies;
-            let islands = bodies.iter().filter_map(|&slot| self.sleep.island_of(slot));
-            islands.for_each(|island| Sleep::note(&mut waking, island));
-        }
+        self.note_joined(slot, &mut waking);
         self.wake_all_of(waking);
         self.bodies.slots.dense(slot) as usize
     }
@@ -124,8 +114,7 @@ impl Islands<'_> {
         if self.bodies.sleepers() == 0 {
             return;
         }
-        let mut waking = std::mem::take(&mut self.sleep.waking);
-        waking.clear();
+        let mut waking = self.to_wake();
         for i in self.bodies.asleep() {
             let pose = &self.bodies.pose[i];
             let meets = self.bodies.colliders[i].as_slice().iter().any(|&c| {
@@ -142,11 +131,24 @@ impl Islands<'_> {
 
     /// Wakes all bodies.
     pub(crate) fn wake_all(&mut self) {
-        let mut waking = std::mem::take(&mut self.sleep.waking);
-        waking.clear();
+        let mut waking = self.to_wake();
         let islands = self.bodies.asleep().filter_map(|i| self.sleep.island_of(self.bodies.slot[i]));
         islands.for_each(|island| Sleep::note(&mut waking, island));
         self.wake_all_of(waking);
+    }
+
+    /// An empty list of islands, for [`Islands::wake_all_of`].
+    fn to_wake(&mut self) -> Vec<u32> {
+        let mut waking = std::mem::take(&mut self.sleep.waking);
+        waking.clear();
+        waking
+    }
+
+    /// Adds the islands of a body and of those that it is joined to.
+    fn note_joined(&self, slot: u32, waking: &mut Vec<u32>) {
+        let bodies = self.joints.of_body(slot).flat_map(|joint| self.joints.all[joint as usize].bodies);
+        let islands = bodies.filter_map(|slot| self.sleep.island_of(slot));
+        islands.for_each(|island| Sleep::note(waking, island));
     }
 
     fn wake_all_of(&mut self, mut waking: Vec<u32>) {

@@ -23,7 +23,6 @@ struct Known {
 }
 
 pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
-    columns(view);
     let colliders = check_bodies(view, records)?;
     let mut known: Vec<Option<Known>> = vec![None; records.colliders.count];
     let mut fixed: Vec<Option<bool>> = vec![None; records.colliders.count];
@@ -97,37 +96,6 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     }
     view.events.check()?;
     view.joints.check(&records.joints)
-}
-
-/// The list of columns. None is left out by `..`: whoever adds one says here who checks it.
-fn columns(view: &View<'_>) {
-    let View {
-        // By `check_bodies`, with all that is by body.
-        counts: _,
-        slots: _,
-        bodies: _,
-        rest: _,
-        forces: _,
-        targets: _,
-        is_clear: _,
-        clear: _,
-        // By `check` itself.
-        broad: _,
-        pairs: _,
-        sleep: _,
-        joints: _,
-        events: _,
-        // By `check_characters`, who knows the forms.
-        characters: _,
-        // By `View::read`.
-        settings: _,
-        origin: _,
-        last_h: _,
-        usual_h: _,
-        evenness: _,
-        wait: _,
-        pending: _,
-    } = view;
 }
 
 /// Whether the columns of bodies fit; returns their shapes in order.

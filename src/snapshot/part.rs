@@ -88,9 +88,8 @@ impl Part {
             }
         }
         for slots in [&bodies.slots, &world.colliders.slots] {
-            let free = slots.free();
-            out.extend([slots.count() as u32, free.len() as u32]);
-            free.for_each(|(slot, generation)| out.extend([slot, generation]));
+            out.push(slots.count() as u32);
+            slots.save_free(&mut out);
         }
         world.joints.save_all(&mut out);
         out[0] = out.len() as u32;
@@ -304,9 +303,7 @@ fn once(taken: impl Iterator<Item = u32>, slots: &FreeSlots) -> Result<(), Error
 }
 
 fn read_free(from: &mut Reader<'_>) -> Result<FreeSlots, Error> {
-    let [count, free]: [u32; 2] = from.record::<_, 2>()?;
-    let free = from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation));
-    Ok(FreeSlots { count: count as usize, free: free.collect() })
+    Ok(FreeSlots { count: from.one()? as usize, free: from.free_slots()? })
 }
 
 /// Reads a pose and checks that it is valid.

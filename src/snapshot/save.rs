@@ -84,12 +84,12 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     (counts.guarded, counts.clear) = (clear.len() as u32, save_clear(clear, out));
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
-    let pairs = broad.pairs.iter().chain(sleep.saved_pairs());
+    let pairs = broad.pairs.iter().chain(sleep.sleeping_pairs());
     // What is awake may be sent to sleep before the next step.
     let rests = |pair: &Pair| bodies.rests || pair.is_idle(&colliders.summaries, bodies.dynamic());
     let pairs = pairs.map(|pair| (pair, rests(pair)));
     (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
-    let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
+    let written = save_pairs(&|| broad.pairs.iter().chain(sleep.sleeping_pairs()), colliders.all.len(), out);
     debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
     let start = out.len();
     counts.contacts = save_contacts(pairs, contacts, out);

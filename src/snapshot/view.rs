@@ -83,7 +83,8 @@ pub(super) const PUSH: usize = 7;
 pub(super) const TARGET: usize = 13;
 pub(super) const BALL: usize = 7;
 
-/// A state in its words.
+/// A state in its words. Settings and single numbers are checked as they are read, characters where their
+/// forms are known, and all else by [`check`](super::check::check).
 pub(super) struct View<'a> {
     pub(super) counts: Counts,
     pub(super) settings: Settings,

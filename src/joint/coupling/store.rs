@@ -6,7 +6,7 @@ use crate::handle::{CouplingHandle, Slots};
 use crate::joint::desc::{Axes, Motion, axes_code, axes_of};
 use crate::limits::MAX_LOAD;
 use crate::memory::{buffers, bytes_of};
-use crate::words::{Reader, all_loads, broken, record, words};
+use crate::words::{Reader, all_loads, are_free, broken, record, words};
 
 /// All couplings.
 #[derive(Debug, Default)]
@@ -32,14 +32,7 @@ impl Couplings {
     }
 
     pub(crate) fn add(&mut self, coupling: Coupling) -> CouplingHandle {
-        let next = self.all.len() as u32;
-        let (slot, generation) = self.slots.insert(next);
-        self.slots.moved(slot, slot);
-        if slot == next {
-            self.all.push(coupling);
-        } else {
-            self.all[slot as usize] = coupling;
-        }
+        let (slot, generation) = self.slots.place(coupling, &mut self.all);
         self.count += 1;
         CouplingHandle { slot, generation }
     }
@@ -120,9 +113,7 @@ impl Couplings {
             out.extend(coupling.strength.map(f32::to_bits));
             out.extend_from_slice(&words::<2>(coupling.user_data));
         }
-        let free = self.slots.free();
-        out.push(free.len() as u32);
-        free.for_each(|(slot, generation)| out.extend([slot, generation]));
+        self.slots.save_free(out);
     }
 
     /// Replaces all couplings.
@@ -201,12 +192,9 @@ impl CouplingRecords {
             records.all.push(coupling);
             records.generations.push(generation);
         }
-        let free = from.one()?;
-        records.free.extend(from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, g]| (slot, g)));
-        let mut free: Vec<u32> = records.free.iter().map(|(slot, _)| *slot).collect();
-        free.sort_unstable();
+        records.free = from.free_slots()?;
         let dead = (0u32..).zip(&records.all).filter(|(_, one)| !one.is_there()).map(|(slot, _)| slot);
-        if dead.eq(free.iter().copied()) { Ok(records) } else { Err(broken("a list of couplings")) }
+        if are_free(&records.free, dead) { Ok(records) } else { Err(broken("a list of couplings")) }
     }
 }
 

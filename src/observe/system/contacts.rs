@@ -27,31 +27,20 @@ impl System {
         let restitution = tweak.restitution_or(x.material.restitution_with(&y.surface(contact.material)));
         let (a, b) = lane.bodies;
         let (own, other) = if x.body == a { (x.body, y.body) } else { (y.body, x.body) };
+        let owner = Owner::Contact([own, other].map(|body| world.handle_of(body as usize)));
         let law = SystemLaw {
-            law: Law::AT_LEAST_ZERO,
-            first: 0,
-            owner: Owner::Contact([own, other].map(|body| world.handle_of(body as usize))),
-            gap: None,
-            off: 0.0,
             potential: lane.potential,
-            impact: None,
             restitution: restitution.into(),
-            bouncing: false,
-            yields: false,
-            drives: false,
             resists: lane.rolling.is_some(),
             size: x.thickness().min(y.thickness()).into(),
+            ..SystemLaw::new(Law::AT_LEAST_ZERO, owner)
         };
         let bodies = [self.mover(a as usize), b.and_then(|b| self.mover(b as usize))];
         let n = lane.normal.as_dvec3();
         let along = |d: DVec3, arms: [DVec3; 2], bias: f64| SystemRow {
-            bodies: of_two(bodies),
-            linear: of_two([-d, d]),
-            angular: of_two([-arms[0], arms[1]]),
             bias,
-            compliance: 0.0,
-            impulse: 0.0,
             angle: false,
+            ..SystemRow::of_two(bodies, [-d, d], [-arms[0], arms[1]])
         };
         let friction = lane.friction.filter(|f| f.coefficient > 0.0);
         // Warm starting impulses are those of a substep.
@@ -113,13 +102,13 @@ impl System {
         let (Some(f), Some(rolling)) = (&lane.friction, rolling) else { return };
         let reach = LaneRows::reach(lane);
         let about = |axis: Vec3, impulse: f64| SystemRow {
-            bodies: of_two(bodies),
-            linear: [DVec3::ZERO; SIDES],
-            angular: of_two([-axis.as_dvec3(), axis.as_dvec3()].map(|axis| axis * reach)),
-            bias: 0.0,
-            compliance: 0.0,
             impulse: impulse / reach * substeps,
             angle: false,
+            ..SystemRow::of_two(
+                bodies,
+                [DVec3::ZERO; 2],
+                [-axis.as_dvec3(), axis.as_dvec3()].map(|axis| axis * reach),
+            )
         };
         let rows = [
             about(f.tangent, rolling.impulse[0].into()),

@@ -10,15 +10,10 @@ use std::f64::consts::TAU;
 pub(super) fn each_end(slot: usize, coupling: &Coupling, joints: [&Joined; 2], f: &mut dyn FnMut(&JointRow)) {
     let scale = coupling.scale();
     let mut row = SystemRow {
-        bodies: [None; SIDES],
-        linear: [DVec3::ZERO; SIDES],
-        angular: [DVec3::ZERO; SIDES],
-        bias: 0.0,
-        compliance: 0.0,
-        impulse: 0.0,
         // A joint's error is an angle where the greater factor is on one.
         angle: (0..2)
             .any(|i| coupling.terms[i].motion == Motion::Angular && coupling.factors[i].abs() == scale),
+        ..SystemRow::of_two([None; 2], [DVec3::ZERO; 2], [DVec3::ZERO; 2])
     };
     let (mut sum, mut coupled) = (0.0, [None; 2]);
     for (i, joint) in joints.into_iter().enumerate() {
@@ -52,8 +47,7 @@ pub(super) fn each_end(slot: usize, coupling: &Coupling, joints: [&Joined; 2], f
         }
         let gap = sign * (sum - limit) / scale;
         let mut one = JointRow { source: Source::Coupling(slot, end), law: Law::AT_LEAST_ZERO, ..whole };
-        one.row.linear = one.row.linear.map(|d| d * sign);
-        one.row.angular = one.row.angular.map(|d| d * sign);
+        one.row = one.row.times(sign);
         (one.gap, one.error) = (Some(gap), (-gap).max(0.0));
         f(&one);
     }

@@ -46,19 +46,11 @@ impl System {
                 Source::Lock(_) | Source::Row(..) => Owner::Joint(joint(one.joint)),
             };
             let law = SystemLaw {
-                law: one.law,
-                first: 0,
-                owner,
                 gap: one.gap,
                 off: if one.law == Law::LOCKED && !one.drives { one.error } else { 0.0 },
-                potential: false,
-                impact: None,
-                restitution: 0.0,
-                bouncing: false,
                 yields: one.yields,
                 drives: one.drives,
-                resists: false,
-                size: f64::INFINITY,
+                ..SystemLaw::new(one.law, owner)
             };
             self.push(law, &[one.row]);
         });
@@ -136,15 +128,7 @@ impl Joined {
     /// A row whose impulse is a force on the second body and a torque, with arms from the centres of mass.
     pub(super) fn rigid(&self, source: Source, [force, torque]: [DVec3; 2], arms: [DVec3; 2]) -> JointRow {
         let moments = arms.map(|arm| torque + arm.cross(force));
-        let row = SystemRow {
-            bodies: of_two(self.bodies),
-            linear: of_two([-force, force]),
-            angular: of_two([-moments[0], moments[1]]),
-            bias: 0.0,
-            compliance: 0.0,
-            impulse: 0.0,
-            angle: force == DVec3::ZERO,
-        };
+        let row = SystemRow::of_two(self.bodies, [-force, force], [-moments[0], moments[1]]);
         JointRow {
             joint: self.joint,
             source,
@@ -265,8 +249,7 @@ impl Joined {
             let mut row = *both;
             row.source = Source::Row(i, end);
             row.direction = row.direction.map(|d| d * sign);
-            row.row.linear = row.row.linear.map(|d| d * sign);
-            row.row.angular = row.row.angular.map(|d| d * sign);
+            row.row = row.row.times(sign);
             row.law = Law::AT_LEAST_ZERO;
             if let Some(spring) = spring {
                 let [pull, give, _] = self.implicit(both, spring, 0.0);

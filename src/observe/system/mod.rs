@@ -83,6 +83,28 @@ pub struct SystemRow {
     pub angle: bool,
 }
 
+impl SystemRow {
+    /// A rigid row without a velocity of its own, of bodies that it moves by these forces and torques.
+    pub(super) fn of_two(bodies: [Option<usize>; 2], linear: [DVec3; 2], angular: [DVec3; 2]) -> SystemRow {
+        SystemRow {
+            bodies: of_two(bodies),
+            linear: of_two(linear),
+            angular: of_two(angular),
+            bias: 0.0,
+            compliance: 0.0,
+            impulse: 0.0,
+            angle: linear[1] == DVec3::ZERO,
+        }
+    }
+
+    /// The same as seen from the other side.
+    pub(super) fn times(mut self, sign: f64) -> SystemRow {
+        self.linear = self.linear.map(|d| d * sign);
+        self.angular = self.angular.map(|d| d * sign);
+        self
+    }
+}
+
 /// What a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
@@ -124,6 +146,27 @@ pub struct SystemLaw {
     pub resists: bool,
     /// Size of the smaller of two shapes, from its middle to its surface [m].
     pub size: f64,
+}
+
+impl SystemLaw {
+    /// A law of rigid rows that bounce off nothing.
+    fn new(law: Law, owner: Owner) -> SystemLaw {
+        SystemLaw {
+            law,
+            first: 0,
+            owner,
+            gap: None,
+            off: 0.0,
+            potential: false,
+            impact: None,
+            restitution: 0.0,
+            bouncing: false,
+            yields: false,
+            drives: false,
+            resists: false,
+            size: f64::INFINITY,
+        }
+    }
 }
 
 /// Bodies that rows connect, and the laws between them.
@@ -234,18 +277,8 @@ impl System {
     /// another number of rows.
     pub fn velocity_changes(&self, r: &[f64]) -> Vec<Velocity> {
         assert_eq!(r.len(), self.rows.len(), "an impulse for each row");
-        let mut push = vec![[DVec3::ZERO; 2]; self.bodies.len()];
-        for (row, &r) in self.rows.iter().zip(r) {
-            for (side, body) in row.bodies.iter().enumerate() {
-                if let Some(body) = *body {
-                    push[body][0] += row.linear[side] * r;
-                    push[body][1] += row.angular[side] * r;
-                }
-            }
-        }
-        let moved =
-            |(body, [p, l]): (&SystemBody, Velocity)| [body.inverse_mass * p, body.inverse_inertia * l];
-        self.bodies.iter().zip(push).map(moved).collect()
+        let push = pushes(self.rows.iter().zip(r), self.bodies.len(), Some);
+        self.bodies.iter().zip(push).map(|(body, push)| body.moved(push)).collect()
     }
 
     /// Whether a law is of rolling and spinning friction: a patch whose rows push nothing along.
@@ -257,22 +290,14 @@ impl System {
     /// order of its laws.
     pub fn velocities_with(&self, island: &SystemIsland, r: &[f64]) -> Vec<Velocity> {
         let place = |body: usize| island.bodies.binary_search(&body).ok();
-        let mut push = vec![[DVec3::ZERO; 2]; island.bodies.len()];
         let rows = island.laws.iter().flat_map(|&law| {
             let law = &self.laws[law];
             &self.rows[law.first..law.first + law.law.rows()]
         });
-        for (row, &r) in rows.zip(r) {
-            for (side, body) in row.bodies.iter().enumerate() {
-                if let Some(i) = body.and_then(place) {
-                    push[i][0] += row.linear[side] * r;
-                    push[i][1] += row.angular[side] * r;
-                }
-            }
-        }
-        let moved = |(&i, [p, l]): (&usize, Velocity)| {
-            let body = &self.bodies[i];
-            [body.free[0] + body.inverse_mass * p, body.free[1] + body.inverse_inertia * l]
+        let push = pushes(rows.zip(r), island.bodies.len(), place);
+        let moved = |(&i, push): (&usize, Velocity)| {
+            let (body, moved) = (&self.bodies[i], self.bodies[i].moved(push));
+            [body.free[0] + moved[0], body.free[1] + moved[1]]
         };
         island.bodies.iter().zip(push).map(moved).collect()
     }
@@ -293,6 +318,31 @@ impl System {
     pub fn impulses(&self) -> Vec<f64> {
         self.rows.iter().map(|row| row.impulse).collect()
     }
+}
+
+impl SystemBody {
+    /// Its change of velocity by an impulse and an angular one.
+    fn moved(&self, [p, l]: Velocity) -> Velocity {
+        [self.inverse_mass * p, self.inverse_inertia * l]
+    }
+}
+
+/// The impulses of rows on so many bodies; `place`: where a body is among them.
+fn pushes<'a>(
+    rows: impl Iterator<Item = (&'a SystemRow, &'a f64)>,
+    bodies: usize,
+    place: impl Fn(usize) -> Option<usize>,
+) -> Vec<Velocity> {
+    let mut push = vec![[DVec3::ZERO; 2]; bodies];
+    for (row, &r) in rows {
+        for (side, body) in row.bodies.iter().enumerate() {
+            if let Some(i) = body.and_then(&place) {
+                push[i][0] += row.linear[side] * r;
+                push[i][1] += row.angular[side] * r;
+            }
+        }
+    }
+    push
 }
 
 /// What two bodies have of a row, for [`SystemRow`].

@@ -260,7 +260,7 @@ impl World {
     /// The rows of the step for the solver, and the bodies that they act on.
     pub(crate) fn solver_input(&mut self, lengths: StepLengths) -> SolverInput<'_> {
         #[cfg(feature = "observe")]
-        let witness = self.meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
+        let witness = self.meter.as_deref_mut().map(|meter| meter.witness());
         #[cfg(not(feature = "observe"))]
         let witness = None;
         let buffers = &mut self.buffers;

@@ -102,11 +102,11 @@ pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
     fn end_step(&mut self, world: &World, dt: f32);
 }
 
-/// Measures steps; it observes the solver.
+/// Measures steps.
 #[cfg(feature = "observe")]
-pub(crate) trait StepMeter:
-    std::any::Any + std::fmt::Debug + crate::solver::Witness + Send + Sync
-{
+pub(crate) trait StepMeter: std::any::Any + std::fmt::Debug + Send + Sync {
+    /// Who observes the solver.
+    fn witness(&mut self) -> &mut dyn crate::solver::Witness;
     /// Called before rows are solved, over a step of `dt` seconds.
     fn before_rows(&mut self, world: &mut World, dt: f32);
     /// Called after that; it may solve them more accurately.
