@@ -22,4 +22,4 @@ pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use row::{Lock, LockKind, Row, RowKind};
 pub(crate) use save::{JointLists, JointRecords, SavedJoints, group_code, group_of};
 pub use store::JointEvent;
-pub(crate) use store::{Joint, JointAdditions, Joints};
+pub(crate) use store::{Joint, JointAdditions, Joints, is_guided};

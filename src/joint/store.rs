@@ -474,6 +474,7 @@ impl Joint {
 
 mod rows;
 
+pub(crate) use rows::is_guided;
 use rows::locked_together;
 
 #[cfg(test)]

@@ -154,6 +154,15 @@ impl Line {
         self.flags |= if set { bit } else { 0 };
     }
 
+    /// Words that are left out if all are zero.
+    #[inline(always)]
+    fn put_some<const N: usize>(&mut self, bit: u32, words: [u32; N]) {
+        if words != [0; N] {
+            self.flags |= bit;
+            self.put(words);
+        }
+    }
+
     /// The keys of points, in as few words as the widest needs.
     #[inline(always)]
     fn put_keys(&mut self, points: &[Point]) {
@@ -183,30 +192,15 @@ fn save_contact(contact: ContactRef<'_>, rolling: Vec3, kept: bool, out: &mut Ve
     let points = contact.points();
     line.flag(PUSHED, contact.pushed);
     line.flag(MORE, contact.next != NO_CONTACT);
-    let fraction = contact.fraction.to_bits();
-    line.flag(FRACTION, fraction != 0);
-    if fraction != 0 {
-        line.put([fraction]);
-    }
-    line.flag(MATERIAL, contact.material != 0);
-    if contact.material != 0 {
-        line.put([contact.material.into()]);
-    }
+    line.put_some(FRACTION, [contact.fraction.to_bits()]);
+    line.put_some(MATERIAL, [contact.material.into()]);
     let axis = axis_of(contact.normal);
     line.flag(axis << NORMAL, true);
     if axis == 0 {
         line.put(words::<3>(contact.normal));
     }
-    let friction = words::<4>(contact.friction.extend(contact.twist).to_array());
-    line.flag(RUBS, !is_zero(friction));
-    if !is_zero(friction) {
-        line.put(friction);
-    }
-    let rolling = words::<3>(rolling);
-    line.flag(ROLLING, !is_zero(rolling));
-    if !is_zero(rolling) {
-        line.put(rolling);
-    }
+    line.put_some(RUBS, words::<4>(contact.friction.extend(contact.twist).to_array()));
+    line.put_some(ROLLING, words::<3>(rolling));
     // By bits, here and below: a zero may have a sign.
     let lasts = !is_zero([contact.lasting_force, contact.rest].map(f32::to_bits))
         || contact.static_load != UNKNOWN_LOAD;
@@ -236,11 +230,7 @@ fn save_contact(contact: ContactRef<'_>, rolling: Vec3, kept: bool, out: &mut Ve
         if moved {
             line.put([p.found.to_bits()]);
         }
-        let impulse = p.impulse.to_bits();
-        line.flag(1 << (LOADED as usize + i), impulse != 0);
-        if impulse != 0 {
-            line.put([impulse]);
-        }
+        line.put_some(1 << (LOADED as usize + i), [p.impulse.to_bits()]);
     }
     let means = words::<4>(contact.mean_friction);
     let has_means = !is_zero(means) || points.iter().any(|p| p.mean_force != 0.0);

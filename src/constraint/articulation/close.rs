@@ -125,18 +125,14 @@ on_nodes! {
     /// Moves the trees by the displacements of the solution, if these are finite: joints may contradict each
     /// other. Returns the lanes of trees that moved.
     fn shift<'a, L>(nodes) -> u32 {
-        let (mut sound, zero) = (u32::MAX, Vec3::zero());
+        let mut sound = u32::MAX;
         for node in &mut *nodes {
             let square = node.change.linear.length_squared() + node.change.angular.length_squared();
             sound &= square.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write;
         }
         let lanes = L::Mask::from_bits(sound);
         for node in nodes {
-            let Twist { linear, angular } = node.change;
-            node.shift(Twist {
-                linear: Vec3::select(lanes, linear, zero),
-                angular: Vec3::select(lanes, angular, zero),
-            });
+            node.shift(Twist::select(lanes, node.change, Twist::zero()));
         }
         sound
     }

@@ -40,12 +40,11 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.sum_impulses();
         let watched = L::Mask::from_bits(self.watched);
         for node in &mut self.nodes {
-            let (own, start) = (node.velocity, &mut node.start);
+            let (mut own, start) = (node.velocity, &mut node.start);
             let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
-            start.moved.linear = Vec3::select(watched, node.moved.linear, start.moved.linear);
-            start.moved.angular = Vec3::select(watched, node.moved.angular, start.moved.angular);
-            start.free.linear = Vec3::select(watched, own.linear - given.linear, start.free.linear);
-            start.free.angular = Vec3::select(watched, own.angular - given.angular, start.free.angular);
+            own.subtract(given);
+            start.moved = Twist::select(watched, node.moved, start.moved);
+            start.free = Twist::select(watched, own, start.free);
             start.driven = Vec3::zero();
         }
         let mut strained = L::zero().gt(L::zero());
@@ -80,8 +79,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.damped |= lanes.bits();
         let inverse_h = L::splat(1.0 / self.h);
         for node in &mut self.nodes {
-            node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
-            node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
+            node.moved = Twist::select(lanes, node.start.moved, node.moved);
         }
         self.place(0.0);
         self.find_closed(closing, lanes);
@@ -121,7 +119,6 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// Moves the bodies of some lanes to where all joints are closed, by Newton's method.
     fn find_closed(&mut self, closing: &Closing, lanes: L::Mask) {
         let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
-        let zero = Vec3::zero();
         let mut left = lanes;
         for _ in 0..ROUNDS {
             self.add_geometric_stiffness_where(lanes);
@@ -158,11 +155,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             }
             let share = L::one() / most.sqrt();
             for node in &mut self.nodes {
-                let Twist { linear, angular } = node.change.scaled(share);
-                node.shift(Twist {
-                    linear: Vec3::select(left, linear, zero),
-                    angular: Vec3::select(left, angular, zero),
-                });
+                node.shift(Twist::select(left, node.change.scaled(share), Twist::zero()));
                 let force = node.force.scaled(-inverse_h);
                 node.impulse = Vec3::select(left, force.linear, node.impulse);
                 node.twist = Vec3::select(left, force.angular, node.twist);
@@ -214,9 +207,9 @@ impl<L: TreeWidth> TreeBatch<L> {
         let is_finite = path.length_squared().lt(L::splat(f32::MAX));
         let path = Vec3::select(is_finite, path, zero);
         for node in &mut self.nodes {
-            let moved = node.start.moved;
-            node.moved.linear = Vec3::select(lanes, moved.linear + path, node.moved.linear);
-            node.moved.angular = Vec3::select(lanes, moved.angular, node.moved.angular);
+            let mut moved = node.start.moved;
+            moved.linear += path;
+            node.moved = Twist::select(lanes, moved, node.moved);
             node.impulse = Vec3::select(lanes, zero, node.impulse);
             node.twist = Vec3::select(lanes, zero, node.twist);
         }
@@ -289,8 +282,8 @@ impl<L: TreeWidth> TreeBatch<L> {
         let share = L::select(some, share.sqrt(), L::one());
         for node in &mut self.nodes {
             let Twist { linear, angular } = node.velocity;
-            node.velocity.linear = Vec3::select(over, mean + (linear - mean) * share, linear);
-            node.velocity.angular = Vec3::select(over, angular * share, angular);
+            let slower = Twist { linear: mean + (linear - mean) * share, angular: angular * share };
+            node.velocity = Twist::select(over, slower, node.velocity);
         }
     }
 

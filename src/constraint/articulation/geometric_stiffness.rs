@@ -1,7 +1,7 @@
 //! Geometric stiffness of joints under load, as additional inertia.
 
 use super::node::{Node, TreeWidth, on_nodes, with_parent};
-use super::spatial::{plus, scaled};
+use super::spatial::plus;
 use super::tree::TreeBatch;
 use crate::config::tuning::TREE_SAFE_FREQUENCY;
 use crate::constraint::joint::ends::inverse;
@@ -60,7 +60,7 @@ on_nodes! {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
             let (pull, own) = (node.pulled, L::splat(0.5 * TREE_SAFE_FREQUENCY) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
-            node.stiffened = plus(&node.inertia, &scaled(&node.stiffened, share));
+            node.stiffened = plus(&node.inertia, &node.stiffened.scaled(share));
             node.stiffened_inverse = inverse(&node.stiffened);
         }
     }

@@ -230,9 +230,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     fn give_up(&mut self, lanes: L::Mask) {
         let zero = Vec3::zero();
         for node in &mut self.nodes {
-            let Twist { linear, angular } = node.drift.from;
-            node.velocity.linear = Vec3::select(lanes, linear, node.velocity.linear);
-            node.velocity.angular = Vec3::select(lanes, angular, node.velocity.angular);
+            node.velocity = Twist::select(lanes, node.drift.from, node.velocity);
             node.impulse = Vec3::select(lanes, zero, node.impulse);
             node.twist = Vec3::select(lanes, zero, node.twist);
         }
@@ -397,12 +395,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.answer_all();
         self.extra.shifts = false;
         for node in &mut self.nodes {
-            let Twist { linear, angular } = node.change;
-            let zero = Vec3::zero();
-            node.shift(Twist {
-                linear: Vec3::select(exact, linear, zero),
-                angular: Vec3::select(exact, angular, zero),
-            });
+            node.shift(Twist::select(exact, node.change, Twist::zero()));
         }
         self.place(0.0);
     }
@@ -437,10 +430,9 @@ on_nodes! {
         for node in nodes {
             // SAFETY: by the contract.
             let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
-            let half = node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
-            let Twist { linear: own, angular: spin } = node.velocity;
-            node.velocity.linear = Vec3::select(alone, own, linear);
-            node.velocity.angular = Vec3::select(alone, spin + half, angular);
+            let mut own = node.velocity;
+            own.angular += node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
+            node.velocity = Twist::select(alone, own, Twist { linear, angular });
         }
     }
 }

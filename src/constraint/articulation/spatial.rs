@@ -29,6 +29,14 @@ impl<L: Lanes> Twist<L> {
         self.linear -= o.linear;
         self.angular -= o.angular;
     }
+    /// `yes` in some lanes, `no` in the others.
+    #[inline(always)]
+    pub(crate) fn select(lanes: L::Mask, yes: Self, no: Self) -> Self {
+        Twist {
+            linear: Vec3::select(lanes, yes.linear, no.linear),
+            angular: Vec3::select(lanes, yes.angular, no.angular),
+        }
+    }
     #[inline(always)]
     pub(crate) fn scaled(self, by: L) -> Self {
         Twist { linear: self.linear * by, angular: self.angular * by }
@@ -163,11 +171,6 @@ fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
         xz: a.xz - b.xz,
         yz: a.yz - b.yz,
     }
-}
-
-#[inline(always)]
-pub(crate) fn scaled<L: Lanes>(m: &Sym3<L>, by: L) -> Sym3<L> {
-    Sym3 { xx: m.xx * by, yy: m.yy * by, zz: m.zz * by, xy: m.xy * by, xz: m.xz * by, yz: m.yz * by }
 }
 
 #[inline(always)]

@@ -133,8 +133,7 @@ on_nodes! {
         let known = L::Mask::from_bits(known);
         for node in nodes {
             let (linear, angular) = gather(read, &node.body);
-            node.moved.linear = Vec3::select(known, node.moved.linear, linear);
-            node.moved.angular = Vec3::select(known, node.moved.angular, angular);
+            node.moved = Twist::select(known, node.moved, Twist { linear, angular });
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
                 node.anchor_moved = Twist { linear, angular };

@@ -13,7 +13,7 @@ mod batch;
 use super::contacts::TreeBody;
 use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
 use super::slots::TreeContacts;
-use super::spatial::{Twist, scaled};
+use super::spatial::Twist;
 use super::transfer::predict_bend;
 use crate::config::tuning::LIGHTEST_LINK;
 use crate::constraint::contact::row::Motion;
@@ -40,7 +40,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 parent.pulled += node.pulled + L::one() / node.inverse_mass;
             }
             node.inverse_mass = node.inverse_mass / factor;
-            node.inertia = scaled(&node.inertia, factor);
+            node.inertia = node.inertia.scaled(factor);
             let bits = light.bits() & node.write;
             self.weighted |= bits;
         }

@@ -146,13 +146,18 @@ impl Row {
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a
     /// direction that can't turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {
-        match (self.motion, self.axes, self.beside[1]) {
-            (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
-            (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => {
-                axis == about && matches!(self.kind, RowKind::Drive { .. })
-            }
-            _ => false,
-        }
+        let may = self.motion == Motion::Linear || matches!(self.kind, RowKind::Drive { .. });
+        may && is_guided(self.motion, self.axes, self.beside[1])
+    }
+}
+
+/// Whether what a joint locks of its rotation leaves its bodies no other way to go than along or about axes,
+/// in a direction that can't turn.
+pub(crate) fn is_guided(motion: Motion, axes: Axes, turns: Option<LockKind>) -> bool {
+    match (motion, axes, turns) {
+        (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
+        (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => axis == about,
+        _ => false,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::constraint::joint::ends::{Ends, Lever};
 use crate::constraint::joint::fill::{borne, place};
 use crate::constraint::joint::measure::Measure;
 use crate::constraint::joint::spring::implicit;
-use crate::joint::{Axes, LockKind, Motion, Placed, RowKind, Spring, Term};
+use crate::joint::{Axes, Motion, Placed, RowKind, Spring, Term, is_guided};
 use crate::lanes::Vec3;
 use std::f32::consts::TAU;
 
@@ -125,7 +125,7 @@ fn coupled(owner: u32, term: &Term, factor: f32, input: &JointInput<'_>) -> (Cou
     };
     motion.begin();
     let beside = input.joints.locked_by(term.joint);
-    if is_guided(term, beside[1]) && at.turned_by(beside[1]) <= LOCK_AWRY {
+    if is_guided(term.motion, term.axes, beside[1]) && at.turned_by(beside[1]) <= LOCK_AWRY {
         let [force, torque] = borne(&motion.ends, &motion.lever, 0, &at, &beside);
         motion.borne[0].set_lane(0, force);
         motion.borne[1].set_lane(0, torque);
@@ -138,14 +138,4 @@ fn placed<M: Measure<f32>>(at: &Placed, axes: Axes) -> M {
     let mut measure = M::default();
     measure.place(0, at, axes);
     measure
-}
-
-/// Whether the joint's locks leave its bodies no other way to go than along or about the axis, in a direction
-/// that can't turn.
-fn is_guided(term: &Term, turns: Option<LockKind>) -> bool {
-    match (term.motion, term.axes, turns) {
-        (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
-        (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => axis == about,
-        _ => false,
-    }
 }
