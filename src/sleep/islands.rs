@@ -228,7 +228,7 @@ impl Islands<'_> {
         events: &mut Events,
         mut allowance: Allowance,
     ) {
-        let Islands { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
+        let Islands { bodies, colliders, broad, contacts, sleep, .. } = &mut *self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {
             let root = sleep.groups.of(i);
@@ -280,6 +280,12 @@ impl Islands<'_> {
                 Some(false)
             }
         });
+        self.lay_down(dynamic);
+    }
+
+    /// Takes the bodies of the islands that sleep now to the others that do.
+    fn lay_down(&mut self, dynamic: u32) {
+        let Islands { bodies, colliders, joints, sleep, .. } = self;
         // From the end, so that the body that moves to a freed place is one that stays awake.
         for i in (0..dynamic).rev() {
             let island = sleep.groups.island[sleep.groups.of(i) as usize];

@@ -430,21 +430,7 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
         contact.found_at.rotation = crate::math::Quat::from_array(from.record::<[f32; 4], 4>()?);
         contact.frame = crate::math::Quat::from_array(from.record::<[f32; 4], 4>()?);
     }
-    let mut keys = [0u32; MAX_POINTS];
-    match flags >> KEYS & 3 {
-        KEY_IN_FLAGS => keys[0] = flags >> KEY,
-        KEYS_OF_8 => {
-            let word = from.one()?;
-            keys.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (8 * i) & 0xff);
-        }
-        KEYS_OF_16 => {
-            for two in keys[..count].chunks_mut(2) {
-                let word = from.one()?;
-                two.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (16 * i) & 0xffff);
-            }
-        }
-        _ => keys[..count].copy_from_slice(from.take(count)?),
-    }
+    let keys = read_keys(from, flags, count)?;
     for (i, key) in keys.into_iter().enumerate().take(count) {
         let [x, y, z, separation]: [f32; 4] = record::<_, 4>(from.take(4)?);
         let mut point = Point {
@@ -470,4 +456,24 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32)) -> Result<Read, Error
         }
     }
     Ok(Read { contact, rolling, more: flags & MORE != 0 })
+}
+
+/// The keys of so many points, as [`Line::put_keys`] wrote them.
+fn read_keys(from: &mut Reader<'_>, flags: u32, count: usize) -> Result<[u32; MAX_POINTS], Error> {
+    let mut keys = [0u32; MAX_POINTS];
+    match flags >> KEYS & 3 {
+        KEY_IN_FLAGS => keys[0] = flags >> KEY,
+        KEYS_OF_8 => {
+            let word = from.one()?;
+            keys.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (8 * i) & 0xff);
+        }
+        KEYS_OF_16 => {
+            for two in keys[..count].chunks_mut(2) {
+                let word = from.one()?;
+                two.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (16 * i) & 0xffff);
+            }
+        }
+        _ => keys[..count].copy_from_slice(from.take(count)?),
+    }
+    Ok(keys)
 }

@@ -243,9 +243,10 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
         wait,
         pending,
         slots,
-        bodies: moving,
-        rest,
-        forces,
+        // By [`restore_bodies`].
+        bodies: _,
+        rest: _,
+        forces: _,
         targets,
         is_clear,
         clear,
@@ -266,6 +267,34 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
     buffers.rows.stages.clear();
 
     bodies.line_up(slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
+    restore_bodies(bodies, view);
+    restore_targets(bodies, targets);
+    restore_clear(&mut buffers.finish.clear, counts.guarded as usize, is_clear, clear);
+
+    let all = counts.bodies() as usize;
+    for i in 0..all {
+        for &c in bodies.colliders[i].as_slice() {
+            colliders.place(c, &bodies.pose[i]);
+        }
+    }
+    let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
+    broad.restore(saved_broad, own);
+    if !counts.has(RESTS) && counts.sleeping_pairs == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
+        // If sleeping is off, there is no state of it.
+        sleep.switch_off(!world.settings.budget.is_none());
+    }
+    sleep.restore(saved_sleep);
+    sleep.fell_asleep.clear();
+    joints.restore(saved_joints);
+    read_pairs(world, view);
+    restore_characters(world, characters, forms);
+    world.refresh_event_allowance();
+    world.events.restore(events);
+}
+
+/// Restores what changes of bodies, which are in their places.
+fn restore_bodies(bodies: &mut Bodies, view: &View<'_>) {
+    let View { counts, bodies: moving, rest, forces, .. } = view;
     bodies.set_parts(counts.parts);
     bodies.rests = counts.has(RESTS);
     for (i, body) in moving.as_chunks::<BODY>().0.iter().enumerate() {
@@ -289,27 +318,6 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
         bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };
     }
-    restore_targets(bodies, targets);
-    restore_clear(&mut buffers.finish.clear, counts.guarded as usize, is_clear, clear);
-
-    for i in 0..all {
-        for &c in bodies.colliders[i].as_slice() {
-            colliders.place(c, &bodies.pose[i]);
-        }
-    }
-    let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
-    broad.restore(saved_broad, own);
-    if !counts.has(RESTS) && counts.sleeping_pairs == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
-        // If sleeping is off, there is no state of it.
-        sleep.switch_off(!world.settings.budget.is_none());
-    }
-    sleep.restore(saved_sleep);
-    sleep.fell_asleep.clear();
-    joints.restore(saved_joints);
-    read_pairs(world, view);
-    restore_characters(world, characters, forms);
-    world.refresh_event_allowance();
-    world.events.restore(events);
 }
 
 /// Restores where kinematic bodies are to be after the next step.

@@ -5,7 +5,7 @@ use super::contacts::{save_contacts, save_pairs};
 use super::geometry::Known;
 use super::settings;
 use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PUSHED, REST, RESTS, VERSION};
-use crate::body::{Pose, Target};
+use crate::body::{Bodies, Pose, Target};
 use crate::broad_phase::Pair;
 use crate::finish::Clear;
 use crate::lanes::Record;
@@ -41,7 +41,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         statics: (wait, pending),
         clear,
     } = world.state();
-    let (movers, all) = (bodies.movers(), bodies.asleep().end);
+    let all = bodies.asleep().end;
     let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
     out.clear();
     out.resize(HEAD + COUNTS, 0);
@@ -50,6 +50,33 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     out.extend([last_h, usual_h, evenness].map(f32::to_bits));
     out.push(wait << 1 | u32::from(pending));
 
+    save_bodies(bodies, &mut counts, out);
+    (counts.guarded, counts.clear) = (clear.len() as u32, save_clear(clear, out));
+    counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
+
+    let pairs = broad.pairs.iter().chain(sleep.sleeping_pairs());
+    // What is awake may be sent to sleep before the next step.
+    let rests = |pair: &Pair| bodies.rests || pair.is_idle(&colliders.summaries, bodies.dynamic());
+    let pairs = pairs.map(|pair| (pair, rests(pair)));
+    (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
+    let written = save_pairs(&|| broad.pairs.iter().chain(sleep.sleeping_pairs()), colliders.all.len(), out);
+    debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
+    let start = out.len();
+    counts.contacts = save_contacts(pairs, contacts, out);
+    counts.contact_words = (out.len() - start) as u32;
+    counts.sleep = sleep.save(out);
+    counts.joints = joints.save(out);
+    counts.characters = save_characters(characters, forms, out);
+    counts.events = events.save(out);
+
+    let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
+    out[..HEAD].copy_from_slice(&words::<HEAD>(head));
+    out[HEAD..HEAD + COUNTS].copy_from_slice(&words::<COUNTS>(counts));
+}
+
+/// Writes what changes of bodies, and what is to become of some.
+fn save_bodies(bodies: &Bodies, counts: &mut Counts, out: &mut Vec<u32>) {
+    let (movers, all) = (bodies.movers(), bodies.asleep().end);
     out.extend(&bodies.slot[..all]);
     let start = out.len();
     out.resize(start + all * BODY, 0);
@@ -81,27 +108,6 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
         out.extend([dt.to_bits(), after as u32]);
         counts.targets += 1;
     }
-    (counts.guarded, counts.clear) = (clear.len() as u32, save_clear(clear, out));
-    counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
-
-    let pairs = broad.pairs.iter().chain(sleep.sleeping_pairs());
-    // What is awake may be sent to sleep before the next step.
-    let rests = |pair: &Pair| bodies.rests || pair.is_idle(&colliders.summaries, bodies.dynamic());
-    let pairs = pairs.map(|pair| (pair, rests(pair)));
-    (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
-    let written = save_pairs(&|| broad.pairs.iter().chain(sleep.sleeping_pairs()), colliders.all.len(), out);
-    debug_assert_eq!(written, counts.pairs + counts.sleeping_pairs);
-    let start = out.len();
-    counts.contacts = save_contacts(pairs, contacts, out);
-    counts.contact_words = (out.len() - start) as u32;
-    counts.sleep = sleep.save(out);
-    counts.joints = joints.save(out);
-    counts.characters = save_characters(characters, forms, out);
-    counts.events = events.save(out);
-
-    let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
-    out[..HEAD].copy_from_slice(&words::<HEAD>(head));
-    out[HEAD..HEAD + COUNTS].copy_from_slice(&words::<COUNTS>(counts));
 }
 
 /// Writes which bodies are clear of static shapes, and in which balls; returns how many.
