@@ -2,6 +2,7 @@
 //! directly.
 
 use crate::error::Error;
+use crate::math::Quat;
 use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// The error for invalid words.
@@ -87,6 +88,12 @@ impl<'a> Reader<'a> {
         let words = self.take(N)?;
         all_finite(words)?;
         Ok(record::<T, N>(words))
+    }
+
+    /// A rotation: about of unit length, or `what` is broken.
+    pub(crate) fn rotation(&mut self, what: &'static str) -> Result<Quat, Error> {
+        let rotation = Quat::from_array(self.finite::<[f32; 4], 4>()?);
+        if (0.9..1.1).contains(&rotation.length_squared()) { Ok(rotation) } else { Err(broken(what)) }
     }
 
     /// Free slots with their generations.

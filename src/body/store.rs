@@ -297,7 +297,6 @@ impl Bodies {
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&ColliderList, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
-        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         let handle = self.slots.insert(last);
         self.push_row(handle.0, &body);
         if !self.force.is_empty() {
@@ -310,7 +309,7 @@ impl Bodies {
         handle
     }
 
-    /// Appends a row to the columns that all bodies have.
+    /// Appends a row to the columns that all bodies have, and counts it.
     fn push_row(&mut self, slot: u32, body: &NewBody) {
         self.slot.push(slot);
         self.kind.push(body.kind);
@@ -323,13 +322,12 @@ impl Bodies {
         self.rare.set_damping(slot, body.damping);
         self.rare.set_cap(slot, body.cap);
         self.rare.kept_mass.set(slot, body.kept_mass);
+        self.count_traits(self.len() - 1, 1);
     }
 
     /// Removes the body at `index`.
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) {
-        let i = index as usize;
-        let (mass, traits) = (self.mass[i], self.traits[i]);
-        self.count_traits(self.kind[i], &mass, &traits, -1);
+        self.count_traits(index as usize, -1);
         self.disabled -= u32::from(self.is_set_aside(index));
         let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
@@ -383,12 +381,9 @@ impl Bodies {
         kind: BodyKind,
         mut moved: impl FnMut(&ColliderList, u32),
     ) -> u32 {
-        let i = index as usize;
-        let (from, mass, traits) = (self.part_of(index), self.mass[i], self.traits[i]);
-        self.count_traits(self.kind[i], &mass, &traits, -1);
+        let from = self.part_of(index);
         self.disabled -= u32::from(self.is_set_aside(index));
-        self.kind[i] = kind;
-        self.count_traits(kind, &mass, &traits, 1);
+        self.recount(index as usize, |bodies| bodies.kind[index as usize] = kind);
         self.disabled += u32::from(self.is_set_aside(index));
         let to = if self.is_set_aside(index) { Part::Asleep } else { Part::of(kind) };
         self.travel(index, (from, to), &mut moved)
@@ -429,9 +424,7 @@ impl Bodies {
 
     /// Has a body's rows solved right after a group, or in their own place.
     pub(crate) fn set_solved_after(&mut self, index: usize, above: Option<RowGroup>) {
-        let old = std::mem::replace(&mut self.traits[index].solved_after, above);
-        self.count_solved_after(old, -1);
-        self.count_solved_after(above, 1);
+        self.recount(index, |bodies| bodies.traits[index].solved_after = above);
     }
 
     /// Whether any body names a group to be solved after.
@@ -445,7 +438,8 @@ impl Bodies {
     }
 
     /// Counts what a body that comes (1) or goes (-1) requires of steps.
-    fn count_traits(&mut self, kind: BodyKind, mass: &Mass, traits: &Traits, change: i32) {
+    fn count_traits(&mut self, index: usize, change: i32) {
+        let (kind, mass, traits) = (self.kind[index], &self.mass[index], &self.traits[index]);
         let add = |count: &mut u32, set: bool| {
             if set {
                 *count = count.wrapping_add_signed(change);
@@ -454,38 +448,31 @@ impl Bodies {
         add(&mut self.locked, traits.locks != 0);
         add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != Continuous::Discrete);
         add(&mut self.uneven, is_uneven(mass, traits));
-        self.count_solved_after(traits.solved_after, change);
+        if let Some(above) = traits.solved_after {
+            add(&mut self.solved_after[above as usize], true);
+        }
+    }
+
+    /// Changes something about a body that is counted.
+    fn recount(&mut self, index: usize, change: impl FnOnce(&mut Bodies)) {
+        self.count_traits(index, -1);
+        change(self);
+        self.count_traits(index, 1);
     }
 
     /// Replaces what moves a body's mass.
     pub(crate) fn set_mass(&mut self, index: usize, mass: Mass) {
-        let old = std::mem::replace(&mut self.mass[index], mass);
-        self.uneven -= u32::from(is_uneven(&old, &self.traits[index]));
-        self.uneven += u32::from(is_uneven(&mass, &self.traits[index]));
+        self.recount(index, |bodies| bodies.mass[index] = mass);
     }
 
     /// Sets the axes that a body can't move along or turn about, as bits.
     pub(crate) fn set_locks(&mut self, index: usize, locks: u8) {
-        let (kind, mass, traits) = (self.kind[index], self.mass[index], self.traits[index]);
-        self.count_traits(kind, &mass, &traits, -1);
-        self.traits[index].locks = locks;
-        self.count_traits(kind, &mass, &Traits { locks, ..traits }, 1);
+        self.recount(index, |bodies| bodies.traits[index].locks = locks);
     }
 
     /// Sets how a body is kept from passing through others.
     pub(crate) fn set_continuous(&mut self, index: usize, mode: Continuous) {
-        let old = std::mem::replace(&mut self.traits[index].continuous, mode);
-        if self.kind[index] != BodyKind::Static {
-            self.continuous -= u32::from(old != Continuous::Discrete);
-            self.continuous += u32::from(mode != Continuous::Discrete);
-        }
-    }
-
-    fn count_solved_after(&mut self, above: Option<RowGroup>, change: i32) {
-        if let Some(above) = above {
-            let count = &mut self.solved_after[above as usize];
-            *count = count.wrapping_add_signed(change);
-        }
+        self.recount(index, |bodies| bodies.traits[index].continuous = mode);
     }
 
     /// The groups that bodies name to be solved after.
@@ -542,7 +529,6 @@ impl Bodies {
 
     /// Appends a body whose slot is known, without a place in the parts of the columns.
     pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
-        self.count_traits(body.kind, &body.mass, &body.traits, 1);
         self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
         self.push_row(slot, &body);
         let index = self.len() - 1;

@@ -8,7 +8,6 @@ use super::row::{Lock, LockKind, NONE, Row, RowKind};
 use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, is_bound};
 use crate::config::RowGroup;
 use crate::error::Error;
-use crate::math::Quat;
 use crate::words::{Reader, all_loads, are_free, broken, record, words};
 use glam::Vec3;
 
@@ -273,7 +272,7 @@ impl JointRecords {
                 for frame in &mut joint.frames {
                     frame.position = from.finite::<Vec3, 3>()?;
                     crate::limits::lever("joint frame position", frame.position)?;
-                    frame.rotation = read_rotation(from)?;
+                    frame.rotation = from.rotation("a rotation")?;
                 }
                 joint.strength = from.record::<_, 2>()?;
                 joint.threshold = from.record::<_, 2>()?;
@@ -359,11 +358,6 @@ fn is_grouped(joints: impl Iterator<Item = u32>, count: usize) -> bool {
         }
     }
     true
-}
-
-fn read_rotation(from: &mut Reader<'_>) -> Result<Quat, Error> {
-    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
-    if (0.9..1.1).contains(&rotation.length_squared()) { Ok(rotation) } else { Err(broken("a rotation")) }
 }
 
 /// 0 for none.

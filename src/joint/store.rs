@@ -141,9 +141,9 @@ pub(crate) struct Joints {
     /// Bytes of batches that joints of bodies at rest gave back, and need again once these wake.
     pub(super) resting: usize,
     /// How many can break.
-    pub(super) breakable: u32,
+    pub(crate) breakable: u32,
     /// How many ask to be reported.
-    pub(super) reporting: u32,
+    pub(crate) reporting: u32,
     /// Joints that broke in the last step.
     pub(crate) broken: Vec<JointHandle>,
     /// Joints that bore more than their thresholds in the last step.
@@ -293,11 +293,6 @@ impl Joints {
         self.all.iter().filter(|joint| joint.is_there() && joint.solved_after.is_some()).count() as u32
     }
 
-    /// How many can break.
-    pub(crate) fn breakable(&self) -> u32 {
-        self.breakable
-    }
-
     /// Reserved bytes of joints themselves, of their locks and of their rows, without the handles that were
     /// given out.
     pub(crate) fn parts(&self) -> [usize; 3] {
@@ -422,17 +417,9 @@ impl Joints {
             })
     }
 
-    pub(crate) fn any_breakable(&self) -> bool {
-        self.breakable > 0
-    }
-
     /// Whether there are events of the last step.
     pub(crate) fn has_events(&self) -> bool {
         !(self.broken.is_empty() && self.strained.is_empty() && self.couplings.broken.is_empty())
-    }
-
-    pub(crate) fn any_reporting(&self) -> bool {
-        self.reporting > 0
     }
 
     /// Sets at which force and torque a joint breaks.

@@ -99,7 +99,7 @@ fn meets(probe: &Probe<'_>, candidate: &Candidate<'_>) -> bool {
     };
     let to_mesh = pose.rotation.transpose();
     let around = || {
-        let (at, half) = (to_mesh * -pose.position, probe.half_in(&pose));
+        let (at, half) = (to_mesh * -pose.position, a.half_extents(to_mesh));
         // A margin for rounding.
         let half = half + 1e-6 * (at.abs() + half);
         ((at - half).as_vec3(), (at + half).as_vec3())

@@ -75,11 +75,6 @@ impl<'a> Probe<'a> {
         let (small, large) = (self.radius.min(other), self.radius.max(other));
         f64::from((1e-5 * small).min(5e-6).max(f32::EPSILON * large))
     }
-
-    /// Half extents of a box around the probe in the axes of a shape [m].
-    pub(super) fn half_in(&self, pose: &SupportPose) -> DVec3 {
-        self.support.half_extents(pose.rotation.transpose())
-    }
 }
 
 fn matrix(rotation: Quat) -> DMat3 {

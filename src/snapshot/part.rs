@@ -309,18 +309,15 @@ fn read_free(from: &mut Reader<'_>) -> Result<FreeSlots, Error> {
 /// Reads a pose and checks that it is valid.
 pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
     let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
-    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
-    let unit = (0.9..1.1).contains(&rotation.length_squared());
+    let rotation = from.rotation("a pose")?;
     limits::centre(position)?;
-    if unit { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
+    Ok(Pose { position, rotation })
 }
 
 fn read_frame(from: &mut Reader<'_>) -> Result<(Vec3, Quat), Error> {
     let position = from.finite::<Vec3, 3>()?;
     limits::lever("frame", position)?;
-    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
-    let unit = (0.9..1.1).contains(&rotation.length_squared());
-    if unit { Ok((position, rotation)) } else { Err(broken("a frame")) }
+    Ok((position, from.rotation("a frame")?))
 }
 
 fn read_bodies(

@@ -311,7 +311,7 @@ impl World {
                 let bytes = joints.couplings.reserved() + buffers.joints.coupling_bytes();
                 (joints.couplings.count as u32, bytes, None)
             }
-            Feature::BreakableJoints => (joints.breakable(), 0, None),
+            Feature::BreakableJoints => (joints.breakable, 0, None),
             Feature::Sleeping => {
                 let (islands, kept) = (self.sleep.bytes(), self.sleep.kept_bytes());
                 let count = if self.settings.sleeping { dynamic() } else { 0 };

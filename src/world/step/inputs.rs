@@ -327,13 +327,13 @@ impl World {
         self.joints.broken.clear();
         self.joints.strained.clear();
         self.joints.couplings.broken.clear();
-        if self.joints.any_breakable() {
+        if self.joints.breakable > 0 {
             self.break_joints();
         }
         if self.joints.couplings.count > 0 {
             self.break_couplings();
         }
-        if self.joints.any_reporting() {
+        if self.joints.reporting > 0 {
             self.list_strained_joints();
         }
     }
