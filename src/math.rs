@@ -66,6 +66,15 @@ impl Quat {
         )
     }
 
+    /// The rotation vector that leads from this rotation to another, of at most half a turn [rad].
+    pub(crate) fn turn_to(self, to: Quat) -> Vec3 {
+        let q = to * self.conjugate();
+        let q = if q.w < 0.0 { -q } else { q };
+        let sine = q.xyz().length();
+        // For a small angle, twice the sine of its half.
+        q.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, q.w) / sine }
+    }
+
     /// The shortest rotation from one unit vector to another; half a turn about any axis that is normal to
     /// both if they are opposite.
     pub fn from_rotation_arc(from: Vec3, to: Vec3) -> Quat {

@@ -53,11 +53,7 @@ impl<'a> ShapeCast<'a> {
     /// A shape that moves from one pose to another: its origin straight, its rotation the shorter way about
     /// one axis. The rotations are unit quaternions.
     pub fn between(shape: &'a Geometry, from: (DVec3, glam::Quat), to: (DVec3, glam::Quat)) -> ShapeCast<'a> {
-        let turn = Quat::from(to.1) * Quat::from(from.1).conjugate();
-        let turn = if turn.w < 0.0 { -turn } else { turn };
-        let sine = turn.xyz().length();
-        // For a small angle, twice the sine of its half.
-        let spin = turn.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, turn.w) / sine };
+        let spin = Quat::from(from.1).turn_to(to.1.into());
         ShapeCast::new(shape, from.0, (to.0 - from.0).as_vec3()).rotated(from.1).turning(spin)
     }
     /// A shape that moves for `dt` [s] with a linear [m/s] and an angular velocity [rad/s].

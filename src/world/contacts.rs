@@ -260,17 +260,8 @@ impl Way {
             lever,
             end: end.position,
             predicted: motion.map_or((Vec3::ZERO, Vec3::ZERO), |m| (m.linear, m.angular)),
-            gone: ((end.position - start.position).as_vec3(), turn_between(rotation, end.rotation)),
+            gone: ((end.position - start.position).as_vec3(), rotation.turn_to(end.rotation)),
             start,
         }
     }
-}
-
-/// The rotation vector that leads from one rotation to another, of at most half a turn [rad].
-fn turn_between(from: Quat, to: Quat) -> Vec3 {
-    let q = to * from.conjugate();
-    let q = if q.w < 0.0 { -q } else { q };
-    let sine = q.xyz().length();
-    // For a small angle, twice the sine of its half.
-    q.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, q.w) / sine }
 }
