@@ -1,7 +1,7 @@
 //! The row types of joints, in one list.
 //!
-//! A new type is a file with a batch that implements [`JointBatch`], a line here, and what asks for it in
-//! [`JointType::of_row`] or [`JointType::of_lock`].
+//! A new type is a file with a batch that implements [`JointBatch`], how it is filled and watched (`fill.rs`,
+//! `nets/rates.rs`), a line here, and what asks for it in [`JointType::of_row`] or [`JointType::of_lock`].
 
 use super::batch::{JointBatch, Report, Watched};
 use super::ends::{JointPass, Recovery};
