@@ -11,7 +11,7 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::math::Quat;
 use crate::memory::{Allowances, Category, buffers, bytes_of};
-use crate::shape::{Collider, ColliderSummary, Kind};
+use crate::shape::{Collider, ColliderSummary, Symmetry};
 use crate::threads::{Shared, Workers, per_block};
 use glam::Vec3;
 
@@ -186,10 +186,10 @@ fn swing(shape: &ColliderSummary, rotation: Quat, motion: &Record) -> f32 {
         return 0.0;
     }
     // Turning a round shape about its axis does not change it.
-    let tilt = match shape.kind {
-        Kind::Sphere => return turn * shape.lever,
-        Kind::Capsule | Kind::Cylinder => motion.angular.cross(rotation * Vec3::Y).length(),
-        _ => turn,
+    let tilt = match shape.kind.symmetry() {
+        Symmetry::Ball => return turn * shape.lever,
+        Symmetry::Axis => motion.angular.cross(rotation * Vec3::Y).length(),
+        Symmetry::None => turn,
     };
     // A point of the shape can't move further than across it.
     turn * shape.lever + (tilt * shape.radius).min(2.0 * shape.radius)

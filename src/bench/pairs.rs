@@ -9,8 +9,8 @@ use crate::narrow_phase::kernels::{
     sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
 };
 use crate::narrow_phase::{
-    BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, Support, cast_convex, collide_convex,
-    collide_mesh, tolerance,
+    BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, cast_convex, collide_convex, collide_mesh,
+    tolerance,
 };
 use crate::random::Random;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
@@ -215,7 +215,7 @@ pub fn distance() -> Vec<Kernel> {
             let mut poses = poses(&a, &b);
             poses.iter_mut().for_each(|rel| rel.position *= 1.5);
             Kernel::new(name, poses.len(), move || {
-                let (Some(a), Some(b)) = (Support::of(&a), Support::of(&b)) else { return };
+                let (Some(a), Some(b)) = (a.geometry.support(), b.geometry.support()) else { return };
                 for rel in &poses {
                     black_box(crate::narrow_phase::distance(&a, &b, rel, Vec3::ZERO));
                 }

@@ -1,9 +1,8 @@
 //! The world bounds of a collider.
 
 use super::Aabb;
-use crate::lanes::{self, Lanes, f32x8};
 use crate::math::Quat;
-use crate::shape::{Collider, ConvexHull, Geometry, Kind};
+use crate::shape::{Collider, Kind};
 use glam::{DVec3, Vec3};
 
 // Rounding: of a rotated point.
@@ -18,102 +17,12 @@ const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 pub(crate) fn aabb_of(collider: &Collider, position: DVec3, rotation: Quat) -> Aabb {
     let turned = rotation * collider.rotation;
     let offset = rotation * collider.position;
-    let (min, max) = local_bounds(collider, turned);
+    let (min, max) = collider.geometry.turned_bounds(turned);
     let reach = Vec3::splat(offset.length());
     let size = if collider.kind == Kind::Plane { reach } else { min.abs().max(max.abs()).max(reach) };
     let slack = (size * ROUNDING).as_dvec3();
     let origin = position + offset.as_dvec3();
     Aabb { min: round_down(origin + min.as_dvec3() - slack), max: round_up(origin + max.as_dvec3() + slack) }
-}
-
-/// Bounds around the shape's own origin once it is turned.
-fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
-    let size = collider.size;
-    match collider.kind {
-        Kind::Sphere => (Vec3::splat(-size[0]), Vec3::splat(size[0])),
-        Kind::Capsule => {
-            let [half_height, bottom, top, _] = size;
-            let top_centre = rotation * Vec3::Y * half_height;
-            let (bottom, top) = (Vec3::splat(bottom), Vec3::splat(top));
-            ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
-        }
-        Kind::Box => {
-            let m = rotation.matrix();
-            let half = m.x_axis.abs() * size[0] + m.y_axis.abs() * size[1] + m.z_axis.abs() * size[2];
-            (-half, half)
-        }
-        Kind::Cylinder => {
-            let [half_height, bottom, top, _] = size;
-            let m = rotation.matrix();
-            // How far a disc of radius 1 reaches along each axis: the root of 1 - y², without its
-            // cancellation.
-            let disc = (m.x_axis * m.x_axis + m.z_axis * m.z_axis).map(f32::sqrt);
-            let top_centre = m.y_axis * half_height;
-            let (bottom, top) = (disc * bottom, disc * top);
-            ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
-        }
-        Kind::Plane => half_space(rotation),
-        Kind::Hull | Kind::Mesh | Kind::HeightField => match &collider.geometry {
-            Geometry::Hull(hull) => turned_hull(hull, rotation),
-            geometry => match local_box(geometry) {
-                Some((min, max)) => turned_box(min, max, rotation),
-                // Its ball holds it, whatever its form.
-                None => (Vec3::splat(-collider.radius), Vec3::splat(collider.radius)),
-            },
-        },
-    }
-}
-
-/// The box around a static asset, in its own frame [m].
-fn local_box(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
-    match geometry {
-        Geometry::Mesh(mesh) => Some(mesh.aabb()),
-        Geometry::HeightField(field) => Some(field.aabb()),
-        _ => None,
-    }
-}
-
-/// Bounds of a turned hull, from its vertices: its box, turned, would be up to twice as large.
-fn turned_hull(hull: &ConvexHull, rotation: Quat) -> (Vec3, Vec3) {
-    let rows = rotation.matrix().transpose();
-    let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(lanes::Vec3::<f32x8>::splat);
-    let mut low = [f32x8::splat(f32::INFINITY); 3];
-    let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
-    for chunk in &hull.vertex_chunks {
-        let [x, y, z] = chunk.map(f32x8::new);
-        let vertices = lanes::Vec3 { x, y, z };
-        for k in 0..3 {
-            let along = rows[k].dot(vertices);
-            low[k] = Lanes::min(low[k], along);
-            high[k] = Lanes::max(high[k], along);
-        }
-    }
-    let lowest = |v: f32x8| v.to_array().into_iter().fold(f32::INFINITY, f32::min);
-    let highest = |v: f32x8| v.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
-    (Vec3::from_array(low.map(lowest)), Vec3::from_array(high.map(highest)))
-}
-
-/// Bounds of a turned box.
-fn turned_box(min: Vec3, max: Vec3, rotation: Quat) -> (Vec3, Vec3) {
-    let m = rotation.matrix();
-    let (middle, half) = (m * (min * 0.5 + max * 0.5), max * 0.5 - min * 0.5);
-    let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-    (middle - half, middle + half)
-}
-
-/// The half-space below a plane through the origin: bounded only if its normal is exactly an axis.
-fn half_space(rotation: Quat) -> (Vec3, Vec3) {
-    let normal = rotation * Vec3::Y;
-    let (mut min, mut max) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
-    for k in 0..3 {
-        let others = normal.abs().dot(Vec3::ONE) - normal[k].abs();
-        if others == 0.0 && normal[k] > 0.0 {
-            max[k] = 0.0;
-        } else if others == 0.0 && normal[k] < 0.0 {
-            min[k] = 0.0;
-        }
-    }
-    (min, max)
 }
 
 fn round_down(v: DVec3) -> Vec3 {
@@ -145,6 +54,7 @@ impl MapWith for Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::{ConvexHull, Geometry};
     use glam::{EulerRot, dvec3, vec3};
     use std::sync::Arc;
 

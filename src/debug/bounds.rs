@@ -1,7 +1,8 @@
 //! Boxes around shapes, and the paths of swept ones.
 
-use super::{DebugDraw, DrawOptions, Element, Ink, wireframe::cuboid};
+use super::{DebugDraw, DrawOptions, Element, Ink};
 use crate::broad_phase::{Aabb, aabb_of};
+use crate::shape::outline::cuboid;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 

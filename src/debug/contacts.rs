@@ -54,9 +54,9 @@ fn draw_contact(world: &World, contact: ContactRef<'_>, options: &DrawOptions, o
 fn are_apart(world: &World, contact: ContactRef<'_>, now: &Relative, limit: f32) -> bool {
     let [a, b] = [contact.a, contact.b].map(|c| &world.colliders.all[c as usize]);
     // A plane, mesh or height field is the second of a pair.
-    let Some(convex) = Support::of(a) else { return false };
+    let Some(convex) = a.geometry.support() else { return false };
     let hint = now.position;
-    if let Some(other) = Support::of(b) {
+    if let Some(other) = b.geometry.support() {
         return distance(&convex, &other, now, hint).distance > limit;
     }
     let back = now.rotation.conjugate();

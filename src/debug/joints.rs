@@ -1,10 +1,10 @@
 //! Joints: frames, what each limit allows, and how far the frames are apart.
 
 use super::shapes::draw_axes;
-use super::wireframe::arc;
 use super::{DebugDraw, DrawOptions, Element, Ink};
 use crate::body::Pose;
 use crate::joint::{Axes, Axis, Joint, Motion, Row, RowKind};
+use crate::shape::outline::arc;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{PI, TAU};

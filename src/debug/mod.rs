@@ -38,18 +38,14 @@ mod draw;
 mod joints;
 mod options;
 mod shapes;
-pub(crate) mod solid;
-mod solver;
+pub(crate) mod solver;
 #[cfg(test)]
 mod test_scenes;
 #[cfg(test)]
 mod tests;
-mod wireframe;
 
 pub use options::{Colour, DrawOptions, Palette, Region};
-pub use shapes::DrawnShape;
-pub use solid::{convex, triangles};
-pub use wireframe::wireframe;
+pub use shapes::{DrawnShape, convex, triangles, wireframe};
 
 use glam::DVec3;
 

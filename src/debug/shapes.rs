@@ -1,6 +1,6 @@
-//! Shapes by kind of body, and centres of mass.
+//! Shapes by kind of body, their lines and triangles, and centres of mass.
 
-use super::{Colour, DebugDraw, DrawOptions, Element, Ink, Region, triangles, wireframe};
+use super::{Colour, DebugDraw, DrawOptions, Element, Ink, Region};
 use crate::body::BodyKind;
 use crate::broad_phase::aabb_of;
 use crate::handle::{BodyHandle, ShapeHandle};
@@ -54,6 +54,30 @@ impl DrawnShape<'_> {
         let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
         Some((centre - half, centre + half))
     }
+}
+
+/// The triangles that show a shape, in its own frame [m], counter-clockwise from outside; those of meshes as
+/// they were given.
+///
+/// `window`: as for [`wireframe`].
+pub fn triangles(geometry: &Geometry, window: Option<(Vec3, Vec3)>, triangle: &mut dyn FnMut([Vec3; 3])) {
+    geometry.triangles(window, triangle);
+}
+
+/// Vertices and triangles of a convex shape; none of any other.
+pub fn convex(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    geometry.solid()
+}
+
+/// The lines that show a shape, in its own frame [m]. Their ends are on its surface; between them a line is a
+/// chord of what is round.
+///
+/// `window`: low and high corner of the box that is wanted, in the same frame. A mesh or height field
+/// shows only the edges of triangles whose boxes meet the window, an edge once for each of them; a plane,
+/// which has no end, the part in the window, or 20 m around its origin if there is none. All other shapes are
+/// drawn as a whole.
+pub fn wireframe(geometry: &Geometry, window: Option<(Vec3, Vec3)>, line: &mut dyn FnMut(Vec3, Vec3)) {
+    geometry.lines(window, line);
 }
 
 /// In which colour a body is drawn: by its kind, that it sleeps, or its island.
@@ -122,5 +146,36 @@ pub(super) fn draw_axes(
     for (axis, colour) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().zip(options.palette.axes) {
         let end = at + (rotation * axis * options.length).as_dvec3();
         out.line(at, end, Ink { element, colour });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::MassProperties;
+
+    /// Volume by the divergence theorem: positive only if all triangles face outwards and leave no hole.
+    fn volume(geometry: &Geometry) -> f32 {
+        let mut sum = 0.0;
+        triangles(geometry, None, &mut |[a, b, c]| sum += a.dot(b.cross(c)) / 6.0);
+        sum
+    }
+
+    #[test]
+    fn visible_volumes_are_nearly_those_of_the_shapes() {
+        for geometry in [
+            Geometry::Sphere { radius: 0.7 },
+            Geometry::capsule(0.5, 0.3),
+            Geometry::Capsule { half_height: 0.5, radius_bottom: 0.5, radius_top: 0.2 },
+            Geometry::Capsule { half_height: 0.1, radius_bottom: 0.2, radius_top: 0.5 },
+            Geometry::Capsule { half_height: 0.0, radius_bottom: 0.2, radius_top: 0.5 },
+            Geometry::cuboid(0.1, 0.2, 0.3),
+            Geometry::cylinder(0.4, 0.3),
+            Geometry::Cylinder { half_height: 0.4, radius_bottom: 0.3, radius_top: 0.0 },
+        ] {
+            let exact = MassProperties::of(&geometry, 1.0).mass;
+            let ratio = volume(&geometry) / exact;
+            assert!(ratio > 0.95 && ratio < 1.0001, "{geometry:?}: {ratio}");
+        }
     }
 }

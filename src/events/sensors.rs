@@ -60,7 +60,7 @@ impl Sensing<'_> {
         let close = tolerance(a, b, self.settings.length_unit);
         let touch = match b.kind {
             Kind::Plane => cast_plane(a, b, &motion, close),
-            Kind::Mesh | Kind::HeightField if a.senses_static() => {
+            kind if kind.is_ground() && a.senses_static() => {
                 let start = motion.relative(0.0);
                 // The cast leaves out what is touched at the start.
                 let touches = touches_mesh(a, b, &start, close);

@@ -7,7 +7,7 @@
 use super::guard::{Guard, stop};
 use crate::body::Pose;
 use crate::config::tuning::{GUARD_DISTANCE, GUARD_GRAZE, SLOW_END};
-use crate::shape::{Collider, Geometry};
+use crate::shape::Collider;
 use glam::Vec3;
 
 /// An end that would cross static geometry.
@@ -68,23 +68,6 @@ impl Guard<'_> {
 
 /// The ends of a long shape's core, from its body's centre [m]; none for other shapes.
 pub(super) fn ends_of(shape: &Collider) -> impl Iterator<Item = Vec3> + use<'_> {
-    let core = core(&shape.geometry);
+    let core = Some(shape.geometry.core_end()).filter(|core| *core != Vec3::ZERO);
     core.into_iter().flat_map(|core| [-core, core]).map(|end| shape.position + shape.rotation * end)
-}
-
-/// From the middle of a long shape to the end of its core; `None` for other shapes.
-fn core(geometry: &Geometry) -> Option<Vec3> {
-    let core = match *geometry {
-        Geometry::Capsule { half_height, .. } => Vec3::Y * half_height,
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            Vec3::Y * (half_height - radius_bottom.max(radius_top)).max(0.0)
-        }
-        Geometry::Box { half_extents } => {
-            let (least, most) = (half_extents.min_element(), half_extents.max_element());
-            let along = |x: f32| if x == most { x - least } else { 0.0 };
-            Vec3::new(along(half_extents.x), along(half_extents.y), along(half_extents.z))
-        }
-        _ => Vec3::ZERO,
-    };
-    (core != Vec3::ZERO).then_some(core)
 }

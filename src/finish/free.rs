@@ -87,8 +87,7 @@ impl Guard<'_> {
             let end = start + back * way;
             let reach = least + slack(start, end);
             free = match &collider.geometry {
-                Geometry::Mesh(mesh) => !mesh.nears(start, end, reach),
-                Geometry::HeightField(field) => !field.nears(start, end, reach),
+                geometry if let Some(ground) = geometry.ground() => !ground.nears(start, end, reach),
                 Geometry::Plane => start.y.min(end.y) > reach,
                 Geometry::Box { half_extents } => {
                     let apart = start.min(end) - *half_extents;

@@ -25,7 +25,7 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::math::Quat;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle, segment_hits};
-use crate::shape::{Collider, ColliderSummary, Geometry};
+use crate::shape::{Collider, ColliderSummary};
 use glam::{DVec3, Vec3};
 
 /// Input of the guard.
@@ -113,25 +113,17 @@ impl Guard<'_> {
                     (least, away) = (gap, pose.rotation * normal);
                 }
             };
-            let mut triangle = |corners: [Vec3; 3]| {
-                let from = from_triangle(point, corners);
-                look(from.length() as f32, from.normalize_or_zero().as_vec3());
-            };
             let (low, high) = (point - most, point + most);
-            match &collider.geometry {
-                Geometry::Mesh(mesh) => {
-                    mesh.visit_box(low, high, &mut |_, t| triangle(t));
-                }
-                Geometry::HeightField(field) => {
-                    field.visit_box(low, high, &mut |_, t| triangle(t));
-                }
-                Geometry::Plane => look(point.y.max(0.0), Vec3::Y),
-                _ => {
-                    if let Some(shape) = Support::of(collider) {
-                        let gap = distance(&tip, &shape, &here, Vec3::ZERO);
-                        look(gap.distance.max(0.0), -gap.normal);
-                    }
-                }
+            if let Some(ground) = collider.geometry.ground() {
+                ground.visit_box(low, high, &mut |_, corners| {
+                    let from = from_triangle(point, corners);
+                    look(from.length() as f32, from.normalize_or_zero().as_vec3());
+                });
+            } else if let Some(shape) = collider.geometry.support() {
+                let gap = distance(&tip, &shape, &here, Vec3::ZERO);
+                look(gap.distance.max(0.0), -gap.normal);
+            } else {
+                look(point.y.max(0.0), Vec3::Y);
             }
         });
         (least, away)

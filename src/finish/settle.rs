@@ -29,7 +29,7 @@ use crate::memory::{Allowance, Buffer, add_bytes, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
 };
-use crate::shape::{Collider, Kind};
+use crate::shape::Collider;
 use glam::{DVec3, Vec3};
 
 /// Maximum number of surfaces along which a body is led within a step.
@@ -308,7 +308,7 @@ impl Settling<'_> {
             let allowed = shape.soft_depth(still, raw.material as u8).unwrap_or(0.0);
             raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation - allowed))
         };
-        if !matches!(still.kind, Kind::Mesh | Kind::HeightField) {
+        if !still.kind.is_ground() {
             let raw = collide_convex(shape, still, &rel, 0.0);
             let raw = out_by_the_centre(shape, still, &rel, &raw, 0.0).unwrap_or(raw);
             return (raw.count > 0).then_some((depth(&raw), raw.normal));

@@ -9,7 +9,7 @@ use crate::threads::per_block;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Bin(pub(crate) u8);
 
-const KINDS: u8 = 8;
+const KINDS: u8 = Kind::COUNT;
 /// Tapered capsules have kernels, and so bins, of their own.
 pub(super) const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
 pub(super) const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);

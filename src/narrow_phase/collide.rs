@@ -22,7 +22,6 @@ use crate::narrow_phase::contacts::contact::{ContactRef, NO_CONTACT};
 use crate::narrow_phase::contacts::found::{FoundContacts, Places, Wave};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::store::{Contacts, SharedContacts};
-use crate::shape::Kind;
 use crate::threads::{Shared, Workers, per_block};
 use std::ops::Range;
 
@@ -379,5 +378,5 @@ fn moved_past(contact: ContactRef<'_>, moved: &glam::Vec3, limit: f32) -> f32 {
 
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
-    matches!(input.summaries[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
+    input.summaries[collider as usize].kind.is_round()
 }

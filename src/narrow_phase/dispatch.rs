@@ -108,7 +108,7 @@ pub(crate) fn run_bin(
         let rel = &relative_pose(pair, input.poses);
         let approach = &input.approach(pair);
         let view = PairView { input, pair, index, rel, approach };
-        if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
+        if b.kind.is_ground() {
             finish_mesh(&view, contacts, out);
         } else {
             let raw = collide_convex(a, b, rel, margin_of(input, approach));

@@ -18,8 +18,9 @@ mod relative;
 mod seams;
 mod segment;
 
+pub(crate) use crate::shape::support::{Pose as SupportPose, Support};
 pub(crate) use cast::ahead::out_by_the_centre;
-pub(crate) use cast::mesh::{CastResult, Triangles, cast_mesh, touches_mesh};
+pub(crate) use cast::mesh::{CastResult, cast_mesh, touches_mesh};
 pub(crate) use cast::mesh_cast::MeshCast;
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
@@ -35,12 +36,11 @@ pub(crate) use contacts::weight::{Scale, Threshold, Weight};
 pub(crate) use convex::collide_convex;
 pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
-pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use input::Input;
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
 pub(crate) use relative::Relative;
-pub(crate) use segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron, segment_hits};
+pub(crate) use segment::segment_hits;
 
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]

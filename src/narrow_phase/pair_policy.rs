@@ -65,7 +65,7 @@ use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
-use crate::shape::{Collider, Kind};
+use crate::shape::Collider;
 use std::cell::OnceCell;
 
 /// A pair of the step, where its shapes are and how they move.
@@ -147,10 +147,8 @@ impl PairView<'_> {
     /// the other, which rocks on it. The rows of a step act at one place. At the place of its start they
     /// would add energy to the rocking in every step; at that of its middle they take a little away.
     fn contact_point_moves(&self) -> bool {
-        let large = |round: &Collider, other: &Collider| {
-            let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
-            round_kind && round.radius > 2.0 * other.radius
-        };
+        let large =
+            |round: &Collider, other: &Collider| round.kind.is_round() && round.radius > 2.0 * other.radius;
         let (a, b) = self.shapes();
         large(a, b) || large(b, a)
     }

@@ -47,7 +47,7 @@ fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPa
     let near = GHOST_GAP * world.settings.measures().margin;
     match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, near).is_some(),
-        Kind::Mesh | Kind::HeightField => {
+        kind if kind.is_ground() => {
             let cast = MeshCast { any: true, ..MeshCast::first(near, 0.0) };
             let close = MeshCast { alone: near, ..cast };
             let rel = motion.relative(0.0);
@@ -96,7 +96,7 @@ fn is_inside(world: &World, i: usize) -> bool {
         let off = here.rotation.conjugate() * (at - here.position).as_vec3();
         let rel = Relative { position: off, rotation: Quat::IDENTITY };
         off.length() <= shape.radius
-            && Support::of(shape).is_some_and(|shape| {
+            && shape.geometry.support().is_some_and(|shape| {
                 let found = distance(&shape, &point, &rel, Vec3::ZERO);
                 found.overlap || found.distance < 0.0
             })

@@ -7,7 +7,7 @@ use super::probe::Probe;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::Support;
-use crate::shape::{Geometry, Kind};
+use crate::shape::Geometry;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -104,16 +104,13 @@ fn meets(probe: &Probe<'_>, candidate: &Candidate<'_>) -> bool {
         let half = half + 1e-6 * (at.abs() + half);
         ((at - half).as_vec3(), (at + half).as_vec3())
     };
-    match (candidate.shape.kind, &candidate.shape.geometry) {
-        (Kind::Plane, _) => over_plane(a, &pose).0 <= 0.0,
-        (_, Geometry::Mesh(mesh)) => {
-            let (min, max) = around();
-            mesh.any_in_box(min, max, &mut triangle)
-        }
-        (_, Geometry::HeightField(field)) => {
-            let (min, max) = around();
-            field.any_in_box(min, max, &mut triangle)
-        }
-        _ => Support::of(candidate.shape).is_some_and(|other| overlaps(a, &other, &pose, pose.position)),
+    let geometry = &candidate.shape.geometry;
+    if let Some(ground) = geometry.ground() {
+        let (min, max) = around();
+        return ground.any_in_box(min, max, &mut triangle);
+    }
+    match geometry.support() {
+        Some(other) => overlaps(a, &other, &pose, pose.position),
+        None => over_plane(a, &pose).0 <= 0.0,
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Probe<'a> {
 impl<'a> Probe<'a> {
     pub(crate) fn new(geometry: &'a Geometry, position: DVec3, rotation: Quat) -> Result<Probe<'a>, Error> {
         geometry.validate()?;
-        let Some(support) = Support::of_geometry(geometry) else {
+        let Some(support) = geometry.support() else {
             return Err(Error::NotConvex { shape: geometry.kind_name() });
         };
         check_start("shape position", position)?;

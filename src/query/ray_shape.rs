@@ -1,10 +1,8 @@
 //! A ray against one shape, in the shape's frame.
 
 use super::candidates::{Candidate, turn_back};
-use super::closest_shape::holds;
 use super::ray::Ray;
-use crate::narrow_phase::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron};
-use crate::shape::{Geometry, Kind};
+use crate::shape::Ground;
 use glam::{DVec3, Vec3};
 
 /// Where a ray meets a shape.
@@ -25,24 +23,14 @@ pub(super) fn meet(candidate: &Candidate<'_>, ray: &Ray, most: f32, any: bool) -
     let shape = candidate.shape;
     let start = candidate.local(ray.from);
     let path = turn_back(candidate.place.rotation, ray.path.as_dvec3());
-    let [x, y, z, _] = shape.size.map(f64::from);
-    let entry: Option<Entry> = match shape.kind {
-        Kind::Sphere => ball(start, path, x),
-        Kind::Capsule => capsule(start, path, x, y, z),
-        Kind::Box => cuboid(start, path, DVec3::new(x, y, z)),
-        Kind::Cylinder => frustum(start, path, x, y, z),
-        Kind::Plane => plane(start, path),
-        Kind::Hull => match &shape.geometry {
-            Geometry::Hull(hull) => polyhedron(start, path, hull, 0.0),
-            _ => None,
-        },
-        Kind::Mesh | Kind::HeightField => return meet_triangles(&shape.geometry, start, path, most, any),
-    };
-    if let Some((exact, normal)) = entry {
+    if let Some(ground) = shape.geometry.ground() {
+        return meet_triangles(ground, start, path, most, any);
+    }
+    if let Some((exact, normal)) = shape.geometry.enter(start, path, 0.0) {
         let normal = normal.normalize_or(DVec3::Y);
         return Some(Met { fraction: exact as f32, exact, normal, triangle: None, inside: false });
     }
-    holds(shape, start).then_some(Met {
+    shape.geometry.contains(start).then_some(Met {
         fraction: 0.0,
         exact: 0.0,
         normal: DVec3::ZERO,
@@ -60,14 +48,10 @@ const FAR: f64 = 4.0;
 /// The largest correction by the plane of a triangle, as a share of the size of the mesh.
 const REFINED: f64 = 1e-5;
 
-fn meet_triangles(geometry: &Geometry, start: DVec3, path: DVec3, most: f32, any: bool) -> Option<Met> {
-    let way = Way::new(geometry, start, path, most)?;
-    let (t, index) = match geometry {
-        Geometry::Mesh(mesh) => mesh.ray(way.from, way.path, way.most, any)?,
-        Geometry::HeightField(field) => field.ray(way.from, way.path, way.most, any)?,
-        _ => return None,
-    };
-    Some(way.met(geometry, start, path, t, index))
+fn meet_triangles(ground: Ground<'_>, start: DVec3, path: DVec3, most: f32, any: bool) -> Option<Met> {
+    let way = Way::new(ground, start, path, most)?;
+    let (t, index) = ground.ray(way.from, way.path, way.most, any)?;
+    Some(way.met(ground, start, path, t, index))
 }
 
 /// The part of a ray that is tested in `f32` among triangles.
@@ -85,12 +69,8 @@ pub(super) struct Way {
 }
 
 impl Way {
-    pub(super) fn new(geometry: &Geometry, start: DVec3, path: DVec3, most: f32) -> Option<Way> {
-        let (min, max) = match geometry {
-            Geometry::Mesh(mesh) => mesh.aabb(),
-            Geometry::HeightField(field) => field.aabb(),
-            _ => return None,
-        };
+    pub(super) fn new(ground: Ground<'_>, start: DVec3, path: DVec3, most: f32) -> Option<Way> {
+        let (min, max) = ground.aabb();
         let (min, max) = (min.as_dvec3(), max.as_dvec3());
         let size = min.abs().max(max.abs()).length();
         let (mut enter, mut leave) = (0.0, 1.0);
@@ -107,13 +87,8 @@ impl Way {
     }
 
     /// The hit with a triangle at a fraction of the part.
-    pub(super) fn met(&self, geometry: &Geometry, start: DVec3, path: DVec3, t: f32, index: u32) -> Met {
-        let [a, b, c] = match geometry {
-            Geometry::Mesh(mesh) => mesh.triangle(index),
-            Geometry::HeightField(field) => field.triangle(index),
-            _ => [Vec3::ZERO; 3],
-        }
-        .map(Vec3::as_dvec3);
+    pub(super) fn met(&self, ground: Ground<'_>, start: DVec3, path: DVec3, t: f32, index: u32) -> Met {
+        let [a, b, c] = ground.triangle(index).map(Vec3::as_dvec3);
         let across = (b - a).cross(c - a);
         let normal = across.normalize_or(-path.normalize_or(-DVec3::Y));
         let mut exact = self.enter + self.share * f64::from(t);

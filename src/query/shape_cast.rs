@@ -367,9 +367,9 @@ fn touch(
     let (a, pose) = (&probe.support, probe.pose_of(candidate));
     let touch = match candidate.shape.kind {
         Kind::Plane => first_touch_plane(a, &pose, course, limit(most)),
-        Kind::Mesh | Kind::HeightField => return touch_triangles(a, candidate, &pose, course, most, any),
+        kind if kind.is_ground() => return touch_triangles(a, candidate, &pose, course, most, any),
         _ => {
-            let other = Support::of(candidate.shape)?;
+            let other = candidate.shape.geometry.support()?;
             first_touch(a, &other, &pose, pose.position, course, limit(most))
         }
     }?;
@@ -409,11 +409,7 @@ fn touch_triangles(
         }
         if any && best.is_some() { -1.0 } else { best.as_ref().map_or(most, |b| most.min(b.0)) }
     };
-    match &candidate.shape.geometry {
-        Geometry::Mesh(mesh) => mesh.visit_path(from, path.as_vec3(), inflate, most, &mut look),
-        Geometry::HeightField(field) => field.visit_path(from, path.as_vec3(), inflate, most, &mut look),
-        _ => {}
-    }
+    candidate.shape.geometry.ground()?.visit_path(from, path.as_vec3(), inflate, most, &mut look);
     best.map(|(_, index, touch)| Found { touch, triangle: Some(index) })
 }
 

@@ -3,7 +3,7 @@
 
 use super::advance::overlaps;
 use super::candidates::Candidate;
-use super::closest_shape::{holds, nearest};
+use super::closest_shape::nearest;
 use super::penetration::depth;
 use super::*;
 use crate::math::Quat;
@@ -187,8 +187,8 @@ fn check_all(random: &mut Random, world: &World, centre: DVec3, count: usize) {
 fn gap_at(a: &Collider, b: &Collider, pose: (Vec3, Quat), path: Vec3, fraction: f64) -> f64 {
     let position = (pose.0.as_dvec3() - path.as_dvec3() * fraction).as_vec3();
     let found = distance(
-        &Support::of(a).unwrap(),
-        &Support::of(b).unwrap(),
+        &a.geometry.support().unwrap(),
+        &b.geometry.support().unwrap(),
         &Relative { position, rotation: pose.1 },
         Vec3::ZERO,
     );
@@ -247,7 +247,7 @@ fn the_way_out_of_an_overlap_is_the_shortest() {
         let (a, b) = (random.shape(CONVEX[i % 5], 1.0), random.shape(CONVEX[i / 5 % 5], 1.0));
         let rotation = random.rotation_or_aligned();
         let position = random.direction() * random.range(0.0, 0.6);
-        let (sa, sb) = (Support::of(&a).unwrap(), Support::of(&b).unwrap());
+        let (sa, sb) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
         let turn = rotation.as_dquat().normalize();
         let pose = SupportPose { rotation: DMat3::from_quat(turn), position: position.as_dvec3() };
         let gap = core_gap(
@@ -292,7 +292,7 @@ fn nearest_points_are_on_the_surface_and_none_is_nearer() {
         let at = random.direction().as_dvec3() * scale * f64::from(random.range(0.0, 3.0));
         let found = nearest(&shape, at, f64::INFINITY).unwrap();
         let deep = inside_by(&shape, at);
-        assert_eq!(found.inside, holds(&shape, at));
+        assert_eq!(found.inside, shape.geometry.contains(at));
         if found.inside {
             inside += 1;
             assert!(deep > -1e-5 * scale && found.distance == 0.0, "{shape:?} {at}");
@@ -347,7 +347,7 @@ fn triangles_are_found_as_if_all_were_asked() {
 
             // Moving shapes: no overlap with any triangle on the way, a touch at the end.
             let probe = random.shape(CONVEX[i % 5], 0.7);
-            let support = Support::of(&probe).unwrap();
+            let support = probe.geometry.support().unwrap();
             let rotation = random.rotation_or_aligned();
             let path = random.cube() * Vec3::new(6.0, 6.0, 6.0);
             let cast = ShapeCast::new(&probe.geometry, at, path).rotated(rotation);

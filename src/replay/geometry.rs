@@ -5,12 +5,13 @@ use super::hash::Hash;
 use super::tape::Sink;
 use crate::error::Error;
 use crate::load_limits::{LimitExceeded, Tally};
-use crate::shape::{ConvexHull, Geometry, HeightField, TriangleMesh};
+use crate::shape::{ConvexHull, Geometry, HeightField, Kind, TriangleMesh};
 pub(super) use crate::shape::{StoredHull, StoredMesh};
 use crate::snapshot::RecordedPart;
 use crate::world::SharedPart;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::any::Any;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Weak};
 
@@ -23,15 +24,12 @@ pub(crate) enum Form {
     Cylinder([f32; 3]),
     Plane,
     Shared(u32),
+    /// Any other of a few numbers: its code in snapshots, and these.
+    Numbers(u32, [f32; 4]),
 }
 
 /// Keeps the address of shared geometry from being given to another, not its content.
-#[expect(dead_code, reason = "held, never looked at")]
-enum Held {
-    Hull(Weak<ConvexHull>),
-    Mesh(Weak<TriangleMesh>),
-    Field(Weak<HeightField>),
-}
+type Held = Weak<dyn Any + Send + Sync>;
 
 /// The geometry that was written.
 ///
@@ -40,6 +38,7 @@ enum Held {
 /// is written.
 #[derive(Default)]
 pub(super) struct Written {
+    /// With what is held for it, which is never looked at.
     by_address: BTreeMap<usize, (u32, Held)>,
     /// By hash and length of the bytes.
     by_content: BTreeMap<(u64, usize), u32>,
@@ -70,31 +69,32 @@ impl Written {
 
 impl Sink {
     pub(super) fn form(&mut self, geometry: &Geometry) -> Form {
-        let (address, held) = match geometry {
-            Geometry::Sphere { radius } => return Form::Sphere(*radius),
-            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-                return Form::Capsule([*half_height, *radius_bottom, *radius_top]);
-            }
-            Geometry::Box { half_extents } => return Form::Box(*half_extents),
-            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                return Form::Cylinder([*half_height, *radius_bottom, *radius_top]);
-            }
-            Geometry::Plane => return Form::Plane,
-            Geometry::Hull(hull) => (Arc::as_ptr(hull) as usize, Held::Hull(Arc::downgrade(hull))),
-            Geometry::Mesh(mesh) => (Arc::as_ptr(mesh) as usize, Held::Mesh(Arc::downgrade(mesh))),
-            Geometry::HeightField(field) => (Arc::as_ptr(field) as usize, Held::Field(Arc::downgrade(field))),
-        };
+        match geometry {
+            Geometry::Hull(hull) => return self.shared(hull, |hull| Call::Hull(hull.stored())),
+            Geometry::Mesh(mesh) => return self.shared(mesh, |mesh| Call::Mesh(mesh.stored())),
+            Geometry::HeightField(field) => return self.shared(field, |field| Call::Field(field.stored())),
+            _ => {}
+        }
+        let [a, b, c, _] = geometry.size();
+        match Kind::of(geometry) {
+            Kind::Sphere => Form::Sphere(a),
+            Kind::Capsule => Form::Capsule([a, b, c]),
+            Kind::Box => Form::Box(Vec3::new(a, b, c)),
+            Kind::Cylinder => Form::Cylinder([a, b, c]),
+            Kind::Plane => Form::Plane,
+            _ => Form::Numbers(geometry.code(), geometry.size()),
+        }
+    }
+
+    fn shared<T: Any + Send + Sync>(&mut self, shared: &Arc<T>, content: impl Fn(&T) -> Call) -> Form {
+        let address = Arc::as_ptr(shared) as usize;
         if let Some((number, _)) = self.written.by_address.get(&address) {
             return Form::Shared(*number);
         }
         let number = self.written.by_address.len() as u32;
-        self.written.by_address.insert(address, (number, held));
-        let content = match geometry {
-            Geometry::Hull(hull) => Call::Hull(hull.stored()),
-            Geometry::Mesh(mesh) => Call::Mesh(mesh.stored()),
-            Geometry::HeightField(field) => Call::Field(field.stored()),
-            _ => return Form::Plane,
-        };
+        let held: Arc<dyn Any + Send + Sync> = shared.clone();
+        self.written.by_address.insert(address, (number, Arc::downgrade(&held)));
+        let content = content(shared);
         let from = self.block.len();
         self.write(&content);
         let bytes = self.block.get(from..).unwrap_or_default();
@@ -111,15 +111,6 @@ impl Sink {
             }
         }
         Form::Shared(number)
-    }
-}
-
-fn bytes_of(geometry: &Geometry) -> usize {
-    match geometry {
-        Geometry::Hull(hull) => hull.bytes().1,
-        Geometry::Mesh(mesh) => mesh.bytes().1,
-        Geometry::HeightField(field) => field.bytes().1,
-        _ => 0,
     }
 }
 
@@ -159,7 +150,7 @@ impl Read {
             // The call is a few bytes of the file, but the copy counts by its size.
             Call::Again(number) => {
                 let known = self.0.get(*number as usize);
-                return tally.memory.take(known.map_or(0, bytes_of));
+                return tally.memory.take(known.map_or(0, |known| known.bytes().1));
             }
             _ => (0, 0),
         };
@@ -170,15 +161,13 @@ impl Read {
     /// Keeps the geometry that a call defines; none if it defines none.
     pub(super) fn define(&mut self, call: Call) -> Option<Result<(), Error>> {
         let made = match call {
-            Call::Hull(hull) => ConvexHull::from_stored(hull).map(|hull| Geometry::Hull(Arc::new(hull))),
-            Call::Mesh(mesh) => TriangleMesh::from_stored(mesh).map(|mesh| Geometry::Mesh(Arc::new(mesh))),
-            Call::Field(field) => {
-                HeightField::from_stored(field).map(|field| Geometry::HeightField(Arc::new(field)))
-            }
+            Call::Hull(hull) => ConvexHull::from_stored(hull).map(Geometry::hull),
+            Call::Mesh(mesh) => TriangleMesh::from_stored(mesh).map(Geometry::mesh),
+            Call::Field(field) => HeightField::from_stored(field).map(Geometry::height_field),
             Call::Again(number) => self.shared(number).map(|geometry| match geometry {
-                Geometry::Hull(hull) => Geometry::Hull(Arc::new((**hull).clone())),
-                Geometry::Mesh(mesh) => Geometry::Mesh(Arc::new((**mesh).clone())),
-                Geometry::HeightField(field) => Geometry::HeightField(Arc::new((**field).clone())),
+                Geometry::Hull(hull) => Geometry::hull((**hull).clone()),
+                Geometry::Mesh(mesh) => Geometry::mesh((**mesh).clone()),
+                Geometry::HeightField(field) => Geometry::height_field((**field).clone()),
                 other => other.clone(),
             }),
             _ => return None,
@@ -193,7 +182,7 @@ impl Read {
 
     /// Bytes of the geometry that was defined last.
     pub(super) fn last_bytes(&self) -> usize {
-        self.0.last().map_or(0, bytes_of)
+        self.0.last().map_or(0, |last| last.bytes().1)
     }
 
     pub(super) fn geometry(&self, form: Form) -> Result<Geometry, Error> {
@@ -208,6 +197,8 @@ impl Read {
             }
             Form::Plane => Geometry::Plane,
             Form::Shared(number) => self.shared(number)?.clone(),
+            Form::Numbers(code, numbers) => Geometry::of_numbers(code, numbers)
+                .ok_or_else(|| Error::Degenerate("a recorded form is none".into()))?,
         })
     }
 

@@ -1,45 +1,11 @@
 //! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
 use super::flags::{EVENTS, HOOKS, RARE, SENSOR, SOFT, STATICS};
-use super::{BaseMaterial, Filter, Geometry, Material, RareMaterial, ShapeDesc};
+use super::{BaseMaterial, Filter, Geometry, Kind, Material, RareMaterial, ShapeDesc};
 use crate::config::Continuous;
 use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
 use glam::Vec3;
-
-/// The kinds of shape, in the order that fixes which of a pair is `a`: the lower kind, then the lower index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(u8)]
-pub(crate) enum Kind {
-    Sphere,
-    Capsule,
-    Box,
-    Cylinder,
-    Hull,
-    Plane,
-    Mesh,
-    HeightField,
-}
-
-impl Kind {
-    pub(crate) fn of(geometry: &Geometry) -> Kind {
-        match geometry {
-            Geometry::Sphere { .. } => Kind::Sphere,
-            Geometry::Capsule { .. } => Kind::Capsule,
-            Geometry::Box { .. } => Kind::Box,
-            Geometry::Cylinder { .. } => Kind::Cylinder,
-            Geometry::Hull(_) => Kind::Hull,
-            Geometry::Plane => Kind::Plane,
-            Geometry::Mesh(_) => Kind::Mesh,
-            Geometry::HeightField(_) => Kind::HeightField,
-        }
-    }
-
-    /// Convex and bounded: may be on a dynamic body.
-    pub(crate) fn is_convex(self) -> bool {
-        self <= Kind::Hull
-    }
-}
 
 /// The part of a collider that loops over pairs read: half a cache line, where the whole takes three.
 #[derive(Clone, Copy, Debug)]
@@ -82,11 +48,11 @@ impl Collider {
     /// How far a small turn about its own origin moves any of its points, at most [m]. `turn`: in its own
     /// frame [rad].
     pub(crate) fn swing(&self, turn: Vec3) -> f32 {
-        let reach = match &self.geometry {
-            Geometry::Box { half_extents } => *half_extents,
-            Geometry::Hull(hull) => hull.min.abs().max(hull.max.abs()),
-            _ => return turn.length() * self.radius,
-        };
+        if !self.kind.is_polytope() {
+            return turn.length() * self.radius;
+        }
+        let (min, max) = self.geometry.aabb();
+        let reach = min.abs().max(max.abs());
         let turn = turn.abs();
         let along = |i: usize, k: usize| turn[i] * reach[k] + turn[k] * reach[i];
         Vec3::new(along(1, 2), along(2, 0), along(0, 1)).length()

@@ -7,8 +7,8 @@ use super::Geometry;
 use crate::error::{Error, finite, positive, within};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 pub(crate) use moments::Moments;
-use moments::{capsule, frustum, principal};
-use std::f64::consts::PI;
+use moments::principal;
+pub(super) use moments::{capsule, frustum};
 
 /// Mass, centre of mass and inertia about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl MassProperties {
 
     /// Moments of a solid of even density [kg/m³]. Planes, meshes and height fields have no mass.
     pub fn of(geometry: &Geometry, density: f32) -> Self {
-        Moments::of(geometry).scaled(density.into()).rounded()
+        geometry.moments().scaled(density.into()).rounded()
     }
 
     /// Those of a body with known principal moments [kg m²]; `axes`: the rotation from its principal axes
@@ -123,36 +123,6 @@ impl From<MassProperties> for Moments {
 }
 
 impl Moments {
-    /// At a density of one.
-    pub(crate) fn of(geometry: &Geometry) -> Self {
-        match *geometry {
-            Geometry::Sphere { radius } => {
-                let r = f64::from(radius);
-                let mass = 4.0 / 3.0 * PI * r * r * r;
-                Moments {
-                    mass,
-                    centre: DVec3::ZERO,
-                    inertia: DMat3::from_diagonal(DVec3::splat(0.4 * mass * r * r)),
-                }
-            }
-            Geometry::Box { half_extents } => {
-                let h = half_extents.as_dvec3();
-                let mass = 8.0 * h.x * h.y * h.z;
-                let square = h * h * (mass / 3.0);
-                let inertia = DVec3::new(square.y + square.z, square.z + square.x, square.x + square.y);
-                Moments { mass, centre: DVec3::ZERO, inertia: DMat3::from_diagonal(inertia) }
-            }
-            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                frustum(-f64::from(half_height), radius_bottom.into(), half_height.into(), radius_top.into())
-            }
-            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-                capsule(half_height.into(), radius_bottom.into(), radius_top.into())
-            }
-            Geometry::Hull(ref hull) => hull.moments,
-            Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => Moments::ZERO,
-        }
-    }
-
     fn scaled(self, factor: f64) -> Self {
         Moments { mass: self.mass * factor, centre: self.centre, inertia: self.inertia * factor }
     }

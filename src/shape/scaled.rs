@@ -1,7 +1,7 @@
 //! Shared geometry at another scale, as geometry of its own ([why](../../docs/decisions/scaled-shapes.md)).
 
 use super::mesh::VERTEX_MASK;
-use super::{ConvexHull, HeightField, TriangleMesh};
+use super::{ConvexHull, Geometry, HeightField, TriangleMesh};
 use crate::error::{Error, finite3, positive};
 use glam::{Vec2, Vec3};
 
@@ -65,5 +65,36 @@ impl HeightField {
         let mut field = HeightField::new(self.columns, self.rows, cell, heights)?.with_holes(holes)?;
         field.surfaces.clone_from(&self.surfaces);
         Ok(field)
+    }
+}
+
+// Rounding: of a product of rotations and scales down a hierarchy.
+/// Factors that differ by less are one.
+const SAME_SCALE: f32 = 1e-4;
+
+impl Geometry {
+    /// The same form, larger or smaller, about its own origin: a box, a hull or a mesh by three factors, what
+    /// is round by one, which mirrors nothing. Hulls, meshes and height fields are built anew.
+    ///
+    /// # Errors
+    /// A factor is zero or not finite; it would be another form; or as for [`ConvexHull::scaled`],
+    /// [`TriangleMesh::scaled`] and [`HeightField::scaled`].
+    pub fn scaled(&self, scale: Vec3) -> Result<Geometry, Error> {
+        Ok(match self {
+            Geometry::Box { half_extents } => {
+                Geometry::Box { half_extents: factors(scale)?.abs() * half_extents }
+            }
+            Geometry::Hull(hull) => Geometry::hull(hull.scaled(scale)?),
+            Geometry::Mesh(mesh) => Geometry::mesh(mesh.scaled(scale)?),
+            Geometry::HeightField(field) => Geometry::height_field(field.scaled(scale)?),
+            _ => {
+                let (least, most) = (factors(scale)?.min_element(), scale.max_element());
+                positive("scale of a shape that has one", least)?;
+                let uneven = || Error::Degenerate(format!("a {} has one scale", self.kind_name()));
+                let even = most - least <= SAME_SCALE * most || matches!(self, Geometry::Plane);
+                let numbers = self.size().map(|length| scale.x * length);
+                Geometry::of_numbers(self.code(), numbers).filter(|_| even).ok_or_else(uneven)?
+            }
+        })
     }
 }

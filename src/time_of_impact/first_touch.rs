@@ -35,7 +35,7 @@ pub(super) fn first_touch(
     let close = (tolerance(a, b, measures.unit) * share).max(2.0 * f32::EPSILON * a.radius);
     let touch = match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, close),
-        Kind::Mesh | Kind::HeightField => {
+        kind if kind.is_ground() => {
             let cast = MeshCast::first(close, measures.touch.max(close));
             match cast_mesh(a, b, &motion.relative(0.0), &motion, cast, None) {
                 CastResult::First(touch) => Some(touch),

@@ -9,8 +9,7 @@ use crate::finish::is_in_range;
 use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
 use crate::limits::MAX_LEFT_SPEED;
-use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
-use crate::shape::Kind;
+use crate::narrow_phase::{RawManifold, Reach, Relative, collide_convex, collide_mesh};
 use crate::solver::ImpactBody;
 use glam::Vec3;
 
@@ -166,7 +165,7 @@ impl Run<'_, '_> {
         let margin = on.settings.measures().touch;
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
         let one: [RawManifold; 1];
-        let manifolds = if matches!(b.kind, Kind::Mesh | Kind::HeightField) {
+        let manifolds = if b.kind.is_ground() {
             manifolds.clear();
             mesh.allowance = self.allowance;
             mesh.nearby.forget();
@@ -198,7 +197,7 @@ impl Run<'_, '_> {
             // search.
             let normal = hit.touch.normal;
             let along = back * normal;
-            let shape = Support::of(a);
+            let shape = a.geometry.support();
             let tip = shape.map_or(Vec3::ZERO, |s| {
                 (s.support(along.as_dvec3()) + along.as_dvec3() * s.radius).as_vec3()
             });

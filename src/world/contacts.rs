@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Quat;
 use crate::narrow_phase::{ContactRef, MAX_POINTS, NO_CONTACT, Point, Relative};
-use crate::shape::Kind;
 use glam::{DVec3, Vec3};
 
 /// A contact of a body with another one: up to four points with one normal. Two shapes may have several, if
@@ -209,11 +208,8 @@ fn at_start(world: &World, contact: ContactRef<'_>, point: &Point, gap: f32, now
 
 /// Whether the first shape touches with a round side.
 fn is_round(world: &World, contact: ContactRef<'_>) -> bool {
-    match world.colliders.all[contact.a as usize].kind {
-        Kind::Sphere | Kind::Capsule => true,
-        Kind::Cylinder => contact.count < 3,
-        _ => false,
-    }
+    let kind = world.colliders.all[contact.a as usize].kind;
+    kind.is_round() && (kind.is_smooth() || contact.count < 3)
 }
 
 /// A point that was found at a first touch within the step. Its separation was extrapolated back from there

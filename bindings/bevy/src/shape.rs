@@ -188,31 +188,8 @@ fn scaled(geometry: &Geometry, scale: Vec3) -> Option<Geometry> {
     if scale.min_element() <= 0.0 || !scale.is_finite() {
         return None;
     }
-    let same = (scale.max_element() - scale.min_element()) <= SAME_SCALE * scale.max_element();
-    let s = scale.x;
-    Some(match *geometry {
-        Geometry::Sphere { radius } if same => Geometry::sphere(s * radius),
-        Geometry::Capsule { half_height, radius_bottom, radius_top } if same => {
-            Geometry::tapered_capsule(s * half_height, s * radius_bottom, s * radius_top)
-        }
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } if same => {
-            Geometry::tapered_cylinder(s * half_height, s * radius_bottom, s * radius_top)
-        }
-        Geometry::Box { half_extents: half } => {
-            Geometry::cuboid(scale.x * half.x, scale.y * half.y, scale.z * half.z)
-        }
-        Geometry::Hull(ref hull) => Geometry::hull(hull.scaled(scale.to_engine()).ok()?),
-        Geometry::Mesh(ref mesh) => Geometry::mesh(mesh.scaled(scale.to_engine()).ok()?),
-        Geometry::HeightField(ref field) => Geometry::height_field(field.scaled(scale.to_engine()).ok()?),
-        Geometry::Plane => Geometry::Plane,
-        _ => return None,
-    })
+    geometry.scaled(scale.to_engine()).ok()
 }
-
-// Rounding: of a product of rotations and scales down a hierarchy.
-/// Scales that differ by less are one factor.
-const SAME_SCALE: f32 = 1e-4;
-
 fn shape_removed(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut physics) = world.get_resource_mut::<PhysicsWorld>() {
         physics.remove_shape_of(context.entity);

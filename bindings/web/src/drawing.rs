@@ -2,9 +2,8 @@
 
 use backstop::debug::{self, DebugDraw, DrawOptions, DrawnShape, Element, Ink};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyHandle, BodyKind, Geometry, JointHandle, ShapeHandle, World};
+use backstop::{BodyHandle, BodyKind, Geometry, GeometryKey, JointHandle, ShapeHandle, World};
 use std::collections::HashMap;
-use std::sync::Arc;
 
 /// Numbers of a pose: position [m], rotation, 1 if the body is asleep.
 const POSE: usize = 8;
@@ -19,7 +18,7 @@ pub(crate) struct Drawing {
     /// Pairs of shapes whose bodies are joined.
     pub(crate) links: Vec<[u32; 2]>,
     places: HashMap<ShapeHandle, usize>,
-    made: HashMap<String, u32>,
+    made: HashMap<GeometryKey, u32>,
 }
 
 impl Drawing {
@@ -46,14 +45,8 @@ impl Drawing {
     }
 
     fn mesh(&mut self, geometry: &Geometry) -> u32 {
-        // Shared geometry is drawn once; the world keeps it alive, so its address is its own.
-        let key = match geometry {
-            Geometry::Hull(hull) => format!("{:p}", Arc::as_ptr(hull)),
-            Geometry::Mesh(mesh) => format!("{:p}", Arc::as_ptr(mesh)),
-            Geometry::HeightField(field) => format!("{:p}", Arc::as_ptr(field)),
-            _ => format!("{geometry:?}"),
-        };
-        *self.made.entry(key).or_insert_with(|| {
+        // Shared geometry is drawn once; the world keeps it alive, so its key is its own.
+        *self.made.entry(geometry.key()).or_insert_with(|| {
             let mut corners = Vec::new();
             debug::triangles(geometry, None, &mut |triangle| {
                 corners.extend(triangle.iter().flat_map(Vec3::to_array));
@@ -75,7 +68,7 @@ impl DebugDraw for Drawing {
 /// The colour of a shape, as an index into the renderer's list.
 fn tone(kind: BodyKind, geometry: &Geometry) -> u32 {
     match (kind, geometry) {
-        (_, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_)) => 7,
+        _ if !geometry.is_convex() => 7,
         (BodyKind::Static, _) => 6,
         (BodyKind::Kinematic, _) => 5,
         (_, Geometry::Sphere { .. }) => 0,

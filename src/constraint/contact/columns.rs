@@ -343,7 +343,7 @@ impl SpringColumns {
         self.stop[lane] = depth;
         (self.hertz[lane], self.zeta[lane]) = of_a.spring_with(&of_b);
         let facing = |shape: &Collider| {
-            if matches!(shape.kind, Kind::Mesh | Kind::HeightField) { Kind::Plane } else { shape.kind }
+            if shape.kind.is_ground() { Kind::Plane } else { shape.kind }
         };
         self.point_share[lane] = 1.0 / most_points(facing(shape_a), facing(shape_b)) as f32;
         let dynamic = input.bodies.dynamic();

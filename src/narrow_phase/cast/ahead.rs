@@ -16,11 +16,11 @@ use crate::math::Quat;
 use crate::narrow_phase::contacts::of_meshes::MeshBlock;
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
-use crate::narrow_phase::convex::support::Support;
 use crate::narrow_phase::input::Input;
 use crate::narrow_phase::mesh::reach::{Reach, extent_of};
 use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
 use crate::narrow_phase::{RawManifold, Relative};
+use crate::shape::support::Support;
 use crate::shape::{Collider, Geometry, Kind};
 use glam::Vec3;
 
@@ -298,7 +298,7 @@ pub(crate) fn out_by_the_centre(
     if deepest > -0.5 * mover.inner_radius {
         return None;
     }
-    let (own, other) = (Support::of(mover)?, Support::of(still)?);
+    let (own, other) = (mover.geometry.support()?, still.geometry.support()?);
     let centre = -(mover.rotation.conjugate() * mover.position);
     let point = Support::triangle([centre; 3]);
     let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };

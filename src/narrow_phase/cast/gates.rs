@@ -27,15 +27,14 @@ use crate::config::tuning::SAME_AXIS_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, ones, with_best};
 use crate::narrow_phase::convex::collide_convex;
 use crate::narrow_phase::convex::gjk::distance;
-use crate::narrow_phase::convex::lane_support::reach;
 use crate::narrow_phase::convex::polytope::Pose;
-use crate::narrow_phase::convex::support::{Pose as Placed, Support};
 use crate::narrow_phase::input::Input;
-use crate::narrow_phase::mesh::nearby::{Eight, Ground};
+use crate::narrow_phase::mesh::nearby::Eight;
 use crate::narrow_phase::mesh::reach::side_of;
 use crate::narrow_phase::mesh::triangles::Triangles;
 use crate::narrow_phase::{RawManifold, Relative};
-use crate::shape::{Collider, Geometry, Kind};
+use crate::shape::support::{Pose as Placed, Support};
+use crate::shape::{Collider, Geometry, Kind, Symmetry};
 use glam::{DMat3, DVec3, Vec3};
 
 // Rounding: of a speed along an axis.
@@ -83,7 +82,7 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
 /// Drops the points of a manifold that cross its plane over neither shape. Their paths are straight, with the
 /// velocities that rotation gives them at the start.
 fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion, margin: f32) {
-    let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
+    let (Some(shape_a), Some(shape_b)) = (a.geometry.support(), b.geometry.support()) else { return };
     let to_a = motion.a.rotation.conjugate();
     let rel = motion.relative(0.0);
     let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
@@ -153,8 +152,8 @@ struct Entry {
 fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now: Vec3) -> Option<Entry> {
     let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
     let mut swept = Swept {
-        own: Support::of(a)?,
-        other: Support::of(b)?,
+        own: a.geometry.support()?,
+        other: b.geometry.support()?,
         placed: Placed { rotation, position: rel.position.as_dvec3() },
         path: path.as_dvec3(),
         slack: f64::from(slack),
@@ -176,7 +175,7 @@ fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now
             && crosses.filter(|cross| cross.length_squared() > PARALLEL).all(|axis| swept.meets_along(axis));
     }
     // A shape that is round about an edge has normals in all directions across it.
-    let round = |shape: &Collider| matches!(shape.kind, Kind::Capsule | Kind::Cylinder);
+    let round = |shape: &Collider| shape.kind.symmetry() == Symmetry::Axis;
     meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(path)));
     meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(path)));
     // Boxes have no other axes. Other shapes have the direction between their nearest points at the time of
@@ -235,11 +234,7 @@ const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
 /// Normals of the faces of a shape; one of each opposite pair.
 fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
-    let own = match shape.kind {
-        Kind::Box => &AXES[..],
-        Kind::Cylinder => &AXES[1..2],
-        _ => &[],
-    };
+    let own = &AXES[shape.kind.face_axes()];
     let planes = match &shape.geometry {
         Geometry::Hull(hull) => &hull.planes[..],
         _ => &[],
@@ -250,18 +245,14 @@ fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
 /// Directions of the edges of a shape. Those of a hull are too many; the normals of nearest points stand in
 /// for them.
 fn edges(shape: &Collider) -> &'static [DVec3] {
-    match shape.kind {
-        Kind::Box => &AXES,
-        Kind::Capsule | Kind::Cylinder => &AXES[1..2],
-        _ => &[],
-    }
+    &AXES[shape.kind.edge_axes()]
 }
 
 /// The triangle of a mesh or height field that a convex shape enters first. Triangles within `resting` [m] at
 /// the start, or whose planes are and stay so, are left to the manifolds of the start.
 pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32) -> Option<Touch> {
     let &MeshPair { shape: a, mesh: b, rel, motion } = moving;
-    let (ground, shape) = (Ground::of(b)?, Support::of(a)?);
+    let (ground, shape) = (b.geometry.ground()?, a.geometry.support()?);
     let motion = straight(motion);
     let path = motion.a.rotation.conjugate() * motion.displacement;
     if path == Vec3::ZERO {
@@ -288,10 +279,7 @@ pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32)
         }
         first.fraction
     };
-    match ground {
-        Ground::Mesh(mesh) => mesh.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
-        Ground::Field(field) => field.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
-    }
+    ground.visit_segment(swept.from, swept.to, swept.inflate, &mut visit);
     first.look(&seen);
     let normal = motion.a.rotation * first.normal?.normalize();
     Some(Touch { fraction: first.fraction, normal })
@@ -353,7 +341,7 @@ impl Search<'_> {
         let down = -triangles.front;
         self.along(&triangles, down, &mut swept);
         // Triangles that it slides along or rests on.
-        let gap = triangles.height - reach(self.shape, down);
+        let gap = triangles.height - self.shape.geometry.lane_reach(down);
         let end = gap - LaneVec3::splat(self.path).dot(down);
         let resting = L::splat(self.resting);
         let level = gap.abs().le(resting) & end.ge(-resting);
@@ -367,11 +355,7 @@ impl Search<'_> {
         for axis in own {
             self.along(&triangles, axis, &mut swept);
         }
-        let crossed = match self.shape.kind {
-            Kind::Box => &own[..],
-            Kind::Capsule | Kind::Cylinder => &own[1..2],
-            _ => &[],
-        };
+        let crossed = &own[self.shape.kind.edge_axes()];
         let path = LaneVec3::splat(self.path);
         for edge in [q - p, r - q, p - r] {
             for axis in crossed.iter().chain([&path]) {
@@ -391,8 +375,8 @@ impl Search<'_> {
     fn along<L: Lanes>(&self, triangles: &Triangles<L>, axis: LaneVec3<L>, swept: &mut SweptEight<L>) {
         let [p, q, r] = triangles.corners;
         let (p, q, r) = (p.dot(axis), q.dot(axis), r.dot(axis));
-        let above = Lanes::min(p, Lanes::min(q, r)) - reach(self.shape, axis);
-        let below = -Lanes::max(p, Lanes::max(q, r)) - reach(self.shape, -axis);
+        let above = Lanes::min(p, Lanes::min(q, r)) - self.shape.geometry.lane_reach(axis);
+        let below = -Lanes::max(p, Lanes::max(q, r)) - self.shape.geometry.lane_reach(-axis);
         let along = LaneVec3::splat(self.path).dot(axis);
         let (zero, most) = (L::zero(), L::splat(f32::MAX));
         let still = along.abs().le(L::splat(STILL * self.path.length()));

@@ -9,27 +9,14 @@ use crate::lanes::ones;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
-use crate::narrow_phase::convex::support::{Pose, Support};
-use crate::narrow_phase::mesh::nearby::{Eight, Ground, Nearby};
-use crate::shape::{Collider, HeightField, TriangleMesh};
+use crate::narrow_phase::mesh::nearby::{Eight, Nearby};
+use crate::shape::Collider;
+use crate::shape::support::{Pose, Support};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
 /// largest fraction that still matters.
 pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
-
-/// What casts and segment queries need of a mesh or a height field, in its own frame.
-pub(crate) trait Triangles {
-    /// Corners, in either order: triangles are met from both sides.
-    fn triangle(&self, index: u32) -> [Vec3; 3];
-    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction
-    /// that `f` returned last; about nearest first, in an order that depends on the mesh and the segment
-    /// alone. `f` gets the fraction at which the box is entered, and returns the largest that still matters.
-    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>);
-    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles
-    /// share an edge or a corner.
-    fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
-}
 
 /// What a cast found.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +39,8 @@ pub(crate) fn cast_mesh(
     cast: MeshCast,
     mut nearby: Option<&mut Nearby>,
 ) -> CastResult {
-    let Some(ground) = Ground::of(mesh) else { return CastResult::Free };
-    let Some(shape) = Support::of(a) else { return CastResult::Free };
+    let Some(ground) = mesh.geometry.ground() else { return CastResult::Free };
+    let Some(shape) = a.geometry.support() else { return CastResult::Free };
     let turns = motion.b.spin != Vec3::ZERO;
     if turns && cast.alone >= 0.0 {
         return CastResult::Near;
@@ -76,10 +63,7 @@ pub(crate) fn cast_mesh(
         (Some(nearby), Some(extent)) => nearby.gather(&ground, extent, &mut |found| {
             found.each().for_each(|(eight, lanes)| search.look(eight, lanes));
         }),
-        _ => match ground {
-            Ground::Mesh(mesh) => search.go_along(mesh, &path),
-            Ground::Field(field) => search.go_along(field, &path),
-        },
+        _ => search.go_along(|f| ground.visit_segment(path.from, path.to, path.inflate, f)),
     }
     search.finish()
 }
@@ -87,7 +71,7 @@ pub(crate) fn cast_mesh(
 /// Whether a convex shape overlaps a triangle of a mesh or height field, or is within `tolerance` of one [m].
 /// `rel`: pose of the mesh in the shape's frame.
 pub(crate) fn touches_mesh(a: &Collider, mesh: &Collider, rel: &Relative, tolerance: f32) -> bool {
-    let (Some(ground), Some(shape)) = (Ground::of(mesh), Support::of(a)) else { return false };
+    let (Some(ground), Some(shape)) = (mesh.geometry.ground(), a.geometry.support()) else { return false };
     let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
     let pose = Pose { rotation, position: rel.position.as_dvec3() };
     let (to_mesh, tolerance) = (pose.rotation.transpose(), f64::from(tolerance));
@@ -103,30 +87,8 @@ pub(crate) fn touches_mesh(a: &Collider, mesh: &Collider, rel: &Relative, tolera
         let gap = core_gap(&shape, &triangle, &pose, hint, &mut Simplex::empty(), accuracy);
         gap.lower - shape.radius - triangle.radius <= tolerance
     };
-    match ground {
-        Ground::Mesh(mesh) => mesh.any_in_box(min, max, &mut near),
-        Ground::Field(field) => field.any_in_box(min, max, &mut near),
-    }
+    ground.any_in_box(min, max, &mut near)
 }
-
-macro_rules! triangles {
-    ($mesh:ty) => {
-        impl Triangles for $mesh {
-            fn triangle(&self, index: u32) -> [Vec3; 3] {
-                <$mesh>::triangle(self, index)
-            }
-            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
-                <$mesh>::visit_segment(self, from, to, inflate, f);
-            }
-            fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
-                <$mesh>::segment_hit(self, from, to)
-            }
-        }
-    };
-}
-
-triangles!(TriangleMesh);
-triangles!(HeightField);
 
 /// A cast that is under way.
 ///
@@ -206,8 +168,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Examines the triangles along a path, nearer ones first.
-    fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &BoxPath) {
+    /// Examines the triangles along a path, nearer ones first. `along`: calls what it is given with each.
+    fn go_along(&mut self, along: impl FnOnce(&mut Visit<'_>)) {
         let mut seen = Eight::default();
         let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
             seen.push(index, corners);
@@ -217,7 +179,7 @@ impl<'a> Search<'a> {
             }
             self.limit as f32
         };
-        mesh.visit_segment(path.from, path.to, path.inflate, &mut visit);
+        along(&mut visit);
         self.look(&seen, seen.lanes());
     }
 

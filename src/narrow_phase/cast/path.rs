@@ -12,7 +12,7 @@ use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::nearby::{Eight, Extent};
 use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::touched::Touched;
-use crate::shape::{Collider, Kind};
+use crate::shape::{Collider, Symmetry};
 use glam::Vec3;
 
 /// The path of a box in the mesh's frame.
@@ -58,12 +58,10 @@ impl ShapePath {
         // A chord is no longer than the arc, or than twice the radius. Turning a round shape about its axis
         // does not change it.
         let angle = motion.a.spin.length().min(2.0);
-        let tilt = match a.kind {
-            Kind::Sphere => 0.0,
-            Kind::Capsule | Kind::Cylinder => {
-                motion.a.spin.cross(motion.a.rotation * Vec3::Y).length().min(2.0)
-            }
-            _ => angle,
+        let tilt = match a.kind.symmetry() {
+            Symmetry::Ball => 0.0,
+            Symmetry::Axis => motion.a.spin.cross(motion.a.rotation * Vec3::Y).length().min(2.0),
+            Symmetry::None => angle,
         };
         let swing = angle * motion.a.lever.length();
         let Bounds { middle, half } = bounds(a).unwrap_or(Bounds::of_ball(a.radius));
@@ -109,10 +107,10 @@ mod tests {
     use super::*;
     use crate::narrow_phase::cast::motion::BodyPath;
     use crate::narrow_phase::cast::{Other, Sweep, tolerance};
-    use crate::narrow_phase::convex::support::Support;
     use crate::narrow_phase::fixtures::{CONVEX, collider};
     use crate::random::Random;
     use crate::shape::Geometry;
+    use crate::shape::support::Support;
 
     /// What the exact search finds to be touched is never passed over, and at no time a shape leaves its box.
     #[test]
@@ -130,7 +128,7 @@ mod tests {
             let motion = Motion::new(&a, &pa, &b, &pb);
             let cast = MeshCast::first(tolerance(&a, &b, 1.0), 0.0);
             let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &cast);
-            let shape = Support::of(&a).unwrap();
+            let shape = a.geometry.support().unwrap();
             let BoxPath { from, to, inflate } = path.in_box();
             for k in 0..=8 {
                 let t = k as f32 / 8.0;

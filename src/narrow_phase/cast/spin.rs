@@ -2,8 +2,8 @@
 
 use crate::config::tuning::UNSEEN_ROTATION;
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::narrow_phase::convex::support::vertices;
-use crate::shape::{Collider, Geometry, Kind};
+use crate::shape::support::vertices;
+use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
 /// A shape's rotation about its body's centre of mass, in its own frame.
@@ -51,7 +51,7 @@ impl Spin {
         // A chord is no longer than the arc, or than twice the radius. Turning about its own axis of symmetry
         // moves no surface of a round shape.
         let mut most = reach * angle.min(2.0);
-        if matches!(shape.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder) {
+        if shape.kind.is_round() {
             let tilt = vector.cross(Vec3::Y).length();
             most = most.min(off * angle.min(2.0) + tilt * shape.radius);
         }

@@ -12,7 +12,6 @@ use super::spin::Spin;
 use crate::config::tuning::SAGITTA_SHARE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, with_best};
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::convex::lane_support::{reach, support};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::nearby::Eight;
 use crate::narrow_phase::mesh::reach::{Bounds, bounds};
@@ -175,7 +174,7 @@ impl<'a> MeshSweep<'a> {
             away = away | (level & lowest.ge(-resting));
             // Its lowest point is over the triangle itself: the shape rests on it at the start, however it
             // moves then.
-            let (_, feature) = nearest(&triangles, support(self.shape, down));
+            let (_, feature) = nearest(&triangles, self.shape.geometry.lane_support(down));
             away = away | (level & feature.eq(L::zero()));
         }
         let left = triangles.valid & !away.bits();
@@ -191,7 +190,7 @@ impl<'a> MeshSweep<'a> {
         mut each: impl FnMut(usize, L::Mask),
     ) -> (L, Gaps<L>) {
         let down = -triangles.front;
-        let start = triangles.height - reach(self.shape, down);
+        let start = triangles.height - self.shape.geometry.lane_reach(down);
         let mut path = self.gaps(start, down);
         for (part, end) in self.moments().ends().enumerate() {
             let least = path.go_on(self.gap(triangles.height, down, end));
@@ -228,7 +227,7 @@ impl<'a> MeshSweep<'a> {
         let (point, _) = nearest(triangles, moved);
         let (mut u, mut known) = unit(point - moved);
         for _ in 0..ROUNDS {
-            let mut before = support(self.shape, u);
+            let mut before = self.shape.geometry.lane_support(u);
             let mut reached = before.dot(u);
             let (near, far) = nearest_corner(triangles, u);
             let mut path = self.gaps(far - reached, u);
@@ -236,7 +235,7 @@ impl<'a> MeshSweep<'a> {
             // The point that overlaps the most, among the remaining parts.
             let (mut furthest, mut along) = (before, L::splat(f32::MIN));
             for (part, end) in moments.ends().enumerate() {
-                let point = end.point(support(self.shape, end.seen(u)));
+                let point = end.point(self.shape.geometry.lane_support(end.seen(u)));
                 let then = point.dot(u);
                 let least = path.go_on(far - then);
                 kept.parts[part] = kept.parts[part] | (known & least.gt(path.closed));
@@ -269,7 +268,8 @@ impl<'a> MeshSweep<'a> {
     /// The gap along directions to points that are `far` from the origin along them [m].
     #[inline(always)]
     fn gap<L: Lanes>(&self, far: L, direction: LaneVec3<L>, moment: &Moment) -> L {
-        far - LaneVec3::splat(moment.moved).dot(direction) - reach(self.shape, moment.seen(direction))
+        far - LaneVec3::splat(moment.moved).dot(direction)
+            - self.shape.geometry.lane_reach(moment.seen(direction))
     }
 }
 

@@ -29,7 +29,7 @@ fn distance_at(a: &Collider, b: &Collider, (pa, pb): (&BodyPath, &BodyPath), t: 
         return (ra * lowest + xa - xb).dot(up);
     }
     let pose = Pose { rotation: DMat3::from_quat(ra.conjugate() * rb), position: ra.conjugate() * (xb - xa) };
-    let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
+    let (a, b) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
     let gap = core_gap(
         &a,
         &b,
@@ -260,8 +260,8 @@ fn the_pose_of_the_touch_is_the_kernels_pose() {
         let pose =
             Pose { rotation: DMat3::from_quat(rel.rotation.as_dquat()), position: rel.position.as_dvec3() };
         let found = core_gap(
-            &Support::of(&a).unwrap(),
-            &Support::of(&b).unwrap(),
+            &a.geometry.support().unwrap(),
+            &b.geometry.support().unwrap(),
             &pose,
             DVec3::ZERO,
             &mut Simplex::empty(),

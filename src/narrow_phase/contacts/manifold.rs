@@ -10,12 +10,7 @@ pub(crate) const MAX_POINTS: usize = 4;
 /// The most points that a manifold of two shapes has, but for rare ones of capsules; zero for meshes and
 /// height fields, whose contacts are never renewed but exchanged.
 pub(crate) fn most_points(a: Kind, b: Kind) -> usize {
-    match [a, b] {
-        [Kind::Mesh | Kind::HeightField, _] | [_, Kind::Mesh | Kind::HeightField] => 0,
-        [Kind::Sphere, _] | [_, Kind::Sphere] => 1,
-        [Kind::Capsule, _] | [_, Kind::Capsule] => 2,
-        _ => MAX_POINTS,
-    }
+    a.most_points().min(b.most_points()).min(MAX_POINTS)
 }
 
 /// A point of a manifold, in the frame of shape `a`.

@@ -10,7 +10,6 @@ use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Category};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::input::Input;
-use crate::shape::Kind;
 
 /// Which contacts may stay, and which new ones are taken in.
 pub(super) struct Way {
@@ -109,7 +108,7 @@ pub(super) fn reserve(
 /// The weight of a pair's contact, if it has one. Contacts with meshes have none here: they are exchanged for
 /// new ones.
 fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
-    let of_mesh = matches!(input.summaries[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
+    let of_mesh = input.summaries[pair.b as usize].kind.is_ground();
     (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(contacts.at(pair.contact)))
 }
 

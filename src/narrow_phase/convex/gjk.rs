@@ -7,8 +7,8 @@
 //! got.
 
 use super::simplex::Simplex;
-use super::support::{Pose, Support};
 use crate::narrow_phase::Relative;
+use crate::shape::support::{Pose, Support};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Round shapes close in on the rim step by step; polytopes need a handful.

@@ -8,14 +8,12 @@
 pub(crate) mod clip;
 pub(crate) mod cylinder;
 pub(crate) mod gjk;
-pub(crate) mod lane_support;
 pub(crate) mod polytope;
 mod polytopes;
 pub(crate) mod reduce;
 pub(crate) mod round_polytope;
 pub(crate) mod sat;
 pub(crate) mod simplex;
-pub(crate) mod support;
 
 use super::Relative;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};

@@ -6,7 +6,7 @@
 //! turn on a sliver can't be taken back. The newest corner comes last, and any nearer point has it among its
 //! corners.
 
-use super::support::Pose;
+use crate::shape::support::Pose;
 use glam::{DVec3, Vec3};
 
 /// Up to four points of b - a, in a's frame, with the points of a and b that they came from.

@@ -1,4 +1,3 @@
-use super::support::Support;
 use super::testing::*;
 use super::*;
 use crate::math::Quat;
@@ -25,7 +24,7 @@ fn check(pair: &Pair) -> RawManifold {
     if manifold.count == 0 {
         assert!(distance > margin - tolerance, "missed: {what}");
         // Nearer than the slow reference is exact to.
-        let [a, b] = [pair.a, pair.b].map(|shape| Support::of(shape).unwrap());
+        let [a, b] = [pair.a, pair.b].map(|shape| shape.geometry.support().unwrap());
         let exact = gjk::distance(&a, &b, &pair.rel, Vec3::ZERO).distance;
         assert!(manifold.gap() < exact + 1e-5, "{exact}, nearer than said: {what}");
         return manifold;
@@ -431,7 +430,7 @@ fn a_wheel_beside_a_face_touches_the_border() {
         let back = turn.conjugate();
         let rel = Relative { position: -(back * at), rotation: back };
         let raw = collide_convex(&shape, ground, &rel, 0.3);
-        let (one, other) = (Support::of(&shape).unwrap(), Support::of(ground).unwrap());
+        let (one, other) = (shape.geometry.support().unwrap(), ground.geometry.support().unwrap());
         let apart = gjk::distance(&one, &other, &rel, Vec3::ZERO);
         let nearest = raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
         // What leans by little acts near the lowest line.

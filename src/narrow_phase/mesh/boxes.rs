@@ -3,12 +3,12 @@
 //! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the
 //! normal of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
 
-use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use super::triangles::{Furthest, Triangles};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::sat::nearest_on_segments;
+use crate::shape::Ground;
 use glam::Vec3;
 
 /// Keys below this name a corner of the box, whichever triangle it is over.

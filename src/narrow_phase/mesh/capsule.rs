@@ -4,7 +4,6 @@
 //! of the core is nearer, that part is nearest to an edge.
 
 use super::boxes::key;
-use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
 use super::triangle_contact::TriangleContact;
@@ -14,6 +13,7 @@ use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
 use crate::narrow_phase::convex::round_polytope::{Core, part_inside};
+use crate::shape::Ground;
 use glam::Vec3;
 
 /// Where the core is relative to one triangle.

@@ -5,7 +5,6 @@
 //! triangle's normal.
 
 use super::hull::inside;
-use super::nearby::Ground;
 use super::patch::{Patches, Verdict};
 use super::reach::Bounds;
 use super::sphere::nearest;
@@ -17,8 +16,8 @@ use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Cloud;
 use crate::narrow_phase::convex::collide_triangle;
 use crate::narrow_phase::convex::cylinder::over_triangle;
-use crate::narrow_phase::convex::lane_support::reach;
 use crate::shape::Collider;
+use crate::shape::Ground;
 
 /// Adds a patch for every triangle that is nearer than its margin.
 #[inline(always)]
@@ -108,5 +107,5 @@ fn beside<L: Lanes>(a: &Collider, triangles: &Triangles<L>, margins: L) -> L::Ma
     let some = length.gt(L::splat(f32::MIN_POSITIVE));
     let u = point * (L::one() / Lanes::select(some, length, L::one()));
     let (_, far) = nearest_corner(triangles, u);
-    some & (far - reach(a, u)).gt(margins)
+    some & (far - a.geometry.lane_reach(u)).gt(margins)
 }

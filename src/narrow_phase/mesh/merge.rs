@@ -6,7 +6,6 @@
 //! four.
 
 use super::boxes::CORNERS;
-use super::nearby::Ground;
 use super::patch::Patches;
 use crate::config::tuning::{RELATED_NORMAL_COSINE, SAME_NORMAL_COSINE};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
@@ -14,6 +13,7 @@ use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::reduce::reduce;
 use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
+use crate::shape::Ground;
 use glam::Vec3;
 
 /// Most manifolds of a pair.

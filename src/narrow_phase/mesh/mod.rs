@@ -30,11 +30,11 @@ use crate::narrow_phase::convex::clip::CLOUD;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::round_polytope::Core;
-use crate::narrow_phase::convex::support::Support;
-use crate::shape::{Collider, Geometry};
+use crate::shape::support::Support;
+use crate::shape::{Collider, Geometry, Ground};
 use glam::Vec3;
 use merge::{MAX_MANIFOLDS, Merge};
-use nearby::{Eight, Extent, Ground, Nearby};
+use nearby::{Eight, Extent, Nearby};
 use patch::Patches;
 use reach::{Bounds, Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
@@ -90,7 +90,7 @@ impl MeshScratch {
     pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
         let (touch, apart) = self.patches.passed_over()?;
         let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
-        let gap = distance(&Support::of(a)?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
+        let gap = distance(&a.geometry.support()?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
         (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }
 
@@ -134,7 +134,7 @@ pub(crate) fn collide_mesh(
     scratch: &mut MeshScratch,
     out: &mut Vec<RawManifold>,
 ) -> bool {
-    let Some(ground) = Ground::of(b) else { return false };
+    let Some(ground) = b.geometry.ground() else { return false };
     let Some(shape) = Shape::of(a, Pose::new(rel.position, rel.rotation)) else { return false };
     let MeshScratch { nearby, patches, merge, allowance, shed } = scratch;
     if !nearby.has_place(allowance) {
@@ -265,7 +265,7 @@ impl<'a> Shape<'a> {
         if let Geometry::Sphere { radius } = a.geometry {
             sphere::finish(radius, patches);
         }
-        if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
+        if let (Some(touch), Some(shape)) = (patches.spare(), a.geometry.support()) {
             let front = touch.front.as_dvec3();
             let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
             let separation = touch.front.dot(deepest - touch.corners[0]);

@@ -5,48 +5,11 @@
 //! gathering corners costs more than most of these tests.
 
 use crate::memory::{Allowance, Buffer, bytes_of};
-use crate::shape::{Collider, Corners, Edges, Geometry, HeightField, TriangleMesh};
+use crate::shape::{Corners, Ground};
 use glam::Vec3;
 
 /// The low and the high corner of a box in the mesh's frame.
 pub(crate) type Extent = (Vec3, Vec3);
-
-/// A mesh or a height field.
-#[derive(Clone, Copy)]
-pub(crate) enum Ground<'a> {
-    Mesh(&'a TriangleMesh),
-    Field(&'a HeightField),
-}
-
-impl<'a> Ground<'a> {
-    pub(crate) fn of(b: &'a Collider) -> Option<Ground<'a>> {
-        match &b.geometry {
-            Geometry::Mesh(mesh) => Some(Ground::Mesh(mesh)),
-            Geometry::HeightField(field) => Some(Ground::Field(field)),
-            _ => None,
-        }
-    }
-    /// The material of a triangle, by its number.
-    #[inline]
-    pub(crate) fn material(&self, i: u32) -> u8 {
-        match self {
-            Ground::Mesh(mesh) => mesh.material_of(i),
-            Ground::Field(field) => field.material_of(i),
-        }
-    }
-    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
-        match self {
-            Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
-            Ground::Field(field) => field.visit_box(min, max, f),
-        }
-    }
-    pub(crate) fn edges(&self, i: u32) -> Edges {
-        match self {
-            Ground::Mesh(mesh) => mesh.edges(i),
-            Ground::Field(field) => field.edges(i),
-        }
-    }
-}
 
 /// Up to eight triangles as they lie in memory, in the mesh's frame.
 #[derive(Clone, Debug, Default)]

@@ -9,7 +9,6 @@ use super::triangles::Triangles;
 use crate::config::tuning::{ONE_MANIFOLD_COSINE, ONE_MANIFOLD_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::convex::lane_support::reach;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
@@ -58,7 +57,7 @@ impl Near {
         let limit = L::splat(within);
         let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
         let down = -triangles.front;
-        let face = triangles.height - reach(a, down);
+        let face = triangles.height - a.geometry.lane_reach(down);
         let beside = Lanes::max(limit, L::zero());
         let mut bits = (axis.le(beside) & face.le(limit)).bits() & triangles.valid;
         while bits != 0 {
@@ -170,21 +169,6 @@ impl Bounds {
 
 /// The box around a convex shape.
 pub(crate) fn bounds(a: &Collider) -> Option<Bounds> {
-    let around = |half: Vec3| Some(Bounds { middle: Vec3::ZERO, half });
-    match &a.geometry {
-        Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
-        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-            let r = radius_bottom.max(*radius_top);
-            around(Vec3::new(r, half_height + r, r))
-        }
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            let r = radius_bottom.max(*radius_top);
-            around(Vec3::new(r, *half_height, r))
-        }
-        Geometry::Box { half_extents } => around(*half_extents),
-        Geometry::Hull(hull) => {
-            Some(Bounds { middle: (hull.min + hull.max) * 0.5, half: (hull.max - hull.min) * 0.5 })
-        }
-        _ => None,
-    }
+    let (min, max) = a.kind.is_convex().then(|| a.geometry.aabb())?;
+    Some(Bounds { middle: (min + max) * 0.5, half: (max - min) * 0.5 })
 }

@@ -1,12 +1,12 @@
 //! A sphere against triangles: nearest points, eight triangles at a time.
 
-use super::nearby::Ground;
 use super::patch::{Patch, Patches, Touch};
 use super::triangles::Triangles;
 use crate::config::tuning::FLAT_EDGE_COSINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::RawPoint;
 use crate::shape::Fold;
+use crate::shape::Ground;
 use glam::Vec3;
 
 /// Key of a point with the face's normal on the border of the face, until [`finish`].

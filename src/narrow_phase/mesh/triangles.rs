@@ -1,10 +1,11 @@
 //! Eight triangles of a mesh or a height field at a time, in the frame of the shape that may touch them.
 
-use super::nearby::{Eight, Ground};
+use super::nearby::Eight;
 use super::patch::Touch;
 use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use crate::narrow_phase::convex::polytope::Pose;
+use crate::shape::Ground;
 use glam::Vec3;
 
 /// Eight triangles in the shape's frame.

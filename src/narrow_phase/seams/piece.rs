@@ -5,10 +5,9 @@ use crate::math::Quat;
 use crate::narrow_phase::convex::gjk::distance;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::simplex::from_triangle;
-use crate::narrow_phase::convex::support::Support;
-use crate::narrow_phase::mesh::nearby::Ground;
 use crate::narrow_phase::{MAX_POINTS, Relative};
-use crate::shape::{Collider, Geometry};
+use crate::shape::support::Support;
+use crate::shape::{Collider, Geometry, Kind};
 use glam::Vec3;
 
 // Rounding: of a normal.
@@ -64,7 +63,7 @@ impl Piece<'_> {
             }
         };
         match &self.collider.geometry {
-            Geometry::Sphere { .. } | Geometry::Capsule { .. } => {}
+            _ if self.collider.kind.is_smooth() => {}
             Geometry::Plane => consider(Vec3::Y),
             Geometry::Box { .. } => {
                 let axis = local.abs().max_position();
@@ -88,9 +87,9 @@ impl Piece<'_> {
         if face.is_some_and(|face| face.distance_squared(normal) < LEAN * LEAN) {
             return false;
         }
-        match self.collider.geometry {
-            Geometry::Sphere { .. } | Geometry::Capsule { .. } => false,
-            Geometry::Cylinder { .. } => !self.is_side(self.pose.back(normal)),
+        match self.collider.kind {
+            kind if kind.is_smooth() => false,
+            Kind::Cylinder => !self.is_side(self.pose.back(normal)),
             _ => true,
         }
     }
@@ -107,7 +106,7 @@ impl Piece<'_> {
     /// `None` if it has none there.
     pub(super) fn reach(&self, along: Vec3, places: &Places, within: f32) -> Option<f32> {
         let (local, offset) = (self.pose.back(along), along.dot(self.pose.position));
-        if let Some(support) = Support::of(self.collider) {
+        if let Some(support) = self.collider.geometry.support() {
             let local = local.as_dvec3();
             return Some((support.support(local).dot(local) + support.radius) as f32 + offset);
         }
@@ -127,7 +126,7 @@ impl Piece<'_> {
     pub(super) fn goes_on(&self, at: Vec3, normal: Vec3, within: f32) -> bool {
         let (point, local) = (self.pose.back(at - self.pose.position), self.pose.back(normal));
         let beyond = |reach: f32, size: f32| reach > LEAN * size + 1e-6 * point.abs().max_element();
-        if let Some(support) = Support::of(self.collider) {
+        if let Some(support) = self.collider.geometry.support() {
             let far = local.as_dvec3();
             let reach = (support.support(far) - point.as_dvec3()).dot(far) + support.radius;
             return beyond(reach as f32, self.collider.radius) && self.has(at, within);
@@ -148,14 +147,14 @@ impl Piece<'_> {
     /// Whether a convex piece has a point, or is this near to it [m].
     pub(super) fn has(&self, at: Vec3, within: f32) -> bool {
         let here = Relative { position: self.pose.back(at - self.pose.position), rotation: Quat::IDENTITY };
-        Support::of(self.collider).is_some_and(|support| {
+        self.collider.geometry.support().is_some_and(|support| {
             distance(&support, &Support::point(), &here, Vec3::ZERO).distance <= within
         })
     }
 
     /// Calls `f` with the triangles whose boxes are within so far of a place, some of them more than once.
     fn each_triangle(&self, places: &Places, within: f32, f: &mut dyn FnMut([Vec3; 3])) {
-        let Some(ground) = Ground::of(self.collider) else { return };
+        let Some(ground) = self.collider.geometry.ground() else { return };
         for &at in places.each() {
             let point = self.pose.back(at - self.pose.position);
             ground.visit_box(point - within, point + within, &mut |_, corners| f(corners));

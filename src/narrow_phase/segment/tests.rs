@@ -3,6 +3,7 @@
 use super::*;
 use crate::narrow_phase::fixtures::{CONVEX, collider, depth};
 use crate::random::Random;
+use crate::shape::Geometry;
 
 fn hit(geometry: Geometry, from: Vec3, to: Vec3) -> Option<SegmentHit> {
     segment_hits(&collider(geometry), from, to)

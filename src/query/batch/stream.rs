@@ -6,7 +6,7 @@ use crate::query::candidates::{Candidate, turn_back};
 use crate::query::filter::{QueryFilter, Sees};
 use crate::query::ray::{Ray, RayHit};
 use crate::query::ray_shape::{Met, Way, meet};
-use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleRays, Walk};
+use crate::shape::{Ground, RAYS, Slabs, Stream, TriangleRays, Walk};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -65,9 +65,9 @@ impl RayStream {
                 return;
             }
             let candidate = world.candidate(index);
-            match &shape.geometry {
-                Geometry::Mesh(_) | Geometry::HeightField(_) if here.count_ones() > FEW => {
-                    among.meet(&candidate, rays, here, stream, first);
+            match shape.geometry.ground() {
+                Some(ground) if here.count_ones() > FEW => {
+                    among.meet(ground, &candidate, rays, here, stream, first);
                 }
                 _ => {
                     for i in ones(here) {
@@ -104,27 +104,27 @@ impl First {
 impl Among {
     fn meet(
         &mut self,
+        ground: Ground<'_>,
         candidate: &Candidate<'_>,
         rays: &[Ray],
         here: u64,
         stream: &mut Stream,
         first: &mut First,
     ) {
-        let geometry = &candidate.shape.geometry;
         self.rays.clear();
         for i in ones(here) {
             let start = candidate.local(rays[i].from);
             let path = turn_back(candidate.place.rotation, rays[i].path.as_dvec3());
-            if let Some(way) = Way::new(geometry, start, path, stream.most[i]) {
-                geometry.put_ray(&mut self.rays, i, way.from, way.path, way.most);
+            if let Some(way) = Way::new(ground, start, path, stream.most[i]) {
+                ground.put_ray(&mut self.rays, i, way.from, way.path, way.most);
                 self.ways[i] = (way, start, path);
             }
         }
-        geometry.cast_rays(&mut self.rays);
+        ground.cast_rays(&mut self.rays);
         for i in ones(self.rays.rays()) {
             if let Some((t, index)) = self.rays.first(i) {
                 let (way, start, path) = &self.ways[i];
-                let met = way.met(geometry, *start, *path, t, index);
+                let met = way.met(ground, *start, *path, t, index);
                 first.take(i, candidate.index, &met, stream);
             }
         }

@@ -403,31 +403,21 @@ impl HeightField {
         (low, high, (1 << here) - 1)
     }
 
-    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing
-    /// slips through an edge or a vertex that triangles share.
-    pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
-        let test = SegmentTest::new(from, to)?;
-        let mut nearest: Option<(f32, u32)> = None;
-        self.visit_segment(from, to, Vec3::ZERO, &mut |i, corners, _| {
-            test.nearer(i, corners, &mut nearest);
-            nearest.map_or(1.0, |n| n.0)
-        });
-        nearest
-    }
-
-    /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the
-    /// first hit, or if `any` will do, one of them. A hit counts from where the triangle's box is entered, as
-    /// in a mesh.
-    pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
-        let test = SegmentTest::along(from, path)?;
-        let mut nearest = (most, u32::MAX);
-        self.along(&self.path(from, from + path, Vec3::ZERO), most, &mut |i, corners, entry, _| {
+    /// The triangles of [`Ground::ray`](super::Ground::ray).
+    pub(super) fn ray(
+        &self,
+        test: &SegmentTest,
+        from: Vec3,
+        path: Vec3,
+        any: bool,
+        nearest: &mut (f32, u32),
+    ) {
+        self.along(&self.path(from, from + path, Vec3::ZERO), nearest.0, &mut |i, corners, entry, _| {
             if let Some(t) = test.hit(corners) {
-                take(&mut nearest, Lanes::max(t, entry), i);
+                take(nearest, Lanes::max(t, entry), i);
             }
             if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
         });
-        (nearest.1 != u32::MAX).then_some(nearest)
     }
 
     /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::random::Random;
-use crate::shape::TriangleMesh;
 use crate::shape::mesh::testing::{bumpy, grid};
+use crate::shape::{Ground, TriangleMesh};
 
 fn field(columns: usize, rows: usize, cell: Vec2) -> HeightField {
     let heights = (0..columns * rows)
@@ -103,7 +103,8 @@ fn paths_hit_a_field_where_they_hit_the_same_mesh() {
         let from =
             through + Vec3::new(random.range(-9.0, 9.0), random.range(8.0, 40.0), random.range(-9.0, 9.0));
         let to = through + (through - from) * 0.5;
-        let (one, other) = (field.segment_hit(from, to), mesh.segment_hit(from, to));
+        let (one, other) =
+            (Ground::Field(&field).segment_hit(from, to), Ground::Mesh(&mesh).segment_hit(from, to));
         assert_eq!(one.map(|h| h.0), other.map(|h| h.0));
         // Between samples the surface is elsewhere than `through`, by up to the slope.
         let inside = Vec2::new(through.x - 8.0, through.z - 8.0).abs().max_element() < 6.0;

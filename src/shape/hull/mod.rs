@@ -1,6 +1,7 @@
 //! Convex hulls: what the narrow phase, the queries and the mass read of one.
 
 pub(crate) mod build;
+mod form;
 pub(crate) mod merge;
 
 use super::mass::Moments;

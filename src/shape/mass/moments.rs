@@ -13,7 +13,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    pub(super) const ZERO: Self = Moments { mass: 0.0, centre: DVec3::ZERO, inertia: DMat3::ZERO };
+    pub(in crate::shape) const ZERO: Self = Moments { mass: 0.0, centre: DVec3::ZERO, inertia: DMat3::ZERO };
 
     /// Moments of a closed polyhedron, its faces counter-clockwise from outside: a sum over tetrahedra from
     /// its middle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c (Tonon, *Explicit
@@ -63,7 +63,7 @@ pub(super) fn outer(v: DVec3) -> DMat3 {
 }
 
 /// A frustum between two discs on the y axis.
-pub(super) fn frustum(y0: f64, r0: f64, y1: f64, r1: f64) -> Moments {
+pub(in crate::shape) fn frustum(y0: f64, r0: f64, y1: f64, r1: f64) -> Moments {
     if y1 <= y0 {
         return Moments::ZERO;
     }
@@ -79,7 +79,7 @@ fn ball_part(c: f64, r: f64, y0: f64, y1: f64) -> Moments {
 }
 
 /// Two parts of balls and the frustum of the cone that touches both, split where it touches.
-pub(super) fn capsule(h: f64, bottom: f64, top: f64) -> Moments {
+pub(in crate::shape) fn capsule(h: f64, bottom: f64, top: f64) -> Moments {
     if (bottom - top).abs() >= 2.0 * h {
         // One ball contains the other.
         let (c, r) = if bottom > top { (-h, bottom) } else { (h, top) };

@@ -3,6 +3,7 @@ use super::*;
 use crate::random::Random;
 use crate::shape::ConvexHull;
 use glam::Quat;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn close(a: MassProperties, b: MassProperties, relative: f32) {

@@ -238,36 +238,26 @@ impl TriangleMesh {
         self.tree.visit_segment(&path, look);
     }
 
-    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing
-    /// slips through an edge or a vertex that triangles share.
-    pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
-        let test = SegmentTest::new(from, to)?;
-        let mut nearest: Option<(f32, u32)> = None;
-        self.visit_segment(from, to, Vec3::ZERO, &mut |i, corners, _| {
-            test.nearer(i, corners, &mut nearest);
-            nearest.map_or(1.0, |n| n.0)
-        });
-        nearest
-    }
-
-    /// As [`TriangleMesh::segment_hit`] for queries: by start and displacement, up to the fraction `most`;
-    /// the first hit, or if `any` will do, one of them. A hit counts from where its leaf is entered: so it
-    /// does not matter which leaf is asked first where edges are widened beyond their boxes.
-    pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
-        let test = SegmentTest::along(from, path)?;
-        let slabs = self.slabs(from, path);
-        let mut nearest = (most, u32::MAX);
+    /// The triangles of [`Ground::ray`](super::Ground::ray).
+    pub(super) fn ray(
+        &self,
+        test: &SegmentTest,
+        from: Vec3,
+        path: Vec3,
+        any: bool,
+        nearest: &mut (f32, u32),
+    ) {
+        let (slabs, most) = (self.slabs(from, path), nearest.0);
         self.tree.visit_ordered(
             0,
             &|low, high, most| slabs.enter(low, high, most),
             most,
             &mut |leaf, entry, _| {
                 let (first, count) = triangles(leaf);
-                self.leaf(first, count).nearest(&test, first, entry, &mut nearest);
+                self.leaf(first, count).nearest(test, first, entry, nearest);
                 if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
             },
         );
-        (nearest.1 != u32::MAX).then_some(nearest)
     }
 
     /// The same for rays together, each to the same bits.

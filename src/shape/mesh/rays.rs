@@ -63,9 +63,8 @@ mod tests {
     use crate::lanes::{Mask, f32x8};
     use crate::random::Random;
     use crate::shape::mesh::testing::{bumpy, terrain};
-    use crate::shape::{Corners, Geometry, HeightField};
+    use crate::shape::{Corners, Ground, HeightField};
     use glam::Vec3;
-    use std::sync::Arc;
 
     /// Fans and rays from anywhere to anywhere, through the vertices half of the time.
     fn rays(random: &mut Random, through: &[Vec3], spread: f32) -> Vec<(Vec3, Vec3)> {
@@ -94,11 +93,7 @@ mod tests {
         let mut together = TriangleRays::new();
         let mut hits = [0, 0];
         for i in 0..if cfg!(miri) { 4 } else { 600 } {
-            let shape = if i % 2 == 0 {
-                Geometry::Mesh(Arc::new(mesh.clone()))
-            } else {
-                Geometry::HeightField(Arc::new(field.clone()))
-            };
+            let shape = if i % 2 == 0 { Ground::Mesh(&mesh) } else { Ground::Field(&field) };
             let mut rays = rays(&mut random, &mesh.vertices, [0.5, 3.0, 20.0][i % 3]);
             if i % 2 == 1 {
                 rays.iter_mut().for_each(|ray| ray.0 += Vec3::new(10.0, 0.0, 10.0));
@@ -111,11 +106,7 @@ mod tests {
             shape.cast_rays(&mut together);
             for ray in ones(together.rays()) {
                 let (from, path) = rays[ray];
-                let alone = match &shape {
-                    Geometry::Mesh(mesh) => mesh.ray(from, path, most, false),
-                    Geometry::HeightField(field) => field.ray(from, path, most, false),
-                    _ => None,
-                };
+                let alone = shape.ray(from, path, most, false);
                 let exactly = |hit: Option<(f32, u32)>| hit.map(|(t, index)| (t.to_bits(), index));
                 assert_eq!(exactly(together.first(ray)), exactly(alone), "{from} {path}");
                 hits[i % 2] += usize::from(alone.is_some());

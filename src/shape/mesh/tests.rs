@@ -1,5 +1,6 @@
 use super::testing::*;
 use super::*;
+use crate::shape::Ground;
 
 #[test]
 fn a_mesh_refuses_what_is_no_mesh_and_drops_what_is_no_triangle() {
@@ -122,7 +123,7 @@ fn a_path_hits_the_nearest_triangle_of_all() {
                     Some(None) => {}
                 }
             }
-            let found = mesh.segment_hit(from, to);
+            let found = Ground::Mesh(&mesh).segment_hit(from, to);
             assert_eq!(found.is_some(), nearest.is_some());
             if let (Some((f, _)), Some(n)) = (found, nearest) {
                 hits += 1;
@@ -161,10 +162,11 @@ fn no_path_slips_through_shared_edges_and_vertices() {
             };
             let direction = (through - from).normalize();
             let to = through + direction * random.range(0.01, 100.0);
-            assert!(mesh.segment_hit(from, to).is_some(), "{from} {to} through {through}");
+            assert!(Ground::Mesh(&mesh).segment_hit(from, to).is_some(), "{from} {to} through {through}");
             // And in two steps that meet somewhere near the surface.
             let middle = through + random.cube() * 1e-6 * random.below(3) as f32;
-            let two = mesh.segment_hit(from, middle).or(mesh.segment_hit(middle, to));
+            let two =
+                Ground::Mesh(&mesh).segment_hit(from, middle).or(Ground::Mesh(&mesh).segment_hit(middle, to));
             assert!(two.is_some(), "{from} {middle} {to}");
         }
     }

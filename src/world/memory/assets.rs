@@ -2,7 +2,6 @@
 
 use crate::memory::{Amounts, Category, in_arc};
 use crate::shape::{Geometry, Kind};
-use std::sync::Arc;
 
 /// Shared geometry, counted once however many shapes use it.
 #[derive(Debug, Default)]
@@ -13,21 +12,10 @@ pub(in crate::world) struct Assets {
 
 impl Assets {
     fn key(geometry: &Geometry) -> Option<(usize, Kind, (usize, usize))> {
-        // The size of `T` is included in its own bytes; the rest is the counters of the `Arc`.
-        fn entry<T>(
-            shared: &Arc<T>,
-            kind: Kind,
-            (live, reserved): (usize, usize),
-        ) -> (usize, Kind, (usize, usize)) {
-            let counts = in_arc::<T>() - size_of::<T>();
-            (Arc::as_ptr(shared) as usize, kind, (live + counts, reserved + counts))
-        }
-        Some(match geometry {
-            Geometry::Hull(hull) => entry(hull, Kind::Hull, hull.bytes()),
-            Geometry::Mesh(mesh) => entry(mesh, Kind::Mesh, mesh.bytes()),
-            Geometry::HeightField(field) => entry(field, Kind::HeightField, field.bytes()),
-            _ => return None,
-        })
+        // The size of what is shared is included in its bytes; the rest is the counters of the `Arc`.
+        let counts = in_arc::<usize>() - size_of::<usize>();
+        let (live, reserved) = geometry.bytes();
+        Some((geometry.address()?, Kind::of(geometry), (live + counts, reserved + counts)))
     }
 
     /// How many shapes use a geometry.

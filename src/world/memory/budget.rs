@@ -249,7 +249,7 @@ impl World {
         let (once, assets) = self.assets.cost(std::iter::once(geometry));
         let mut more = Counts { once, assets, ..Counts::default() };
         let kind = Kind::of(geometry);
-        more.meshed = matches!(kind, Kind::Mesh | Kind::HeightField);
+        more.meshed = kind.is_ground();
         more.rare_materials = geometry.rare_flags() != 0;
         more.colliders.endless = usize::from(kind == Kind::Plane);
         self.reserve_for(more, false)
@@ -563,7 +563,7 @@ impl Counts {
 
     pub(in crate::world) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
         self.colliders.slots += 1;
-        self.meshed |= matches!(kind, Kind::Mesh | Kind::HeightField);
+        self.meshed |= kind.is_ground();
         *match of {
             BodyKind::Static => &mut self.colliders.still,
             _ => &mut self.colliders.moving,

@@ -17,7 +17,6 @@ mod window;
 
 pub(crate) use camera::Camera;
 pub(crate) use frames::{Frames, SCALE};
-pub(crate) use painter::Form;
 pub(crate) use player::Player;
 pub(crate) use window::{Opened, show};
 
@@ -66,11 +65,9 @@ impl Look {
 
     /// What suits a scene.
     pub(crate) fn of(scene: &Scene) -> Look {
-        let ground =
-            |g: &Geometry| matches!(g, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_));
         let mut shapes = scene.bodies.iter().flat_map(|body| &body.desc.shapes);
         // A grid in the air, or through hills, is no ground.
-        let grid = !shapes.any(|shape| ground(&shape.geometry));
+        let grid = shapes.all(|shape| shape.geometry.is_convex());
         // Contacts and joints of a crowd would bury it: they are a key or a name in `--show` away.
         let draw = DrawOptions { shapes: true, ..DrawOptions::nothing() };
         Look { draw, grid, wireframe: false, walls: false }

@@ -4,40 +4,9 @@ use super::camera::View;
 use super::canvas::{Behind, Canvas, Rgb, lit};
 use backstop::debug::{self, Colour, DebugDraw, DrawnShape, Element, Ink};
 use backstop::glam::{DVec3, Mat3, Vec3};
-use backstop::{BodyKind, Geometry};
+use backstop::{BodyKind, Geometry, GeometryKey};
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// Key of shapes with the same triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Form {
-    Sphere(u32),
-    Capsule([u32; 3]),
-    Cylinder([u32; 3]),
-    Box([u32; 3]),
-    Shared(usize),
-}
-
-impl Form {
-    pub(crate) fn of(geometry: &Geometry) -> Form {
-        match geometry {
-            Geometry::Sphere { radius } => Form::Sphere(radius.to_bits()),
-            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-                Form::Capsule([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
-            }
-            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                Form::Cylinder([half_height, radius_bottom, radius_top].map(|v| v.to_bits()))
-            }
-            Geometry::Box { half_extents } => Form::Box(half_extents.to_array().map(f32::to_bits)),
-            Geometry::Hull(hull) => Form::Shared(Arc::as_ptr(hull) as usize),
-            Geometry::Mesh(mesh) => Form::Shared(Arc::as_ptr(mesh) as usize),
-            Geometry::HeightField(field) => Form::Shared(Arc::as_ptr(field) as usize),
-            Geometry::Plane => Form::Shared(0),
-            // A kind that is not known here: each by itself.
-            _ => Form::Shared(std::ptr::from_ref(geometry) as usize),
-        }
-    }
-}
 
 /// Lines and triangles of a shape, in its frame.
 #[derive(Debug, Default)]
@@ -49,12 +18,12 @@ struct Model {
 /// Models, made once.
 #[derive(Debug, Default)]
 pub(crate) struct Models {
-    made: HashMap<Form, Arc<Model>>,
+    made: HashMap<GeometryKey, Arc<Model>>,
 }
 
 impl Models {
     fn of(&mut self, geometry: &Geometry) -> Arc<Model> {
-        let made = self.made.entry(Form::of(geometry)).or_insert_with(|| {
+        let made = self.made.entry(geometry.key()).or_insert_with(|| {
             let mut model = Model::default();
             debug::triangles(geometry, None, &mut |corners| model.triangles.push(corners));
             debug::wireframe(geometry, None, &mut |from, to| model.lines.push((from, to)));
@@ -117,14 +86,14 @@ impl DebugDraw for Painter<'_> {
         let turn = Mat3::from_quat(shape.rotation);
         let place = |view: &View, p: Vec3| origin + view.direction(turn * p);
         // Walls would hide what is between them.
-        let hides = !self.walls && shape.kind == BodyKind::Static && is_closed(shape.geometry);
+        let hides = !self.walls && shape.kind == BodyKind::Static && shape.geometry.is_convex();
         if !self.wireframe {
             for corners in &model.triangles {
                 let seen = corners.map(|p| place(&self.view, p));
                 // In the world's axes: those of the view are left-handed, which would turn the product round.
                 let normal = turn * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
                 let is_back = self.view.direction(normal).dot(seen[0]) > 0.0;
-                if is_back && is_closed(shape.geometry) {
+                if is_back && shape.geometry.is_convex() {
                     continue;
                 }
                 // The side that is seen of a surface that has two.
@@ -138,7 +107,7 @@ impl DebugDraw for Painter<'_> {
             }
         }
         // If triangles are small, their edges must not dominate.
-        let dark = if is_closed(shape.geometry) { 0.55 } else { 0.8 };
+        let dark = if shape.geometry.is_convex() { 0.55 } else { 0.8 };
         let colour = if self.wireframe { colour } else { colour.map(|c| c * dark) };
         for &(from, to) in &model.lines {
             let (from, to) = (place(&self.view, from), place(&self.view, to));
@@ -162,11 +131,6 @@ impl DebugDraw for Painter<'_> {
             self.canvas.disc(spot, 2.5, ink.colour.to_array(), Behind::Faint);
         }
     }
-}
-
-/// Whether its triangles are never seen from behind.
-fn is_closed(geometry: &Geometry) -> bool {
-    !matches!(geometry, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_))
 }
 
 /// A colour for each kind of shape.

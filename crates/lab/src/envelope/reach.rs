@@ -30,7 +30,7 @@ fn extent(geometry: &Geometry, along: Vec3) -> f32 {
         Geometry::Hull(hull) => {
             hull.vertices().iter().map(|v| v.dot(along)).fold(f32::NEG_INFINITY, f32::max)
         }
-        // Planes, meshes and height fields.
-        _ => 0.0,
+        // Nowhere, of planes, meshes and height fields.
+        _ => geometry.furthest(along.as_dvec3()).map_or(0.0, |point| point.dot(along.as_dvec3()) as f32),
     }
 }

@@ -6,7 +6,7 @@ use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
 use crate::narrow_phase::fixtures::{CONVEX, collider};
 use crate::random::Random;
-use crate::shape::Geometry;
+use crate::shape::{Geometry, HeightField, TriangleMesh};
 
 /// Every triangle, in order, if its box is on the way.
 struct Soup(Vec<[Vec3; 3]>);
@@ -14,7 +14,7 @@ struct Soup(Vec<[Vec3; 3]>);
 impl Soup {
     /// The distance of the nearest triangle that is not rested on, by GJK [m].
     fn gap(&self, a: &Collider, motion: &Motion, fraction: f32) -> f32 {
-        let shape = Support::of(a).unwrap();
+        let shape = a.geometry.support().unwrap();
         let at = |fraction: f32, t: [Vec3; 3]| {
             distance(&shape, &Support::triangle(t), &motion.relative(fraction), Vec3::ZERO).distance
         };
@@ -23,10 +23,7 @@ impl Soup {
     }
 }
 
-impl Triangles for Soup {
-    fn triangle(&self, index: u32) -> [Vec3; 3] {
-        self.0[index as usize]
-    }
+impl Soup {
     fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
         let mut largest = 1.0;
         for (i, [a, b, c]) in self.0.iter().enumerate() {
@@ -48,18 +45,15 @@ impl Triangles for Soup {
             }
         }
     }
-    fn segment_hit(&self, _: Vec3, _: Vec3) -> Option<(f32, u32)> {
-        None
-    }
 }
 
 fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
     let cast = MeshCast::first(tolerance, resting);
     let rel = motion.relative(0.0);
     let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &cast));
-    let mut search = Search::new(Support::of(a)?, motion, cast);
+    let mut search = Search::new(a.geometry.support()?, motion, cast);
     let path = search.prepare(a, &rel, path);
-    search.go_along(soup, &path);
+    search.go_along(|f| soup.visit_segment(path.from, path.to, path.inflate, f));
     match search.finish() {
         CastResult::First(touch) => Some(touch),
         _ => None,
@@ -191,7 +185,7 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
         // shortcuts.
         let sweeps = soup.0.iter().filter_map(|t| {
             let b = Other::Convex(Support::triangle(*t));
-            let sweep = Sweep::new(Support::of(&a).unwrap(), b, &motion, eps);
+            let sweep = Sweep::new(a.geometry.support().unwrap(), b, &motion, eps);
             let touch = sweep.first_touch(1.0);
             touch.is_none_or(|t| t.fraction > 0.0).then_some((sweep, touch))
         });

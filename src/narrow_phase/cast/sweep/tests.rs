@@ -1,9 +1,9 @@
 use super::*;
 use crate::narrow_phase::cast::{Other, Sweep, tolerance};
-use crate::narrow_phase::convex::support::Support;
 use crate::narrow_phase::fixtures::{CONVEX, collider};
 use crate::random::Random;
 use crate::shape::Geometry;
+use crate::shape::support::Support;
 
 /// No triangle is left out that the exact search finds to be touched, and none is touched before the fraction
 /// that is given for it.
@@ -29,7 +29,7 @@ fn nothing_that_is_touched_is_left_out() {
             eight.push(k, triangle);
             exact.push([eps, 1e-3 * eps].map(|eps| {
                 let other = Other::Convex(Support::triangle(triangle));
-                Sweep::new(Support::of(&a).unwrap(), other, &motion, eps).first_touch(1.0)
+                Sweep::new(a.geometry.support().unwrap(), other, &motion, eps).first_touch(1.0)
             }));
         }
         let mut sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, eps);

@@ -16,7 +16,7 @@ use crate::config::tuning::{CYLINDER_DEEP, CYLINDER_GAP, CYLINDER_TOO_DEEP, THRO
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::gjk::{CoreGap, gap_from};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose, Solid};
-use crate::narrow_phase::convex::support::{Pose as ExactPose, Support};
+use crate::shape::support::{Pose as ExactPose, Support};
 use glam::{DMat3, Vec3};
 
 /// Rounds of taking back an overlap.

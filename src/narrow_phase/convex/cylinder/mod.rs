@@ -16,10 +16,10 @@ mod tests;
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
 use super::polytope::{Pose, Solid, Triangle};
-use super::support::Support;
 use crate::config::tuning::{CYLINDER_AXIS_TOLERANCE, LINE_TOUCH_ASIDE};
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::shape::Collider;
+use crate::shape::support::Support;
 use axis::{Axis, Body, Both, FlatFace};
 use disc::Face;
 use glam::Vec3;
@@ -47,10 +47,10 @@ pub(crate) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
     let both = Both { bodies: [body_a, body_b], pose: *pose, back: pose.inverse(), against };
     let supports = || {
         let other = match b {
-            Other::Shape(b) => Support::of(b),
+            Other::Shape(b) => b.geometry.support(),
             Other::Triangle(t) => Some(Support::triangle(t.corners())),
         };
-        Support::of(a).zip(other)
+        a.geometry.support().zip(other)
     };
     Contact { both, margin, size, tolerance: CYLINDER_AXIS_TOLERANCE * size }.manifold(supports)
 }

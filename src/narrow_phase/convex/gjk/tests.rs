@@ -6,7 +6,7 @@ use crate::shape::{Geometry, Kind};
 
 fn between(a: Geometry, b: Geometry, position: Vec3, rotation: Quat) -> Closest {
     let (a, b) = (collider(a), collider(b));
-    let (sa, sb) = (Support::of(&a).unwrap(), Support::of(&b).unwrap());
+    let (sa, sb) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
     distance(&sa, &sb, &Relative { position, rotation }, Vec3::ZERO)
 }
 
@@ -49,7 +49,7 @@ fn nearest_points_are_on_the_shapes_and_the_normal_separates_them() {
             rotation: random.rotation_or_aligned(),
         };
         let hint = if i % 2 == 0 { Vec3::ZERO } else { random.direction() };
-        let (sa, sb) = (Support::of(&a).unwrap(), Support::of(&b).unwrap());
+        let (sa, sb) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
         let c = distance(&sa, &sb, &rel, hint);
         let scale = f64::from(a.radius + b.radius);
         let (rotation, position) = (rel.rotation.as_dquat().normalize(), rel.position.as_dvec3());
@@ -95,7 +95,8 @@ fn boxes_and_triangles_agree_with_brute_force() {
             position: random.direction() * random.range(0.5, 2.0) * size,
             rotation: if i % 2 == 0 { Quat::IDENTITY } else { random.turn() },
         };
-        let found = distance(&Support::of(&shape).unwrap(), &Support::triangle(corners), &rel, Vec3::ZERO);
+        let found =
+            distance(&shape.geometry.support().unwrap(), &Support::triangle(corners), &rel, Vec3::ZERO);
         let q = rel.rotation.as_dquat().normalize();
         let triangle = corners.map(|c| q * c.as_dvec3() + rel.position.as_dvec3());
         let expected = brute_force(shape.size, triangle);
@@ -166,7 +167,7 @@ fn odd_input_gives_finite_answers() {
     let flat = Support::triangle([Vec3::ZERO, Vec3::X, Vec3::X * 2.0]);
     let point = Support::triangle([Vec3::ONE; 3]);
     let shape = collider(cube);
-    let cube = Support::of(&shape).unwrap();
+    let cube = shape.geometry.support().unwrap();
     for (a, b) in [(&flat, &cube), (&cube, &point), (&flat, &flat), (&point, &point)] {
         for position in [Vec3::ZERO, Vec3::Y * 0.5, Vec3::splat(1e-30), Vec3::X * 1e6] {
             let c = distance(a, b, &Relative { position, rotation: Quat::IDENTITY }, Vec3::ZERO);
@@ -193,7 +194,7 @@ fn time_of_a_distance() {
         for _ in 0..1000 {
             let start = std::time::Instant::now();
             for (a, b, rel) in &pairs {
-                let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
+                let (a, b) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
                 sum += distance(&a, &b, std::hint::black_box(rel), Vec3::ZERO).distance;
             }
             best = best.min(start.elapsed().as_nanos());

@@ -9,7 +9,6 @@
 mod face;
 mod triangle;
 
-use super::nearby::Ground;
 use super::patch::{Patches, Touch};
 use super::reach::Bounds;
 use super::triangle_contact::{TriangleContact, named};
@@ -21,6 +20,7 @@ use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
 use crate::narrow_phase::convex::sat::in_lanes;
 use crate::shape::ConvexHull;
+use crate::shape::Ground;
 use face::over_face;
 use triangle::{ContactAxis, Deepest, face_axis};
 

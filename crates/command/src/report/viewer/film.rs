@@ -2,9 +2,8 @@
 
 use super::motion::Motion;
 use crate::report::output::count;
-use crate::view::Form;
 use backstop::glam::Vec3;
-use backstop::{BodyKind, Geometry, debug};
+use backstop::{BodyKind, Geometry, GeometryKey, debug};
 use backstop_scene::Scene;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -46,7 +45,7 @@ pub(crate) struct Film {
 /// The colour of a shape, as an index into the renderer's list.
 fn tone(kind: BodyKind, geometry: &Geometry) -> i32 {
     match (kind, geometry) {
-        (_, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_)) => 7,
+        _ if !geometry.is_convex() => 7,
         (BodyKind::Static, _) => 6,
         (BodyKind::Kinematic, _) => 5,
         (_, Geometry::Sphere { .. }) => 0,
@@ -98,7 +97,7 @@ impl Film {
     }
 
     fn add_shapes(&mut self, scene: &Scene, motion: &Motion) {
-        let mut made = HashMap::<Form, Option<i32>>::new();
+        let mut made = HashMap::<GeometryKey, Option<i32>>::new();
         let mut room = MAX_TRIANGLES;
         let mut moving = vec![-1; scene.bodies.len()];
         (0..).zip(&motion.bodies).for_each(|(slot, &body)| moving[body] = slot);
@@ -108,7 +107,7 @@ impl Film {
             let desc = &body.desc;
             for shape in &desc.shapes {
                 let mesh = *made
-                    .entry(Form::of(&shape.geometry))
+                    .entry(shape.geometry.key())
                     .or_insert_with(|| self.add_mesh(&shape.geometry, &mut room));
                 let Some(mesh) = mesh else { continue };
                 first[i].get_or_insert(self.shapes.len());

@@ -10,7 +10,7 @@ use super::visual;
 use crate::files::gltf_in::extension::{OWN, RIGID_BODIES, SHAPES};
 use crate::{Scene, SceneBody};
 use backstop::{BodyDesc, BodyKind};
-use backstop::{Combine, Filter, Geometry, MassProperties, Material, ShapeDesc};
+use backstop::{Combine, Filter, Geometry, GeometryKey, MassProperties, Material, ShapeDesc};
 use glam::{DVec3, Quat, Vec3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -20,7 +20,8 @@ pub(super) struct Builder<'a> {
     pub(super) document: &'a mut Document,
     physics: bool,
     /// Meshes by geometry and colour, so that equal shapes share one.
-    meshes: BTreeMap<String, Option<usize>>,
+    /// By geometry and colour.
+    meshes: BTreeMap<(GeometryKey, [u32; 3]), Option<usize>>,
     shapes: Vec<Value>,
     materials: Vec<Value>,
     filters: Vec<Value>,
@@ -136,12 +137,7 @@ impl<'a> Builder<'a> {
 
     fn mesh(&mut self, geometry: &Geometry, moves: bool) -> Option<Value> {
         let colour = visual::colour(geometry, moves);
-        let key = match geometry {
-            // Shared geometry is known by where it lies.
-            Geometry::Hull(hull) => format!("{:p} {colour:?}", std::sync::Arc::as_ptr(hull)),
-            Geometry::Mesh(mesh) => format!("{:p} {colour:?}", std::sync::Arc::as_ptr(mesh)),
-            other => format!("{other:?} {colour:?}"),
-        };
+        let key = (geometry.key(), colour.map(f32::to_bits));
         if let Some(mesh) = self.meshes.get(&key) {
             return mesh.map(|m| json!(m));
         }

@@ -1,7 +1,7 @@
 //! Convex shapes as support functions: a core with a radius around it.
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::shape::{Collider, ConvexHull, Geometry, Kind};
+use crate::shape::ConvexHull;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 /// What of a convex shape [`gjk`](crate::narrow_phase::convex::gjk) and [`cast`](crate::narrow_phase::cast)
@@ -11,13 +11,13 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 /// cancellation that decides whether faces that lie flat on each other are apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Support<'a> {
-    core: Core<'a>,
+    pub(in crate::shape) core: Core<'a>,
     /// Distance of the surface from the core [m].
     pub(crate) radius: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Core<'a> {
+pub(in crate::shape) enum Core<'a> {
     Point,
     /// On the y axis, to both sides of the origin.
     Segment {
@@ -47,47 +47,7 @@ pub(crate) struct Pose {
     pub(crate) position: DVec3,
 }
 
-impl Geometry {
-    /// The point of a convex, bounded shape that is furthest along a direction, which needs no length, in its
-    /// own frame [m]. Where a whole face is, any of it. `None` for a plane, a mesh or a height field.
-    pub fn furthest(&self, direction: DVec3) -> Option<DVec3> {
-        let support = Support::of_geometry(self)?;
-        Some(support.support(direction) + direction.normalize_or_zero() * support.radius)
-    }
-}
-
-impl<'a> Support<'a> {
-    /// None for a plane, a mesh or a height field.
-    pub(crate) fn of(shape: &'a Collider) -> Option<Support<'a>> {
-        Self::new(shape.kind, shape.size, &shape.geometry)
-    }
-
-    /// The same of a shape that is on no body.
-    pub(crate) fn of_geometry(geometry: &'a Geometry) -> Option<Support<'a>> {
-        Self::new(Kind::of(geometry), geometry.size(), geometry)
-    }
-
-    #[inline]
-    fn new(kind: Kind, size: [f32; 4], geometry: &'a Geometry) -> Option<Support<'a>> {
-        let [x, y, z, _] = size.map(f64::from);
-        let (core, radius) = match kind {
-            Kind::Sphere => (Core::Point, x),
-            Kind::Capsule if y == z => (Core::Segment { half: x }, y),
-            Kind::Capsule => {
-                let least = y.min(z);
-                (Core::Tapered { half: x, bottom: y - least, top: z - least }, least)
-            }
-            Kind::Box => (Core::Box(DVec3::new(x, y, z)), 0.0),
-            Kind::Cylinder => (Core::Frustum { half: x, bottom: y, top: z }, 0.0),
-            Kind::Hull => match geometry {
-                Geometry::Hull(hull) => (Core::Hull(hull), 0.0),
-                _ => return None,
-            },
-            Kind::Plane | Kind::Mesh | Kind::HeightField => return None,
-        };
-        Some(Support { core, radius })
-    }
-
+impl Support<'_> {
     /// Its own origin.
     pub(crate) fn point() -> Support<'static> {
         Support { core: Core::Point, radius: 0.0 }
