@@ -137,7 +137,9 @@ mod words;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground};
-pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings};
+pub use config::{
+    Continuous, ContinuousMethod, Field, FrictionCone, FrictionModel, Order, RowGroup, Settings,
+};
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;

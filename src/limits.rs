@@ -163,6 +163,46 @@ pub(crate) fn share(what: &'static str, value: f32) -> Result<(), Error> {
     within(what, value, 0.0, 1.0, "in 0..=1").map(drop)
 }
 
+/// What lists of fields give a range.
+pub(crate) trait Ranged {
+    /// Refuses what is not in `[low, high]`.
+    fn check(self, what: &'static str, ends: [f32; 2], expected: &'static str) -> Result<(), Error>;
+}
+
+impl Ranged for f32 {
+    fn check(self, what: &'static str, [low, high]: [f32; 2], expected: &'static str) -> Result<(), Error> {
+        // Whoever gave none is told so.
+        if low > 0.0 {
+            positive(what, self)?;
+        }
+        within(what, self, low, high, expected).map(drop)
+    }
+}
+
+impl Ranged for u32 {
+    fn check(self, what: &'static str, [low, high]: [f32; 2], expected: &'static str) -> Result<(), Error> {
+        within(what, self as f32, low, high, expected).map(drop)
+    }
+}
+
+impl Ranged for usize {
+    fn check(self, what: &'static str, [low, high]: [f32; 2], expected: &'static str) -> Result<(), Error> {
+        within(what, self as f32, low, high, expected).map(drop)
+    }
+}
+
+impl<T: Ranged> Ranged for Option<T> {
+    fn check(self, what: &'static str, ends: [f32; 2], expected: &'static str) -> Result<(), Error> {
+        self.map_or(Ok(()), |value| value.check(what, ends, expected))
+    }
+}
+
+impl Ranged for Vec3 {
+    fn check(self, what: &'static str, [low, high]: [f32; 2], expected: &'static str) -> Result<(), Error> {
+        self.to_array().iter().try_for_each(|&x| within(what, x, low, high, expected).map(drop))
+    }
+}
+
 /// An amount that nothing bounds from above.
 pub(crate) fn amount(what: &'static str, value: f32) -> Result<(), Error> {
     within(what, value, 0.0, f32::MAX, "at least zero").map(drop)

@@ -1,6 +1,6 @@
 //! The description of a body that a caller adds.
 
-use crate::config::{Continuous, RowGroup, with_fields};
+use crate::config::{Continuous, RowGroup, fields};
 use crate::error::{Error, each};
 use crate::limits;
 use crate::limits::unit_quat;
@@ -41,105 +41,68 @@ pub enum BodyKind {
     Dynamic,
 }
 
-/// A body to be added.
-///
-/// With the feature `serde` whatever is the default may be left out.
-#[derive(Clone, Debug)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[non_exhaustive]
-pub struct BodyDesc {
-    /// What moves it.
-    pub kind: BodyKind,
-    /// Where its origin is [m], within [`limits::MAX_POSITION`] along each axis.
-    pub position: DVec3,
-    /// How its axes are turned; a unit quaternion.
-    pub rotation: glam::Quat,
-    /// Velocity of its centre of mass [m/s], within [`limits::MAX_SPEED`] along each axis.
-    pub linear_velocity: Vec3,
-    /// About the world's axes [rad/s], within [`limits::MAX_SPEED`] about each.
-    pub angular_velocity: Vec3,
-    /// Its shapes; several make a compound.
-    pub shapes: Vec<ShapeDesc>,
-    /// Mass, centre and inertia in the body's axes; `None`: from the shapes and their densities.
-    pub mass: Option<MassProperties>,
-    /// Factor on gravity. Default 1.
-    pub gravity_scale: f32,
-    /// Share of its linear velocity that it loses in a second, while that share is small: the velocity of a
-    /// body that nothing else acts on falls as exp(-c t), whatever the length of steps [1/s]. At least zero
-    /// and at most [`limits::MAX_DAMPING`]; dynamic bodies only. Default 0.
-    pub linear_damping: f32,
-    /// The same for its angular velocity [1/s].
-    pub angular_damping: f32,
-    /// Greatest speed of its centre of mass [m/s], in 0..=[`limits::MAX_SPEED`]: whatever would make it
-    /// faster makes it as fast as this, in the same direction, in each substep and at the end of a step.
-    /// Momentum and energy beyond it are lost. Dynamic bodies only. Default none.
-    pub max_linear_speed: Option<f32>,
-    /// The same for its angular velocity [rad/s].
-    pub max_angular_speed: Option<f32>,
-    /// World axes along which it can't move.
-    pub lock_translation: [bool; 3],
-    /// World axes about which it can't turn.
-    pub lock_rotation: [bool; 3],
-    /// How it is kept from passing through others: two collide by the greater of their modes, save that what
-    /// is static has none. Default [`Continuous::Segment`].
-    pub continuous: Continuous,
-    /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their
-    /// own place is later: what is solved later wins. Default none.
-    pub solved_after: Option<RowGroup>,
-    /// Whether it may fall asleep, and its island with it. Default true.
-    pub can_sleep: bool,
-    /// Free for the caller.
-    pub user_data: u64,
-}
-
-impl Default for BodyDesc {
-    fn default() -> Self {
-        BodyDesc {
-            kind: BodyKind::Dynamic,
-            position: DVec3::ZERO,
-            rotation: glam::Quat::IDENTITY,
-            linear_velocity: Vec3::ZERO,
-            angular_velocity: Vec3::ZERO,
-            shapes: Vec::new(),
-            mass: None,
-            gravity_scale: 1.0,
-            linear_damping: 0.0,
-            angular_damping: 0.0,
-            max_linear_speed: None,
-            max_angular_speed: None,
-            lock_translation: [false; 3],
-            lock_rotation: [false; 3],
-            continuous: Continuous::Segment,
-            solved_after: None,
-            can_sleep: true,
-            user_data: 0,
-        }
-    }
-}
-
-with_fields! {
-    BodyDesc {
-        with_kind(kind: BodyKind),
-        with_position(position: into DVec3),
-        with_rotation(rotation: into glam::Quat),
-        with_linear_velocity(linear_velocity: into Vec3),
-        with_angular_velocity(angular_velocity: into Vec3),
-        with_mass(mass: into Option<MassProperties>),
-        with_gravity_scale(gravity_scale: f32),
-        with_linear_damping(linear_damping: f32),
-        with_angular_damping(angular_damping: f32),
-        with_max_linear_speed(max_linear_speed: into Option<f32>),
-        with_max_angular_speed(max_angular_speed: into Option<f32>),
-        with_lock_translation(lock_translation: [bool; 3]),
-        with_lock_rotation(lock_rotation: [bool; 3]),
-        with_continuous(continuous: Continuous),
-        with_solved_after(solved_after: into Option<RowGroup>),
-        with_can_sleep(can_sleep: bool),
-        with_user_data(user_data: u64),
+fields! {
+    /// A body to be added.
+    ///
+    /// With the feature `serde` whatever is the default may be left out.
+    #[derive(Clone, Debug)]
+    #[cfg_attr(
+        feature = "serde",
+        derive(serde::Serialize, serde::Deserialize),
+        serde(default, deny_unknown_fields)
+    )]
+    #[non_exhaustive]
+    pub struct BodyDesc {
+        /// What moves it.
+        with_kind(kind: BodyKind) = BodyKind::Dynamic;
+        /// Where its origin is [m], within [`limits::MAX_POSITION`] along each axis.
+        with_position(position: DVec3, into) = DVec3::ZERO;
+        /// How its axes are turned; a unit quaternion.
+        with_rotation(rotation: glam::Quat, into) = glam::Quat::IDENTITY;
+        /// Velocity of its centre of mass [m/s].
+        with_linear_velocity(linear_velocity: Vec3, into) = Vec3::ZERO,
+            "linear velocity" [-limits::MAX_SPEED, limits::MAX_SPEED] "within 1e6 along each axis";
+        /// About the world's axes [rad/s].
+        with_angular_velocity(angular_velocity: Vec3, into) = Vec3::ZERO,
+            "angular velocity" [-limits::MAX_SPEED, limits::MAX_SPEED] "within 1e6 along each axis";
+        /// Its shapes; several make a compound.
+        _(shapes: Vec<ShapeDesc>) = Vec::new();
+        /// Mass, centre and inertia in the body's axes; `None`: from the shapes and their densities.
+        with_mass(mass: Option<MassProperties>, into) = None;
+        /// Factor on gravity.
+        with_gravity_scale(gravity_scale: f32) = 1.0,
+            "gravity scale" [-limits::MAX_ACCELERATION, limits::MAX_ACCELERATION]
+            "within 1e6 along each axis";
+        /// Share of its linear velocity that it loses in a second, while that share is small: the velocity of
+        /// a body that nothing else acts on falls as exp(-c t), whatever the length of steps [1/s]. Dynamic
+        /// bodies only.
+        with_linear_damping(linear_damping: f32) = 0.0,
+            "linear damping" [0.0, limits::MAX_DAMPING] "in 0..=1e6";
+        /// The same for its angular velocity [1/s].
+        with_angular_damping(angular_damping: f32) = 0.0,
+            "angular damping" [0.0, limits::MAX_DAMPING] "in 0..=1e6";
+        /// Greatest speed of its centre of mass [m/s]: whatever would make it faster makes it as fast as
+        /// this, in the same direction, in each substep and at the end of a step. Momentum and energy beyond
+        /// it are lost. Dynamic bodies only.
+        with_max_linear_speed(max_linear_speed: Option<f32>, into) = None,
+            "maximum linear speed" [0.0, limits::MAX_SPEED] "in 0..=1e6";
+        /// The same for its angular velocity [rad/s].
+        with_max_angular_speed(max_angular_speed: Option<f32>, into) = None,
+            "maximum angular speed" [0.0, limits::MAX_SPEED] "in 0..=1e6";
+        /// World axes along which it can't move.
+        with_lock_translation(lock_translation: [bool; 3]) = [false; 3];
+        /// World axes about which it can't turn.
+        with_lock_rotation(lock_rotation: [bool; 3]) = [false; 3];
+        /// How it is kept from passing through others: two collide by the greater of their modes, save that
+        /// what is static has none.
+        with_continuous(continuous: Continuous) = Continuous::Segment;
+        /// Has its rows, those of its contacts and joints, solved right after those of this group, unless
+        /// their own place is later: what is solved later wins.
+        with_solved_after(solved_after: Option<RowGroup>, into) = None;
+        /// Whether it may fall asleep, and its island with it.
+        with_can_sleep(can_sleep: bool) = true;
+        /// Free for the caller.
+        with_user_data(user_data: u64) = 0;
     }
 }
 
@@ -200,13 +163,7 @@ impl BodyDesc {
     pub fn validate(&self) -> Result<(), Error> {
         limits::position(self.position)?;
         unit_quat("rotation", self.rotation)?;
-        limits::speed("linear velocity", self.linear_velocity)?;
-        limits::speed("angular velocity", self.angular_velocity)?;
-        limits::acceleration("gravity scale", Vec3::splat(self.gravity_scale))?;
-        limits::damping("linear damping", self.linear_damping)?;
-        limits::damping("angular damping", self.angular_damping)?;
-        limits::speed_cap("maximum linear speed", self.max_linear_speed)?;
-        limits::speed_cap("maximum angular speed", self.max_angular_speed)?;
+        self.check_ranges()?;
         each("shape", &self.shapes, |shape| {
             shape.validate()?;
             if self.kind == BodyKind::Dynamic { shape.geometry.require_convex() } else { Ok(()) }

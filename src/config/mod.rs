@@ -1,6 +1,6 @@
 //! Settings, the order of rows, and the numbers that are chosen once for all worlds.
 
-mod builders;
+mod fields;
 mod measures;
 mod order;
 mod settings;
@@ -8,7 +8,8 @@ pub(crate) mod tuning;
 #[cfg(feature = "serde")]
 pub(crate) mod unbounded;
 
-pub(crate) use builders::with_fields;
+pub use fields::Field;
+pub(crate) use fields::fields;
 pub(crate) use measures::Measures;
 pub(crate) use order::Place;
 pub use order::{Order, RowGroup};

@@ -1,8 +1,8 @@
 //! Settings, with unit, range, default and source.
 
+use super::fields;
 use super::order::Order;
-use super::with_fields;
-use crate::error::{Error, positive, within};
+use crate::error::Error;
 use crate::limits;
 use crate::memory::Budget;
 use glam::Vec3;
@@ -134,143 +134,86 @@ pub enum FrictionModel {
     Point,
 }
 
-/// Settings of a world. Change them between steps with [`World::set_settings`](crate::World::set_settings).
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
-#[non_exhaustive]
-pub struct Settings {
-    /// Gravity [m/s²], within [`limits::MAX_ACCELERATION`] along each axis. Default (0, -9.81, 0).
-    pub gravity: Vec3,
-    /// Substeps of the solver in a step, 1..=64. Default 4. With 1 substep and several iterations the solver
-    /// is plain sequential impulses; with several substeps and 1 iteration it is soft substepping (Macklin et
-    /// al., *Small Steps in Physics Simulation*, 2019).
-    pub substeps: u32,
-    /// Gauss-Seidel iterations in each substep, 1..=256. Default 1.
-    pub iterations: u32,
-    /// Threads that a step may use, at least 1: the caller's own, and others of its rayon pool if they have
-    /// nothing else to do; a busy pool is not waited for. Default 1.
-    pub threads: usize,
-    /// The actual mode of [`Continuous::Segment`] bodies; `Discrete` switches continuous collision off for
-    /// the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own mode.
-    pub continuous: Continuous,
-    /// How bodies that are not `Discrete` are kept from passing through others. Default
-    /// [`ContinuousMethod::OnePass`].
-    pub method: ContinuousMethod,
-    /// Cone or box. Default cone.
-    pub friction_cone: FrictionCone,
-    /// Per patch or per point. Default patch.
-    pub friction_model: FrictionModel,
-    /// Length of a typical body [m], 1e-6..=1e6; scales the lengths below. Default 1.
-    pub length_unit: f32,
-    /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, more than gravity gives a
-    /// resting body within a step of 1/30 s.
-    pub restitution_threshold: f32,
-    /// Overlap that sliding, rolling and new contacts keep, and a tenth of the maximum gap at which the
-    /// springs of resting contacts act [length units]. Default 0.0005.
-    pub slop: f32,
-    /// Contact stiffness where both materials are rigid (see
-    /// [`Material::contact_hertz`](crate::Material::contact_hertz)) [Hz], limited to the stable maximum: 0.15
-    /// of the rate of substeps with one iteration, growing with the root of the number of iterations. Default
-    /// 120.
-    pub contact_hertz: f32,
-    /// Contact damping ratio. Default 10 (Catto, Box2D v3).
-    pub contact_damping: f32,
-    /// Maximum speed at which overlap is pushed apart [m/s per length unit]. Where many bodies overlap each
-    /// other, they add up to at most five times as much. Default 3.
-    pub push_speed: f32,
-    /// Whether the solver starts with the impulses of the previous step. Default true.
-    pub warm_starting: bool,
-    /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
-    pub recycling: bool,
-    /// Whether joints that form trees are solved exactly, as a block. Otherwise all joints are solved row by
-    /// row, which is cheaper and lets chains stretch under load; it exists for comparison (`docs/joints.md`).
-    /// Default true.
-    pub joint_trees: bool,
-    /// Whether the paths of continuous bodies are checked after the solver, and cut where a centre would
-    /// still pass through something (`docs/decisions/guard.md`). Without it bodies are stopped by contacts
-    /// alone; this exists to measure how well. Default true.
-    pub guard: bool,
-    /// The order in which groups of rows are solved: the last is obeyed best. Default: joints before
-    /// contacts, static geometry last.
-    pub order: Order,
-    /// Whether bodies at rest fall asleep, in islands of connected bodies; until something wakes them they
-    /// take no time. Default false.
-    pub sleeping: bool,
-    /// A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is
-    /// faster [m/s per length unit]. Default 0.05.
-    pub sleep_speed: f32,
-    /// How long all bodies of an island must be at rest before it falls asleep [s]. Default 0.5.
-    pub sleep_time: f32,
-    /// Contacts with at least this approach speed are reported as hits [m/s per length unit]. Default 1.
-    pub hit_speed: f32,
-    /// Maximum number of events of each kind in a step; those beyond are counted in
-    /// [`StepReport::events_lost`](crate::StepReport::events_lost). Default 4096.
-    pub event_capacity: u32,
-    /// Bytes that the world may reserve, in total and in each category. Additions beyond it are refused, and
-    /// a step leaves out the contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)).
-    /// Default: no limit.
-    pub budget: Budget,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Settings {
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            substeps: 4,
-            iterations: 1,
-            threads: 1,
-            continuous: Continuous::Segment,
-            method: ContinuousMethod::OnePass,
-            friction_cone: FrictionCone::Cone,
-            friction_model: FrictionModel::Patch,
-            length_unit: 1.0,
-            restitution_threshold: 0.3,
-            slop: 0.0005,
-            contact_hertz: 120.0,
-            contact_damping: 10.0,
-            push_speed: 3.0,
-            warm_starting: true,
-            recycling: true,
-            joint_trees: true,
-            guard: true,
-            order: Order::default(),
-            sleeping: false,
-            sleep_speed: 0.05,
-            sleep_time: 0.5,
-            hit_speed: 1.0,
-            event_capacity: 4096,
-            budget: Budget::NONE,
-        }
-    }
-}
-
-with_fields! {
-    Settings {
-        with_gravity(gravity: into Vec3),
-        with_substeps(substeps: u32),
-        with_iterations(iterations: u32),
-        with_threads(threads: usize),
-        with_continuous(continuous: Continuous),
-        with_method(method: ContinuousMethod),
-        with_friction_cone(friction_cone: FrictionCone),
-        with_friction_model(friction_model: FrictionModel),
-        with_length_unit(length_unit: f32),
-        with_restitution_threshold(restitution_threshold: f32),
-        with_slop(slop: f32),
-        with_contact_hertz(contact_hertz: f32),
-        with_contact_damping(contact_damping: f32),
-        with_push_speed(push_speed: f32),
-        with_warm_starting(warm_starting: bool),
-        with_recycling(recycling: bool),
-        with_joint_trees(joint_trees: bool),
-        with_guard(guard: bool),
-        with_order(order: Order),
-        with_sleeping(sleeping: bool),
-        with_sleep_speed(sleep_speed: f32),
-        with_sleep_time(sleep_time: f32),
-        with_hit_speed(hit_speed: f32),
-        with_event_capacity(event_capacity: u32),
-        with_budget(budget: Budget),
+fields! {
+    /// Settings of a world. Change them between steps with
+    /// [`World::set_settings`](crate::World::set_settings).
+    #[derive(Clone, Debug, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+    #[non_exhaustive]
+    pub struct Settings {
+        /// Gravity [m/s²].
+        with_gravity(gravity: Vec3, into) = Vec3::new(0.0, -9.81, 0.0),
+            "gravity" [-limits::MAX_ACCELERATION, limits::MAX_ACCELERATION] "within 1e6 along each axis";
+        /// Substeps of the solver in a step. With 1 substep and several iterations the solver is plain
+        /// sequential impulses; with several substeps and 1 iteration it is soft substepping (Macklin et al.,
+        /// *Small Steps in Physics Simulation*, 2019).
+        with_substeps(substeps: u32) = 4, "substeps" [1.0, 64.0] "in 1..=64";
+        /// Gauss-Seidel iterations in each substep.
+        with_iterations(iterations: u32) = 1, "iterations" [1.0, 256.0] "in 1..=256";
+        /// Threads that a step may use: the caller's own, and others of its rayon pool if they have nothing
+        /// else to do; a busy pool is not waited for.
+        with_threads(threads: usize) = 1, "threads" [1.0, 1024.0] "in 1..=1024";
+        /// The actual mode of [`Continuous::Segment`] bodies; `Discrete` switches continuous collision off
+        /// for the whole world, `Volume` raises all that are not `Discrete`, and `Segment` leaves each body
+        /// its own mode.
+        with_continuous(continuous: Continuous) = Continuous::Segment;
+        /// How bodies that are not `Discrete` are kept from passing through others.
+        with_method(method: ContinuousMethod) = ContinuousMethod::OnePass;
+        /// Cone or box.
+        with_friction_cone(friction_cone: FrictionCone) = FrictionCone::Cone;
+        /// Per patch or per point.
+        with_friction_model(friction_model: FrictionModel) = FrictionModel::Patch;
+        /// Length of a typical body [m]; scales the lengths below.
+        with_length_unit(length_unit: f32) = 1.0,
+            "length_unit" [limits::MIN_LENGTH, limits::MAX_LENGTH] "in 1e-6..=1e6 m";
+        /// Approach speed below which a contact does not bounce [m/s]: by default more than gravity gives a
+        /// resting body within a step of 1/30 s.
+        with_restitution_threshold(restitution_threshold: f32) = 0.3,
+            "restitution_threshold" [0.0, limits::MAX_SPEED] "in 0..=1e6";
+        /// Overlap that sliding, rolling and new contacts keep, and a tenth of the maximum gap at which the
+        /// springs of resting contacts act [length units].
+        with_slop(slop: f32) = 0.0005, "slop" [0.0, 1.0] "in 0..=1";
+        /// Contact stiffness where both materials are rigid (see
+        /// [`Material::contact_hertz`](crate::Material::contact_hertz)) [Hz], limited to the stable maximum:
+        /// 0.15 of the rate of substeps with one iteration, growing with the root of the number of
+        /// iterations.
+        with_contact_hertz(contact_hertz: f32) = 120.0, "contact_hertz" [1e-6, 1e6] "in 1e-6..=1e6";
+        /// Contact damping ratio (by default that of Catto, Box2D v3).
+        with_contact_damping(contact_damping: f32) = 10.0, "contact_damping" [1e-6, 1e6] "in 1e-6..=1e6";
+        /// Maximum speed at which overlap is pushed apart [m/s per length unit]. Where many bodies overlap
+        /// each other, they add up to at most five times as much.
+        with_push_speed(push_speed: f32) = 3.0, "push_speed" [1e-6, 1e6] "in 1e-6..=1e6";
+        /// Whether the solver starts with the impulses of the previous step.
+        with_warm_starting(warm_starting: bool) = true;
+        /// Whether contacts of pairs that hardly moved are kept without a new narrow phase.
+        with_recycling(recycling: bool) = true;
+        /// Whether joints that form trees are solved exactly, as a block. Otherwise all joints are solved row
+        /// by row, which is cheaper and lets chains stretch under load; it exists for comparison
+        /// (`docs/joints.md`).
+        with_joint_trees(joint_trees: bool) = true;
+        /// Whether the paths of continuous bodies are checked after the solver, and cut where a centre would
+        /// still pass through something (`docs/decisions/guard.md`). Without it bodies are stopped by
+        /// contacts alone; this exists to measure how well.
+        with_guard(guard: bool) = true;
+        /// The order in which groups of rows are solved: the last is obeyed best. By default joints come
+        /// before contacts, and static geometry last.
+        with_order(order: Order) = Order::default();
+        /// Whether bodies at rest fall asleep, in islands of connected bodies; until something wakes them
+        /// they take no time.
+        with_sleeping(sleeping: bool) = false;
+        /// A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is
+        /// faster [m/s per length unit].
+        with_sleep_speed(sleep_speed: f32) = 0.05, "sleep_speed" [0.0, f32::MAX] "at least zero";
+        /// How long all bodies of an island must be at rest before it falls asleep [s].
+        with_sleep_time(sleep_time: f32) = 0.5, "sleep_time" [0.0, f32::MAX] "at least zero";
+        /// Contacts with at least this approach speed are reported as hits [m/s per length unit].
+        with_hit_speed(hit_speed: f32) = 1.0, "hit_speed" [0.0, f32::MAX] "at least zero";
+        /// Maximum number of events of each kind in a step; those beyond are counted in
+        /// [`StepReport::events_lost`](crate::StepReport::events_lost).
+        with_event_capacity(event_capacity: u32) = 4096;
+        /// Bytes that the world may reserve, in total and in each category. Additions beyond it are refused,
+        /// and a step leaves out the contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)).
+        with_budget(budget: Budget) = Budget::NONE;
     }
 }
 
@@ -307,30 +250,13 @@ impl Settings {
     /// # Errors
     /// Names the first setting that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        limits::acceleration("gravity", self.gravity)?;
-        within("substeps", self.substeps as f32, 1.0, 64.0, "in 1..=64")?;
-        within("iterations", self.iterations as f32, 1.0, 256.0, "in 1..=256")?;
-        within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
+        self.check_ranges()?;
         if !self.method.is_there() {
             return Err(Error::Incomplete {
                 what: "a build with this method",
                 expected: "the feature `methods`",
             });
         }
-        limits::length("length_unit", self.length_unit)?;
-        within("restitution_threshold", self.restitution_threshold, 0.0, limits::MAX_SPEED, "in 0..=1e6")?;
-        limits::share("slop", self.slop)?;
-        for (what, value) in [
-            ("contact_hertz", self.contact_hertz),
-            ("contact_damping", self.contact_damping),
-            ("push_speed", self.push_speed),
-        ] {
-            positive(what, value)?;
-            within(what, value, 1e-6, 1e6, "in 1e-6..=1e6")?;
-        }
-        limits::amount("hit_speed", self.hit_speed)?;
-        limits::amount("sleep_speed", self.sleep_speed)?;
-        limits::amount("sleep_time", self.sleep_time)?;
         if !self.order.is_complete() {
             return Err(Error::Incomplete { what: "the order of rows", expected: "each group once" });
         }

@@ -2,8 +2,8 @@
 //! column of its own.
 
 use super::flags::{BELT, IDLE_DAMPING, ROLLS, SOFT};
-use crate::config::with_fields;
-use crate::error::{Error, within};
+use crate::config::fields;
+use crate::error::Error;
 use crate::limits;
 use glam::Vec3;
 
@@ -34,77 +34,128 @@ impl Combine {
     }
 }
 
-/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
-/// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it). Of rolling
-/// and of spinning friction the larger of the two counts, surface velocities add up, and the softer surface
-/// decides how the contact yields.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[non_exhaustive]
-pub struct Material {
-    /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
-    pub static_friction: f32,
-    /// Coulomb coefficient while they slide, at least zero. Default 0.6.
-    pub dynamic_friction: f32,
-    /// Share of the approach speed that comes back, 0..=1. Default 0.
-    pub restitution: f32,
-    /// Default average.
-    pub friction_combine: Combine,
-    /// Default average.
-    pub restitution_combine: Combine,
-    /// Lever arm of the load against rolling [m], 0..=1e6: the torque against rotation about axes in the
-    /// surface is at most this times the normal force (the coefficient of rolling resistance as a length). A
-    /// solid ball of radius r on a level floor slows down by (5/7) g b / r, and stays on slopes below
-    /// atan(b / r). Default 0.
-    pub rolling_friction: f32,
-    /// Lever arm of the load against spinning [m], 0..=1e6: the torque against rotation about the normal is
-    /// at most this times the normal force, beside what sliding friction does about the middle of a contact
-    /// of several points. Default 0.
-    pub spinning_friction: f32,
-    /// Velocity at which the surface moves past the shape, in the shape's frame [m/s], within 1e6 along each
-    /// axis: a belt. Friction pulls what touches it along. Default zero.
-    pub surface_velocity: Vec3,
-    /// Frequency of the spring with which the surface yields [Hz], 0..=1e6; 0 for a rigid one, for which
-    /// [`Settings::contact_hertz`](crate::Settings::contact_hertz) counts. Default 0.
-    ///
-    /// It is the frequency of the two bodies on the spring of their contact: a body that lies flat on a soft
-    /// floor sinks by g / (2 pi f)², whatever its mass. An edge has half the spring of a face with four
-    /// points, a corner a quarter. What a body carries sinks it further, and each contact of a body has a
-    /// spring of its own. Of two surfaces the softer one decides. The surface gives way by at most half the
-    /// inner radius of the thinner shape (half a ball's radius, or a quarter of a plate's thickness), and is
-    /// rigid there. The spring alone throws back what falls on it: a soft contact has no restitution. Springs
-    /// above 0.16 of the rate of substeps act as one of that frequency
-    /// (docs/decisions/soft-contacts.md).
-    pub contact_hertz: f32,
-    /// Damping ratio of that spring, 0..=100: with 0 a ball comes back with nearly its energy, with 1 it does
-    /// not swing. Damping that would stop a body within a substep is reduced to that. Default 1.
-    pub contact_damping: f32,
+/// The fields of [`Material`], for all that is made of them: here, and in the loader of scenes. `base` is
+/// what every collider keeps, `rare` what few have; each is a list for [`fields`]. `Vec3` and `Combine` are
+/// those of the place where the list is used.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! material_fields {
+    ($then:ident) => {
+        $then! {
+            base {
+                /// Coulomb coefficient while the surfaces stick.
+                with_static_friction(static_friction: f32) = 0.6,
+                    "static friction" [0.0, f32::MAX] "at least zero";
+                /// Coulomb coefficient while they slide.
+                with_dynamic_friction(dynamic_friction: f32) = 0.6,
+                    "dynamic friction" [0.0, f32::MAX] "at least zero";
+                /// Share of the approach speed that comes back.
+                with_restitution(restitution: f32) = 0.0, "restitution" [0.0, 1.0] "in 0..=1";
+                /// How two coefficients of friction become one.
+                with_friction_combine(friction_combine: Combine) = Combine::Average;
+                /// How two coefficients of restitution become one.
+                with_restitution_combine(restitution_combine: Combine) = Combine::Average;
+            }
+            rare {
+                /// Lever arm of the load against rolling [m]: the torque against rotation about axes in the
+                /// surface is at most this times the normal force (the coefficient of rolling resistance as a
+                /// length). A solid ball of radius r on a level floor slows down by (5/7) g b / r, and stays
+                /// on slopes below atan(b / r).
+                with_rolling_friction(rolling_friction: f32) = 0.0,
+                    "rolling friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
+                /// Lever arm of the load against spinning [m]: the torque against rotation about the normal
+                /// is at most this times the normal force, beside what sliding friction does about the middle
+                /// of a contact of several points.
+                with_spinning_friction(spinning_friction: f32) = 0.0,
+                    "spinning friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
+                /// Velocity at which the surface moves past the shape, in the shape's frame [m/s]: a belt.
+                /// Friction pulls what touches it along.
+                with_surface_velocity(surface_velocity: Vec3, into) = Vec3::ZERO,
+                    "surface velocity" [-limits::MAX_SPEED, limits::MAX_SPEED] "within 1e6 along each axis";
+                /// Frequency of the spring with which the surface yields [Hz]; 0 for a rigid one, for which
+                /// [`Settings::contact_hertz`](crate::Settings::contact_hertz) counts.
+                ///
+                /// It is the frequency of the two bodies on the spring of their contact: a body that lies
+                /// flat on a soft floor sinks by g / (2 pi f)², whatever its mass. An edge has half the
+                /// spring of a face with four points, a corner a quarter. What a body carries sinks it
+                /// further, and each contact of a body has a spring of its own. Of two surfaces the softer
+                /// one decides. The surface gives way by at most half the inner radius of the thinner shape
+                /// (half a ball's radius, or a quarter of a plate's thickness), and is rigid there. The
+                /// spring alone throws back what falls on it: a soft contact has no restitution. Springs
+                /// above 0.16 of the rate of substeps act as one of that frequency
+                /// (docs/decisions/soft-contacts.md).
+                with_contact_hertz(contact_hertz: f32) = 0.0, "contact hertz" [0.0, 1e6] "in 0..=1e6 Hz";
+                /// Damping ratio of that spring: with 0 a ball comes back with nearly its energy, with 1 it
+                /// does not swing. Damping that would stop a body within a substep is reduced to that.
+                with_contact_damping(contact_damping: f32) = 1.0,
+                    "contact damping" [0.0, 100.0] "in 0..=100";
+            }
+        }
+    };
 }
 
-impl Default for Material {
-    fn default() -> Self {
-        Material::of(BaseMaterial::default(), RareMaterial::default())
-    }
+/// A part of a [`Material`], as colliders keep it.
+macro_rules! part {
+    ($(#[$meta:meta])* $of:ident, $get:ident { $(
+        $(#[doc = $doc:literal])+
+        $with:ident($field:ident: $kind:ty $(, $into:ident)?) = $default:expr
+            $(, $what:literal $ends:tt $range:literal)?;
+    )+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
+        pub(crate) struct $of { $(pub(crate) $field: $kind),+ }
+
+        impl Default for $of {
+            fn default() -> Self {
+                $of { $($field: $default),+ }
+            }
+        }
+
+        impl $of {
+            fn put(self, to: &mut Material) {
+                $(to.$field = self.$field;)+
+            }
+        }
+
+        impl Material {
+            $(#[$meta])*
+            pub(crate) fn $get(&self) -> $of {
+                $of { $($field: self.$field),+ }
+            }
+        }
+    };
 }
 
-with_fields! {
-    Material {
-        with_static_friction(static_friction: f32),
-        with_dynamic_friction(dynamic_friction: f32),
-        with_restitution(restitution: f32),
-        with_friction_combine(friction_combine: Combine),
-        with_restitution_combine(restitution_combine: Combine),
-        with_rolling_friction(rolling_friction: f32),
-        with_spinning_friction(spinning_friction: f32),
-        with_surface_velocity(surface_velocity: into Vec3),
-        with_contact_hertz(contact_hertz: f32),
-        with_contact_damping(contact_damping: f32),
-    }
+macro_rules! materials {
+    (base { $($base:tt)+ } rare { $($rare:tt)+ }) => {
+        fields! {
+            /// Friction and restitution of a surface. Where two surfaces want different ways to combine, the
+            /// first of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies`
+            /// has it). Of rolling and of spinning friction the larger of the two counts, surface velocities
+            /// add up, and the softer surface decides how the contact yields.
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            #[cfg_attr(
+                feature = "serde",
+                derive(serde::Serialize, serde::Deserialize),
+                serde(default, deny_unknown_fields)
+            )]
+            #[non_exhaustive]
+            pub struct Material { $($base)+ $($rare)+ }
+        }
+
+        part! {
+            /// The part of a [`Material`] that every collider has.
+            BaseMaterial, base { $($base)+ }
+        }
+
+        part! {
+            /// The part of a [`Material`] that few colliders have; the default in others.
+            RareMaterial, rare { $($rare)+ }
+        }
+    };
 }
+material_fields!(materials);
 
 impl Material {
     /// One coefficient for sticking and sliding.
@@ -113,80 +164,20 @@ impl Material {
         self
     }
 
-    /// What all colliders keep.
-    pub(crate) fn base(&self) -> BaseMaterial {
-        BaseMaterial {
-            static_friction: self.static_friction,
-            dynamic_friction: self.dynamic_friction,
-            restitution: self.restitution,
-            friction_combine: self.friction_combine,
-            restitution_combine: self.restitution_combine,
-        }
-    }
-
     /// Whether its contacts are soft.
     pub(crate) fn is_soft(&self) -> bool {
         self.contact_hertz > 0.0
     }
 
-    /// What few colliders have.
-    pub(crate) fn rare(&self) -> RareMaterial {
-        RareMaterial {
-            rolling_friction: self.rolling_friction,
-            spinning_friction: self.spinning_friction,
-            surface_velocity: self.surface_velocity,
-            contact_hertz: self.contact_hertz,
-            contact_damping: self.contact_damping,
-        }
-    }
-
     pub(crate) fn of(base: BaseMaterial, rare: RareMaterial) -> Material {
-        Material {
-            static_friction: base.static_friction,
-            dynamic_friction: base.dynamic_friction,
-            restitution: base.restitution,
-            friction_combine: base.friction_combine,
-            restitution_combine: base.restitution_combine,
-            rolling_friction: rare.rolling_friction,
-            spinning_friction: rare.spinning_friction,
-            surface_velocity: rare.surface_velocity,
-            contact_hertz: rare.contact_hertz,
-            contact_damping: rare.contact_damping,
-        }
+        let mut all = Material::default();
+        base.put(&mut all);
+        rare.put(&mut all);
+        all
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
-        limits::friction("static friction", self.static_friction)?;
-        limits::friction("dynamic friction", self.dynamic_friction)?;
-        limits::share("restitution", self.restitution)?;
-        within("rolling friction", self.rolling_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
-        within("spinning friction", self.spinning_friction, 0.0, limits::MAX_LENGTH, "in 0..=1e6 m")?;
-        within("contact hertz", self.contact_hertz, 0.0, 1e6, "in 0..=1e6 Hz")?;
-        within("contact damping", self.contact_damping, 0.0, 100.0, "in 0..=100")?;
-        limits::speed("surface velocity", self.surface_velocity)
-    }
-}
-
-/// The part of a [`Material`] that every collider has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct BaseMaterial {
-    pub(crate) static_friction: f32,
-    pub(crate) dynamic_friction: f32,
-    pub(crate) restitution: f32,
-    pub(crate) friction_combine: Combine,
-    pub(crate) restitution_combine: Combine,
-}
-
-impl Default for BaseMaterial {
-    fn default() -> Self {
-        BaseMaterial {
-            static_friction: 0.6,
-            dynamic_friction: 0.6,
-            restitution: 0.0,
-            friction_combine: Combine::Average,
-            restitution_combine: Combine::Average,
-        }
+        self.check_ranges()
     }
 }
 
@@ -202,29 +193,6 @@ impl BaseMaterial {
     /// Restitution of two surfaces.
     pub(crate) fn restitution_with(&self, other: &BaseMaterial) -> f32 {
         self.restitution_combine.min(other.restitution_combine).of(self.restitution, other.restitution)
-    }
-}
-
-/// The part of a [`Material`] that few colliders have; the default in others.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "replay", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct RareMaterial {
-    pub(crate) rolling_friction: f32,
-    pub(crate) spinning_friction: f32,
-    pub(crate) surface_velocity: Vec3,
-    pub(crate) contact_hertz: f32,
-    pub(crate) contact_damping: f32,
-}
-
-impl Default for RareMaterial {
-    fn default() -> Self {
-        RareMaterial {
-            rolling_friction: 0.0,
-            spinning_friction: 0.0,
-            surface_velocity: Vec3::ZERO,
-            contact_hertz: 0.0,
-            contact_damping: 1.0,
-        }
     }
 }
 

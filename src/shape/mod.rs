@@ -48,38 +48,30 @@ pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{RAYS, Stream, Walk};
 pub(crate) use surfaces::Surfaces;
 
-use crate::config::with_fields;
+use crate::config::fields;
 use crate::error::Error;
 use crate::limits::{self, unit_quat};
 use glam::Vec3;
 
-/// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a
-/// group other than 0, the groups differ or are positive (equal negative groups never collide, equal positive
-/// ones always).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
-#[non_exhaustive]
-pub struct Filter {
-    /// Bits that this shape is. Default: bit 0.
-    pub category: u64,
-    /// Bits that this shape collides with. Default: all.
-    pub mask: u64,
-    /// See the type. Default 0.
-    pub group: i32,
-}
-
-impl Default for Filter {
-    fn default() -> Self {
-        Filter { category: 1, mask: u64::MAX, group: 0 }
+fields! {
+    /// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a
+    /// group other than 0, the groups differ or are positive (equal negative groups never collide, equal
+    /// positive ones always).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[cfg_attr(
+        feature = "serde",
+        derive(serde::Serialize, serde::Deserialize),
+        serde(default, deny_unknown_fields)
+    )]
+    #[non_exhaustive]
+    pub struct Filter {
+        /// Bits that this shape is.
+        with_category(category: u64) = 1;
+        /// Bits that this shape collides with.
+        with_mask(mask: u64) = u64::MAX;
+        /// See the type.
+        with_group(group: i32) = 0;
     }
-}
-
-with_fields! {
-    Filter { with_category(category: u64), with_mask(mask: u64), with_group(group: i32) }
 }
 
 impl Filter {
@@ -139,11 +131,11 @@ pub struct ShapeDesc {
     pub user_data: u64,
 }
 
-with_fields! {
+fields! {
     ShapeDesc {
         with_geometry(geometry: Geometry),
-        with_position(position: into Vec3),
-        with_rotation(rotation: into glam::Quat),
+        with_position(position: Vec3, into),
+        with_rotation(rotation: glam::Quat, into),
         with_density(density: f32),
         with_material(material: Material),
         with_filter(filter: Filter),
