@@ -2,6 +2,7 @@
 
 use super::store::{Bodies, IDLE};
 use crate::lanes::Record;
+use crate::memory::Buffer;
 
 impl Bodies {
     /// Whether a force was applied since the last step. That the column exists says nothing: it outlasts its
@@ -14,6 +15,13 @@ impl Bodies {
     pub(crate) fn note_push(&mut self) {
         self.pushes = self.pushes.saturating_add(1);
         self.unpushed = 0;
+    }
+
+    /// Makes the column, of which there is none yet.
+    pub(crate) fn make_forces(&mut self) {
+        let bodies = self.len();
+        self.force.reserve_total(bodies);
+        self.force.resize(bodies, Record::default());
     }
 
     /// Forces last for a step. Once nobody has applied any for a while, their column goes, if it may.

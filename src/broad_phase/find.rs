@@ -68,6 +68,11 @@ impl Blocks {
         Made { all: &mut self.all, make, holds: STACK * size_of::<u32>() }
     }
 
+    /// So many of them.
+    fn used(&mut self, count: usize) -> impl Iterator<Item = &mut Block> {
+        self.all[..count].iter_mut().map(|block| block.get_mut().unwrap_or_else(PoisonError::into_inner))
+    }
+
     fn even_out(&mut self, allowance: &mut Allowance) {
         even_out(&mut self.all, &mut self.marks, allowance);
     }
@@ -199,16 +204,13 @@ impl BroadPhase {
         memory: &mut PairMemory<'_>,
     ) -> (u32, u32) {
         let wanted = self.changed.len().div_ceil(BLOCK);
-        // A budget is shared out among all that want something of it.
+        // A budget is shared out among all that want something of it; bodies brought blocks for all.
         let wave = if memory.allowances.is_endless() { WAVE } else { wanted };
-        let count = memory
-            .allowances
-            .within(Category::BroadPhase, |allowance| self.grow_blocks(wanted.min(wave), allowance));
-        let shed = if count < wanted.min(wave) { self.changed.len() - count * BLOCK } else { 0 };
-        let (mut shed, before) = (shed as u32, self.pairs.len());
-        let end = if shed > 0 { count } else { wanted };
-        for first in (0..end).step_by(count.max(1)) {
-            let count = count.min(end - first);
+        let count = wanted.min(wave);
+        memory.allowances.within(Category::BroadPhase, |allowance| self.grow_blocks(count, allowance));
+        let (mut shed, before) = (0, self.pairs.len());
+        for first in (0..wanted).step_by(count.max(1)) {
+            let count = count.min(wanted - first);
             let mut lost = self.search_within(workers, first, count, rules, memory.allowances);
             if lost > 0 && memory.make_room(LOST * lost as usize) {
                 lost = self.search_within(workers, first, count, rules, memory.allowances);
@@ -218,7 +220,8 @@ impl BroadPhase {
         ((self.pairs.len() - before) as u32, shed)
     }
 
-    /// Searches within shares of what room there is; says how often it was too little.
+    /// Searches with an equal share for each block of half of what room there is, and lets all have what one
+    /// needed; says how often it was too little.
     fn search_within(
         &mut self,
         workers: &Workers,
@@ -227,9 +230,20 @@ impl BroadPhase {
         rules: &Rules,
         allowances: &mut Allowances,
     ) -> u32 {
-        let share = self.share(count, &allowances.allowance(Category::BroadPhase));
-        self.search(workers, first, count, rules);
-        allowances.within(Category::BroadPhase, |allowance| self.settle(count, share, allowance))
+        allowances.within(Category::BroadPhase, |allowance| {
+            let share = allowance.share(2 * count);
+            for block in self.blocks.used(count) {
+                (block.allowance, block.shed) = (share, 0);
+            }
+            self.search(workers, first, count, rules);
+            let mut shed = 0;
+            for block in self.blocks.used(count) {
+                allowance.take(share.left() - block.allowance.left());
+                shed += block.shed;
+            }
+            allowance.within(8, |allowance| self.blocks.even_out(allowance));
+            shed
+        })
     }
 
     /// Searches for the pairs of some blocks of what changed.
@@ -261,18 +275,14 @@ impl BroadPhase {
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
     fn take_in(&mut self, count: usize, rules: &Rules, memory: &mut PairMemory<'_>) -> u32 {
-        let found: usize = self.blocks.all[..count].iter().map(|block| lock(block).found.len()).sum();
+        let found: usize = self.blocks.used(count).map(|block| block.found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
         if !memory.allowances.is_endless() {
-            let mut most = self.most_pairs(before + found, rules, memory.allowances);
-            if most < before + found {
-                let bytes = self.missing(before + found) + (rules.missing)(before + found);
-                if memory.make_room(bytes.saturating_sub(memory.allowances.whole())) {
-                    most = self.most_pairs(before + found, rules, memory.allowances);
-                }
-            }
+            let bytes = self.missing(before + found) + (rules.missing)(before + found);
+            memory.make_room(bytes.saturating_sub(memory.allowances.whole()));
+            let most = self.most_pairs(before + found, rules, memory.allowances);
             let granted = most.saturating_sub(before);
             let of_static = self.blocks.all[..count].iter().map(|block| {
                 let block = lock(block);
@@ -306,18 +316,13 @@ impl BroadPhase {
 
     /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
     fn most_pairs(&self, wanted: usize, rules: &Rules, allowances: &Allowances) -> usize {
-        let fits = |pairs: usize| {
+        let missing = |pairs: usize| {
             let mut missing = Amounts::default();
             missing.add(Category::BroadPhase, self.missing(pairs));
             missing.add(Category::Scratch, (rules.missing)(pairs));
-            allowances.fits(&missing)
+            missing
         };
-        let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
-        while too_many - most > 1 {
-            let middle = usize::midpoint(most, too_many);
-            *if fits(middle) { &mut most } else { &mut too_many } = middle;
-        }
-        most
+        allowances.most(self.pairs.len(), wanted, &missing)
     }
 
     fn has_static(&self, (a, b): (u32, u32)) -> bool {
@@ -325,41 +330,13 @@ impl BroadPhase {
         still(a) || still(b)
     }
 
-    /// Makes sure that there are so many blocks, if there is room for them; says how many may be used.
-    fn grow_blocks(&mut self, count: usize, allowance: &mut Allowance) -> usize {
+    /// Makes sure that there are so many blocks; under a budget there are.
+    fn grow_blocks(&mut self, count: usize, allowance: &mut Allowance) {
         if count > self.blocks.all.len() {
             // A few more, or every other step would add one.
-            let more = count + count / 4;
-            let mut blocks = self.blocks.with_stacks();
-            let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= allowance.left());
-            let Some(most) = most else { return self.blocks.all.len() };
-            allowance.take(blocks.missing(most));
-            blocks.reserve_total(most);
+            self.blocks.with_stacks().reserve_total(count + count / 4);
             allowance.within(2, |allowance| self.blocks.even_out(allowance));
         }
-        count
-    }
-
-    /// Gives each block an equal share of half of what is left.
-    fn share(&mut self, count: usize, allowance: &Allowance) -> Allowance {
-        let share = allowance.share(2 * count);
-        for block in &mut self.blocks.all[..count] {
-            let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
-            (block.allowance, block.shed) = (share, 0);
-        }
-        share
-    }
-
-    /// Takes off what the blocks used of their shares, and lets all have what one needed. Says what was shed.
-    fn settle(&mut self, count: usize, share: Allowance, allowance: &mut Allowance) -> u32 {
-        let mut shed = 0;
-        for block in &mut self.blocks.all[..count] {
-            let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
-            allowance.take(share.left() - block.allowance.left());
-            shed += block.shed;
-        }
-        allowance.within(8, |allowance| self.blocks.even_out(allowance));
-        shed
     }
 
     #[cfg(not(test))]

@@ -10,7 +10,7 @@ use crate::math::Quat;
 use crate::query::QueryFilter;
 use crate::shape::Geometry;
 use crate::words::{Reader, broken, words};
-use crate::world::{CHARACTER_WORDS, Change, Resident, World};
+use crate::world::{Addition, CHARACTER_WORDS, Change, Resident, World};
 use glam::{DVec3, Vec3};
 
 /// Writes words one after another.
@@ -142,7 +142,7 @@ impl World {
     /// If the budget does not allow it.
     pub fn add_character(&mut self, character: &Character) -> Result<CharacterHandle, Error> {
         let resident = character.resident();
-        self.reserve_for_character(resident.geometry.as_ref(), self.slots_with_another())?;
+        self.reserve(Addition::Character(resident.geometry.as_ref(), self.slots_with_another()))?;
         self.note(Change::AddCharacter(&resident));
         Ok(self.insert_resident(resident))
     }
@@ -173,7 +173,7 @@ impl World {
     pub fn set_character(&mut self, character: CharacterHandle, to: &Character) -> Result<(), Error> {
         self.characters.get(character)?;
         let resident = to.resident();
-        self.reserve_for_character(resident.geometry.as_ref(), 0)?;
+        self.reserve(Addition::Character(resident.geometry.as_ref(), 0))?;
         self.note(Change::SetCharacter(character, &resident));
         self.replace_resident(character, resident);
         Ok(())

@@ -11,7 +11,7 @@ pub(crate) use articulation::close::Closing;
 pub(crate) use articulation::contacts::guard;
 pub(crate) use articulation::slots::{TreeRef, TreeSlot, TreeSlots};
 pub(crate) use contact::batch::Batch;
-pub(crate) use contact::expect::lend;
+pub(crate) use contact::expect::{lend, row_cost};
 pub(crate) use contact::friction::impact::solve_impact_friction;
 pub(crate) use contact::friction::{FrictionRow, RollingRow};
 pub(crate) use contact::input::{Beside, PrepareInput};

@@ -77,6 +77,17 @@ impl Allowances {
         Category::ALL.into_iter().for_each(|c| self.of[c as usize].take(used.of(c)));
     }
 
+    /// The most, from `least` up to `wanted`, that fits by what `asked` says of a number; `least` in any
+    /// case.
+    pub(crate) fn most(&self, least: usize, wanted: usize, asked: &dyn Fn(usize) -> Amounts) -> usize {
+        let (mut most, mut too_many) = (least, wanted + 1);
+        while too_many - most > 1 {
+            let middle = usize::midpoint(most, too_many);
+            *if self.fits(&asked(middle)) { &mut most } else { &mut too_many } = middle;
+        }
+        most
+    }
+
     /// Whether so much fits beside each other.
     pub(crate) fn fits(&self, asked: &Amounts) -> bool {
         asked.total() <= self.whole.left() && Category::ALL.into_iter().all(|c| asked.of(c) <= self.own(c))

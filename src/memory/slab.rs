@@ -28,19 +28,9 @@ const fn pieces(bytes: usize) -> usize {
 }
 
 impl Slab {
-    /// Bytes that it lacks to hold so many.
-    pub(crate) fn missing(&self, bytes: usize) -> usize {
-        self.memory.missing(pieces(bytes))
-    }
-
     /// Bytes that it has beyond what it takes to hold so many.
     pub(crate) fn spare(&self, bytes: usize) -> usize {
         self.memory.capacity().saturating_sub(pieces(bytes)) * size_of::<Piece>()
-    }
-
-    /// Makes place for so many bytes, not for more.
-    pub(crate) fn reserve_total(&mut self, bytes: usize) {
-        self.memory.reserve_total(pieces(bytes));
     }
 
     /// Gives up what it has beyond that.
@@ -62,6 +52,11 @@ impl Slab {
     pub(crate) fn reserve<T>(&mut self, len: usize, allowance: &mut Allowance) -> usize {
         self.fit(len * size_of::<T>(), allowance);
         len.min(size_of_val(self.memory.as_slice()) / size_of::<T>())
+    }
+
+    /// How many of such a type it has place for.
+    pub(crate) fn holds<T>(&self) -> usize {
+        self.capacity() / size_of::<T>()
     }
 
     /// `len` elements of the only type in the slab; they keep their values if the slab grows or shrinks.
@@ -86,6 +81,19 @@ impl Slab {
     pub(crate) fn bytes(&self, used: usize) -> (usize, usize) {
         let bytes = |pieces: usize| pieces * size_of::<Piece>();
         (bytes(pieces(used).min(self.memory.len())), bytes(self.memory.capacity()))
+    }
+}
+
+/// The unit is a byte.
+impl Buffer for Slab {
+    fn capacity(&self) -> usize {
+        self.memory.capacity() * size_of::<Piece>()
+    }
+    fn missing(&self, bytes: usize) -> usize {
+        self.memory.missing(pieces(bytes))
+    }
+    fn reserve_total(&mut self, bytes: usize) {
+        self.memory.reserve_total(pieces(bytes));
     }
 }
 

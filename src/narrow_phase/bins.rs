@@ -1,6 +1,6 @@
 //! Bins of pairs with the same two shapes, and blocks of them.
 
-use super::pair_state::{PackedState, pairs_that};
+use super::pair_state::{PackedState, PairState, pairs_that};
 use crate::memory::{Allowance, buffers};
 use crate::shape::{ColliderSummary, Kind};
 use crate::threads::per_block;
@@ -49,21 +49,17 @@ impl Bin {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) bin: Bin,
-    /// Contacts that get a manifold that they have no place for, and pairs that have to be looked at again
-    /// because there is no place for that manifold.
-    pub(crate) grown: u8,
+    /// Some contact gets a manifold that it has no place for.
+    pub(crate) grown: bool,
+    /// Pairs that have to be looked at again because there is no place for their manifold.
     pub(crate) crowded: u8,
-    /// The most of the former.
-    pub(crate) growth: u8,
     /// Range in the order.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Start and capacity of its new contacts and of those that grow.
+    /// Start and capacity of its new contacts and of those that grow, and how many it found.
     pub(crate) fresh: u32,
     pub(crate) place: u32,
-    /// Most and present number of new contacts between two bodies that can be pushed, and of others.
-    pub(crate) quota: [u32; 2],
-    pub(crate) used: [u32; 2],
+    pub(crate) found: u32,
     /// Its index among the blocks of mesh pairs.
     pub(crate) mesh: u32,
     /// Pairs that lost their contacts.
@@ -75,11 +71,6 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Manifolds in its part of the new contacts.
-    pub(crate) fn found(&self) -> usize {
-        (self.used[0] + self.used[1]) as usize + usize::from(self.grown)
-    }
-
     /// Those of so many of its contacts that may get more points than they have.
     pub(crate) fn growing(&self, contacts: u32) -> u32 {
         const SPHERE: u8 = Kind::Sphere as u8;
@@ -135,7 +126,15 @@ impl Bins {
 
     /// Leaves only what has to be looked at again in some blocks that ran. Returns the first such block, or
     /// the end.
-    pub(crate) fn repeat(&mut self, ran: std::ops::Range<usize>, is_crowded: &dyn Fn(u32) -> bool) -> usize {
+    pub(crate) fn repeat(&mut self, ran: std::ops::Range<usize>, states: &mut [PackedState]) -> usize {
+        let mut is_crowded = |pair: u32| {
+            let state = &mut states[pair as usize];
+            let crowded = state.is(PairState::Crowded);
+            if crowded {
+                state.set(PairState::Kept);
+            }
+            crowded
+        };
         let Bins { order, blocks } = self;
         let mut first = ran.end;
         for (index, block) in ran.clone().zip(&mut blocks[ran]) {
@@ -152,9 +151,8 @@ impl Bins {
                 first = first.min(index);
             }
             block.end = block.start + crowded as u32;
-            (block.place, block.quota, block.used) = (crowded as u32, [0; 2], [0; 2]);
-            block.growth = crowded as u8;
-            (block.grown, block.crowded, block.emptied, block.shed) = (0, 0, 0, 0);
+            (block.place, block.found, block.grown) = (crowded as u32, 0, false);
+            (block.crowded, block.emptied, block.shed) = (0, 0, 0);
         }
         first
     }

@@ -92,7 +92,7 @@ pub(crate) fn collide(
     scratch: &mut Scratch,
     mut memory: ContactMemory<'_>,
 ) -> NarrowStats {
-    let ContactMemory { allowances, space } = &mut memory;
+    let allowances = &mut *memory.allowances;
     // The broad phase takes in pairs only if there is memory for this.
     allowances.within(Category::Scratch, |allowance| allowance.fit(&mut scratch.states, pairs.len()));
     contacts.keep_rooms(!allowances.is_endless());
@@ -104,20 +104,21 @@ pub(crate) fn collide(
         ..NarrowStats::default()
     };
     found.touching = false;
-    found.plan(bins, pairs, contacts, input, allowances, &mut space.slab);
+    found.plan(bins, pairs, allowances);
+    found.swap_own(&mut memory);
     let (mut first, end) = (0, bins.blocks.len());
     loop {
-        let ContactMemory { allowances, space } = &mut memory;
-        let last =
-            allowances.within(Category::Scratch, |allowance| found.wave(&mut bins.blocks, first, allowance));
+        let last = found.wave(&mut bins.blocks, first, &mut memory);
         let mut wave = Wave { bins, blocks: first..last, states };
-        run_blocks(workers, input, &mut wave, pairs, contacts, found.places(&mut space.slab));
+        run_blocks(workers, input, &mut wave, pairs, contacts, found.places(&mut memory.space.slab));
         stats.shed += found.commit(&mut wave, pairs, contacts, input, &mut memory);
-        first = bins.repeat(first..last, &|pair| states[pair as usize].is(PairState::Crowded));
+        first = bins.repeat(first..last, states);
         if first == end {
             break;
         }
     }
+    found.swap_own(&mut memory);
+    stats.shed += found.finish(pairs, contacts, input, &mut memory);
     stats.shed += seams.judge(workers, input, pairs, states, contacts, &mut memory);
     stats.touching = found.touching;
     for block in &bins.blocks {

@@ -25,14 +25,14 @@ pub(crate) use cast::mesh_cast::MeshCast;
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{NarrowStats, Scratch, collide};
-pub(crate) use contacts::admit::{ContactMemory, RowCost, RowSpace};
+pub(crate) use contacts::admit::{Census, ContactMemory, Cut, Kind as RowKind, RowCost, RowSpace};
 pub(crate) use contacts::contact::{
     CHANGED_LOAD, Contact, ContactMut, ContactRef, NO_CONTACT, Point, UNKNOWN_LOAD,
 };
-pub(crate) use contacts::found::FRESH_BYTES;
+pub(crate) use contacts::found::{FRESH_BYTES, LEAST_ROWS};
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint, most_points};
 pub(crate) use contacts::store::{ContactCount, Contacts, SharedContacts};
-pub(crate) use contacts::weight::{Scale, Threshold, Weight};
+pub(crate) use contacts::weight::Scale;
 pub(crate) use convex::collide_convex;
 pub(crate) use convex::gjk::{Accuracy, CoreGap, core_gap, distance};
 pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};

@@ -54,7 +54,7 @@ use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
 use super::contacts::contact::{FoundAt, NO_CONTACT};
-use super::contacts::found::{BlockOutput, Growth};
+use super::contacts::found::{BlockOutput, Handed};
 use super::contacts::of_meshes::MeshBlock;
 use super::contacts::store::SharedContacts;
 use super::input::{Approach, Input};
@@ -255,8 +255,13 @@ fn store(
     let &PairView { input, pair, index, rel, .. } = view;
     if !view.has_contact() {
         if chosen.raw.count > 0 {
-            out.add(input, pair, index, chosen.raw, chosen.fraction);
-        } else if chosen.missed {
+            let handed = out.hand_over(index, chosen.raw, chosen.fraction, true);
+            if handed == Handed::Nowhere {
+                out.count_shed(chosen.raw.size());
+            }
+            return handed != Handed::Again;
+        }
+        if chosen.missed {
             out.clear(index);
         }
         return true;
@@ -264,18 +269,19 @@ fn store(
     // SAFETY: the contact is this pair's, and this block has the pair.
     let mut contact = unsafe { contacts.at(pair.contact) };
     let mut raw = chosen.raw;
-    let growth = (raw.count as usize > contact.room()).then(|| out.grow(index, raw, chosen.fraction));
-    match growth {
-        Some(Growth::Again) => return false,
-        Some(Growth::Cut) => out.count_shed(raw.keep(contact.room())),
-        Some(Growth::Later) | None => {}
+    let grows = raw.count as usize > contact.room();
+    let handed = grows.then(|| out.hand_over(index, raw, chosen.fraction, false));
+    match handed {
+        Some(Handed::Again) => return false,
+        Some(Handed::Nowhere) => out.count_shed(raw.keep(contact.room())),
+        Some(Handed::Over) | None => {}
     }
     if contact.pushed && nearest > GHOST_GAP * input.margin {
         out.count_ghost();
     }
     if chosen.raw.count == 0 {
         out.empty(index);
-    } else if !matches!(growth, Some(Growth::Later)) {
+    } else if handed != Some(Handed::Over) {
         let frame = input.poses[pair.a as usize].rotation;
         let at = FoundAt { pose: *rel, frame, fraction: chosen.fraction };
         contact.renew(&raw, at, input.match_limits(pair));

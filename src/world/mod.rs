@@ -41,7 +41,7 @@ pub(crate) use contacts::{Place, place_of, relative_now};
 pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
-pub(crate) use memory::{Brings, Demand, Needs, Replacement};
+pub(crate) use memory::{Addition, Brings, Demand, Needs, Replacement};
 pub use memory::{ContentForecast, Feature, Model, ModelPart, Plan};
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};

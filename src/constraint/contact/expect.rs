@@ -7,17 +7,8 @@ use crate::config::FrictionModel;
 use crate::constraint::schedule::arrange::PrepareScratch;
 use crate::narrow_phase::{RowCost, RowSpace};
 
-/// Bytes per lane of full batches, and the memory of the last step's batches, which is returned before the
-/// next are made. `lists`: bytes that other lists need for each contact, and have reserved. `friction`:
-/// some material has any. `beside`: what else each batch has.
-pub(crate) fn lend(
-    rows: &mut Rows,
-    scratch: &PrepareScratch,
-    friction: bool,
-    model: FrictionModel,
-    beside: Beside,
-    lists: (usize, usize),
-) -> RowSpace {
+/// Bytes per lane of full batches. `friction`: some material has any. `beside`: what else each batch has.
+pub(crate) fn row_cost(friction: bool, model: FrictionModel, beside: Beside) -> RowCost {
     let mut cost = RowCost { per_point: model == FrictionModel::Point, ..RowCost::default() };
     for (sizes, lanes) in Rows::SIZES.iter().zip(&mut cost.lanes) {
         for (potential, lanes) in lanes.iter_mut().enumerate() {
@@ -27,6 +18,17 @@ pub(crate) fn lend(
             }
         }
     }
+    cost
+}
+
+/// Adds to that what lists take, and the memory of the last step's batches, which is returned before the next
+/// are made. `lists`: bytes that other lists need for each contact, and have reserved.
+pub(crate) fn lend(
+    rows: &mut Rows,
+    scratch: &PrepareScratch,
+    mut cost: RowCost,
+    lists: (usize, usize),
+) -> RowSpace {
     let (each, reserved) = scratch.lists();
     cost.lists = each + size_of::<BatchRef>() + lists.0;
     cost.reserved = reserved + rows.schedule.capacity() * size_of::<BatchRef>() + lists.1;

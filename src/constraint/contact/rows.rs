@@ -8,6 +8,7 @@ use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
 use crate::memory::{Allowance, Buffer, Cut, Slab, buffers, bytes_of, sum_bytes};
+use crate::narrow_phase::LEAST_ROWS;
 use crate::threads::Shared;
 
 /// Counts for batches whose bodies `b` may move, and for those where all are static: batches of one to four
@@ -110,14 +111,15 @@ impl Rows {
             + self.surfaces.missing(surfaces)
             + self.rolling.missing(rolling)
             + self.soft.rows.missing(soft);
-        let spare = self.batches.spare(batches) + self.friction.spare(friction);
+        let least = batches.max(LEAST_ROWS);
+        let spare = self.batches.spare(least) + self.friction.spare(friction);
         if lacking > allowance.left().saturating_add(spare) {
             return false;
         }
         if lacking > allowance.left() {
             // Neither keeps anything from step to step.
             allowance.give(spare);
-            self.batches.shrink(batches);
+            self.batches.shrink(least);
             self.friction.shrink(friction);
         }
         allowance.take(lacking);
@@ -127,6 +129,16 @@ impl Rows {
         self.rolling.reserve_total(rolling);
         self.soft.rows.reserve_total(soft);
         true
+    }
+
+    /// Bytes of so many, with what the batches of the schedule have beside them.
+    pub(crate) fn size(&self, tally: &Tally, beside: Beside) -> usize {
+        Self::bytes_of(tally).iter().sum::<usize>() + self.schedule.len() * beside.bytes()
+    }
+
+    /// Reserved bytes of these.
+    pub(crate) fn held(&self) -> usize {
+        self.batches.bytes(0).1 + self.friction_bytes() + self.beside_bytes()
     }
 
     /// Makes so many, for which memory is reserved or unlimited.
@@ -208,6 +220,11 @@ impl Rows {
         self.soft.marks.clear();
     }
 
+    /// The buffer of batches, of which bodies that can move bring a part ([`LEAST_ROWS`]).
+    pub(crate) fn batch_buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.batches
+    }
+
     /// Takes the memory of batches, which are dropped.
     pub(crate) fn lend(&mut self) -> Slab {
         self.clear();
@@ -219,7 +236,7 @@ impl Rows {
     pub(crate) fn give_up(&mut self, bytes: usize, contacts: usize) -> usize {
         self.clear();
         let (before, least) = (self.batches.bytes(0).1, contacts * Self::SIZES[0][0] / 8);
-        self.batches.shrink(before.saturating_sub(bytes).max(least));
+        self.batches.shrink(before.saturating_sub(bytes).max(least).max(LEAST_ROWS));
         before - self.batches.bytes(0).1
     }
 

@@ -48,36 +48,36 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, allowance: 
         return 0;
     }
     // Reserved even if nothing closes: so a scene past its densest moment does not grow any more.
-    allowance.fit(&mut impacts.spots, count);
-    allowance.fit(&mut impacts.sites, count);
-    allowance.fit(&mut impacts.queue, count);
-    allowance.fit(&mut impacts.wakeful, count);
-    allowance.fit(&mut impacts.struck, dynamic);
-    allowance.fit(&mut impacts.moved, dynamic);
-    allowance.fit(&mut impacts.standing, dynamic);
+    let of_bodies = [
+        allowance.fit(&mut impacts.struck, dynamic),
+        allowance.fit(&mut impacts.moved, dynamic),
+        allowance.fit(&mut impacts.standing, dynamic),
+    ];
+    let place = allowance
+        .fit(&mut impacts.spots, count)
+        .min(allowance.fit(&mut impacts.sites, count))
+        .min(allowance.fit(&mut impacts.queue, count))
+        .min(allowance.fit(&mut impacts.wakeful, count));
     if !any {
         return 0;
     }
-    let mut shed = 0;
+    if of_bodies != [dynamic; 3] {
+        return count as u32;
+    }
     for pair in input.pairs {
         each_spot(input, pair, &mut |spot| {
-            let spot = Spot { order: impacts.spots.len() as u32, ..spot };
-            shed += u32::from(!allowance.push(&mut impacts.spots, spot));
+            if impacts.spots.len() < place {
+                impacts.spots.push(Spot { order: impacts.spots.len() as u32, ..spot });
+            }
             true
         });
     }
     // By bodies, and then in the order of the list, which is unique.
     let pushed = |spot: &Spot| spot.pushed(dynamic as u32);
     impacts.spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
-    let place = allowance.fit(&mut impacts.struck, dynamic);
-    let place = place.min(allowance.fit(&mut impacts.moved, dynamic));
-    let place = place.min(allowance.fit(&mut impacts.standing, dynamic));
-    if place < dynamic {
-        impacts.clear();
-        return shed + 1;
-    }
     list_bodies(input, impacts);
-    shed + list_sites(input, impacts, allowance)
+    list_sites(input, impacts);
+    (count - place) as u32
 }
 
 /// Lists all dynamic bodies.
@@ -96,11 +96,10 @@ fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
     impacts.struck.extend((0..input.bodies.dynamic() as u32).map(struck));
 }
 
-/// Makes a site of all points of the same bodies, and links it to these. Returns the number of points for
-/// whose sites there was no room.
-fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut Allowance) -> u32 {
+/// Makes a site of all points of the same bodies, and links it to these.
+fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution) {
     let pushed = |spot: &Spot| spot.pushed(input.bodies.dynamic() as u32);
-    let (mut first, mut shed) = (0, 0);
+    let mut first = 0;
     let spots = std::mem::take(&mut impacts.spots);
     for group in spots.chunk_by(|x, y| pushed(x) == pushed(y)) {
         let bodies = pushed(&group[0]);
@@ -118,13 +117,7 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut 
         };
         first += group.len() as u32;
         let index = impacts.sites.len();
-        let fits = allowance.fit(&mut impacts.queue, index + 1) > index
-            && allowance.fit(&mut impacts.wakeful, index + 1) > index
-            && allowance.push(&mut impacts.sites, site);
-        if !fits {
-            shed += group.len() as u32;
-            continue;
-        }
+        impacts.sites.push(site);
         if wakeful {
             impacts.wakeful.push(index as u32);
         }
@@ -136,7 +129,6 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut 
         }
     }
     impacts.spots = spots;
-    shed
 }
 
 /// Calls `f` with the points of a pair that have restitution, until it returns false.

@@ -1,20 +1,21 @@
 //! Decides which contacts get rows, and in which order: by importance, colour and size.
 
-use super::budget::{Ahead, Thrift};
+use super::budget::Ahead;
 use super::colour::{Colouring, OVERFLOW};
 use super::facts::{Fact, Facts, each_contact};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Stage};
 use super::part::Part;
-use crate::config::Order;
+use crate::config::{FrictionModel, Order};
 use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
+use crate::constraint::contact::expect::row_cost;
 use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Allowance, Allowances, Amounts, Buffer, Category, bytes_of, sum_bytes};
-use crate::narrow_phase::{ContactCount, MAX_POINTS, Weight};
+use crate::narrow_phase::{Census, ContactCount, Cut, MAX_POINTS, RowKind};
 use crate::threads::Workers;
 
 /// Counts of the preparation.
@@ -127,56 +128,67 @@ pub(crate) fn arrange(
     scratch: &mut PrepareScratch,
     allowances: &mut Allowances,
 ) -> Prepared {
-    if allowances.is_endless() {
-        let (prepared, _) = sort(Some(workers), input, scratch, None, Ahead::ANY);
-        let batches = schedule(input, rows, scratch, false);
-        allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
-        return prepared;
-    }
-    let reserve = |batches: &Tally, rows: &mut Rows, allowances: &mut Allowances| {
-        allowances.within(Category::Rows, |allowance| rows.reserve(batches, input.beside(), allowance))
+    let (prepared, batches) = if allowances.is_endless() {
+        let prepared = colour_all(workers, input, scratch);
+        (prepared, schedule(input, rows, scratch, false))
+    } else {
+        arrange_within(input, rows, scratch, allowances)
     };
+    allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
+    prepared
+}
+
+/// The same under a budget: if there is too little memory, batches that are mostly empty become single rows;
+/// and if that is not enough, contacts are cut by rank until what is left fits.
+fn arrange_within(
+    input: &PrepareInput<'_>,
+    rows: &mut Rows,
+    scratch: &mut PrepareScratch,
+    allowances: &mut Allowances,
+) -> (Prepared, Tally) {
     // Maximum number of stages.
     scratch.keys.reset(input.order, input.bodies.solved_after_groups());
-    let ahead = Ahead::new(input);
-    let total = count(input, ahead);
-    let place = scratch.reserve(total as usize, !input.tree_slots.is_empty(), rows, allowances);
-    let (prepared, fits) = sort(None, input, scratch, Some(Thrift::none(place)), ahead);
-    let batches = schedule(input, rows, scratch, false);
-    if fits && reserve(&batches, rows, allowances) {
-        allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
-        return prepared;
-    }
-    let mut counts = [0; Weight::COUNT];
-    each_contact(input, |_, contact| counts[input.scale.of(contact).index()] += 1);
-    // The least number of steps of thrift after which the rest fits, to within a 64th of the contacts.
-    let (mut too_few, mut enough) = (0, Thrift::steps(&counts));
-    let near = 1 + total / 64;
+    let (ahead, beside) = (Ahead::new(input), input.beside());
+    let mut parts = 0;
+    each_contact(input, |_, contact| parts += if input.per_point { contact.count.into() } else { 1 });
+    let place = scratch.reserve(parts, !input.tree_slots.is_empty(), rows, allowances);
+    let (mut cut, mut thin, mut census, mut limit) = (None, false, None, 0);
     loop {
-        let last = enough - too_few <= near;
-        let step = if last { enough } else { too_few.midpoint(enough) };
-        let thrift = Thrift::after(step, &counts, place);
-        let (prepared, fits) = sort(None, input, scratch, Some(thrift), ahead);
-        let batches = schedule(input, rows, scratch, true);
-        let fits = fits && reserve(&batches, rows, allowances);
-        if last {
-            allowances.within(Category::Rows, |allowance| rows.resize(&batches, allowance));
-            return prepared;
+        let (prepared, fits) = colour_within(input, scratch, place, ahead, cut);
+        let batches = schedule(input, rows, scratch, thin);
+        let reserve = |allowance: &mut Allowance| rows.reserve(&batches, beside, allowance);
+        if fits && allowances.within(Category::Rows, reserve) {
+            return (prepared, batches);
         }
-        *if fits { &mut enough } else { &mut too_few } = step;
+        if !std::mem::replace(&mut thin, true) {
+            continue;
+        }
+        let census = census.get_or_insert_with(|| {
+            let census = weigh(input);
+            limit = census.rows();
+            census
+        });
+        // As much less as there is too little memory; a little at least, because full batches are assumed.
+        let left = rows.held().saturating_add(allowances.left(Category::Rows));
+        let part = left as f64 / rows.size(&batches, beside).max(1) as f64;
+        limit = (limit as f64 * part.min(1.0 - 1.0 / 32.0)) as usize;
+        cut = Some(census.cut(&|all, bytes| {
+            bytes <= limit && place >= if input.per_point { all.points } else { all.contacts }
+        }));
     }
 }
 
-/// Number of parts, without contacts beyond the limit of continuous collision.
-fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
-    let mut parts = 0;
+/// All contacts by weight.
+fn weigh(input: &PrepareInput<'_>) -> Census {
+    let model = if input.per_point { FrictionModel::Point } else { FrictionModel::default() };
+    let cost = row_cost(input.friction, model, input.beside());
+    let mut census = Census::new();
     each_contact(input, |slot, contact| {
-        let fact = Fact::of(input, slot, contact);
-        if !fact.is_ahead() || ahead.admits(fact.count.into(), fact.group()) {
-            parts += if input.per_point { u32::from(fact.count) } else { 1 };
-        }
+        let is_static = Fact::of(input, slot, contact).group().is_static();
+        let kind = RowKind::of(contact, contact.count.into(), is_static, input.measures.touch);
+        census.add(Some(input.scale.of(contact)), kind, &cost);
     });
-    parts
+    census
 }
 
 impl PrepareScratch {
@@ -194,22 +206,16 @@ impl PrepareScratch {
         {
             return 0;
         }
-        let missing = |scratch: &Self, rows: &Rows, parts: usize| {
+        let missing = |parts: usize| {
             let contacts = rows.tree_contacts.missing(if any_in_tree { parts } else { 0 });
             let mut missing = Amounts::default();
-            missing.add(Category::Scratch, scratch.missing(parts));
+            missing.add(Category::Scratch, self.missing(parts));
             missing.add(Category::Rows, rows.schedule.missing(parts) + contacts);
             missing
         };
-        let (mut place, mut too_many) = (0, parts + 1);
-        while too_many - place > 1 {
-            let middle = usize::midpoint(place, too_many);
-            *if allowances.fits(&missing(self, rows, middle)) { &mut place } else { &mut too_many } = middle;
-        }
-        if !allowances.fits(&missing(self, rows, place)) {
-            return 0;
-        }
-        allowances.take(&missing(self, rows, place));
+        let place = allowances.most(0, parts, &missing);
+        let missing = missing(place);
+        allowances.take(&missing);
         self.entries.reserve_total(place);
         self.sorted.reserve_total(place);
         self.ranges.reserve_total(place);
@@ -256,64 +262,96 @@ impl PrepareScratch {
     }
 }
 
-/// Sorts contacts by group, colour and number of points, and counts them. Returns whether there was place for
-/// all that were not shed. `workers`: none if there is a budget.
-fn sort(
-    workers: Option<&Workers<'_>>,
+/// Sorts all contacts by group, colour and number of points, and counts them.
+fn colour_all(workers: &Workers<'_>, input: &PrepareInput<'_>, scratch: &mut PrepareScratch) -> Prepared {
+    let mut facts = std::mem::take(&mut scratch.facts);
+    let mut sorter = Sorter::new(input, scratch);
+    facts.each(workers, input, |fact| sorter.add(&fact, (1 << fact.count) - 1));
+    let prepared = sorter.finish(false);
+    scratch.facts = facts;
+    prepared
+}
+
+/// The same for contacts and points that a cut leaves, as far as there is place in lists, which is reserved.
+/// Returns whether there was place for all that the cut leaves.
+fn colour_within(
     input: &PrepareInput<'_>,
     scratch: &mut PrepareScratch,
-    mut thrift: Option<Thrift>,
+    place: usize,
     mut granted: Ahead,
+    mut cut: Option<Cut>,
 ) -> (Prepared, bool) {
-    let PrepareScratch { colouring, keys, crowd, entries, facts, .. } = scratch;
-    let dynamic = input.bodies.dynamic();
-    crowd.clear();
-    colouring.iter_mut().for_each(|c| c.reset(dynamic));
-    entries.clear();
-    keys.reset(input.order, input.bodies.solved_after_groups());
-    let any_solved_after = keys.any_solved_after();
-    let (mut prepared, mut fits) = (Prepared::default(), true);
-    let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
-    // Under a budget, memory for all is reserved already.
-    let mut allowance = Allowance::ENDLESS;
-    // With bodies that may move and with static ones, by number of points.
-    let mut ahead = [[0usize; 4]; 2];
-    let mut take = |fact: Fact| {
+    let mut fits = true;
+    let mut sorter = Sorter::new(input, scratch);
+    each_contact(input, |slot, contact| {
+        let fact = Fact::of(input, slot, contact);
+        let all = (1 << fact.count) - 1;
+        let left = cut.as_mut().map_or(all, |cut| cut.points(contact, input.scale.of(contact)));
+        let mut kept = if granted.admits(&fact) { left } else { 0 };
+        let parts = if input.per_point { kept.count_ones() as usize } else { 1 };
+        if kept > 0 && sorter.scratch.entries.len() + parts > place {
+            (fits, kept) = (false, 0);
+        }
+        sorter.add(&fact, kept);
+    });
+    (sorter.finish(true), fits)
+}
+
+/// Gives contacts their colours and keys.
+struct Sorter<'a> {
+    input: &'a PrepareInput<'a>,
+    scratch: &'a mut PrepareScratch,
+    dynamic: usize,
+    any_solved_after: bool,
+    prepared: Prepared,
+    /// Contacts that only continuous collision makes, with bodies that may move and with static ones, by
+    /// number of points.
+    ahead: [[usize; 4]; 2],
+}
+
+impl<'a> Sorter<'a> {
+    fn new(input: &'a PrepareInput<'a>, scratch: &'a mut PrepareScratch) -> Sorter<'a> {
+        let dynamic = input.bodies.dynamic();
+        scratch.crowd.clear();
+        scratch.colouring.iter_mut().for_each(|c| c.reset(dynamic));
+        scratch.entries.clear();
+        scratch.keys.reset(input.order, input.bodies.solved_after_groups());
+        let any_solved_after = scratch.keys.any_solved_after();
+        let (prepared, ahead) = (Prepared::default(), [[0; 4]; 2]);
+        Sorter { input, scratch, dynamic, any_solved_after, prepared, ahead }
+    }
+
+    /// Adds the points of a contact that get rows, a bit each.
+    #[inline(always)]
+    fn add(&mut self, fact: &Fact, kept: u32) {
+        let Sorter {
+            input, scratch: PrepareScratch { colouring, keys, crowd, entries, .. }, prepared, ..
+        } = self;
         let (group, a, b) = (fact.group(), fact.a as usize, fact.b as usize);
         if fact.is_deep() {
-            crowd.overlap(a, b, dynamic);
+            crowd.overlap(a, b, self.dynamic);
         }
         let (count, touching) = (u32::from(fact.count), u32::from(fact.touching));
+        let all = (1 << count) - 1;
         prepared.manifolds += 1;
         prepared.real += touching;
         prepared.potential += count - touching;
-        if fact.is_ahead() {
-            if !granted.admits(count, group) {
-                prepared.shed += count;
-                return;
-            }
-            ahead[usize::from(group.is_static())][count as usize - 1] += 1;
+        prepared.shed += (all & !kept).count_ones();
+        if kept == 0 {
+            return;
         }
-        let solved_after = if any_solved_after {
+        if fact.is_ahead() {
+            self.ahead[usize::from(group.is_static())][count as usize - 1] += 1;
+        }
+        let solved_after = if self.any_solved_after {
             let own = |body: usize| input.bodies.traits[body].solved_after;
             input.order.higher(own(a), own(b))
         } else {
             None
         };
-        let all = (1 << count) - 1;
-        let kept = match &mut thrift {
-            Some(thrift) if thrift.thin => {
-                let contact = input.contacts.at(fact.slot);
-                thrift.points(contact, input.scale.of(contact))
-            }
-            _ => all,
-        };
-        prepared.shed += (all & !kept).count_ones();
+        // Under a budget there is place.
+        let mut allowance = Allowance::ENDLESS;
         let mut enter = |part: Part, count: usize| {
-            if entries.len() == place {
-                fits = false;
-                return;
-            }
             let colour = colouring[group as usize].assign(a, b);
             let in_tree = fact.is_in_tree() && colour != OVERFLOW;
             let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
@@ -321,18 +359,20 @@ fn sort(
         };
         if input.per_point {
             ones(kept).for_each(|point| enter(Part::point(fact.slot, point), 1));
-        } else if kept > 0 {
+        } else {
             enter(Part::of(fact.slot, if kept == all { 0 } else { kept }), kept.count_ones() as usize);
         }
-    };
-    match workers {
-        Some(workers) => facts.each(workers, input, take),
-        None => each_contact(input, |slot, contact| take(Fact::of(input, slot, contact))),
     }
-    note_crowd(input, crowd, workers.is_none());
-    scratch.line_up(input, &mut allowance);
-    scratch.note_ahead(input, &ahead);
-    (prepared, fits)
+
+    /// Puts what was added in order. `bounded`: overlaps may be left out.
+    fn finish(self, bounded: bool) -> Prepared {
+        let Sorter { input, scratch, prepared, ahead, .. } = self;
+        note_crowd(input, &mut scratch.crowd, bounded);
+        // Under a budget there is place.
+        scratch.line_up(input, &mut { Allowance::ENDLESS });
+        scratch.note_ahead(input, &ahead);
+        prepared
+    }
 }
 
 /// Tells bodies that overlap several others of what they touch. `bounded`: overlaps may be left out.

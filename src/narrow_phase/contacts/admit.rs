@@ -7,9 +7,9 @@
 
 use super::contact::ContactRef;
 use super::manifold::RawManifold;
-use super::store::{ContactCount, Contacts};
+use super::store::ContactCount;
 use super::weight::{Threshold, Weight};
-use crate::memory::{Allowances, Category, Slab};
+use crate::memory::{Allowances, Slab};
 
 /// Bytes that the rows of a contact take, and what is reserved for them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,92 +78,111 @@ impl RowCost {
     }
 }
 
-/// Contacts by weight with their points, and the bytes of their rows: with all points, and with those that
-/// they need.
-pub(crate) struct Census {
-    counts: [u32; Weight::COUNT],
-    points: [u32; Weight::COUNT],
-    rows: [[u32; Weight::COUNT]; 2],
-    fixed: Fixed,
-}
-
-/// Contacts that stay whatever they weigh.
-#[derive(Default)]
-struct Fixed {
-    all: ContactCount,
-    rows: [usize; 2],
-}
-
-/// Some contacts, and the bytes of their rows.
-#[derive(Clone, Copy)]
+/// Some contacts, their points, and the bytes of their rows: with all points, and with those that they need.
+#[derive(Clone, Copy, Debug, Default)]
 struct Load {
-    all: ContactCount,
-    rows: usize,
+    contacts: u32,
+    points: u32,
+    rows: [u32; 2],
 }
 
-impl Load {
-    fn and(self, other: Load) -> Load {
-        Load { all: self.all + other.all, rows: self.rows + other.rows }
-    }
-
-    /// So many of its contacts, if they are alike.
-    fn part(self, contacts: usize) -> Load {
-        let share = |of: usize| contacts * (of / self.all.contacts.max(1));
-        let points = (contacts * self.all.points).div_ceil(self.all.contacts.max(1));
-        Load { all: ContactCount { contacts, points }, rows: share(self.rows) }
-    }
-}
+/// Contacts by weight; those that stay whatever they weigh come last.
+pub(crate) struct Census([Load; Weight::COUNT + 1]);
 
 impl Census {
     pub(crate) fn new() -> Census {
-        Census {
-            counts: [0; Weight::COUNT],
-            points: [0; Weight::COUNT],
-            rows: [[0; Weight::COUNT]; 2],
-            fixed: Fixed::default(),
+        Census([Load::default(); Weight::COUNT + 1])
+    }
+
+    /// Adds a contact; without a weight it stays.
+    pub(crate) fn add(&mut self, weight: Option<Weight>, kind: Kind, cost: &RowCost) {
+        let load = &mut self.0[weight.map_or(Weight::COUNT, Weight::index)];
+        load.contacts += 1;
+        load.points += kind.room as u32;
+        for (rows, points) in load.rows.iter_mut().zip([kind.points, kind.needed]) {
+            *rows += cost.of(kind, points) as u32;
         }
     }
 
-    pub(crate) fn add(&mut self, weight: Weight, kind: Kind, cost: &RowCost) {
-        self.counts[weight.index()] += 1;
-        self.points[weight.index()] += kind.room as u32;
-        for (rows, points) in self.rows.iter_mut().zip([kind.points, kind.needed]) {
-            rows[weight.index()] += cost.of(kind, points) as u32;
+    /// Contacts from a weight on, and the bytes of their rows.
+    fn from(&self, weight: Weight) -> (ContactCount, usize) {
+        let sum =
+            |(count, rows), load: &Load| (count + load.part(load.contacts), rows + load.rows[0] as usize);
+        self.0[weight.index()..].iter().fold((ContactCount::default(), 0), sum)
+    }
+
+    /// Bytes of all rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.from(Weight::default()).1
+    }
+
+    /// The one cut by rank: the heaviest contacts that have place with their rows, by what `hold` says of so
+    /// many contacts and bytes of rows. Those that nothing approaches are shed first, then points that the
+    /// others don't need, then those others.
+    pub(crate) fn cut(&self, hold: &dyn Fn(ContactCount, usize) -> bool) -> Cut {
+        let (needed, all_rows) = self.from(Weight::NEEDED);
+        let which = usize::from(!hold(needed, all_rows));
+        let lowest = if which == 0 { Weight::default() } else { Weight::NEEDED };
+        let mut full = if which == 0 { Threshold::ALL } else { Threshold::new(Weight::COUNT, 0) };
+        let (mut count, mut rows) = (ContactCount::default(), 0);
+        for (index, load) in self.0.iter().enumerate().skip(lowest.index()).rev() {
+            let part = |n: u32| (count + load.part(n), rows + share(load.rows[which], n, load.contacts));
+            let fits = |n: &u32| *n == 0 || hold(part(*n).0, part(*n).1);
+            let stay = (0..=load.contacts).rev().find(fits).unwrap_or(0);
+            (count, rows) = part(stay);
+            if stay < load.contacts {
+                return Cut { floor: Threshold::new(index, stay), full, rows };
+            }
         }
-    }
-
-    /// Adds a contact that stays.
-    pub(crate) fn add_fixed(&mut self, kind: Kind, cost: &RowCost) {
-        self.fixed.all = self.fixed.all + ContactCount { contacts: 1, points: kind.room };
-        for (rows, points) in self.fixed.rows.iter_mut().zip([kind.points, kind.needed]) {
-            *rows += cost.of(kind, points);
+        if which == 1 {
+            // What is left is for points that are not needed.
+            for (index, load) in self.0.iter().enumerate().rev() {
+                let more = (load.rows[0] - load.rows[1]) as usize;
+                if !hold(count, rows + more) {
+                    break;
+                }
+                rows += more;
+                full = Threshold::new(index, u32::MAX);
+            }
         }
-    }
-
-    /// Contacts from a weight on. `rows`: 0 with all points, 1 with those that they need.
-    fn above(&self, from: Weight, rows: usize) -> Load {
-        let sum = |of: &[u32]| of[from.index()..].iter().map(|&n| n as usize).sum::<usize>();
-        let all = ContactCount { contacts: sum(&self.counts), points: sum(&self.points) };
-        self.fixed(rows).and(Load { all, rows: sum(&self.rows[rows]) })
-    }
-
-    fn fixed(&self, rows: usize) -> Load {
-        Load { all: self.fixed.all, rows: self.fixed.rows[rows] }
-    }
-
-    /// Contacts of one weight.
-    fn at(&self, index: usize, rows: usize) -> Load {
-        let all = ContactCount { contacts: self.counts[index] as usize, points: self.points[index] as usize };
-        Load { all, rows: self.rows[rows][index] as usize }
+        Cut { floor: Threshold::new(lowest.index(), u32::MAX), full, rows }
     }
 }
 
-/// What is admitted.
-pub(crate) struct Admitted {
+/// The share of some contacts in what all of them take, if they are alike.
+fn share(of: u32, contacts: u32, all: u32) -> usize {
+    (of as usize * contacts as usize).div_ceil(all.max(1) as usize)
+}
+
+impl Load {
+    /// So many of its contacts, if they are alike.
+    fn part(&self, contacts: u32) -> ContactCount {
+        let points = share(self.points, contacts, self.contacts);
+        ContactCount { contacts: contacts as usize, points }
+    }
+}
+
+/// Which contacts stay.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
     pub(crate) floor: Threshold,
-    /// Bytes of the rows of all contacts that stay, with only the needed points if there is not enough for
-    /// all.
+    /// Those above keep the rows of all points, others only of those that they need.
+    full: Threshold,
+    /// Bytes of the rows of all that stay.
     pub(crate) rows: usize,
+}
+
+impl Cut {
+    /// The points of a contact that keep their rows, a bit each. To be called for all contacts, always in the
+    /// same order.
+    pub(crate) fn points(&mut self, contact: ContactRef<'_>, weight: Weight) -> u32 {
+        let (stays, full) = (self.floor.keeps(weight), self.full.keeps(weight));
+        match (stays, full) {
+            (false, _) => 0,
+            (_, false) => contact.needed(),
+            _ => (1 << contact.count) - 1,
+        }
+    }
 }
 
 /// Share of lanes that stay empty, and the most of them, because the last batch of each colour is not full.
@@ -172,72 +191,9 @@ pub(crate) struct Admitted {
 const EMPTY: usize = 5;
 const MOST_EMPTY: usize = 64;
 
-/// Bytes of empty lanes beside so many bytes of rows.
-fn loose(contacts: usize, rows: usize) -> usize {
-    (rows / EMPTY).min(rows / contacts.max(1) * MOST_EMPTY)
-}
-
-/// The memory for contacts and their rows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Means {
-    /// For how many contacts and points there is memory.
-    pub(crate) held: ContactCount,
-    /// The most bytes of contacts, by their own limit.
-    pub(crate) contacts: usize,
-    /// The most bytes of both together.
-    pub(crate) whole: usize,
-    /// The most bytes of rows, by their own limit.
-    pub(crate) rows: usize,
-}
-
-impl Means {
-    pub(crate) fn new(allowances: &Allowances, space: &RowSpace, contacts: &Contacts) -> Means {
-        let reserved = space.slab.bytes(0).1 + space.cost.reserved;
-        let (held, add) = (contacts.capacity(), usize::saturating_add);
-        Means {
-            held,
-            contacts: add(held.bytes(), allowances.own(Category::Manifolds)),
-            whole: add(allowances.whole(), held.bytes() + reserved),
-            rows: add(allowances.own(Category::Rows), reserved),
-        }
-    }
-
-    /// Whether contacts fit with their rows. Rows can't take from contacts what their own limit denies them.
-    fn hold(&self, Load { all, rows }: Load) -> bool {
-        // Memory for headers is not memory for points.
-        all.max(self.held).bytes() <= self.contacts
-            && all.bytes() + (rows + loose(all.contacts, rows)).min(self.rows) <= self.whole
-    }
-
-    /// Decides which contacts of a census stay. Those that nothing approaches are shed first; if there is
-    /// still no memory for the rows of all points, that for the needed ones will do.
-    pub(crate) fn admit(&self, census: &Census) -> Admitted {
-        let all = census.above(Weight::default(), 0);
-        if self.hold(all) {
-            return Admitted { floor: Threshold::ALL, rows: all.rows };
-        }
-        let rows = usize::from(!self.hold(census.above(Weight::NEEDED, 0)));
-        let fixed = census.fixed(rows);
-        if !self.hold(fixed) {
-            let fits = |n: &usize| self.hold(fixed.part(*n));
-            let stay = (0..fixed.all.contacts).rev().find(fits).unwrap_or(0);
-            return Admitted { floor: Threshold::new(Weight::COUNT, 0), rows: fixed.part(stay).rows };
-        }
-        let lowest = if rows == 0 { Weight::default() } else { Weight::NEEDED };
-        let mut sum = fixed;
-        for index in (lowest.index()..Weight::COUNT).rev() {
-            let more = census.at(index, rows);
-            if self.hold(sum.and(more)) {
-                sum = sum.and(more);
-                continue;
-            }
-            let fits = |n: &usize| self.hold(sum.and(more.part(*n)));
-            let stay = (0..more.all.contacts).rev().find(fits).unwrap_or(0);
-            let rows = sum.and(more.part(stay)).rows;
-            return Admitted { floor: Threshold::new(index, stay as u32), rows };
-        }
-        Admitted { floor: if rows == 0 { Threshold::ALL } else { Threshold::NEEDED }, rows: sum.rows }
-    }
+/// Bytes of rows of so many contacts, with those of empty lanes.
+pub(super) fn with_empty(contacts: usize, rows: usize) -> usize {
+    rows + (rows / EMPTY).min(rows / contacts.max(1) * MOST_EMPTY)
 }
 
 #[cfg(test)]
@@ -249,9 +205,8 @@ mod tests {
     const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, room: 4, needed: 1 };
 
     fn staying(whole: usize, census: &Census, weights: &[Weight]) -> Vec<bool> {
-        let held = ContactCount::default();
-        let means = Means { held, contacts: usize::MAX, whole, rows: usize::MAX };
-        let mut floor = means.admit(census).floor;
+        let hold = |all: ContactCount, rows: usize| all.bytes() + with_empty(all.contacts, rows) <= whole;
+        let mut floor = census.cut(&hold).floor;
         weights.iter().map(|w| floor.keeps(*w)).collect()
     }
 
@@ -261,7 +216,7 @@ mod tests {
     fn first_go_those_that_nothing_approaches_then_points_then_the_lightest() {
         let weights = [10, 20, 600, 700].map(Weight::nth);
         let mut census = Census::new();
-        weights.iter().for_each(|w| census.add(*w, FOUR, &COST));
+        weights.iter().for_each(|w| census.add(Some(*w), FOUR, &COST));
         let contact = ContactCount { contacts: 1, points: 4 }.bytes();
         let (all, needed) = (contact + 240, contact + 120);
         for (whole, expected) in [

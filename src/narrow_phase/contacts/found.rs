@@ -1,22 +1,22 @@
 //! The new contacts that blocks of pairs find, and how they get a slot.
 //!
 //! Blocks run at the same time, so each has its own part of what all share: a range of the new contacts, and,
-//! if its pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks.
-//! If the budget leaves too little memory, contacts with static geometry are kept longest.
+//! if its pairs are of a mesh, buffers of its own. They run in waves, whose new contacts lie, under a budget,
+//! in the memory of the last step's rows; one thread then commits them in the order of the blocks.
 
 use super::admit::ContactMemory;
 use super::contact::{Contact, FoundAt, NO_CONTACT};
 use super::of_meshes::{Exchange, MeshBlock};
 use super::store::{ContactCount, Contacts};
-use super::way::{Way, make_way, reserve};
+use super::way::{make_way, reserve};
 use super::weight::Weight;
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
+use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
 use crate::narrow_phase::input::Input;
 use crate::narrow_phase::pair_state::{PackedState, PairState};
 use crate::narrow_phase::relative::relative_pose;
-use crate::narrow_phase::{MAX_POINTS, RawManifold};
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
@@ -33,15 +33,19 @@ pub(crate) struct Fresh {
 
 /// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
+/// Bytes of rows that bodies bring with them under a budget, so that one block always has place for what it
+/// finds.
+pub(crate) const LEAST_ROWS: usize = PAIRS as usize * FRESH_BYTES;
 
-/// What becomes of a manifold that its contact has no place for.
-pub(crate) enum Growth {
-    /// The contact gets it once it has been given a place.
-    Later,
+/// What becomes of a manifold that is new, or that its contact has no place for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Handed {
+    /// It is among the new ones of the wave.
+    Over,
     /// The block has to look at the pair again: there is no place for the manifold until then.
     Again,
-    /// The contact gets the points that it has place for.
-    Cut,
+    /// There never is any place.
+    Nowhere,
 }
 
 /// What a block writes, apart from the contacts that its pairs have already.
@@ -56,60 +60,22 @@ pub(crate) struct BlockOutput<'a> {
 }
 
 impl BlockOutput<'_> {
-    /// Gives a pair its first contact.
-    pub(crate) fn add(
-        &mut self,
-        input: &Input<'_>,
-        pair: &Pair,
-        index: u32,
-        raw: RawManifold,
-        fraction: f32,
-    ) {
+    /// Hands over the first contact of a pair, or a manifold that the contact of its pair has no place for.
+    pub(crate) fn hand_over(&mut self, index: u32, raw: RawManifold, fraction: f32, is_new: bool) -> Handed {
         let block = &mut *self.block;
-        let class = usize::from(input.is_static(pair));
-        let at = block.found();
-        if block.used[class] < block.quota[class]
-            && let Some(place) = self.fresh.get_mut(at)
-        {
+        if let Some(place) = self.fresh.get_mut(block.found as usize) {
             *place = Fresh { pair: index, fraction, raw };
-            block.used[class] += 1;
-        } else if block.used[class] > 0 {
-            // Replaces the lightest.
-            let new = Fresh { pair: index, fraction, raw };
-            let weight = new.weight(pair, input);
-            // SAFETY: the pairs of a block are its own.
-            let pair_of = |found: &Fresh| unsafe { *self.pairs.get(found.pair as usize) };
-            let own = self.fresh[..at].iter_mut();
-            let own = own.filter(|found| usize::from(input.is_static(&pair_of(found))) == class);
-            let weight_of = |found: &Fresh| found.weight(&pair_of(found), input);
-            let lightest = own.min_by_key(|found| weight_of(found));
-            if let Some(lightest) = lightest.filter(|found| weight_of(found) < weight) {
-                block.shed += lightest.raw.size();
-                *lightest = new;
-            } else {
-                block.shed += raw.size();
-            }
-        } else {
-            block.shed += raw.size();
-        }
-    }
-
-    /// Takes a manifold that the contact of its pair has no place for.
-    pub(crate) fn grow(&mut self, index: u32, raw: RawManifold, fraction: f32) -> Growth {
-        let block = &mut *self.block;
-        let at = block.found();
-        if let Some(place) = self.fresh.get_mut(at).filter(|_| block.grown < block.growth) {
-            *place = Fresh { pair: index, fraction, raw };
-            block.grown += 1;
-            return Growth::Later;
+            block.found += 1;
+            block.grown |= !is_new;
+            return Handed::Over;
         }
         if !self.repeats {
-            return Growth::Cut;
+            return Handed::Nowhere;
         }
         // SAFETY: the pair is this block's.
         unsafe { self.state.get(index as usize) }.set(PairState::Crowded);
         block.crowded += 1;
-        Growth::Again
+        Handed::Again
     }
 
     /// Removes a pair's contacts.
@@ -194,16 +160,16 @@ pub(crate) struct Wave<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct FoundBy<'a> {
     pub(super) blocks: &'a [Block],
-    /// Capacity for new contacts in the memory of the last step's rows; zero if there is no budget.
+    /// Places for new contacts, in the memory that rows lend.
     pub(super) place: usize,
 }
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct FoundContacts {
-    /// New contacts, if there is no budget; with one they lie in the memory of the last step's rows.
-    fresh: Vec<Fresh>,
-    /// Capacity for new contacts under a budget.
+    /// Without a budget new contacts have memory of their own.
+    own: Slab,
+    /// Places for the new contacts of the wave.
     place: usize,
     meshes: Vec<MeshBlock>,
     /// Memory granted to each of them.
@@ -225,23 +191,23 @@ impl FoundContacts {
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let own = [bytes_of(&self.fresh), bytes_of(&self.meshes), bytes_of(&self.chain)];
+        let fresh = self.own.bytes(self.place * FRESH_BYTES);
+        let own = [fresh, bytes_of(&self.meshes), bytes_of(&self.chain)];
         own.into_iter()
             .chain(self.meshes.iter().map(MeshBlock::bytes))
             .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Gives each block its buffers. Mesh blocks come first: their contacts are support.
-    pub(crate) fn plan(
-        &mut self,
-        bins: &mut Bins,
-        pairs: &[Pair],
-        contacts: &Contacts,
-        input: &Input<'_>,
-        allowances: &mut Allowances,
-        slab: &mut Slab,
-    ) {
-        let endless = allowances.is_endless();
+    /// Takes the memory of its own for that of the last step's rows, or gives these theirs back.
+    pub(crate) fn swap_own(&mut self, memory: &mut ContactMemory<'_>) {
+        if memory.allowances.is_endless() {
+            std::mem::swap(&mut self.own, &mut memory.space.slab);
+        }
+    }
+
+    /// Gives each block its buffers, and counts the places that it needs. Mesh blocks come first: their
+    /// contacts are support.
+    pub(crate) fn plan(&mut self, bins: &mut Bins, pairs: &[Pair], allowances: &mut Allowances) {
         let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
         if wanted > self.meshes.len() {
             // A few more than needed, or every other step would add one.
@@ -254,7 +220,7 @@ impl FoundContacts {
             };
             allowances.within(Category::Scratch, half);
         }
-        let (mut own, mut total, mut growing) = (0, [0u32; 2], 0);
+        let mut own = 0;
         for block in &mut bins.blocks {
             if block.bin.is_mesh() {
                 block.mesh = own;
@@ -262,86 +228,44 @@ impl FoundContacts {
                 continue;
             }
             let order = &bins.order[block.start as usize..block.end as usize];
-            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
-            if endless {
-                let new = new.count() as u32;
-                block.growth = block.growing(order.len() as u32 - new).div_ceil(GROWING) as u8;
-                block.place = new + u32::from(block.growth);
-                block.quota = [new; 2];
-                continue;
-            }
-            new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-            // Contacts that are older than the budget, and a few that outgrow what is usual for their kind.
-            let (mut older, mut others) = (0, 0);
-            let old = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact != NO_CONTACT);
-            for (pair, room) in old.map(|pair| (pair, contacts.room(pair.contact))) {
-                let is_older = room < input.room(pair, true);
-                older += u32::from(is_older);
-                others += u32::from(!is_older && room < MAX_POINTS);
-            }
-            block.growth = (older + block.growing(others).div_ceil(GROWING)) as u8;
-            growing += u32::from(block.growth);
-            total[0] += block.quota[0] + block.quota[1];
-            total[1] += block.quota[1];
+            let new = order.iter().filter(|&&i| pairs[i as usize].contact == NO_CONTACT).count() as u32;
+            block.place = new + block.growing(order.len() as u32 - new).div_ceil(GROWING);
         }
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
         self.meshes.iter_mut().for_each(|block| block.mesh.allowance = self.share);
-        if endless {
-            self.place = 0;
-            return;
-        }
-        let wanted = (total[0] + growing) as usize;
-        let part = |allowance: &mut Allowance| {
-            allowance.within(4, |allowance| slab.reserve::<Fresh>(wanted, allowance))
-        };
-        self.place = allowances.within(Category::Rows, part);
-        if self.place < wanted {
-            // Contacts that there are keep the points that they have place for.
-            bins.blocks.iter_mut().for_each(|block| block.growth = 0);
-            self.place = self.place.min(total[0] as usize);
-        }
-        if self.place < total[0] as usize {
-            cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
-        } else {
-            let mut start = 0;
-            for block in bins.blocks.iter_mut().filter(|block| !block.bin.is_mesh()) {
-                block.place = block.quota[0] + block.quota[1] + u32::from(block.growth);
-                block.fresh = start;
-                start += block.place;
-            }
-        }
     }
 
-    /// The end of the blocks that run before their contacts are committed: as many as there is capacity for.
-    /// Under a budget all run, because it is shared out by what all found.
-    pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, allowance: &mut Allowance) -> usize {
-        if !allowance.is_endless() {
-            return blocks.len();
+    /// Makes places for the new contacts of the next blocks, from `first` on, and returns the end of those
+    /// that there are enough for. Only one block alone may have too few.
+    pub(crate) fn wave(
+        &mut self,
+        blocks: &mut [Block],
+        first: usize,
+        memory: &mut ContactMemory<'_>,
+    ) -> usize {
+        let ContactMemory { allowances, space } = memory;
+        let most = space.slab.holds::<Fresh>().max(WAVE);
+        let (mut end, mut total) = spread(blocks, first, most);
+        self.place = allowances.within(Category::Rows, |allowance| {
+            allowance.within(4, |allowance| space.slab.reserve::<Fresh>(total, allowance))
+        });
+        if self.place < total {
+            (end, total) = spread(blocks, first, self.place);
         }
-        let (mut end, mut total) = (first, 0);
-        while let Some(block) = blocks.get_mut(end).filter(|b| end == first || total + b.place <= WAVE) {
-            block.fresh = total;
-            total += block.place;
-            end += 1;
-        }
-        allowance.fit(&mut self.fresh, total as usize);
-        if self.fresh.len() < total as usize {
-            self.fresh.resize(total as usize, Fresh::default());
-        }
+        self.place = total;
         end
     }
 
     /// What blocks write to while they run.
     pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
-        let meshes = self.meshes.len();
-        let fresh = if self.place > 0 { slab.alone(self.place) } else { &mut self.fresh };
-        let repeats = self.share.is_endless();
+        let (meshes, repeats) = (self.meshes.len(), self.place > 0);
+        let fresh = slab.alone(self.place);
         Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
-    /// Gives slots to the contacts of some blocks, and with the last of them to those of mesh blocks. Returns
-    /// the number of points that got none.
+    /// Gives slots to the contacts of some blocks, but not to those of mesh blocks. Returns the number of
+    /// points that got none.
     pub(crate) fn commit(
         &mut self,
         wave: &mut Wave<'_>,
@@ -351,12 +275,8 @@ impl FoundContacts {
         memory: &mut ContactMemory<'_>,
     ) -> u32 {
         let Wave { bins, blocks, states } = wave;
-        let last = blocks.end == bins.blocks.len();
-        if self.place > 0 {
-            self.place = close_up(&mut bins.blocks, memory.space.slab.alone(self.place));
-        }
         let blocks = &bins.blocks[blocks.clone()];
-        let mut shed = 0;
+        let mut shed = blocks.iter().map(|block| block.shed).sum::<u32>();
         for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
             for &index in order.iter().filter(|&&i| states[i as usize].is(PairState::Emptied)) {
@@ -364,69 +284,77 @@ impl FoundContacts {
                 contacts.remove_chain(slot);
             }
         }
-        if blocks.iter().any(|block| block.grown > 0) {
-            let found = FoundBy { blocks, place: self.place };
-            shed += found.renew_grown(&mut self.fresh, pairs, contacts, input, memory);
+        if blocks.iter().all(|block| block.found == 0) {
+            return shed;
         }
-        let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
-        let mut of_meshes = ContactCount::default();
-        for block in &mut *meshes {
-            of_meshes = of_meshes + block.count_more(pairs, contacts);
-            let used = self.share.left() - block.mesh.allowance.left();
-            memory.allowances.within(Category::Scratch, |allowance| allowance.take(used));
-            shed += std::mem::take(&mut block.mesh.shed);
+        let found = FoundBy { blocks, place: self.place };
+        if blocks.iter().any(|block| block.grown) {
+            shed += found.renew_grown(pairs, contacts, input, memory);
         }
-        shed += blocks.iter().map(|block| block.shed).sum::<u32>();
-        let mut way = Way::FREE;
-        if memory.allowances.is_endless() {
-            let more = count(found_by(blocks, &self.fresh), |_| 0) + of_meshes;
-            memory.allowances.within(Category::Manifolds, |allowance| contacts.reserve(more, allowance));
-        } else {
-            let found = FoundBy { blocks, place: self.place };
-            way = make_way(found, meshes, of_meshes, pairs, contacts, input, memory);
-            shed += way.shed;
-        }
-        let ContactMemory { allowances, space } = memory;
-        for block in meshes {
-            shed += allowances.within(Category::Scratch, |allowance| {
-                let (chain, touching) = (&mut self.chain, &mut self.touching);
-                Exchange { contacts, most: way.most, chain, touching, input, allowance }.run(block, pairs)
-            });
-        }
-        let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
-        for found in found_by(blocks, fresh) {
+        let mut way = make_way(found, &[], pairs, contacts, input, memory);
+        shed += way.shed;
+        let bounded = !memory.allowances.is_endless();
+        for found in found.all(memory.space.slab.alone(self.place)) {
             let pair = &mut pairs[found.pair as usize];
-            if !allowances.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
+            if way.floor.as_mut().is_some_and(|floor| !floor.keeps(found.weight(pair, input))) {
                 shed += found.raw.size();
                 continue;
             }
             let at = FoundAt::of(pair, input, found.fraction);
             let contact = Contact::found(pair.a, pair.b, &found.raw, at);
             self.touching |= contact.as_ref().touches_anew(input.touch_distance);
-            let room = input.room(pair, !allowances.is_endless());
-            pair.contact = contacts.insert_within(&contact, room, way.most);
+            pair.contact = contacts.insert_within(&contact, input.room(pair, bounded), way.most);
             shed += if pair.contact == NO_CONTACT { found.raw.size() } else { 0 };
         }
-        if last {
-            allowances.within(Category::Scratch, |allowance| {
-                let spare = allowance.left().saturating_sub(way.of_rows);
-                let mut part = if allowance.is_endless() { *allowance } else { Allowance::new(spare / PART) };
-                let before = part.left();
-                even_out(&mut self.meshes, &mut self.marks, &mut part);
-                allowance.take(before - part.left());
-            });
+        shed
+    }
+
+    /// Once all blocks ran: makes way for the contacts of mesh blocks, and for the rows of all contacts.
+    /// Returns the number of points that got no slot.
+    pub(crate) fn finish(
+        &mut self,
+        pairs: &mut [Pair],
+        contacts: &mut Contacts,
+        input: &Input<'_>,
+        memory: &mut ContactMemory<'_>,
+    ) -> u32 {
+        for block in &self.meshes {
+            let used = self.share.left() - block.mesh.allowance.left();
+            memory.allowances.within(Category::Scratch, |allowance| allowance.take(used));
         }
+        let none = FoundBy { blocks: &[], place: 0 };
+        let way = make_way(none, &self.meshes, pairs, contacts, input, memory);
+        let mut shed = way.shed;
+        memory.allowances.within(Category::Scratch, |allowance| {
+            for block in &mut self.meshes {
+                shed += std::mem::take(&mut block.mesh.shed);
+                let (chain, touching) = (&mut self.chain, &mut self.touching);
+                shed += Exchange { contacts, most: way.most, chain, touching, input, allowance }
+                    .run(block, pairs);
+            }
+            let spare = allowance.left().saturating_sub(way.of_rows);
+            let mut part = if allowance.is_endless() { *allowance } else { Allowance::new(spare / PART) };
+            let before = part.left();
+            even_out(&mut self.meshes, &mut self.marks, &mut part);
+            allowance.take(before - part.left());
+        });
         shed
     }
 }
 
-impl FoundBy<'_> {
+impl<'a> FoundBy<'a> {
+    /// What the blocks found, in their order, apart from what is done with.
+    pub(super) fn all(self, fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
+        self.blocks.iter().flat_map(|block| {
+            let start = block.fresh as usize;
+            fresh[start..start + block.found as usize].iter().filter(|found| found.raw.count > 0)
+        })
+    }
+
     /// Gives the contacts of the blocks places for the manifolds that they had none for, and then these. What
-    /// was found about them is done with. Returns the number of points that got no place. `fresh`: what was
-    /// found, if there is no budget.
+    /// was found about them is done with. Returns the number of points that got no place.
     fn renew_grown(
         self,
-        fresh: &mut [Fresh],
         pairs: &[Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
@@ -434,21 +362,19 @@ impl FoundBy<'_> {
     ) -> u32 {
         let FoundBy { blocks, place } = self;
         let bounded = !memory.allowances.is_endless();
-        let grown = |fresh: &[Fresh]| {
-            let grown =
-                found_by(blocks, fresh).filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
-            let points = grown.map(|found| {
-                let pair = &pairs[found.pair as usize];
-                input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
-            });
-            ContactCount { contacts: 0, points: points.sum() }
-        };
-        let more = grown(if place > 0 { memory.space.slab.alone(place) } else { fresh });
+        let grown = self
+            .all(memory.space.slab.alone(place))
+            .filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
+        let points = grown.map(|found| {
+            let pair = &pairs[found.pair as usize];
+            input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
+        });
+        let more = ContactCount { contacts: 0, points: points.sum() };
         reserve(more, contacts, place * FRESH_BYTES, 0, memory);
-        let fresh = if place > 0 { memory.space.slab.alone(place) } else { fresh };
+        let fresh: &mut [Fresh] = memory.space.slab.alone(place);
         let mut shed = 0;
-        for block in blocks.iter().filter(|block| block.grown > 0) {
-            for found in &mut fresh[block.fresh as usize..][..block.found()] {
+        for block in blocks.iter().filter(|block| block.grown) {
+            for found in &mut fresh[block.fresh as usize..][..block.found as usize] {
                 let pair = &pairs[found.pair as usize];
                 if pair.contact != NO_CONTACT {
                     let wanted = input.room(pair, bounded).max(found.raw.count as usize);
@@ -462,15 +388,6 @@ impl FoundBy<'_> {
         }
         shed
     }
-}
-
-/// So many contacts, and the points of their places: of those that they have, but not fewer than `room` says.
-pub(super) fn count<'a>(
-    found: impl Iterator<Item = &'a Fresh>,
-    room: impl Fn(&Fresh) -> usize,
-) -> ContactCount {
-    let of = |found: &Fresh| ContactCount { contacts: 1, points: room(found).max(found.raw.count as usize) };
-    found.map(of).fold(ContactCount::default(), std::ops::Add::add)
 }
 
 impl FoundAt {
@@ -489,51 +406,26 @@ impl Fresh {
     }
 }
 
-/// Closes the gaps between what blocks found; returns the total.
-fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
-    let mut end = 0;
-    for block in blocks {
-        let (start, used) = (block.fresh as usize, block.found());
-        fresh.copy_within(start..start + used, end);
-        block.fresh = end as u32;
-        end += used;
+/// Spreads so many places over blocks; returns the end of those that have enough, and the sum of these. The
+/// first takes what there is.
+fn spread(blocks: &mut [Block], first: usize, most: usize) -> (usize, usize) {
+    let (mut end, mut total) = (first, 0);
+    let fits = |block: &Block, total: usize| most == 0 || total + block.place as usize <= most;
+    while let Some(block) = blocks.get_mut(end).filter(|block| end == first || fits(block, total)) {
+        block.place = block.place.min(most as u32);
+        block.fresh = total as u32;
+        total += block.place as usize;
+        end += 1;
     }
-    end
-}
-
-/// What blocks found, in their order, apart from what is done with.
-pub(super) fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
-    blocks.iter().flat_map(|block| {
-        let (start, used) = (block.fresh as usize, block.found());
-        fresh[start..start + used].iter().filter(|found| found.raw.count > 0)
-    })
+    (end, total)
 }
 
 /// The part of a block's contacts that may outgrow their places at a time.
 const GROWING: u32 = 8;
 
-/// New contacts that are held at a time: enough for all in most steps. If a whole scene falls onto the ground
-/// at once, its blocks run in several waves.
-const WAVE: u32 = 1024;
+/// New contacts that are held at a time, or as many as there is memory for already: enough for all in most
+/// steps. If a whole scene falls onto the ground at once, its blocks run in several waves.
+const WAVE: usize = 1024;
 
 /// Share of the remaining memory that may be spent on even capacities: they only save growth in later steps.
 const PART: usize = 8;
-
-/// Distributes capacity for new contacts that is less than the number of pairs without one: first to pairs
-/// with static geometry, and within a kind every block gets its share. If the first blocks alone got it,
-/// pairs that have parted but are still pairs would keep it from those that have not.
-fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
-    let of_static = granted.min(total[1]);
-    let shares = [granted - of_static, of_static];
-    let (mut passed, mut start) = ([0u64; 2], 0);
-    for block in blocks {
-        for (kind, quota) in block.quota.iter_mut().enumerate() {
-            let upto = |pairs: u64| pairs * u64::from(shares[kind]) / u64::from(total[kind].max(1));
-            let before = upto(passed[kind]);
-            passed[kind] += u64::from(*quota);
-            *quota = (upto(passed[kind]) - before) as u32;
-        }
-        (block.fresh, block.place) = (start, block.quota[0] + block.quota[1]);
-        start += block.place;
-    }
-}

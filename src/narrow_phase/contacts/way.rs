@@ -1,8 +1,8 @@
 //! Makes way for new contacts where memory is short: weighs them and the old ones, and sheds the lightest.
 
-use super::admit::{Census, ContactMemory, Kind as Taken, Means};
+use super::admit::{Census, ContactMemory, Kind as Taken, with_empty};
 use super::contact::NO_CONTACT;
-use super::found::{FRESH_BYTES, FoundBy, Fresh, count, found_by};
+use super::found::{FRESH_BYTES, FoundBy, LEAST_ROWS};
 use super::of_meshes::MeshBlock;
 use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
@@ -15,68 +15,94 @@ use crate::narrow_phase::input::Input;
 pub(super) struct Way {
     /// The most contacts.
     pub(super) most: usize,
-    pub(super) floor: Threshold,
+    /// Without a budget all stay.
+    pub(super) floor: Option<Threshold>,
     /// Bytes left for rows.
     pub(super) of_rows: usize,
     /// Points of contacts that were shed.
     pub(super) shed: u32,
 }
 
-impl Way {
-    /// All contacts.
-    pub(super) const FREE: Way = Way { most: usize::MAX, floor: Threshold::ALL, of_rows: 0, shed: 0 };
-}
-
-/// Weighs existing contacts and those that blocks found, sheds those that are too light, and reserves slots
-/// for the others.
+/// Reserves slots for what blocks found. Under a budget weighs it and the existing contacts, and sheds those
+/// that are too light for all to fit with their rows.
 pub(super) fn make_way(
-    FoundBy { blocks, place }: FoundBy<'_>,
+    found: FoundBy<'_>,
     meshes: &[MeshBlock],
-    of_meshes: ContactCount,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
     memory: &mut ContactMemory<'_>,
 ) -> Way {
-    let ContactMemory { allowances, space } = &mut *memory;
-    let cost = space.cost;
-    let mut census = Census::new();
+    let place = found.place;
+    let mut way = Way { most: 0, floor: None, of_rows: 0, shed: 0 };
+    let mut needed = 0;
+    if !memory.allowances.is_endless() {
+        let mut census = Census::new();
+        count_all(&mut census, found, meshes, pairs, contacts, input, memory);
+        let ContactMemory { allowances, space } = &*memory;
+        let reserved = space.slab.bytes(0).1 + space.cost.reserved;
+        let (held, of_rows) = (contacts.capacity(), allowances.own(Category::Rows));
+        let most = held.bytes().saturating_add(allowances.own(Category::Manifolds));
+        let whole = allowances.whole().saturating_add(held.bytes() + reserved);
+        // Memory for headers is not memory for points; and rows can't take from contacts what their own limit
+        // denies them.
+        let cut = census.cut(&|all, rows| {
+            let rows = with_empty(all.contacts, rows).min(of_rows.saturating_add(reserved));
+            all.max(held).bytes() <= most && all.bytes() + rows <= whole
+        });
+        let mut floor = cut.floor;
+        way.shed = evict(&mut floor, pairs, contacts, input);
+        way.floor = Some(floor);
+        way.of_rows = cut.rows.saturating_sub(reserved).min(of_rows);
+        // Rows have more memory than they will need, because there were fewer contacts, or these had more
+        // points.
+        needed = cut.rows.saturating_sub(space.cost.reserved).max(place * FRESH_BYTES);
+    }
+    let mut floor = way.floor;
+    let more = found.all(memory.space.slab.alone(place)).filter_map(|found| {
+        let pair = &pairs[found.pair as usize];
+        let bounded = floor.is_some();
+        let stays = floor.as_mut().is_none_or(|floor| floor.keeps(found.weight(pair, input)));
+        let points = input.room(pair, bounded).max(found.raw.count as usize);
+        stays.then_some(ContactCount { contacts: 1, points })
+    });
+    let of_meshes = meshes.iter().map(|block| block.count_more(pairs, contacts));
+    let more = more.chain(of_meshes).fold(ContactCount::default(), std::ops::Add::add);
+    let place = reserve(more, contacts, needed, way.of_rows, memory);
+    way.most = contacts.live() + more.contacts.min(place);
+    way
+}
+
+/// Counts the existing contacts and the new ones by weight.
+fn count_all(
+    census: &mut Census,
+    found: FoundBy<'_>,
+    meshes: &[MeshBlock],
+    pairs: &[Pair],
+    contacts: &Contacts,
+    input: &Input<'_>,
+    memory: &mut ContactMemory<'_>,
+) {
+    let space = &mut *memory.space;
+    let (cost, touch) = (space.cost, input.touch_distance);
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.summaries, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
         let mut slot = pair.contact;
         while slot != NO_CONTACT {
-            let (contact, room) = (contacts.at(slot), contacts.room(slot));
-            let taken = Taken::of(contact, room, is_static, input.touch_distance);
-            match weight {
-                Some(weight) => census.add(weight, taken, &cost),
-                None => census.add_fixed(taken, &cost),
-            }
+            let contact = contacts.at(slot);
+            census.add(weight, Taken::of(contact, contacts.room(slot), is_static, touch), &cost);
             slot = contact.next;
         }
     }
     for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-        let taken = |raw: &RawManifold| Taken::of_new(raw, 0, input.is_static(pair), input.touch_distance);
-        many.iter().for_each(|found| census.add_fixed(taken(&found.raw), &cost));
+        let taken = |raw: &RawManifold| Taken::of_new(raw, 0, input.is_static(pair), touch);
+        many.iter().for_each(|found| census.add(None, taken(&found.raw), &cost));
     }
-    for found in found_by(blocks, space.slab.alone(place)) {
+    for found in found.all(space.slab.alone(found.place)) {
         let pair = &pairs[found.pair as usize];
-        let taken =
-            Taken::of_new(&found.raw, input.room(pair, true), input.is_static(pair), input.touch_distance);
-        census.add(found.weight(pair, input), taken, &cost);
+        let taken = Taken::of_new(&found.raw, input.room(pair, true), input.is_static(pair), touch);
+        census.add(Some(found.weight(pair, input)), taken, &cost);
     }
-    let admitted = Means::new(allowances, space, contacts).admit(&census);
-    let mut floor = admitted.floor;
-    let shed = evict(&mut floor, pairs, contacts, input);
-    let mut ahead = floor;
-    let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
-    let room = |found: &Fresh| input.room(&pairs[found.pair as usize], true);
-    let more = count(found_by(blocks, space.slab.alone(place)).filter(stays), room) + of_meshes;
-    let reserved = space.slab.bytes(0).1 + cost.reserved;
-    let of_rows = admitted.rows.saturating_sub(reserved).min(allowances.own(Category::Rows));
-    // Rows have more memory than they will need, because there were fewer contacts, or these had more points.
-    let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
-    let place = reserve(more, contacts, needed, of_rows, memory);
-    Way { most: contacts.live() + more.contacts.min(place), floor, of_rows, shed }
 }
 
 /// Reserves memory for so many more contacts; returns for how many there is. If it does not suffice, the last
@@ -94,7 +120,7 @@ pub(super) fn reserve(
     };
     let lacking = contacts.lacking(more).bytes().saturating_sub(left(allowances));
     if lacking > 0 {
-        let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
+        let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed).max(LEAST_ROWS);
         allowances.within(Category::Rows, |allowance| allowance.give(space.slab.spare(to)));
         space.slab.shrink(to);
     }

@@ -43,10 +43,6 @@ impl Weight {
         Weight(index)
     }
 
-    pub(crate) fn is_needed(self) -> bool {
-        self >= Weight::NEEDED
-    }
-
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
@@ -108,22 +104,9 @@ pub(crate) struct Threshold {
 impl Threshold {
     /// Everything stays.
     pub(crate) const ALL: Threshold = Threshold { weight: Weight(0), left: u32::MAX };
-    /// Only what is needed stays.
-    pub(crate) const NEEDED: Threshold = Threshold { weight: Weight::NEEDED, left: u32::MAX };
 
     pub(crate) fn new(index: usize, left: u32) -> Threshold {
         Threshold { weight: Weight(index as u16), left }
-    }
-
-    /// Sheds so many of the lightest among those whose weights are in a range.
-    pub(crate) fn without(counts: &[u32; Weight::COUNT], from: Weight, mut gone: u32) -> Threshold {
-        for (index, &count) in counts.iter().enumerate().skip(from.index()) {
-            if gone < count {
-                return Threshold::new(index, count - gone);
-            }
-            gone -= count;
-        }
-        Threshold::new(Weight::COUNT, 0)
     }
 
     /// Whether the next contact, of this weight, stays. To be called for each in the same order.
@@ -156,21 +139,15 @@ mod tests {
                 && weights[10] > weights[3]
                 && weights[3] > weights[9]
         );
-        assert!(!weights[9].is_needed() && weights[3].is_needed());
+        assert!(weights[9] < Weight::NEEDED && weights[3] >= Weight::NEEDED);
     }
 
     #[test]
-    fn as_many_go_as_are_asked_for() {
-        let mut counts = [0; Weight::COUNT];
-        let all = [5u16, 5, 7, 7, 7, 600, 900].map(Weight);
-        all.iter().for_each(|w| counts[w.index()] += 1);
-        for gone in 0..=7 {
-            let mut floor = Threshold::without(&counts, Weight(0), gone);
-            assert_eq!(all.iter().filter(|w| floor.keeps(**w)).count(), 7 - gone as usize);
-        }
-        // Only among the needed ones.
-        let mut floor = Threshold::without(&counts, Weight::NEEDED, 1);
-        assert_eq!(all.map(|w| floor.keeps(w)), [false, false, false, false, false, false, true]);
-        assert!(Threshold::ALL.clone().keeps(Weight(0)));
+    fn of_equal_weights_the_first_stay() {
+        let all = [5u16, 7, 7, 5, 7, 600].map(Weight);
+        let keeps = |mut floor: Threshold| all.map(|weight| floor.keeps(weight));
+        assert_eq!(keeps(Threshold::new(7, 2)), [false, true, true, false, false, true]);
+        assert_eq!(keeps(Threshold::new(5, 1)), [true, true, true, false, true, true]);
+        assert_eq!((keeps(Threshold::ALL), keeps(Threshold::new(Weight::COUNT, 0))), ([true; 6], [false; 6]));
     }
 }

@@ -6,7 +6,7 @@ use crate::error::{Error, each};
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::math::Quat;
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
 impl World {
@@ -17,7 +17,7 @@ impl World {
     /// have, or the budget does not allow it.
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let mass = self.check(desc)?;
-        self.reserve(std::slice::from_ref(desc))?;
+        self.reserve(Addition::Bodies(std::slice::from_ref(desc)))?;
         self.note(Change::AddBody(desc));
         Ok(self.insert(desc, &mass))
     }
@@ -29,7 +29,7 @@ impl World {
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let mut masses = Vec::with_capacity(descs.len());
         each("body", descs, |desc| self.check(desc).map(|mass| masses.push(mass)))?;
-        self.reserve(descs)?;
+        self.reserve(Addition::Bodies(descs))?;
         self.note(Change::AddBodies(descs));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
@@ -86,7 +86,7 @@ impl World {
             return Ok(());
         }
         if enabled {
-            self.reserve_for_enabled(index)?;
+            self.reserve(Addition::Enabled(index))?;
         }
         self.note(Change::SetEnabled(body, enabled));
         let index = self.disturb(index);

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::handle::ShapeHandle;
 use crate::narrow_phase::NO_CONTACT;
 use crate::shape::{Geometry, HeightField, HolePatch, Patch};
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -116,7 +116,7 @@ impl World {
         let mut field = field.clone();
         if self.assets.uses(&self.colliders.all[collider as usize].geometry) > 1 {
             field = Arc::new((*field).clone());
-            self.reserve_for_geometry(&Geometry::HeightField(field.clone()))?;
+            self.reserve(Addition::Form(&Geometry::HeightField(field.clone())))?;
         }
         Ok(Some(field))
     }

@@ -6,7 +6,7 @@ use crate::handle::BodyHandle;
 use crate::limits::MAX_LEFT_SPEED;
 use crate::math::Quat;
 use crate::shape::{MassProperties, ShapeDesc};
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
 impl World {
@@ -83,7 +83,7 @@ impl World {
             return Ok(());
         }
         if self.bodies.kind[index] != BodyKind::Dynamic {
-            self.reserve_for_rare(RareCounts { kept_masses: 1, ..RareCounts::default() })?;
+            self.reserve(Addition::Rare(RareCounts { kept_masses: 1, ..RareCounts::default() }))?;
         }
         self.note(Change::SetMass(body, mass));
         let index = self.wake_body(index);

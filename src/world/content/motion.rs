@@ -7,7 +7,7 @@ use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
 use crate::limits::unit_quat;
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::{DVec3, Vec3};
 
 impl World {
@@ -237,7 +237,7 @@ impl World {
         limits::speed("angular velocity", angular)?;
         let kinematic = self.bodies.kind[index] == BodyKind::Kinematic;
         if kinematic {
-            self.reserve_for_rare(RareCounts { targets: 1, ..RareCounts::default() })?;
+            self.reserve(Addition::Rare(RareCounts { targets: 1, ..RareCounts::default() }))?;
         }
         // As given: normalising twice may change a bit.
         let change = match after {
@@ -265,7 +265,11 @@ impl World {
         let sum = self.bodies.force.get(index).copied().unwrap_or_default();
         limits::force("sum of forces", sum.linear + force)?;
         limits::force("sum of torques", sum.angular + torque)?;
-        self.reserve_for_forces()?;
+        if self.bodies.force.is_empty() {
+            // The column exists only once a force was applied.
+            self.reserve(Addition::Force)?;
+            self.bodies.make_forces();
+        }
         self.note(Change::AddForce(body, force, torque));
         let index = self.wake_body(index);
         self.bodies.note_push();

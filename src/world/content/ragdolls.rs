@@ -8,7 +8,7 @@ use crate::joint::{
 };
 use crate::limits::unit_quat;
 use crate::math::Quat;
-use crate::world::World;
+use crate::world::{Addition, World};
 use glam::{DVec3, Vec3};
 
 impl Skeleton {
@@ -115,7 +115,7 @@ impl Ragdoll {
                 all.push((joint, axis, drive));
             }
         }
-        world.reserve_for_joints(more, false)?;
+        world.reserve(Addition::Joints(more, false))?;
         for (joint, axis, drive) in all {
             match drive {
                 Some(drive) => world.set_joint_drive(joint, drive)?,

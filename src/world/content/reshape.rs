@@ -8,7 +8,7 @@ use crate::limits;
 use crate::limits::unit_quat;
 use crate::math::Quat;
 use crate::shape::{Collider, Geometry, MassProperties};
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
 /// What a shape adds to the mass of its body, in the body's axes.
@@ -47,7 +47,7 @@ impl World {
             geometry.require_convex()?;
         }
         let mass = self.mass_with(collider, &Part { geometry: &geometry, ..self.part_of(collider) })?;
-        self.reserve_for_geometry(&geometry)?;
+        self.reserve(Addition::Form(&geometry))?;
         self.note(Change::SetGeometry(shape, &geometry));
         let own = self.colliders.rare(collider);
         // Its bytes count before the ends of pairs take any.

@@ -5,7 +5,7 @@ use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, STATICS, ShapeDesc};
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 
 impl World {
     /// Adds a shape to a body; the mass follows if it is that of the shapes.
@@ -28,11 +28,8 @@ impl World {
                 movable(&MassProperties::combine(&parts))?;
             }
         }
-        self.reserve_for_shape(
-            self.bodies.kind[index],
-            shape,
-            self.bodies.colliders[index].as_slice().len(),
-        )?;
+        let has = self.bodies.colliders[index].as_slice().len();
+        self.reserve(Addition::Shape(self.bodies.kind[index], shape, has))?;
         self.note(Change::AddShape(body, shape));
         let index = self.disturb(index);
         self.revise(index);
@@ -117,7 +114,7 @@ impl World {
             return Ok(());
         }
         let rare = material.rare();
-        self.reserve_for_rare_material(rare)?;
+        self.reserve(Addition::RareMaterial(rare.flags() != 0))?;
         self.note(Change::SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);

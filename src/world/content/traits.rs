@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
 use crate::limits;
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
 impl World {
@@ -32,7 +32,7 @@ impl World {
             return Ok(());
         }
         let mass = if kind == BodyKind::Dynamic { Some(self.mass_as_dynamic(index)?) } else { None };
-        self.reserve_for_kind(index, kind)?;
+        self.reserve(Addition::Kind(index, kind))?;
         self.note(Change::SetKind(body, kind));
         let index = self.disturb(index);
         self.revise(index);
@@ -149,7 +149,7 @@ impl World {
         let index = self.index(body)?;
         limits::damping("linear damping", linear)?;
         limits::damping("angular damping", angular)?;
-        self.reserve_for_rare(RareCounts { damped: 1, ..RareCounts::default() })?;
+        self.reserve(Addition::Rare(RareCounts { damped: 1, ..RareCounts::default() }))?;
         self.note(Change::SetDamping(body, linear, angular));
         self.revise(index);
         self.bodies.rare.set_damping(self.bodies.slot[index], Damping { linear, angular });
@@ -181,7 +181,7 @@ impl World {
         let index = self.index(body)?;
         limits::speed_cap("maximum linear speed", linear)?;
         limits::speed_cap("maximum angular speed", angular)?;
-        self.reserve_for_rare(RareCounts { capped: 1, ..RareCounts::default() })?;
+        self.reserve(Addition::Rare(RareCounts { capped: 1, ..RareCounts::default() }))?;
         self.note(Change::SetMaxSpeeds(body, linear, angular));
         self.revise(index);
         self.bodies.rare.set_cap(self.bodies.slot[index], SpeedCap::new(linear, angular));
@@ -272,7 +272,7 @@ impl World {
         if self.bodies.traits[index].solved_after == above {
             return Ok(());
         }
-        self.reserve_for_solved_after(above.is_some())?;
+        self.reserve(Addition::SolvedAfter(above.is_some()))?;
         self.note(Change::SolveBodyAfter(body, above));
         self.revise(index);
         self.bodies.set_solved_after(index, above);

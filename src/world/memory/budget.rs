@@ -7,14 +7,14 @@ use crate::constraint::WIDEST_JOINT_BATCH;
 use crate::error::Error;
 use crate::finish;
 use crate::joint::{JointAdditions, JointDesc};
-use crate::lanes::Record;
 use crate::memory::{Allowance, Allowances, Amounts, Budget, Buffer, Category, MemoryReport, bytes_of};
-use crate::shape::{Geometry, Kind, RareMaterial, ShapeDesc};
+use crate::narrow_phase::LEAST_ROWS;
+use crate::shape::{Geometry, Kind, ShapeDesc};
 use crate::world::World;
 
 /// Numbers of entries, present or future, in the buffers that a step can't do without.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::world) struct Counts {
+pub(crate) struct Counts {
     pub(in crate::world) bodies: usize,
     pub(in crate::world) movers: usize,
     pub(in crate::world) dynamic: usize,
@@ -34,9 +34,39 @@ pub(in crate::world) struct Counts {
     /// Whether bodies that leave their paths are settled. Without a budget the buffers for that are allocated
     /// when there are any.
     pub(in crate::world) settles: bool,
+    /// Slots of characters.
+    pub(in crate::world) characters: usize,
+    /// Joints that are added.
+    pub(in crate::world) joints: JointAdditions,
     /// Number of geometries, and the bytes of new ones and of the collider lists of compounds.
     pub(in crate::world) assets: usize,
     pub(in crate::world) once: Amounts,
+}
+
+/// What a call adds to a world, for which its budget must have room.
+#[derive(Clone, Copy)]
+pub(crate) enum Addition<'a> {
+    Bodies(&'a [BodyDesc]),
+    /// Another shape of a body of a kind, which has so many.
+    Shape(BodyKind, &'a ShapeDesc, usize),
+    /// Another form of a shape.
+    Form(&'a Geometry),
+    /// The geometry of a character, and slots of characters in all.
+    Character(Option<&'a Geometry>, usize),
+    /// A body, by its index, becomes one of another kind.
+    Kind(usize, BodyKind),
+    /// A body, by its index, is enabled again.
+    Enabled(usize),
+    /// Joints, or parts of them; `true`: with a margin for later ones.
+    Joints(JointAdditions, bool),
+    /// Data that few bodies have.
+    Rare(RareCounts),
+    /// A body's rows are solved after a group.
+    SolvedAfter(bool),
+    /// A shape has a material with a part that few have.
+    RareMaterial(bool),
+    /// The first force.
+    Force,
 }
 
 impl World {
@@ -119,15 +149,10 @@ impl World {
 
     /// Bytes that may still be reserved.
     pub(crate) fn allowances(&self) -> Allowances {
-        self.rooms_of(&self.settings.budget)
+        self.rooms_without(&self.settings.budget, &Amounts::default())
     }
 
-    /// Bytes that another budget leaves.
-    fn rooms_of(&self, budget: &Budget) -> Allowances {
-        self.rooms_without(budget, &Amounts::default())
-    }
-
-    /// The same after so many bytes were released.
+    /// Bytes that a budget leaves after so many were released.
     pub(in crate::world) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Allowances {
         if budget.is_none() {
             return Allowances::ENDLESS;
@@ -171,18 +196,110 @@ impl World {
         self.events.allowance = self.allowance(Category::Events);
     }
 
-    /// Reserves entries for bodies in all buffers that have one for each, including those that their steps
-    /// can't do without, so that a step can only lack memory for pairs and contacts.
-    pub(in crate::world) fn reserve(&mut self, descs: &[BodyDesc]) -> Result<(), Error> {
+    /// Reserves entries for what is added in all buffers that have one for each, including those that steps
+    /// can't do without, so that a step can only lack memory for pairs and contacts. Without a budget there
+    /// is nothing to reserve.
+    ///
+    /// # Errors
+    /// If the budget does not allow it.
+    pub(crate) fn reserve(&mut self, addition: Addition<'_>) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let more = self.counts_of(descs);
-        self.reserve_for(more, descs.len() == 1)
+        let more = self.counts_of(addition);
+        let (mut counts, allowances) = (self.counts(more), self.allowances());
+        // More while that is a small part of what is left, so that buffers do not move for each of many that
+        // are added one by one.
+        let wider = match addition {
+            Addition::Bodies([_]) | Addition::Shape(..) => counts.with_more(4),
+            Addition::Joints(joints, true) => Counts { joints: self.joints.ahead(joints), ..counts },
+            _ => counts,
+        };
+        if allowances.part(AHEAD).fits(&self.lacking(wider)) {
+            counts = wider;
+        } else {
+            check(&self.lacking(counts), &allowances)?;
+        }
+        self.reserve_all(counts);
+        Ok(())
+    }
+
+    fn reserve_all(&mut self, counts: Counts) {
+        self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
+        self.joints.reserve_total(counts.joints);
+    }
+
+    /// Reserves entries for all present content, whether or not the budget allows it: without them no step is
+    /// possible.
+    pub(crate) fn reserve_for_step(&mut self) {
+        if !self.settings.budget.is_none() {
+            let counts = self.counts(Counts::default());
+            self.reserve_all(counts);
+        }
+    }
+
+    /// Entries that are added.
+    fn counts_of(&self, addition: Addition<'_>) -> Counts {
+        let none = Counts::default();
+        let form = |geometry: Option<&Geometry>| {
+            let (once, assets) = self.assets.cost(geometry.into_iter());
+            Counts { once, assets, ..none }
+        };
+        match addition {
+            Addition::Bodies(descs) => self.counts_of_bodies(descs),
+            Addition::Shape(kind, shape, has) => {
+                let mut more = form(Some(&shape.geometry));
+                more.once.add(Category::Bodies, list_bytes(has, has + 1));
+                more.add_shape(kind, shape);
+                more
+            }
+            Addition::Form(geometry) => {
+                let (mut more, kind) = (form(Some(geometry)), Kind::of(geometry));
+                more.meshed = matches!(kind, Kind::Mesh | Kind::HeightField);
+                more.rare_materials = geometry.rare_flags() != 0;
+                more.colliders.endless = usize::from(kind == Kind::Plane);
+                more
+            }
+            Addition::Character(geometry, characters) => Counts { characters, ..form(geometry) },
+            Addition::Kind(index, kind) => {
+                let is = |kind: BodyKind| self.bodies.kind[index] == kind;
+                let kept_masses = usize::from(is(BodyKind::Dynamic));
+                let more = Counts {
+                    movers: usize::from(is(BodyKind::Static)),
+                    dynamic: usize::from(kind == BodyKind::Dynamic),
+                    rare: RareCounts { kept_masses, ..RareCounts::default() },
+                    ..none
+                };
+                let stays = is(BodyKind::Static) == (kind == BodyKind::Static);
+                if stays { more } else { self.with_colliders_of(index, kind, more) }
+            }
+            Addition::Enabled(index) => {
+                let kind = self.bodies.kind[index];
+                let dynamic = usize::from(kind == BodyKind::Dynamic);
+                self.with_colliders_of(index, kind, Counts { dynamic, ..none })
+            }
+            Addition::Joints(joints, _) => Counts { joints, joined: true, ..none },
+            Addition::Rare(rare) => Counts { rare, ..none },
+            Addition::SolvedAfter(solved_after) => Counts { solved_after, ..none },
+            Addition::RareMaterial(rare_materials) => Counts { rare_materials, ..none },
+            Addition::Force => Counts { forced: true, ..none },
+        }
+    }
+
+    /// The same with the colliders of a body that becomes one of a kind. Their slots exist already.
+    fn with_colliders_of(&self, index: usize, kind: BodyKind, mut more: Counts) -> Counts {
+        for &c in self.bodies.colliders[index].as_slice() {
+            more.add_collider(kind, self.colliders.all[c as usize].kind);
+        }
+        more.colliders.slots = 0;
+        more
     }
 
     /// Entries that bodies add.
-    fn counts_of<'a>(&self, descs: impl IntoIterator<Item = &'a BodyDesc> + Clone) -> Counts {
+    pub(in crate::world) fn counts_of_bodies<'a>(
+        &self,
+        descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
+    ) -> Counts {
         let shapes = descs.clone().into_iter().flat_map(|desc| &desc.shapes);
         let (once, assets) = self.assets.cost(shapes.map(|shape| &shape.geometry));
         let mut more = Counts { once, assets, ..Counts::default() };
@@ -203,115 +320,6 @@ impl World {
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         more
-    }
-
-    /// Reserves entries for another shape of a body.
-    pub(in crate::world) fn reserve_for_shape(
-        &mut self,
-        kind: BodyKind,
-        shape: &ShapeDesc,
-        has: usize,
-    ) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let (once, assets) = self.assets.cost(std::iter::once(&shape.geometry));
-        let mut more = Counts { once, assets, ..Counts::default() };
-        more.once.add(Category::Bodies, list_bytes(has, has + 1));
-        more.add_shape(kind, shape);
-        self.reserve_for(more, true)
-    }
-
-    /// Reserves so many slots of characters, and the geometry of one.
-    ///
-    /// # Errors
-    /// If the budget does not allow them.
-    pub(crate) fn reserve_for_character(
-        &mut self,
-        geometry: Option<&Geometry>,
-        slots: usize,
-    ) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let (mut once, assets) = self.assets.cost(geometry.into_iter());
-        once.add(Category::Bodies, self.character_buffer().missing(slots));
-        self.reserve_for(Counts { once, assets, ..Counts::default() }, false)?;
-        self.character_buffer().reserve_total(slots);
-        Ok(())
-    }
-
-    /// Reserves entries for another form of a shape.
-    pub(in crate::world) fn reserve_for_geometry(&mut self, geometry: &Geometry) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let (once, assets) = self.assets.cost(std::iter::once(geometry));
-        let mut more = Counts { once, assets, ..Counts::default() };
-        let kind = Kind::of(geometry);
-        more.meshed = kind.is_ground();
-        more.rare_materials = geometry.rare_flags() != 0;
-        more.colliders.endless = usize::from(kind == Kind::Plane);
-        self.reserve_for(more, false)
-    }
-
-    /// Reserves sort keys for contacts of bodies that are solved after a group.
-    pub(in crate::world) fn reserve_for_solved_after(&mut self, solved_after: bool) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        self.reserve_for(Counts { solved_after, ..Counts::default() }, false)
-    }
-
-    /// Reserves entries for bodies with data that few have.
-    pub(in crate::world) fn reserve_for_rare(&mut self, rare: RareCounts) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        self.reserve_for(Counts { rare, ..Counts::default() }, false)
-    }
-
-    /// Reserves the column of rare materials, which exists only once a shape has one.
-    pub(in crate::world) fn reserve_for_rare_material(&mut self, rare: RareMaterial) -> Result<(), Error> {
-        if self.settings.budget.is_none() || rare.flags() == 0 {
-            return Ok(());
-        }
-        self.reserve_for(Counts { rare_materials: true, ..Counts::default() }, false)
-    }
-
-    /// Reserves entries for a body that becomes one of another kind.
-    pub(in crate::world) fn reserve_for_kind(&mut self, index: usize, kind: BodyKind) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let is = |kind: BodyKind| self.bodies.kind[index] == kind;
-        let mut more = Counts {
-            movers: usize::from(is(BodyKind::Static)),
-            dynamic: usize::from(kind == BodyKind::Dynamic),
-            rare: RareCounts { kept_masses: usize::from(is(BodyKind::Dynamic)), ..RareCounts::default() },
-            ..Counts::default()
-        };
-        if is(BodyKind::Static) != (kind == BodyKind::Static) {
-            for &c in self.bodies.colliders[index].as_slice() {
-                more.add_collider(kind, self.colliders.all[c as usize].kind);
-            }
-        }
-        // Their slots exist already.
-        more.colliders.slots = 0;
-        self.reserve_for(more, false)
-    }
-
-    /// Creates the column of forces, which exists only once a force was applied.
-    pub(in crate::world) fn reserve_for_forces(&mut self) -> Result<(), Error> {
-        let (column, bodies) = (&self.bodies.force, self.bodies.len());
-        if column.is_empty() {
-            let mut asked = Amounts::default();
-            asked.add(Category::Bodies, column.missing(bodies));
-            check(&asked, &self.allowances())?;
-            self.bodies.force.reserve_total(bodies);
-            self.bodies.force.resize(bodies, Record::default());
-        }
-        Ok(())
     }
 
     /// Whether other settings arrange joints in another way.
@@ -340,61 +348,9 @@ impl World {
             asked.add(Category::Joints, self.joints.row_count() * WIDEST_JOINT_BATCH);
         }
         self.each_of_switched(counts, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
-        check(&asked, &self.rooms_of(&settings.budget))?;
+        check(&asked, &self.rooms_without(&settings.budget, &Amounts::default()))?;
         self.each_of_switched(counts, &mut |_, buffer, len| buffer.reserve_total(len));
         Ok(())
-    }
-
-    /// Reserves entries for a body that is enabled again.
-    pub(in crate::world) fn reserve_for_enabled(&mut self, index: usize) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let kind = self.bodies.kind[index];
-        let mut more = Counts { dynamic: usize::from(kind == BodyKind::Dynamic), ..Counts::default() };
-        for &c in self.bodies.colliders[index].as_slice() {
-            more.add_collider(kind, self.colliders.all[c as usize].kind);
-        }
-        // Their slots exist already.
-        more.colliders.slots = 0;
-        self.reserve_for(more, false)
-    }
-
-    /// Reserves entries for all present content, whether or not the budget allows it: without them no step is
-    /// possible.
-    pub(crate) fn reserve_for_step(&mut self) {
-        if !self.settings.budget.is_none() {
-            let counts = self.counts(Counts::default());
-            self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
-            self.joints.reserve_total(JointAdditions::default());
-        }
-    }
-
-    /// Reserves entries for more content; `ahead`: with a margin for later additions.
-    fn reserve_for(&mut self, more: Counts, ahead: bool) -> Result<(), Error> {
-        let allowances = self.allowances();
-        let mut counts = self.counts(more);
-        // A quarter more while that is a small part of what is left, so that buffers do not move for each of
-        // many bodies that are added one by one.
-        let wider = counts.with_more(4);
-        if ahead && allowances.part(AHEAD).fits(&self.lacking(wider)) {
-            counts = wider;
-        } else {
-            check(&self.lacking(counts), &allowances)?;
-        }
-        self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
-        Ok(())
-    }
-
-    /// Bytes that are missing for bodies, some of them joined.
-    pub(in crate::world) fn lacking_for<'a>(
-        &mut self,
-        descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
-        joined: bool,
-    ) -> Amounts {
-        let more = self.counts_of(descs);
-        let counts = self.counts(Counts { joined, ..more });
-        self.lacking(counts)
     }
 
     /// Whether the budget has room for bodies, for joints between them (their handles do not matter), and for
@@ -414,50 +370,24 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let mut asked = self.lacking_for(bodies, !joints.is_empty());
+        let mut more = self.counts_of_bodies(bodies);
         if !joints.is_empty() {
-            let joints = joints.between(self.bodies.slots.count() + bodies.len());
-            asked.add(Category::Joints, self.joints.missing(joints, WIDEST_JOINT_BATCH));
+            more.joined = true;
+            more.joints = joints.between(self.bodies.slots.count() + bodies.len());
         }
-        check(&asked, &self.allowances())
+        let counts = self.counts(more);
+        check(&self.lacking(counts), &self.allowances())
     }
 
     /// Bytes that are missing for so many entries.
     pub(in crate::world) fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;
         self.each_buffer(counts, &mut |category, buffer, len| bytes.add(category, buffer.missing(len)));
+        bytes.add(Category::Joints, self.joints.missing(counts.joints, WIDEST_JOINT_BATCH));
         bytes
     }
 
-    /// Reserves entries for joints, with a margin for later ones: in their columns, in the batches of steps,
-    /// and in the data that steps keep of each body that may be joined.
-    pub(in crate::world) fn reserve_for_joints(
-        &mut self,
-        more: JointAdditions,
-        ahead: bool,
-    ) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let counts = self.counts(Counts { joined: true, ..Counts::default() });
-        let further = if ahead { self.joints.ahead(more) } else { more };
-        let (allowances, of_bodies) = (self.allowances(), self.lacking(counts));
-        let mut asked = |more: JointAdditions| {
-            let mut asked = of_bodies;
-            asked.add(Category::Joints, self.joints.missing(more, WIDEST_JOINT_BATCH));
-            asked
-        };
-        // So that buffers do not move for each joint that is added.
-        let (wider, exact) = (asked(further), asked(more));
-        let far = allowances.part(AHEAD).fits(&wider);
-        if !far {
-            check(&exact, &allowances)?;
-        }
-        self.each_buffer(counts, &mut |_, buffer, len| buffer.reserve_total(len));
-        self.joints.reserve_total(if far { further } else { more });
-        Ok(())
-    }
-
+    /// The entries that there will be with more.
     pub(in crate::world) fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
@@ -493,17 +423,19 @@ impl World {
         n: Counts,
         f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
     ) {
-        use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
+        use Category::{Bodies, BroadPhase, Continuous, Joints, Rows, Scratch, Shapes};
         self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         self.bodies.rare.each(n.rare, &mut |buffer, len| f(Bodies, buffer, len));
         let rare = if n.rare_materials { n.colliders.slots } else { 0 };
         self.colliders.each(n.colliders.slots, rare, &mut |buffer, len| f(Shapes, buffer, len));
         f(Shapes, &mut self.assets.list, n.assets);
+        f(Bodies, self.character_buffer(), n.characters);
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
+        f(Rows, buffers.rows.batch_buffer(), if n.movers > 0 { LEAST_ROWS } else { 0 });
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
         buffers.forces.each(n.movers, n.dynamic, &mut scratch);
         buffers.broad.each(n.movers, n.colliders.moving, &mut scratch);

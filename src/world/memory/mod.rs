@@ -9,6 +9,7 @@ mod plan;
 mod restoring;
 
 pub(in crate::world) use assets::Assets;
+pub(crate) use budget::Addition;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use needs::{Demand, Needs};
 pub use plan::{ContentForecast, Plan};

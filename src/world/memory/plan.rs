@@ -1,5 +1,6 @@
 //! Memory that a world will hold, before it exists, from the sizes of its buffers.
 
+use super::budget::Counts;
 use crate::body::BodyDesc;
 use crate::broad_phase::BroadPhase;
 use crate::config::Settings;
@@ -79,7 +80,9 @@ fn planned<'a>(
     let shapes = bodies.clone().into_iter().flat_map(|body| &body.shapes);
     shapes.for_each(|shape| needs.count(&Collider::of(shape), 1));
     let (friction, beside) = (needs.friction > 0, needs.beside());
-    let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
+    let more = Counts { joined: !joints.is_empty(), ..empty.counts_of_bodies(bodies) };
+    let counts = empty.counts(more);
+    let mut bytes = empty.lacking(counts);
 
     let coupled = (0..couplings).map(|_| JointAdditions::of_coupling());
     let more = joints.iter().map(JointAdditions::of_joint).chain(coupled);
@@ -109,7 +112,8 @@ fn planned<'a>(
     let rows = buffers.rows.missing(batches, stages, friction, beside).max(crowd.fresh * FRESH_BYTES);
     let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;
     bytes.add(Category::Manifolds, manifolds - ahead(manifolds));
-    bytes.add(Category::Rows, rows - ahead(rows));
+    let brought = bytes.of(Category::Rows);
+    bytes.add(Category::Rows, (rows - ahead(rows)).saturating_sub(brought));
     bytes.add(Category::Continuous, ahead(manifolds) + ahead(rows));
     bytes
 }

@@ -169,7 +169,8 @@ impl World {
         self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
         let allowed = check(&asked, &self.rooms_without(&self.settings.budget, &gone));
         if allowed.is_err() {
-            if self.switches_on(brings) {
+            let on = self.switched_on(brings);
+            if on.rests || on.meets || on.forced || (on.settles && on.meshed) {
                 // Asked for as it is when such settings are set.
                 return allowed;
             }
@@ -197,42 +198,37 @@ impl World {
         Ok(())
     }
 
-    /// Whether a snapshot brings columns that the world does not have.
-    fn switches_on(&self, brings: &Brings<'_>) -> bool {
+    /// What a snapshot brings of the columns that settings and forces switch on, and the world does not have.
+    fn switched_on(&self, brings: &Brings<'_>) -> Counts {
         let now = self.counts(Counts::default());
-        let rests = brings.rests || brings.settings.sleeping;
-        let meets = brings.settings.method.meets_impacts();
-        let settles = brings.settings.method.settles() && now.meshed;
-        (rests && !now.rests)
-            || (meets && !now.meets)
-            || (settles && !now.settles)
-            || (brings.forced && !now.forced)
+        let Settings { sleeping, method, .. } = brings.settings;
+        Counts {
+            rests: (brings.rests || *sleeping) && !now.rests,
+            meets: method.meets_impacts() && !now.meets,
+            settles: method.settles() && !now.settles,
+            forced: brings.forced && !now.forced,
+            ..now
+        }
     }
 
     /// Calls `f` with each buffer, its category, and the capacity that it needs.
     fn each_restored(&mut self, brings: &Brings<'_>, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
-        let now = self.counts(Counts::default());
-        let Settings { sleeping, method, .. } = brings.settings;
-        let (rests, meets, settles) = (brings.rests || *sleeping, method.meets_impacts(), method.settles());
         if let Some(new) = &brings.new {
-            let forced = brings.forced;
+            let Settings { sleeping, method, .. } = brings.settings;
+            let (rests, forced) = (brings.rests || *sleeping, brings.forced);
+            let (meets, settles) = (method.meets_impacts(), method.settles());
             let rare = RareCounts { targets: brings.targets, ..new.counts.rare };
             let once = Amounts::default();
             self.each_buffer(Counts { rests, meets, settles, forced, once, rare, ..new.counts }, f);
             self.joints.each(new.joints.more(), &mut |buffer, len| f(Category::Joints, buffer, len));
         } else {
-            if brings.forced && !now.forced {
-                f(Category::Bodies, &mut self.bodies.force, now.bodies);
+            let on = self.switched_on(brings);
+            if on.forced {
+                f(Category::Bodies, &mut self.bodies.force, on.bodies);
             }
             let rare = RareCounts { targets: brings.targets, ..RareCounts::default() };
             self.bodies.rare.each(rare, &mut |buffer, len| f(Category::Bodies, buffer, len));
-            let switched = Counts {
-                rests: rests && !now.rests,
-                meets: meets && !now.meets,
-                settles: settles && !now.settles,
-                ..now
-            };
-            self.each_of_switched(switched, f);
+            self.each_of_switched(on, f);
         }
         self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
         if brings.rolling {

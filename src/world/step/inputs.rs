@@ -7,6 +7,7 @@ use crate::config::tuning::{CAST_MOTION, JOINT_HOLD_TIME, RECYCLE_DISTANCE};
 use crate::config::{ContinuousMethod, FrictionModel, Measures, Settings};
 use crate::constraint::{
     FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend, prepare,
+    row_cost,
 };
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
@@ -97,7 +98,7 @@ impl World {
             lists.0 += size_of::<Vec3>();
             lists.1 += self.contacts.rolling_bytes().1;
         }
-        let mut space = lend(rows, prepare, friction, model, beside, lists);
+        let mut space = lend(rows, prepare, row_cost(friction, model, beside), lists);
         let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
         let memory = ContactMemory { allowances: &mut allowances, space: &mut space };
         let stats = collide(workers, &input, pairs, contacts, narrow, memory);

@@ -11,7 +11,7 @@ use crate::handle::JointHandle;
 use crate::joint::{
     Axes, Axis, Drive, Frame, JointAdditions, Limit, Motion, Row, RowKind, STRENGTH, THRESHOLD, check_loads,
 };
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 
 impl World {
     /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
@@ -210,7 +210,7 @@ impl World {
             return Ok(());
         }
         let never = [f32::INFINITY; 2];
-        self.reserve_for_joints(JointAdditions::of_events([force, torque], never), false)?;
+        self.reserve(Addition::Joints(JointAdditions::of_events([force, torque], never), false))?;
         self.note(Change::SetJointStrength(joint, [force, torque]));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
@@ -227,7 +227,7 @@ impl World {
         let slot = self.joint(joint)?;
         check_loads(THRESHOLD, [force, torque])?;
         let never = [f32::INFINITY; 2];
-        self.reserve_for_joints(JointAdditions::of_events(never, [force, torque]), false)?;
+        self.reserve(Addition::Joints(JointAdditions::of_events(never, [force, torque]), false))?;
         self.note(Change::SetJointThresholds(joint, [force, torque]));
         self.revisions.moving += 1;
         self.joints.set_threshold(slot, [force, torque]);
@@ -316,7 +316,7 @@ impl World {
         drives: &[Drive],
         change: Change<'_>,
     ) -> Result<(), Error> {
-        self.reserve_for_joints(JointAdditions::of(limits, drives), true)?;
+        self.reserve(Addition::Joints(JointAdditions::of(limits, drives), true))?;
         self.note(change);
         self.wake_joined(self.joints.all[joint as usize].bodies);
         self.revisions.moving += 1;

@@ -6,7 +6,7 @@ use crate::joint::{
     CoupledMotion, Coupling, CouplingDesc, JointAdditions, Placed, Term, check_factor, check_loads,
     check_range,
 };
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 
 impl World {
     /// Adds a coupling.
@@ -17,7 +17,7 @@ impl World {
     pub fn add_coupling(&mut self, desc: &CouplingDesc) -> Result<CouplingHandle, Error> {
         let [a, b] = [self.joint(desc.motions[0].joint)?, self.joint(desc.motions[1].joint)?];
         desc.validate()?;
-        self.reserve_for_joints(JointAdditions::of_coupling(), true)?;
+        self.reserve(Addition::Joints(JointAdditions::of_coupling(), true))?;
         self.note(Change::AddCoupling(desc));
         let term = |joint: u32, of: &CoupledMotion| Term { joint, motion: of.motion, axes: of.axes };
         let terms = [term(a, &desc.motions[0]), term(b, &desc.motions[1])];

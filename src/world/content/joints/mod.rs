@@ -9,7 +9,7 @@ use crate::error::{Error, each};
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Frame, JointAdditions, JointDesc, JointEvent, JointFrame};
 use crate::math::Quat;
-use crate::world::{Change, World};
+use crate::world::{Addition, Change, World};
 use glam::DVec3;
 
 impl World {
@@ -20,7 +20,7 @@ impl World {
     /// budget does not allow it.
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         self.check_joint(desc)?;
-        self.reserve_for_joints(JointAdditions::of_joint(desc), true)?;
+        self.reserve(Addition::Joints(JointAdditions::of_joint(desc), true))?;
         self.note(Change::AddJoint(desc));
         Ok(self.insert_joint(desc))
     }
@@ -36,7 +36,7 @@ impl World {
         each("joint", descs, |desc| self.check_joint(desc))?;
         let more =
             descs.iter().map(JointAdditions::of_joint).fold(JointAdditions::default(), JointAdditions::and);
-        self.reserve_for_joints(more, false)?;
+        self.reserve(Addition::Joints(more, false))?;
         self.note(Change::AddJoints(descs));
         self.joints.reserve_total(more);
         Ok(descs.iter().map(|desc| self.insert_joint(desc)).collect())
