@@ -97,7 +97,7 @@ pub(crate) fn depth(shape: &Collider, p: DVec3) -> f64 {
             _ => f64::MIN,
         },
         Kind::Plane => -p.y,
-        Kind::Mesh | Kind::HeightField => f64::MIN,
+        _ => f64::MIN,
     }
 }
 

@@ -23,7 +23,7 @@ pub(crate) use window::{Opened, show};
 use backstop::debug::DrawOptions;
 use backstop::glam::DVec3;
 
-use backstop::{BodyHandle, BodyKind, Geometry, QueryFilter, Ray, World};
+use backstop::{BodyHandle, BodyKind, QueryFilter, Ray, World};
 use backstop_scene::Scene;
 use canvas::Canvas;
 use painter::{Models, Painter};

@@ -2,7 +2,7 @@
 
 use super::*;
 use backstop::glam::{Vec2, Vec3};
-use backstop::{BodyDesc, ConvexHull, HeightField, Settings, ShapeDesc, TriangleMesh};
+use backstop::{BodyDesc, ConvexHull, Geometry, HeightField, Settings, ShapeDesc, TriangleMesh};
 use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;
