@@ -255,7 +255,7 @@ impl World {
             }
             Addition::Form(geometry) => {
                 let (mut more, kind) = (form(Some(geometry)), Kind::of(geometry));
-                more.meshed = matches!(kind, Kind::Mesh | Kind::HeightField);
+                more.meshed = kind.is_ground();
                 more.rare_materials = geometry.rare_flags() != 0;
                 more.colliders.endless = usize::from(kind == Kind::Plane);
                 more
