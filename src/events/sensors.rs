@@ -9,9 +9,8 @@ use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
 use crate::narrow_phase::{
-    BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance, touches_mesh,
+    BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, tolerance, touches_mesh,
 };
-use crate::shape::Kind;
 use glam::Vec3;
 
 /// Input of sensor events: shapes at the start of the step, and bodies at its end.
@@ -59,7 +58,6 @@ impl Sensing<'_> {
         let motion = Motion::new(a, &path(pair.a), b, &path(pair.b));
         let close = tolerance(a, b, self.settings.length_unit);
         let touch = match b.kind {
-            Kind::Plane => cast_plane(a, b, &motion, close),
             kind if kind.is_ground() && a.senses_static() => {
                 let start = motion.relative(0.0);
                 // The cast leaves out what is touched at the start.

@@ -107,7 +107,7 @@ impl Guard<'_> {
             }
             let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
             let tip = Support::triangle([point; 3]);
-            let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+            let here = Relative::IDENTITY;
             let mut look = |gap: f32, normal: Vec3| {
                 if gap < least {
                     (least, away) = (gap, pose.rotation * normal);

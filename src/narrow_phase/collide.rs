@@ -250,12 +250,7 @@ fn far(input: &Input<'_>, pair: &mut Pair, now: &Relative) -> bool {
     let (a, b) = (&input.summaries[pair.a as usize], &input.summaries[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
     // Beyond the reach of all kernels.
-    let closing = if approach.is_continuous() {
-        approach.max_closing()
-    } else {
-        approach.max_closing().min(input.margin)
-    };
-    let most = reach + input.margin + closing;
+    let most = reach + input.margin + approach.reach(input.margin);
     let squared = now.position.length_squared();
     if squared > most * most {
         input.note_apart(pair, squared.sqrt() - reach);
@@ -362,7 +357,7 @@ fn swings_past(
 /// Whether two bodies that bear each other move by no more than `limit`, apart from gravity [m].
 fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     let approach = input.approach(pair);
-    let [a, b] = [pair.a, pair.b].map(|c| (input.summaries[c as usize].body as usize) < input.dynamic);
+    let [a, b] = [pair.a, pair.b].map(|c| input.is_pushed(c));
     let falls = f32::from(u8::from(b)) - f32::from(u8::from(a));
     (approach.displacement - input.fall * falls).length() + approach.swing <= limit
 }

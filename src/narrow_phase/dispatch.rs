@@ -23,25 +23,17 @@ type Kernel<L> = fn(&PairLanes<L>) -> ManifoldLanes<L>;
 
 /// The lane kernel of a bin, if it has one.
 fn kernel_of<L: Lanes>(bin: Bin) -> Option<Kernel<L>> {
-    const SPHERES: u8 = Bin::pair(Kind::Sphere, Kind::Sphere);
-    const SPHERE_CAPSULE: u8 = Bin::pair(Kind::Sphere, Kind::Capsule);
-    const SPHERE_BOX: u8 = Bin::pair(Kind::Sphere, Kind::Box);
-    const CAPSULES: u8 = Bin::pair(Kind::Capsule, Kind::Capsule);
-    const CAPSULE_BOX: u8 = Bin::pair(Kind::Capsule, Kind::Box);
-    const BOXES: u8 = Bin::pair(Kind::Box, Kind::Box);
-    const TAPERED: u8 = TAPERED_CAPSULES.0;
-    const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
-    match bin.0 {
-        TAPERED => Some(tapered_capsule_capsule::<L>),
-        TAPERED_ON_BOX => Some(tapered_capsule_box::<L>),
-        SPHERES => Some(sphere_sphere::<L>),
-        SPHERE_CAPSULE => Some(sphere_capsule::<L>),
-        SPHERE_BOX => Some(sphere_box::<L>),
-        CAPSULES => Some(capsule_capsule::<L>),
-        CAPSULE_BOX => Some(capsule_box::<L>),
-        BOXES => Some(box_box::<L>),
-        _ => None,
-    }
+    let kernels: [(u8, Kernel<L>); 8] = [
+        (TAPERED_CAPSULES.0, tapered_capsule_capsule::<L>),
+        (TAPERED_BOX.0, tapered_capsule_box::<L>),
+        (Bin::pair(Kind::Sphere, Kind::Sphere), sphere_sphere::<L>),
+        (Bin::pair(Kind::Sphere, Kind::Capsule), sphere_capsule::<L>),
+        (Bin::pair(Kind::Sphere, Kind::Box), sphere_box::<L>),
+        (Bin::pair(Kind::Capsule, Kind::Capsule), capsule_capsule::<L>),
+        (Bin::pair(Kind::Capsule, Kind::Box), capsule_box::<L>),
+        (Bin::pair(Kind::Box, Kind::Box), box_box::<L>),
+    ];
+    kernels.iter().find(|(of, _)| *of == bin.0).map(|(_, kernel)| *kernel)
 }
 
 kernel! {
@@ -104,7 +96,7 @@ pub(crate) fn run_bin(
     for &index in order {
         // SAFETY: the pairs of a block are its own.
         let pair = &unsafe { *pairs.get(index as usize) };
-        let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+        let (a, b) = input.shapes(pair);
         let rel = &relative_pose(pair, input.poses);
         let approach = &input.approach(pair);
         let view = PairView { input, pair, index, rel, approach };

@@ -44,6 +44,18 @@ pub(crate) struct Input<'a> {
 }
 
 impl Input<'_> {
+    /// The shapes of a pair.
+    #[inline]
+    pub(super) fn shapes(&self, pair: &Pair) -> (&Collider, &Collider) {
+        (&self.colliders[pair.a as usize], &self.colliders[pair.b as usize])
+    }
+
+    /// Whether a collider is on a dynamic body.
+    #[inline]
+    pub(super) fn is_pushed(&self, collider: u32) -> bool {
+        (self.summaries[collider as usize].body as usize) < self.dynamic
+    }
+
     /// Displacement and rotation vector of a collider's body within the step.
     pub(crate) fn motion_of(&self, collider: u32) -> Record {
         let body = self.summaries[collider as usize].body as usize;
@@ -58,8 +70,7 @@ impl Input<'_> {
 
     /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
-        let pushed = |c: u32| (self.summaries[c as usize].body as usize) < self.dynamic;
-        !(pushed(pair.a) && pushed(pair.b))
+        !(self.is_pushed(pair.a) && self.is_pushed(pair.b))
     }
 
     /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
@@ -131,6 +142,14 @@ pub(crate) struct Approach {
 impl Approach {
     pub(crate) fn is_continuous(&self) -> bool {
         self.mode != Continuous::Discrete
+    }
+
+    /// How far beyond the margin points are found: as far as the two may approach, without casts no further
+    /// than the margin again [m].
+    #[inline(always)]
+    pub(super) fn reach(&self, margin: f32) -> f32 {
+        let most = self.max_closing();
+        if self.is_continuous() { most } else { most.min(margin) }
     }
 
     /// The most that the distance of two points may shrink by [m].

@@ -83,8 +83,7 @@ pub(super) struct PairView<'a> {
 /// The predicates of both tables.
 impl PairView<'_> {
     fn shapes(&self) -> (&Collider, &Collider) {
-        let colliders = self.input.colliders;
-        (&colliders[self.pair.a as usize], &colliders[self.pair.b as usize])
+        self.input.shapes(self.pair)
     }
 
     fn has_contact(&self) -> bool {
@@ -105,8 +104,8 @@ impl PairView<'_> {
     /// this path misses what is near proves nothing then.
     fn may_leave_predicted_path(&self) -> bool {
         let (input, pair) = (self.input, self.pair);
-        let [a, b] = [pair.a, pair.b].map(|c| input.summaries[c as usize].body);
-        input.is_static(pair) && (input.has_joints)(if (a as usize) < input.dynamic { a } else { b })
+        let pushed = if input.is_pushed(pair.a) { pair.a } else { pair.b };
+        input.is_static(pair) && (input.has_joints)(input.summaries[pushed as usize].body)
     }
 }
 
@@ -157,8 +156,7 @@ impl PairView<'_> {
 /// How far from each other the kernel of a convex pair still finds points [m].
 #[inline(always)]
 pub(super) fn margin_of(input: &Input<'_>, approach: &Approach) -> f32 {
-    let most = approach.max_closing();
-    input.margin + if approach.is_continuous() { most } else { most.min(input.margin) }
+    input.margin + approach.reach(input.margin)
 }
 
 /// The manifold that a convex pair gets.
@@ -365,11 +363,7 @@ impl<'a> MeshLook<'a> {
         let fast =
             view.follows_motion() && !rolls(view, shape) && most > input.fast.max(0.5 * shape.inner_radius);
         // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
-        let reach = match (fast, approach.is_continuous()) {
-            (true, _) => approach.swing.min(shape.radius),
-            (false, true) => most,
-            (false, false) => most.min(input.margin),
-        };
+        let reach = if fast { approach.swing.min(shape.radius) } else { approach.reach(input.margin) };
         MeshLook { view, shape, mesh, motion: OnceCell::new(), fast, margin: input.margin + reach }
     }
 

@@ -3,12 +3,34 @@
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::lanes::{Lanes, Quat, Vec3};
+use crate::shape::support;
+use glam::DMat3;
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Relative {
     pub(crate) position: glam::Vec3,
     pub(crate) rotation: crate::math::Quat,
+}
+
+impl Relative {
+    /// Of a shape in its own frame.
+    pub(crate) const IDENTITY: Relative =
+        Relative { position: glam::Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
+
+    /// Pose of `a` in the frame of `b`.
+    #[inline]
+    pub(crate) fn inverse(&self) -> Relative {
+        let rotation = self.rotation.conjugate();
+        Relative { position: -(rotation * self.position), rotation }
+    }
+
+    /// The same in `f64`.
+    #[inline]
+    pub(crate) fn exact(&self) -> support::Pose {
+        let rotation = DMat3::from_quat(self.rotation.as_dquat().normalize());
+        support::Pose { rotation, position: self.position.as_dvec3() }
+    }
 }
 
 /// Pose of `b` in `a` for `L::N` pairs: lane `i` of `pair(i)`.

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::math::Quat;
 use crate::narrow_phase::{
-    BodyPath, CastResult, MeshCast, Motion, NO_CONTACT, Relative, Support, cast_convex, cast_mesh,
-    cast_plane, distance, segment_hits,
+    BodyPath, CastResult, MeshCast, Motion, NO_CONTACT, Relative, Support, cast_convex, cast_mesh, distance,
+    segment_hits,
 };
 use crate::shape::Kind;
 use crate::time_of_impact::Way;
@@ -46,7 +46,6 @@ fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPa
     let motion = Motion::new(a, path_a, b, path_b);
     let near = GHOST_GAP * world.settings.measures().margin;
     match b.kind {
-        Kind::Plane => cast_plane(a, b, &motion, near).is_some(),
         kind if kind.is_ground() => {
             let cast = MeshCast { any: true, ..MeshCast::first(near, 0.0) };
             let close = MeshCast { alone: near, ..cast };

@@ -1,10 +1,8 @@
 //! First touch of two colliders on the rest of their paths.
 
 use crate::config::Measures;
-use crate::narrow_phase::{
-    BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance,
-};
-use crate::shape::{Collider, Kind};
+use crate::narrow_phase::{BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, tolerance};
+use crate::shape::Collider;
 use glam::Vec3;
 
 /// A touch of two colliders.
@@ -34,7 +32,6 @@ pub(super) fn first_touch(
     let motion = Motion::new(a, path_a, b, path_b);
     let close = (tolerance(a, b, measures.unit) * share).max(2.0 * f32::EPSILON * a.radius);
     let touch = match b.kind {
-        Kind::Plane => cast_plane(a, b, &motion, close),
         kind if kind.is_ground() => {
             let cast = MeshCast::first(close, measures.touch.max(close));
             match cast_mesh(a, b, &motion.relative(0.0), &motion, cast, None) {

@@ -8,7 +8,7 @@ use super::gates::enter_mesh;
 use super::mesh::{CastResult, cast_mesh};
 use super::mesh_cast::MeshCast;
 use super::motion::{BodyPath, Motion};
-use super::{Touch, cast_convex, cast_plane, tolerance};
+use super::{Touch, cast_convex, tolerance};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
 use crate::config::tuning::{NO_GAP, PLANE_TURN};
@@ -27,21 +27,17 @@ use glam::Vec3;
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the
 /// fraction of the step at which that is.
 pub(crate) fn manifold_at_first_touch(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     let motion = motion_of(input, pair);
     let tolerance = tolerance(a, b, input.unit);
-    let touch = if b.kind == Kind::Plane {
-        cast_plane(a, b, &motion, tolerance)
-    } else {
-        cast_convex(a, b, &motion, tolerance)
-    }?;
+    let touch = cast_convex(a, b, &motion, tolerance)?;
     let raw = collide_convex(a, b, &motion.relative(touch.fraction), margin_at_touch(input, pair, &touch));
     Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
 }
 
 /// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
 pub(crate) fn manifold_at_half_step(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     let motion = motion_of(input, pair);
     let raw = collide_convex(a, b, &motion.relative(0.5), margin);
     carry_back(&raw, &motion, 0.5, f32::MIN)
@@ -57,7 +53,7 @@ pub(crate) fn manifold_later_on_path(
     raw: &RawManifold,
     fraction: f32,
 ) -> Option<(RawManifold, f32)> {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     let motion = motion_of(input, pair);
     let turns = |shape: &Collider, spin: Vec3| {
         shape.kind != Kind::Sphere && (1.0 - fraction) * spin.length() > PLANE_TURN
@@ -84,7 +80,7 @@ pub(crate) fn manifold_later_on_path(
 /// path runs along such a plane, not through it, so the plane pushes only what another impact throws off its
 /// path.
 pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     let motion = motion_of(input, pair);
     let (from, path) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
     let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(path) / path.length_squared() };
@@ -199,7 +195,7 @@ impl MeshPair<'_> {
 
 /// How the shapes of a pair move within the step.
 pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     Motion::new(a, &body_path(input, pair.a), b, &body_path(input, pair.b))
 }
 
@@ -270,19 +266,18 @@ pub(crate) fn right_way_out(
     rel: &Relative,
     raw: &RawManifold,
 ) -> Option<RawManifold> {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let moves = |c: &Collider| (c.body as usize) < input.dynamic;
-    if moves(a) == moves(b) {
+    let (a, b) = input.shapes(pair);
+    let moves = input.is_pushed(pair.a);
+    if moves == input.is_pushed(pair.b) {
         return None;
     }
-    if moves(a) {
+    if moves {
         return out_by_the_centre(a, b, rel, raw, input.margin);
     }
     // As seen from the one that moves.
-    let back = rel.rotation.conjugate();
-    let from_b = Relative { position: -(back * rel.position), rotation: back };
-    let raw = RawManifold { normal: -(back * raw.normal), ..*raw };
-    Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(from_b.position, from_b.rotation))
+    let from_b = rel.inverse();
+    let raw = RawManifold { normal: -(from_b.rotation * raw.normal), ..*raw };
+    Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(&from_b))
 }
 
 /// [`right_way_out`] of a moving and a still shape, in the frame of the first; only the depth and the normal
@@ -301,9 +296,8 @@ pub(crate) fn out_by_the_centre(
     let (own, other) = (mover.geometry.support()?, still.geometry.support()?);
     let centre = -(mover.rotation.conjugate() * mover.position);
     let point = Support::triangle([centre; 3]);
-    let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
     // The body's centre may be outside of this shape of it, and says nothing then.
-    if distance(&own, &point, &here, Vec3::ZERO).distance > 0.0 {
+    if distance(&own, &point, &Relative::IDENTITY, Vec3::ZERO).distance > 0.0 {
         return None;
     }
     let out = distance(&point, &other, rel, Vec3::ZERO);

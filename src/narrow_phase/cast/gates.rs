@@ -35,7 +35,7 @@ use crate::narrow_phase::mesh::triangles::Triangles;
 use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::support::{Pose as Placed, Support};
 use crate::shape::{Collider, Geometry, Kind, Symmetry};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 // Rounding: of a speed along an axis.
 /// Speed along a unit axis, as a share of the path's length, that counts as zero.
@@ -54,7 +54,7 @@ pub(crate) fn straight(motion: &Motion) -> Motion {
 /// Returns what is left of it with the fraction of the step at which its footprint was taken; `None` if the
 /// two miss each other.
 pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<(RawManifold, f32)> {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let (a, b) = input.shapes(pair);
     let approach = input.approach(pair);
     let turning = motion_of(input, pair);
     let motion = straight(&turning);
@@ -84,34 +84,22 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
 fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion, margin: f32) {
     let (Some(shape_a), Some(shape_b)) = (a.geometry.support(), b.geometry.support()) else { return };
     let to_a = motion.a.rotation.conjugate();
-    let rel = motion.relative(0.0);
-    let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
-    let normal = motion.a.rotation * raw.normal;
-    let mut count = 0;
-    for i in 0..raw.count as usize {
-        let point = raw.points[i];
+    let on_b = motion.relative(0.0).inverse();
+    let (own_normal, normal) = (raw.normal, motion.a.rotation * raw.normal);
+    raw.retain(|point| {
         let arm = motion.a.lever + motion.a.rotation * point.position;
         let closed = closing(motion, normal, arm, Vec3::ZERO);
-        let lands = closed <= point.separation || {
+        closed <= point.separation || {
             let arm_b = arm + motion.start.as_vec3();
             let moved = motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b);
             let aside = to_a * (moved - normal * closed) * (point.separation / closed);
-            let half = raw.normal * (0.5 * point.separation);
+            let half = own_normal * (0.5 * point.separation);
             let onto = Support::triangle([point.position + half + aside; 3]);
             let back = Support::triangle([point.position - half - aside; 3]);
-            let on_b = Relative {
-                position: -(rel.rotation.conjugate() * rel.position),
-                rotation: rel.rotation.conjugate(),
-            };
             distance(&shape_b, &onto, &on_b, Vec3::ZERO).distance <= margin
-                || distance(&shape_a, &back, &here, Vec3::ZERO).distance <= margin
-        };
-        if lands {
-            raw.points[count] = point;
-            count += 1;
+                || distance(&shape_a, &back, &Relative::IDENTITY, Vec3::ZERO).distance <= margin
         }
-    }
-    raw.count = count as u16;
+    });
 }
 
 /// Intermediate result of sweeping two convex shapes against each other: when the last of the tried axes was
@@ -150,11 +138,11 @@ struct Entry {
 /// `path`: displacement of a relative to b, in a's frame [m]. `now`: the normal of the start. `slack`: see
 /// [`Swept`].
 fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now: Vec3) -> Option<Entry> {
-    let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
+    let placed = rel.exact();
     let mut swept = Swept {
         own: a.geometry.support()?,
         other: b.geometry.support()?,
-        placed: Placed { rotation, position: rel.position.as_dvec3() },
+        placed,
         path: path.as_dvec3(),
         slack: f64::from(slack),
         entered: f64::MIN,
@@ -163,7 +151,7 @@ fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now
         near: f64::MIN,
         passed: f64::MAX,
     };
-    let (position, path) = (swept.placed.position, swept.path);
+    let (Placed { rotation, position }, path) = (placed, swept.path);
     // Balls pass each other along the line on which their centres come nearest.
     let across = position * path.length_squared() - path * position.dot(path);
     let mut meets = swept.meets_along(now.as_dvec3()) && swept.meets_along(across);
@@ -400,8 +388,7 @@ impl Search<'_> {
         let (mut entered, mut axis) = (entered, axis);
         if self.shape.kind != Kind::Box {
             let there = Support::triangle(corners.map(|corner| corner - self.path * entered));
-            let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
-            let nearest = distance(&self.support, &there, &here, axis);
+            let nearest = distance(&self.support, &there, &Relative::IDENTITY, axis);
             if !nearest.overlap && nearest.distance > 0.0 {
                 let speed = nearest.normal.dot(self.path);
                 // The distance along a straight path is convex: from here on it only grows.

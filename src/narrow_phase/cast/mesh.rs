@@ -11,8 +11,8 @@ use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
 use crate::narrow_phase::mesh::nearby::{Eight, Nearby};
 use crate::shape::Collider;
-use crate::shape::support::{Pose, Support};
-use glam::{DMat3, DVec3, Vec3};
+use crate::shape::support::Support;
+use glam::{DVec3, Vec3};
 
 /// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
 /// largest fraction that still matters.
@@ -72,8 +72,7 @@ pub(crate) fn cast_mesh(
 /// `rel`: pose of the mesh in the shape's frame.
 pub(crate) fn touches_mesh(a: &Collider, mesh: &Collider, rel: &Relative, tolerance: f32) -> bool {
     let (Some(ground), Some(shape)) = (mesh.geometry.ground(), a.geometry.support()) else { return false };
-    let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
-    let pose = Pose { rotation, position: rel.position.as_dvec3() };
+    let pose = rel.exact();
     let (to_mesh, tolerance) = (pose.rotation.transpose(), f64::from(tolerance));
     let at = to_mesh * -pose.position;
     let half = shape.half_extents(to_mesh) + DVec3::splat(tolerance);

@@ -29,8 +29,8 @@ pub(crate) mod sweep;
 
 use crate::narrow_phase::convex::gjk::{Accuracy, core_gap};
 use crate::narrow_phase::convex::simplex::Simplex;
-use crate::shape::Collider;
 use crate::shape::support::{Pose, Support};
+use crate::shape::{Collider, Kind};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use motion::{Motion, Turn, turn};
 
@@ -47,18 +47,13 @@ pub(crate) struct Touch {
     pub(crate) normal: Vec3,
 }
 
-/// First fraction of the step at which two convex shapes are within `tolerance` [m] of each other; 0 if they
-/// are at the start. A search that doesn't settle counts as a touch.
+/// First fraction of the step at which two convex shapes, or one and a plane, are within `tolerance` [m] of
+/// each other; 0 if they are at the start. A search that doesn't settle counts as a touch.
 ///
 /// [`tolerance`] says what fits two shapes.
 pub(crate) fn cast_convex(a: &Collider, b: &Collider, motion: &Motion, tolerance: f32) -> Option<Touch> {
-    let (a, b) = (a.geometry.support()?, b.geometry.support()?);
-    Sweep::new(a, Other::Convex(b), motion, tolerance).first_touch(1.0)
-}
-
-/// [`cast_convex`] against a plane.
-pub(crate) fn cast_plane(a: &Collider, _plane: &Collider, motion: &Motion, tolerance: f32) -> Option<Touch> {
-    Sweep::new(a.geometry.support()?, Other::Plane, motion, tolerance).first_touch(1.0)
+    let other = if b.kind == Kind::Plane { Other::Plane } else { Other::Convex(b.geometry.support()?) };
+    Sweep::new(a.geometry.support()?, other, motion, tolerance).first_touch(1.0)
 }
 
 /// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.0002 of the length unit, and

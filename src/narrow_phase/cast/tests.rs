@@ -42,11 +42,7 @@ fn distance_at(a: &Collider, b: &Collider, (pa, pb): (&BodyPath, &BodyPath), t: 
 }
 
 fn cast(a: &Collider, b: &Collider, paths: (&BodyPath, &BodyPath), tolerance: f32) -> Option<Touch> {
-    let motion = Motion::new(a, paths.0, b, paths.1);
-    match b.kind {
-        Kind::Plane => cast_plane(a, b, &motion, tolerance),
-        _ => cast_convex(a, b, &motion, tolerance),
-    }
+    cast_convex(a, b, &Motion::new(a, paths.0, b, paths.1), tolerance)
 }
 
 /// Steps through the motion and compares. Answers (touched, unsettled).

@@ -165,7 +165,7 @@ impl Contact {
             lasting_force: 0.0,
             rest: 0.0,
             static_load: UNKNOWN_LOAD,
-            found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
+            found_at: Relative::IDENTITY,
             frame: Quat::IDENTITY,
         };
         Contact { header, points: [Point::default(); MAX_POINTS] }

@@ -1,5 +1,6 @@
 //! Contact manifolds: what the kernels hand on.
 
+use crate::narrow_phase::relative::Relative;
 use crate::shape::Kind;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -72,13 +73,42 @@ impl RawManifold {
         u32::from(before - self.count)
     }
 
-    /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.
-    pub(crate) fn flipped(&self, position: Vec3, rotation: crate::math::Quat) -> RawManifold {
+    /// The least separation of its points [m]; `f32::MAX` without any.
+    #[inline]
+    pub(crate) fn least(&self) -> f32 {
+        self.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min)
+    }
+
+    /// Adds a point if there is room and it is nearer than the margin.
+    #[inline]
+    pub(crate) fn add(&mut self, margin: f32, position: Vec3, separation: f32, key: u32) {
+        let count = self.count as usize;
+        if separation <= margin && count < MAX_POINTS {
+            self.points[count] = RawPoint { position, separation, key };
+            self.count += 1;
+        }
+    }
+
+    /// Keeps the points that `wanted` says, in their order.
+    pub(crate) fn retain(&mut self, mut wanted: impl FnMut(&RawPoint) -> bool) {
+        let mut kept = 0;
+        for i in 0..self.count as usize {
+            let point = self.points[i];
+            if wanted(&point) {
+                self.points[kept] = point;
+                kept += 1;
+            }
+        }
+        self.count = kept as u16;
+    }
+
+    /// The same contact seen from the other shape, whose pose in this one's frame is given.
+    pub(crate) fn flipped(&self, Relative { position, rotation }: &Relative) -> RawManifold {
         let back = rotation.conjugate();
         let mut flipped = *self;
         flipped.normal = -(back * self.normal);
         for point in &mut flipped.points[..self.count as usize] {
-            point.position = back * (point.position - position);
+            point.position = back * (point.position - *position);
         }
         flipped
     }

@@ -11,7 +11,7 @@ use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::contacts::manifold::RawPoint;
 use glam::Vec3;
 
-/// Points of a contact before they are reduced.
+/// Most points of a contact before they are reduced.
 pub(crate) const CLOUD: usize = 64;
 /// Most corners of a face that are used; if it has more, evenly chosen ones.
 const LOOP: usize = 24;
@@ -120,6 +120,37 @@ impl<L: Lanes> Spans<L> {
         self.exit = L::select(both, L::splat(-1.0), self.exit);
         (later, sooner)
     }
+}
+
+/// Cuts off what of the polygon of the first `count` corners is beyond a side: a step of the clipping of
+/// Sutherland and Hodgman (1974). Returns how many corners are left. `beyond`: how far a corner is.
+/// `crossing`: the corner where an edge crosses the side, from its corners, the share of it up to there, and
+/// whether the edge leaves: then the side itself is the next edge, else the old one goes on.
+#[inline(always)]
+pub(crate) fn cut_off<C: Copy + Default, const N: usize>(
+    polygon: &mut [C; N],
+    count: usize,
+    beyond: impl Fn(&C) -> f32,
+    crossing: impl Fn(&C, &C, f32, bool) -> C,
+) -> usize {
+    let mut cut = [C::default(); N];
+    let mut kept = 0;
+    let Some(mut last) = polygon[..count].last().copied() else { return 0 };
+    let mut from = beyond(&last);
+    for &this in &polygon[..count] {
+        let to = beyond(&this);
+        if (from > 0.0) != (to > 0.0) && kept < N {
+            cut[kept] = crossing(&last, &this, from / (from - to), to > 0.0);
+            kept += 1;
+        }
+        if to <= 0.0 && kept < N {
+            cut[kept] = this;
+            kept += 1;
+        }
+        (last, from) = (this, to);
+    }
+    *polygon = cut;
+    kept
 }
 
 /// Takes the points that are nearer than the margin to the reference plane `normal`·x = `offset`.

@@ -9,7 +9,7 @@
 use super::simplex::Simplex;
 use crate::narrow_phase::Relative;
 use crate::shape::support::{Pose, Support};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Round shapes close in on the rim step by step; polytopes need a handful.
 const MAX_ITERATIONS: usize = 32;
@@ -33,18 +33,8 @@ pub(crate) struct Closest {
 /// Distance, normal and nearest points. `hint`: about the direction from a to b, zero if unknown; a good one
 /// saves a step or two.
 pub(crate) fn distance(a: &Support, b: &Support, rel: &Relative, hint: Vec3) -> Closest {
-    let pose = Pose {
-        rotation: DMat3::from_quat(rel.rotation.as_dquat().normalize()),
-        position: rel.position.as_dvec3(),
-    };
-    let gap = core_gap(
-        a,
-        b,
-        &pose,
-        hint.as_dvec3(),
-        &mut Simplex::empty(),
-        Accuracy { absolute: 0.0, relative: 1e-7 },
-    );
+    let accuracy = Accuracy { absolute: 0.0, relative: 1e-7 };
+    let gap = core_gap(a, b, &rel.exact(), hint.as_dvec3(), &mut Simplex::empty(), accuracy);
     let radii = a.radius + b.radius;
     Closest {
         distance: (if gap.overlap { -radii } else { gap.upper - radii }) as f32,

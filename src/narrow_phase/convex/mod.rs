@@ -20,7 +20,7 @@ use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::shape::{Collider, Kind};
 use clip::Cloud;
 use glam::Vec3;
-use polytope::{Pose, Solid, Triangle};
+use polytope::{Pose, Solid};
 use polytopes::polytopes;
 use reduce::reduce;
 use round_polytope::{Core, round_polytope, round_round};
@@ -29,9 +29,8 @@ use round_polytope::{Core, round_polytope, round_round};
 /// frame.
 pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin: f32) -> RawManifold {
     if a.kind > b.kind {
-        let rotation = rel.rotation.conjugate();
-        let back = Relative { position: -(rotation * rel.position), rotation };
-        return collide_convex(b, a, &back, margin).flipped(back.position, back.rotation);
+        let back = rel.inverse();
+        return collide_convex(b, a, &back, margin).flipped(&back);
     }
     let pose = Pose::new(rel.position, rel.rotation);
     if !a.kind.is_convex() {
@@ -56,32 +55,14 @@ pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin:
             };
             in_frame(in_b, &pose)
         }
-        _ if a.kind == Kind::Cylinder || b.kind == Kind::Cylinder => {
-            cylinder::cylinder(a, &cylinder::Other::Shape(b), &pose, margin)
-        }
+        _ if a.kind == Kind::Cylinder || b.kind == Kind::Cylinder => cylinder::cylinder(a, b, &pose, margin),
         _ => {
             let (Some(of_a), Some(of_b)) = (Solid::of(a), Solid::of(b)) else {
                 return RawManifold::default();
             };
-            polytopes(&of_a.view(), &of_b.view(), &pose, margin, a.radius.min(b.radius), Vec3::ZERO)
+            polytopes(&of_a.view(), &of_b.view(), &pose, margin, a.radius.min(b.radius))
         }
     }
-}
-
-/// All points nearer than the margin of a convex shape and a triangle in the shape's frame. The side of the
-/// triangle on which the frame's origin is counts as its outside: the normal, from the shape to the triangle,
-/// never pushes the shape through.
-pub(crate) fn collide_triangle(a: &Collider, triangle: [Vec3; 3], margin: f32) -> RawManifold {
-    let Some(triangle) = Triangle::facing(triangle, Vec3::ZERO) else { return RawManifold::default() };
-    if let Some(core) = Core::of(a) {
-        return round_polytope(&core, &Solid::Triangle(triangle).view(), margin, a.radius);
-    }
-    if a.kind == Kind::Cylinder {
-        return cylinder::cylinder(a, &cylinder::Other::Triangle(&triangle), &Pose::IDENTITY, margin);
-    }
-    let Some(solid) = Solid::of(a) else { return RawManifold::default() };
-    let front = triangle.normal();
-    polytopes(&solid.view(), &Solid::Triangle(triangle).view(), &Pose::IDENTITY, margin, a.radius, front)
 }
 
 /// A manifold in b's frame whose normal points from a to b, in a's frame.

@@ -11,20 +11,10 @@ use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use glam::Vec3;
 use std::ops::ControlFlow::{self, Break, Continue};
 
-/// Two polytopes, `b` at `pose` in the frame of `a`.
-///
-/// `size`: a length of the smaller one [m]. `against`: normals along it don't count as ways out of an
-/// overlap; zero if all do.
-pub(super) fn polytopes(
-    a: &Polytope,
-    b: &Polytope,
-    pose: &Pose,
-    margin: f32,
-    size: f32,
-    against: Vec3,
-) -> RawManifold {
+/// Two polytopes, `b` at `pose` in the frame of `a`. `size`: a length of the smaller one [m].
+pub(super) fn polytopes(a: &Polytope, b: &Polytope, pose: &Pose, margin: f32, size: f32) -> RawManifold {
     let none = RawManifold::default();
-    let pair = match FacePair::of(a, b, pose, margin, size, against) {
+    let pair = match FacePair::of(a, b, pose, margin, size) {
         Ok(pair) => pair,
         Err(gap) => return RawManifold::apart(gap),
     };
@@ -41,8 +31,7 @@ pub(super) fn polytopes(
     if pair.other.separation > 0.0 {
         let other = pair.by_other();
         let manifold = other.by_face(&mut Cloud::new());
-        let least = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
-        if least <= other.face.separation + pair.tolerance {
+        if manifold.least() <= other.face.separation + pair.tolerance {
             return manifold;
         }
     }
@@ -86,7 +75,6 @@ struct FacePair<'a> {
     size: f32,
     /// By how much one separation has to be larger than another to count as that [m].
     tolerance: f32,
-    against: Vec3,
     face: FaceAxis,
     /// Whose face it is.
     on_b: bool,
@@ -114,21 +102,20 @@ impl<'a> FacePair<'a> {
         pose: &'a Pose,
         margin: f32,
         size: f32,
-        against: Vec3,
     ) -> Result<FacePair<'a>, f32> {
         let back = pose.inverse();
         let tolerance = FACE_PREFERENCE.1 * size;
-        let face_a = face_axis(a, b, pose, margin, against);
+        let face_a = face_axis(a, b, pose, margin);
         if face_a.separation > margin {
             return Err(face_a.separation);
         }
-        let face_b = face_axis(b, a, &back, margin, Vec3::ZERO);
+        let face_b = face_axis(b, a, &back, margin);
         if face_b.separation > margin {
             return Err(face_b.separation);
         }
         let on_b = face_b.separation > clearly(face_a.separation, tolerance);
         let (face, other) = if on_b { (face_b, face_a) } else { (face_a, face_b) };
-        Ok(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b, other })
+        Ok(FacePair { a, b, pose, back, margin, size, tolerance, face, on_b, other })
     }
 
     /// The same by the best face of the other one.
@@ -182,14 +169,13 @@ impl<'a> FacePair<'a> {
         near: &mut (EdgeSet, EdgeSet),
         cloud: &mut Cloud,
     ) -> ControlFlow<RawManifold, Option<EdgeAxis>> {
-        let &FacePair { a, b, pose, margin, against, .. } = self;
-        let edges = edge_axis(a, b, pose, near, against);
+        let &FacePair { a, b, pose, margin, .. } = self;
+        let edges = edge_axis(a, b, pose, near);
         match edges {
             Some(e) if e.separation > margin => Break(RawManifold::apart(e.separation)),
             Some(e) if e.separation > 0.0 => Continue(edges),
             Some(e) if e.separation > clearly(self.face.separation, self.tolerance) => {
-                // Not where some normals don't count.
-                let flat = if against == Vec3::ZERO { self.by_flat_face(&e) } else { None };
+                let flat = self.by_flat_face(&e);
                 Break(flat.unwrap_or_else(|| self.by_edges(e.edges, e.normal, cloud)))
             }
             _ => {
@@ -200,7 +186,7 @@ impl<'a> FacePair<'a> {
                 // One vertex, maybe beside the face: are they apart, by edges that are further away than any
                 // face sees?
                 *near = self.edges_in_reach(f32::MAX);
-                let touching = edge_axis(a, b, pose, near, against);
+                let touching = edge_axis(a, b, pose, near);
                 match touching {
                     Some(e) if e.separation > margin => Break(RawManifold::apart(e.separation)),
                     Some(e) if e.separation > 0.0 => {

@@ -6,10 +6,10 @@
 
 use super::clip::Spans;
 use super::polytope::Polytope;
-use super::sat::{in_lanes, nearest_on_segments};
+use super::sat::{in_lanes, nearest_on_segments, offer};
 use crate::config::tuning::ALONG_SINE_SQUARED;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
+use crate::narrow_phase::contacts::manifold::RawManifold;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
@@ -111,19 +111,6 @@ impl Core {
     }
 }
 
-/// Adds a point if there is room and it is nearer than the margin.
-fn add(manifold: &mut RawManifold, margin: f32, position: Vec3, separation: f32, key: u32) {
-    let count = manifold.count as usize;
-    if separation <= margin && count < MAX_POINTS {
-        manifold.points[count] = RawPoint { position, separation, key };
-        manifold.count += 1;
-    }
-}
-
-fn least(manifold: &RawManifold) -> f32 {
-    manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min)
-}
-
 fn lanes(v: Vec3) -> LaneVec3<f32> {
     LaneVec3::new(v.x, v.y, v.z)
 }
@@ -164,15 +151,8 @@ impl BestFace {
             let sees = s0.gt(f32x8::splat(-tolerance)) | s1.gt(f32x8::splat(-tolerance));
             seen[(k / 8).min(FACE_WORDS - 1)] |= u64::from(sees.bits()) << (8 * (k % 8));
             let separation = Lanes::min(s0 - f32x8::splat(r0), s1 - f32x8::splat(r1));
-            if separation.gt(f32x8::splat(best.0)).any() {
-                for (i, &s) in separation.to_array().iter().enumerate() {
-                    if s > best.0 {
-                        best = (s, 8 * k + i);
-                    }
-                }
-                if best.0 > margin {
-                    return Err(best.0);
-                }
+            if offer(&mut best, separation, 8 * k) && best.0 > margin {
+                return Err(best.0);
             }
         }
         let (separation, face) = best;
@@ -199,7 +179,7 @@ impl BestFace {
             let (h, r) = (self.height(core, s), core.radius_at(s));
             if k == 0 || high - low > 1e-3 {
                 let position = core.at(s) - self.normal * (0.5 * (h + r));
-                add(manifold, margin, position, h - r, 2 * self.face as u32 + k as u32);
+                manifold.add(margin, position, h - r, 2 * self.face as u32 + k as u32);
             }
         }
     }
@@ -271,7 +251,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     }
 
     // A plane that the whole core is in front of proves that it doesn't.
-    if best.separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
+    if best.separation <= -r0.min(r1) && pierces(core, p) {
         if over {
             best.add_points(core, whole, margin, &mut manifold);
         } else {
@@ -291,9 +271,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     manifold
 }
 
-/// The points of a core and the edge of a polytope that is nearest to it: both ends of what they share if
-/// they lie along each other, else the nearest one and, where the core nearly lies on a face, one that
-/// steadies it.
+/// The points of a core and the edge of a polytope that is nearest to it.
 #[inline(always)]
 fn add_edge_points(
     core: &Core,
@@ -305,44 +283,95 @@ fn add_edge_points(
     manifold: &mut RawManifold,
 ) {
     let &NearestEdge { edge, s, t, .. } = nearest;
-    let tolerance = 1e-4 * size;
-    let [v, w] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
-    let e = w - v;
-    let (c, q) = (core.at(s), v + e * t);
+    let [start, end] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
+    let along = end - start;
+    let (c, q) = (core.at(s), start + along * t);
     let apart = (q - c).length();
-    let n = if apart > 1e-6 * size { (q - c) / apart } else { -best.normal };
-    manifold.normal = n;
+    let normal = if apart > 1e-6 * size { (q - c) / apart } else { -best.normal };
+    manifold.normal = normal;
     let name = (edge as u32 | 0x8000) << 2;
+    let (front, tolerance) = (best.normal, 1e-4 * size);
+    EdgeContact { core, s, start, end, along, normal, apart, tolerance, front, counts: margin }.add_points(
+        |s| best.height(core, s),
+        |from, to| over_face(p, best.face, from, to),
+        |position, separation, k| {
+            manifold.add(margin, position, separation, name + k);
+            separation <= margin
+        },
+    );
+}
 
-    let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
-    if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG_SINE_SQUARED * dd * ee {
-        let (t0, t1) = (core.along.dot(v - core.start) / dd, core.along.dot(w - core.start) / dd);
-        let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
-        if high - low > 1e-3 {
-            for (k, s) in [low, high].into_iter().enumerate() {
-                let c = core.at(s);
-                // Straight ahead, along the normal.
-                let ahead = c + n * apart;
-                let q = v + e * (e.dot(ahead - v) / ee).clamp(0.0, 1.0);
-                let (h, r) = (n.dot(q - c), core.radius_at(s));
-                add(manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
+/// A core and the edge of a face that is nearest to it.
+pub(crate) struct EdgeContact<'a> {
+    pub(crate) core: &'a Core,
+    /// Where on the core that is, 0..=1.
+    pub(crate) s: f32,
+    /// Ends and direction of the edge.
+    pub(crate) start: Vec3,
+    pub(crate) end: Vec3,
+    pub(crate) along: Vec3,
+    /// Unit, from the core to the edge.
+    pub(crate) normal: Vec3,
+    /// Distance of the nearest points of core and edge [m].
+    pub(crate) apart: f32,
+    /// Points that are further away by less are as near [m].
+    pub(crate) tolerance: f32,
+    /// Outward normal of the face.
+    pub(crate) front: Vec3,
+    /// How near the ends of a shared stretch have to be to stand for the nearest point [m].
+    pub(crate) counts: f32,
+}
+
+impl EdgeContact<'_> {
+    /// Adds both ends of what the two share if they lie along each other, else the nearest point and, where
+    /// the core nearly lies on the face, one that steadies it.
+    ///
+    /// `height`: of a place on the core's axis over the face [m]. `over`: the part of a segment that is over
+    /// the face. `add`: takes position, separation and a number below four, and says whether it added that.
+    #[inline(always)]
+    pub(crate) fn add_points(
+        &self,
+        height: impl Fn(f32) -> f32,
+        over: impl Fn(Vec3, Vec3) -> (f32, f32),
+        mut add: impl FnMut(Vec3, f32, u32) -> bool,
+    ) {
+        let &EdgeContact { core, s, start, end, along, normal, apart, .. } = self;
+        let (mut least, mut count) = (f32::MAX, 0);
+        let mut put = |s: f32, height: f32, name: u32| {
+            let (c, r) = (core.at(s), core.radius_at(s));
+            count += u32::from(add(c + normal * (0.5 * (height + r)), height - r, name));
+            count
+        };
+        let (dd, ee, de) = (core.along.length_squared(), along.length_squared(), core.along.dot(along));
+        if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG_SINE_SQUARED * dd * ee {
+            let (t0, t1) = (core.along.dot(start - core.start) / dd, core.along.dot(end - core.start) / dd);
+            let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
+            if high - low > 1e-3 {
+                for (k, s) in [low, high].into_iter().enumerate() {
+                    let c = core.at(s);
+                    // Straight ahead, along the normal.
+                    let ahead = c + normal * apart;
+                    let q = start + along * (along.dot(ahead - start) / ee).clamp(0.0, 1.0);
+                    let height = normal.dot(q - c);
+                    let separation = height - core.radius_at(s);
+                    least = if separation <= self.counts { least.min(separation) } else { least };
+                    put(s, height, k as u32);
+                }
             }
         }
-    }
-    let r = core.radius_at(s);
-    if manifold.count > 0 && least(manifold) <= apart - r + tolerance {
-        return;
-    }
-    add(manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
-    // Over the edge of a face it nearly lies on: the other end over the face steadies it.
-    let slope = -best.normal.dot(n);
-    if manifold.count == 1 && slope > 0.99 && !core.is_ball() {
-        let shadow = |s: f32| core.at(s) + n * (best.height(core, s) / slope);
-        let (low, high) = over_face(p, best.face, shadow(0.0), shadow(1.0));
-        let other = if (low - s).abs() > (high - s).abs() { low } else { high };
-        if low <= high && (other - s).abs() > 0.05 {
-            let (h, r) = (best.height(core, other) / slope, core.radius_at(other));
-            add(manifold, margin, core.at(other) + n * (0.5 * (h + r)), h - r, name + 2);
+        if least <= apart - core.radius_at(s) + self.tolerance {
+            return;
+        }
+        let alone = put(s, apart, 3) == 1;
+        // Over the edge of a face it nearly lies on: the other end over the face steadies it.
+        let slope = -normal.dot(self.front);
+        if alone && slope > 0.99 && !core.is_ball() {
+            let shadow = |s: f32| core.at(s) + normal * (height(s) / slope);
+            let (low, high) = over(shadow(0.0), shadow(1.0));
+            let other = if (low - s).abs() > (high - s).abs() { low } else { high };
+            if low <= high && (other - s).abs() > 0.05 {
+                put(other, height(other) / slope, 2);
+            }
         }
     }
 }
@@ -361,25 +390,15 @@ fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
 /// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each;
 /// the first above the second if none is.
 pub(crate) fn part_inside(beyond: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
-    let (mut low, mut high) = (0.0f32, 1.0f32);
-    for (d0, d1) in beyond {
-        if d0 > 0.0 && d1 > 0.0 {
-            high = -1.0;
-        } else if d0 > 0.0 {
-            low = low.max(d0 / (d0 - d1));
-        } else if d1 > 0.0 {
-            high = high.min(d0 / (d0 - d1));
-        }
+    let mut span = Spans::<f32>::whole();
+    for (start, end) in beyond {
+        span.cut(start, end);
     }
-    (low, high)
+    (span.enter, span.exit)
 }
 
 /// Whether the core itself, without its radius, meets the polytope.
-fn pierces(core: &Core, p: &Polytope, (low, high): (f32, f32), height: impl Fn(f32) -> f32) -> bool {
-    if p.planes.len() == 2 {
-        // A triangle has no inside: the core has to change sides over it.
-        return low <= high && (height(low) < 0.0) != (height(high) < 0.0);
-    }
+fn pierces(core: &Core, p: &Polytope) -> bool {
     let mut span = Spans::<f32x8>::whole();
     for [nx, ny, nz, offset] in p.normal_chunks {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
@@ -433,7 +452,7 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
     let mut emit = |s: f32, t: f32, key: u32| {
         let (p, q) = (a.at(s), b.at(t));
         let (h, ra, rb) = (n.dot(q - p), a.radius_at(s), b.radius_at(t));
-        add(&mut manifold, margin, (p + q + n * (ra - rb)) * 0.5, h - ra - rb, key);
+        manifold.add(margin, (p + q + n * (ra - rb)) * 0.5, h - ra - rb, key);
     };
     let (aa, bb, ab) = (a.along.length_squared(), b.along.length_squared(), a.along.dot(b.along));
     if aa > 0.0 && bb > 0.0 && aa * bb - ab * ab < ALONG_SINE_SQUARED * aa * bb {
@@ -453,7 +472,7 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
     if count > 1 {
         let between = manifold.points[count - 1].separation;
         manifold.count -= 1;
-        if least(&manifold) > between + 1e-4 * (a.radius + b.radius) {
+        if manifold.least() > between + 1e-4 * (a.radius + b.radius) {
             manifold.count += 1;
         }
     }

@@ -7,13 +7,9 @@
 //! best face normal.
 
 use super::polytope::{Polytope, Pose};
-use crate::config::tuning::THROUGH_SINE;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, kernel, with_best};
 use glam::Vec3;
 
-// Sentinel: below every separation.
-/// What is left of faces that must not be an axis.
-const NEVER: f32 = -1e30;
 // Rounding: of a cross product.
 /// Squared sine under which two edges count as parallel: their cross product is all rounding.
 pub(crate) const PARALLEL: f32 = 1e-7;
@@ -29,6 +25,21 @@ pub(crate) struct FaceAxis {
     pub(crate) face: usize,
 }
 
+/// Takes eight more values, from index `first` on, into account for the largest and its index, the first of
+/// equals; says whether one is larger.
+#[inline(always)]
+pub(crate) fn offer<L: Lanes>(best: &mut (f32, usize), values: L, first: usize) -> bool {
+    let any = values.gt(L::splat(best.0)).any();
+    if any {
+        for (i, &value) in values.eight().iter().enumerate() {
+            if value > best.0 {
+                *best = (value, first + i);
+            }
+        }
+    }
+    any
+}
+
 #[inline(always)]
 fn load<L: Lanes>(rows: &[f32; 8]) -> L {
     L::load(rows)
@@ -41,14 +52,12 @@ kernel! {
         q: &'a Polytope<'a>,
         q_in_p: &'a Pose,
         margin: f32,
-        against: Vec3,
     ) -> FaceAxis {
-        let mut best = FaceAxis { separation: f32::MIN, face: 0 };
+        let mut best = (f32::MIN, 0);
         let axes = &q_in_p.axes;
         let (rx, ry, rz) =
             (LaneVec3::<L>::splat(axes.x_axis), LaneVec3::splat(axes.y_axis), LaneVec3::splat(axes.z_axis));
         let position = LaneVec3::splat(q_in_p.position);
-        let against = LaneVec3::splat(against);
         for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
             let n = LaneVec3::new(load(nx), load(ny), load(nz));
             let (x, y, z) = (rx.dot(n), ry.dot(n), rz.dot(n));
@@ -57,21 +66,12 @@ kernel! {
                 low = Lanes::min(x * L::splat(v.x) + y * L::splat(v.y) + z * L::splat(v.z), low);
             }
             let separation = low + n.dot(position) - load(offset);
-            let wrong = n.dot(against).gt(L::splat(THROUGH_SINE)) & separation.lt(L::zero());
-            let separation = Lanes::select(wrong, L::splat(NEVER), separation);
-            if separation.gt(L::splat(best.separation)).any() {
-                for (i, &s) in separation.eight().iter().enumerate() {
-                    if s > best.separation {
-                        best = FaceAxis { separation: s, face: 8 * k + i };
-                    }
-                }
-                if best.separation > margin {
-                    break;
-                }
+            if offer(&mut best, separation, 8 * k) && best.0 > margin {
+                break;
             }
         }
         // The filling repeats the first face; it never beats it, so the index is of a real one.
-        best
+        FaceAxis { separation: best.0, face: best.1 }
     }
 }
 
@@ -232,7 +232,6 @@ kernel! {
         b: &'a Polytope<'a>,
         pose: &'a Pose,
         near: &'a (EdgeSet, EdgeSet),
-        against: Vec3,
     ) -> Option<EdgeAxis> {
         let (near_a, near_b) = near;
         let mut best: Option<EdgeAxis> = None;
@@ -264,9 +263,7 @@ kernel! {
                 let scale = outward.sign() / squared.sqrt();
                 let normal = cross * scale;
                 let separation = normal.dot(lanes.start - LaneVec3::splat(v0));
-                let wrong =
-                    normal.dot(LaneVec3::splat(against)).gt(L::splat(THROUGH_SINE)) & separation.lt(zero);
-                let better = valid & !wrong & separation.gt(L::splat(most));
+                let better = valid & separation.gt(L::splat(most));
                 let bits = better.bits();
                 if bits == 0 {
                     continue;
@@ -335,10 +332,8 @@ kernel! {
 
 /// The face normal of `p` along which `q` is furthest out. Ends at the first that separates by more than the
 /// margin.
-///
-/// `against`, in the frame of `p`, or zero: normals along it are no way out of an overlap.
-pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32, against: Vec3) -> FaceAxis {
-    with_best!(Wide => face_axis_in::<Wide>(p, q, q_in_p, margin, against))
+pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32) -> FaceAxis {
+    with_best!(Wide => face_axis_in::<Wide>(p, q, q_in_p, margin))
 }
 
 fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> EdgeSet {
@@ -346,16 +341,13 @@ fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> Edg
 }
 
 /// The pair of edges along whose common normal the two are furthest apart.
-///
-/// `against` as in [`face_axis`], in a's frame.
 pub(crate) fn edge_axis(
     a: &Polytope,
     b: &Polytope,
     pose: &Pose,
     near: &(EdgeSet, EdgeSet),
-    against: Vec3,
 ) -> Option<EdgeAxis> {
-    with_best!(Wide => edge_axis_in::<Wide>(a, b, pose, near, against))
+    with_best!(Wide => edge_axis_in::<Wide>(a, b, pose, near))
 }
 
 /// The nearest points of all edges in reach. If the polytopes are apart, these are their nearest points,

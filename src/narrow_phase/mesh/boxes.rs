@@ -1,18 +1,18 @@
 //! A box against triangles: separating axes eight triangles at a time, then clipping of those that touch.
 //!
 //! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the
-//! normal of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
+//! normal of contact, is clipped by four comparisons.
 
 use super::patch::{Patches, Touch, Verdict};
+use super::reach::Bounds;
+use super::triangle_contact::{Gap, TriangleContact, key};
 use super::triangles::{Furthest, Triangles};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::clip::cut_off;
 use crate::narrow_phase::convex::sat::nearest_on_segments;
 use crate::shape::Ground;
 use glam::Vec3;
-
-/// Keys below this name a corner of the box, whichever triangle it is over.
-pub(crate) const CORNERS: u32 = 8;
 
 /// Adds a patch for every triangle that is nearer than its margin.
 #[inline(always)]
@@ -30,14 +30,11 @@ pub(crate) fn touch<L: Lanes>(
         return;
     }
     let (edges, edge_name) = edge_axes(half, triangles);
-    let mut bits = (near & edges.le(limit)).bits() & triangles.valid;
+    let bits = (near & edges.le(limit)).bits() & triangles.valid;
     let (face, axis, name) = (face.eight(), axis.eight(), name.eight());
     let (edges, edge_name) = (edges.eight(), edge_name.eight());
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
+    for lane in ones(bits) {
         let (touch, margin) = (triangles.touch(lane, ground), limit.lane(lane));
-        let first = patches.points.len();
         // Faces are preferred, as long as that costs little: their points last.
         let clearly = |apart: f32| if apart < 0.0 { 0.95 * apart } else { apart } + 5e-4 * size;
         let (face, axis, edge) = (face[lane], axis[lane], edges[lane]);
@@ -55,26 +52,16 @@ pub(crate) fn touch<L: Lanes>(
         } else {
             touch.judge(normal, apart, face, size)
         };
-        match verdict {
-            Verdict::Drop => {}
-            Verdict::Face(least) => {
-                clip(half, &touch, -touch.front, margin, &mut patches.points);
-                patches.limit(first, least);
-                patches.add(touch, -touch.front, Some(face), first);
+        let own = |points: &mut Vec<RawPoint>| {
+            if by_edge {
+                points.extend(edge_point(half, &touch, edge_name[lane] as usize, normal, margin));
+            } else {
+                clip(half, &touch, normal, margin, points);
             }
-            Verdict::Keep if by_edge => {
-                let name = edge_name[lane] as usize;
-                patches.points.extend(edge_point(half, &touch, name, normal, margin));
-                patches.add(touch, normal, None, first);
-            }
-            Verdict::Keep => {
-                clip(half, &touch, normal, margin, &mut patches.points);
-                patches.add(touch, normal, None, first);
-            }
-        }
-        if apart < 0.0 && patches.points.len() == first {
-            patches.pass_over(touch, face);
-        }
+        };
+        let over = |points: &mut Vec<RawPoint>| clip(half, &touch, -touch.front, margin, points);
+        let found = TriangleContact { normal, apart, face, margin, verdict, gap: Gap::None };
+        found.add(&touch, Bounds { middle: Vec3::ZERO, half }, own, over, patches);
     }
 }
 
@@ -144,11 +131,6 @@ fn edge_point(half: Vec3, touch: &Touch, name: usize, normal: Vec3, margin: f32)
     (separation <= margin && !beside).then_some(RawPoint { position: (p + q) * 0.5, separation, key })
 }
 
-/// A key out of a triangle and one of 256 features; never one of the first eight.
-pub(crate) fn key(triangle: u32, feature: u32) -> u32 {
-    (triangle << 8 | feature & 0xff).wrapping_mul(0x9E37_79B1) | CORNERS
-}
-
 /// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which
 /// feature it is.
 #[derive(Clone, Copy, Default)]
@@ -166,14 +148,7 @@ struct Corner {
 /// coordinates, where that works out planes, and it walks eight edges at a time. And keys name corners of the
 /// box whichever triangle they are over, so that `merge` finds the same corner over two triangles.
 fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<RawPoint>) {
-    let size = normal.abs();
-    let w = if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    };
+    let w = normal.abs().max_position();
     let (u, v) = ((w + 1) % 3, (w + 2) % 3);
     let sign = if normal[w] < 0.0 { -1.0 } else { 1.0 };
     let slope = 1.0 / normal[w];
@@ -190,7 +165,7 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     if least > margin {
         return;
     }
-    let Some(count) = clip_to_rectangle(&mut one, [half[u], half[v]]) else { return };
+    let count = clip_to_rectangle(&mut one, [half[u], half[v]]);
     for c in one[..count].iter().filter(|c| c.apart <= margin) {
         let mut position = Vec3::ZERO;
         (position[u], position[v], position[w]) = (c.x[0], c.x[1], level);
@@ -208,52 +183,32 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     }
 }
 
-/// Clips the triangle of the first three corners to |x| <= `bounds`. How many corners are left, if any.
+/// Clips the triangle of the first three corners to |x| <= `bounds`. How many corners are left.
 #[inline(always)]
-fn clip_to_rectangle(one: &mut [Corner; 8], bounds: [f32; 2]) -> Option<usize> {
-    let mut other = [Corner::default(); 8];
+fn clip_to_rectangle(corners: &mut [Corner; 8], bounds: [f32; 2]) -> usize {
     let mut count = 3;
     // Sides with all corners beyond end it; only those with some beyond cut.
     let beyond = |c: &Corner| {
         let over = [c.x[0] > bounds[0], -c.x[0] > bounds[0], c.x[1] > bounds[1], -c.x[1] > bounds[1]];
         (0..4).fold(0u32, |bits, side| bits | u32::from(over[side]) << side)
     };
-    let codes = [beyond(&one[0]), beyond(&one[1]), beyond(&one[2])];
+    let codes = [beyond(&corners[0]), beyond(&corners[1]), beyond(&corners[2])];
     if codes[0] & codes[1] & codes[2] != 0 {
-        return None;
+        return 0;
     }
-    let cuts = codes[0] | codes[1] | codes[2];
-    for side in (0..4).filter(|side| cuts >> side & 1 != 0) {
+    for side in ones(codes[0] | codes[1] | codes[2]) {
         let (k, s) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
-        let over = |c: &Corner| s * c.x[k] - bounds[k];
-        let mut kept = 0;
-        let mut last = one[count - 1];
-        let mut last_over = over(&last);
-        for &this in &one[..count] {
-            let this_over = over(&this);
-            if (last_over > 0.0) != (this_over > 0.0) {
-                let t = last_over / (last_over - this_over);
-                let mut x =
-                    [last.x[0] + (this.x[0] - last.x[0]) * t, last.x[1] + (this.x[1] - last.x[1]) * t];
-                x[k] = s * bounds[k];
-                let apart = last.apart + (this.apart - last.apart) * t;
-                let feature = 8 + 8 * last.edge + side as u32;
-                // Leaving, the side itself is the next edge; entering, the old one goes on.
-                let edge = if this_over > 0.0 { 4 + side as u32 } else { last.edge };
-                other[kept % 8] = Corner { x, apart, edge, feature };
-                kept += 1;
+        let crossing = |last: &Corner, this: &Corner, t: f32, leaves: bool| {
+            let mut x = [last.x[0] + (this.x[0] - last.x[0]) * t, last.x[1] + (this.x[1] - last.x[1]) * t];
+            x[k] = s * bounds[k];
+            Corner {
+                x,
+                apart: last.apart + (this.apart - last.apart) * t,
+                edge: if leaves { 4 + side as u32 } else { last.edge },
+                feature: 8 + 8 * last.edge + side as u32,
             }
-            if this_over <= 0.0 {
-                other[kept % 8] = this;
-                kept += 1;
-            }
-            (last, last_over) = (this, this_over);
-        }
-        std::mem::swap(one, &mut other);
-        count = kept.min(8);
-        if count == 0 {
-            return None;
-        }
+        };
+        count = cut_off(corners, count, |c| s * c.x[k] - bounds[k], crossing);
     }
-    Some(count)
+    count
 }

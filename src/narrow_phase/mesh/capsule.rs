@@ -3,16 +3,15 @@
 //! The part of the core that is over a triangle, seen along the normal, yields two points. Where another part
 //! of the core is nearer, that part is nearest to an edge.
 
-use super::boxes::key;
 use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
-use super::triangle_contact::TriangleContact;
+use super::triangle_contact::{Gap, TriangleContact, key};
 use super::triangles::Triangles;
-use crate::config::tuning::{ALONG_SINE_SQUARED, THROUGH_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
+use crate::config::tuning::THROUGH_SINE;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
-use crate::narrow_phase::convex::round_polytope::{Core, part_inside};
+use crate::narrow_phase::convex::round_polytope::{Core, EdgeContact, part_inside};
 use crate::shape::Ground;
 use glam::Vec3;
 
@@ -91,7 +90,7 @@ pub(crate) fn touch<L: Lanes>(
     }
     let ((low, high), [distance, edge, on_core, on_edge]) = nearest(core, triangles);
     let near = near & (low.le(high) | distance.le(margins));
-    let mut bits = near.bits() & triangles.valid;
+    let bits = near.bits() & triangles.valid;
     if bits == 0 {
         return;
     }
@@ -99,9 +98,7 @@ pub(crate) fn touch<L: Lanes>(
     let (face, margins, distance) = (face.eight(), margins.eight(), distance.eight());
     let (edge, on_core, on_edge) = (edge.eight(), on_core.eight(), on_edge.eight());
     let tolerance = 1e-4 * size;
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize % 8;
-        bits &= bits - 1;
+    for lane in ones(bits) {
         let touch = triangles.touch(lane, ground);
         let (face, distance) = (face[lane], distance[lane]);
         let place = Place {
@@ -137,8 +134,8 @@ pub(crate) fn touch<L: Lanes>(
             // The face's own normal already.
             if slope > 0.999_999 { own(points) } else { place.over_face(points) }
         };
-        let found =
-            TriangleContact { normal, apart: distance, face, margin: place.margin, verdict, round: true };
+        let (margin, apart) = (place.margin, distance);
+        let found = TriangleContact { normal, apart, face, margin, verdict, gap: Gap::Round };
         found.add(&touch, Bounds { middle: Vec3::ZERO, half }, own, over, patches);
     }
 }
@@ -196,64 +193,27 @@ impl Place<'_> {
     /// One point at the edge, or two where the capsule lies along it or nearly on the face. `apart`: distance
     /// of the nearest points of core and edge [m].
     fn at_edge(&self, normal: Vec3, apart: f32, tolerance: f32, points: &mut Vec<RawPoint>) {
-        let Place { core, touch, .. } = *self;
-        let (v, e) = self.edge();
-        let first = points.len();
-        let mut add = |s: f32, height: f32, name: u32| {
-            let (c, r) = (core.at(s), core.radius_at(s));
-            if height - r <= self.margin {
-                let position = c + normal * (0.5 * (height + r));
-                let key = key(touch.index, 0x80 | (self.edge as u32) << 2 | name);
-                points.push(RawPoint { position, separation: height - r, key });
-            }
+        let Place { core, touch, margin, .. } = *self;
+        let (start, along) = self.edge();
+        let (s, front, end) = (self.at.0, touch.front, start + along);
+        let edge =
+            EdgeContact { core, s, start, end, along, normal, apart, tolerance, front, counts: f32::MAX };
+        let over = |from: Vec3, to: Vec3| {
+            part_inside((0..3).map(|i| {
+                let (out, corner) = (touch.outward(i), touch.corners[i]);
+                (out.dot(from - corner), out.dot(to - corner))
+            }))
         };
-        let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
-        let s = self.at.0;
-        let nearest = apart - core.radius_at(s);
-        if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG_SINE_SQUARED * dd * ee {
-            let (t0, t1) = (core.along.dot(v - core.start) / dd, core.along.dot(v + e - core.start) / dd);
-            let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
-            if high - low > 1e-3 {
-                let mut least = f32::MAX;
-                for (k, s) in [low, high].into_iter().enumerate() {
-                    let c = core.at(s);
-                    // Straight ahead, along the normal.
-                    let ahead = c + normal * apart;
-                    let q = v + e * (e.dot(ahead - v) / ee).clamp(0.0, 1.0);
-                    let height = normal.dot(q - c);
-                    least = least.min(height - core.radius_at(s));
-                    add(s, height, k as u32);
+        edge.add_points(
+            |s| self.height(s),
+            over,
+            |position, separation, name| {
+                if separation <= margin {
+                    let key = key(touch.index, 0x80 | (self.edge as u32) << 2 | name);
+                    points.push(RawPoint { position, separation, key });
                 }
-                if least <= nearest + tolerance {
-                    return;
-                }
-            }
-        }
-        add(s, apart, 3);
-        // Over the edge of a face it nearly lies on: the other end over the face steadies it.
-        let slope = -normal.dot(touch.front);
-        if slope > 0.99 && !core.is_ball() && points.len() == first + 1 {
-            let other = |s: f32| self.height(s) / slope;
-            let (low, high) = self.shadow(normal, slope);
-            let end = if (low - s).abs() > (high - s).abs() { low } else { high };
-            if low <= high && (end - s).abs() > 0.05 {
-                let (height, r) = (other(end), core.radius_at(end));
-                if height - r <= self.margin {
-                    let position = core.at(end) + normal * (0.5 * (height + r));
-                    let key = key(touch.index, 0x80 | (self.edge as u32) << 2 | 2);
-                    points.push(RawPoint { position, separation: height - r, key });
-                }
-            }
-        }
-    }
-
-    /// The part of the core that is over the triangle as seen along a normal.
-    fn shadow(&self, normal: Vec3, slope: f32) -> (f32, f32) {
-        let at = |s: f32| self.core.at(s) + normal * (self.height(s) / slope);
-        let (start, end) = (at(0.0), at(1.0));
-        part_inside((0..3).map(|i| {
-            let (out, from) = (self.touch.outward(i), self.touch.corners[i]);
-            (out.dot(start - from), out.dot(end - from))
-        }))
+                separation <= margin
+            },
+        );
     }
 }

@@ -8,14 +8,13 @@ use super::hull::inside;
 use super::patch::{Patches, Verdict};
 use super::reach::Bounds;
 use super::sphere::nearest;
-use super::triangle_contact::{TriangleContact, named, outline};
+use super::triangle_contact::{Gap, TriangleContact, named, outline};
 use super::triangles::{Triangles, nearest_corner};
 use crate::config::tuning::{FACE_PREFERENCE, THROUGH_SINE};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Cloud;
-use crate::narrow_phase::convex::collide_triangle;
-use crate::narrow_phase::convex::cylinder::over_triangle;
+use crate::narrow_phase::convex::cylinder::{cylinder_triangle, over_triangle};
 use crate::shape::Collider;
 use crate::shape::Ground;
 
@@ -66,18 +65,19 @@ pub(crate) fn touch<L: Lanes>(
                 continue;
             }
         }
-        let manifold = collide_triangle(a, touch.corners, margin);
+        let manifold = cylinder_triangle(a, touch.corners, margin);
         if manifold.count == 0 {
             continue;
         }
-        let apart = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+        let apart = manifold.least();
         // A direction through the triangle is no way out.
         let verdict = if manifold.normal.dot(front) > THROUGH_SINE && apart < 0.0 {
             Verdict::Face(f32::MIN)
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)
         };
-        let found = TriangleContact { normal: manifold.normal, apart, face, margin, verdict, round: true };
+        let found =
+            TriangleContact { normal: manifold.normal, apart, face, margin, verdict, gap: Gap::Round };
         let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
         found.add(&touch, bounds, own, over, patches);
     }

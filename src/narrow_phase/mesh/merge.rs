@@ -5,8 +5,8 @@
 //! Points that are furthest in none of eight directions are dropped before the more expensive reduction to
 //! four.
 
-use super::boxes::CORNERS;
 use super::patch::Patches;
+use super::triangle_contact::CORNERS;
 use crate::config::tuning::{RELATED_NORMAL_COSINE, SAME_NORMAL_COSINE};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Allowance, buffers};
@@ -14,7 +14,7 @@ use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::reduce::reduce;
 use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
 use crate::shape::Ground;
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles as _};
 
 /// Most manifolds of a pair.
 pub(crate) const MAX_MANIFOLDS: usize = 8;
@@ -84,15 +84,9 @@ impl Merge {
             // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side
             // they face.
             let side = pose.back(normal);
-            let steep = side.abs();
-            let axis = if steep.x > steep.y && steep.x > steep.z {
-                0
-            } else if steep.y > steep.z {
-                1
-            } else {
-                2
-            };
-            let facing = 2 * axis + u32::from(side[axis as usize] > 0.0);
+            // Of equals the last.
+            let axis = 2 - side.abs().zyx().max_position();
+            let facing = 2 * axis as u32 + u32::from(side[axis] > 0.0);
             for point in &mut manifold.points[..manifold.count as usize] {
                 if point.key < CORNERS {
                     point.key |= facing << 8;
@@ -209,8 +203,7 @@ mod tests {
                         Quat::from_rotation_y(yaw) * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
                     let gap = random.range(-1e-3, 1e-3);
                     let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
-                    let back = rotation.conjugate();
-                    let rel = Relative { position: -(back * position), rotation: back };
+                    let rel = Relative { position, rotation }.inverse();
                     let margin = if i % 2 == 0 { 0.01 } else { 0.15 };
                     out.clear();
                     collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);
@@ -251,8 +244,7 @@ mod tests {
                     * Quat::from_rotation_y(random.range(-3.0, 3.0));
                 let gap = random.range(-1e-4, 1e-4);
                 let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
-                let back = rotation.conjugate();
-                let rel = Relative { position: -(back * position), rotation: back };
+                let rel = Relative { position, rotation }.inverse();
                 let margin = if i % 2 == 0 { 0.02 } else { 0.15 };
                 out.clear();
                 collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);

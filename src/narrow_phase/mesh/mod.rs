@@ -89,8 +89,8 @@ impl MeshScratch {
     /// plane, and the normal into it.
     pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
         let (touch, apart) = self.patches.passed_over()?;
-        let here = Relative { position: Vec3::ZERO, rotation: crate::math::Quat::IDENTITY };
-        let gap = distance(&a.geometry.support()?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
+        let triangle = Support::triangle(touch.corners);
+        let gap = distance(&a.geometry.support()?, &triangle, &Relative::IDENTITY, Vec3::ZERO);
         (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }
 
@@ -270,7 +270,11 @@ impl<'a> Shape<'a> {
             let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
             let separation = touch.front.dot(deepest - touch.corners[0]);
             let position = deepest - touch.front * (0.5 * separation);
-            patches.points.push(RawPoint { position, separation, key: boxes::key(touch.index, DEEPEST) });
+            patches.points.push(RawPoint {
+                position,
+                separation,
+                key: triangle_contact::key(touch.index, DEEPEST),
+            });
             patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
         }
         patches.drop_backs(self.side);

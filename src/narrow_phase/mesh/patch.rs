@@ -294,25 +294,21 @@ impl Patches {
             count += 1;
         }
         let planes = &planes[..count];
+        let Patches { patches, touches, .. } = self;
         let hides = |plane: &Plane, normal: Vec3, touch: u32| {
-            let corners = &self.touches[touch as usize].corners;
+            let corners = &touches[touch as usize].corners;
             -normal.dot(plane.front) < FLAT_EDGE_COSINE
                 && corners.iter().all(|c| plane.front.dot(*c) - plane.offset <= plane.low)
         };
-        let mut keep = 0;
-        for i in 0..self.patches.len() {
-            let p = self.patches[i];
-            let hidden = planes.iter().any(|plane| {
+        let mut at = 0..;
+        patches.retain(|p| {
+            let i = at.next().unwrap_or(0);
+            !planes.iter().any(|plane| {
                 // Two faces on either side of a ridge hide each other: then the deeper one stays.
                 let back = |own: &&Plane| own.patch == i && i < plane.patch;
                 hides(plane, p.normal, p.touch)
                     && !planes.iter().find(back).is_some_and(|own| hides(own, -plane.front, plane.touch))
-            });
-            if !hidden {
-                self.patches[keep] = p;
-                keep += 1;
-            }
-        }
-        self.patches.truncate(keep);
+            })
+        });
     }
 }

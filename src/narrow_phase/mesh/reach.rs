@@ -7,7 +7,7 @@
 use super::nearby::Extent;
 use super::triangles::Triangles;
 use crate::config::tuning::{ONE_MANIFOLD_COSINE, ONE_MANIFOLD_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
@@ -59,10 +59,8 @@ impl Near {
         let down = -triangles.front;
         let face = triangles.height - a.geometry.lane_reach(down);
         let beside = Lanes::max(limit, L::zero());
-        let mut bits = (axis.le(beside) & face.le(limit)).bits() & triangles.valid;
-        while bits != 0 {
-            let front = triangles.front.lane(bits.trailing_zeros() as usize);
-            bits &= bits - 1;
+        for lane in ones((axis.le(beside) & face.le(limit)).bits() & triangles.valid) {
+            let front = triangles.front.lane(lane);
             if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < ONE_MANIFOLD_COSINE) {
                 if let Some(place) = self.fronts.get_mut(self.count) {
                     *place = front;

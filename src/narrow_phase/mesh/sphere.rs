@@ -3,7 +3,7 @@
 use super::patch::{Patch, Patches, Touch};
 use super::triangles::Triangles;
 use crate::config::tuning::FLAT_EDGE_COSINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
 use crate::shape::Fold;
 use crate::shape::Ground;
@@ -56,10 +56,7 @@ pub(crate) fn touch<L: Lanes>(
 ) {
     let (point, feature) = nearest(triangles, LaneVec3::zero());
     let distance = point.length();
-    let mut bits = distance.le(L::splat(radius) + margins).bits() & triangles.valid;
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
+    for lane in ones(distance.le(L::splat(radius) + margins).bits() & triangles.valid) {
         let touch = triangles.touch(lane, ground);
         let (point, distance) = (point.lane(lane), distance.lane(lane));
         let feature = feature.lane(lane) as u32;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::math::Quat;
-use crate::narrow_phase::convex::{collide_triangle, testing};
+use crate::narrow_phase::convex::testing;
+use crate::narrow_phase::fixtures::CONVEX;
 use crate::random::Random;
 use crate::shape::mesh::testing::{bumpy, cuboid, grid, terrain};
 use crate::shape::{HeightField, Kind, TriangleMesh};
@@ -20,8 +21,7 @@ fn flat_field() -> Collider {
 
 /// Manifolds of a shape at a pose in the mesh's frame, brought into that frame.
 fn collide(a: &Collider, b: &Collider, position: Vec3, rotation: Quat, margin: f32) -> Vec<RawManifold> {
-    let back = rotation.conjugate();
-    let rel = Relative { position: -(back * position), rotation: back };
+    let rel = Relative { position, rotation }.inverse();
     let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
     collide_mesh(a, b, &rel, Reach::new(margin), &mut scratch, &mut out);
     for m in &mut out {
@@ -207,6 +207,34 @@ fn a_box_in_a_corner_touches_floor_and_wall() {
 }
 
 #[test]
+fn a_triangle_pushes_back_to_the_side_that_the_centre_is_on() {
+    let mut random = Random(5);
+    let corners = vec![Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 0.0, -3.0), Vec3::new(0.0, 0.0, 3.0)];
+    let (triangle, margin) = (mesh((corners, vec![[0, 1, 2]])), 0.05);
+    // All whose centre is their origin.
+    for kind in CONVEX.into_iter().filter(|&kind| kind != Kind::Hull) {
+        for _ in 0..200 {
+            let one = testing::shape(&mut random, kind);
+            let rotation = random.turn();
+            // The centre is above the triangle, by up to the size of the shape.
+            let height = 0.02 + random.unit();
+            let down = (rotation.conjugate() * Vec3::NEG_Y).as_dvec3();
+            let lowest = height - testing::extent(&one, down) as f32;
+            let found = collide(&one, &triangle, Vec3::Y * height, rotation, margin);
+            assert_eq!(found.is_empty(), lowest > margin, "{kind:?} lowest {lowest}");
+            for manifold in &found {
+                let normal = manifold.normal;
+                assert!(normal.y < 1e-3, "{kind:?} pushes through: {normal}");
+                if lowest > -0.02 {
+                    assert!(normal.y < -0.999, "{kind:?} {normal}, lowest {lowest}");
+                    assert!((manifold.least() - lowest).abs() < 2e-3, "{kind:?} {manifold:?} {lowest}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_shape_stuck_halfway_is_pushed_to_its_centres_side() {
     let ground = mesh(grid(16, 0.25, |_, _| 0.0));
     let mut random = Random(2);
@@ -284,38 +312,20 @@ fn what_touches_rough_ground_is_found() {
             let rotation = random.turn();
             let (x, z) = (random.range(-8.0, 8.0), random.range(-8.0, 8.0));
             let position = Vec3::new(x, bumpy(x, z) + random.range(0.1, 0.6), z);
-            let back = rotation.conjugate();
-            let mut least = f32::MAX;
-            for t in 0..shared.triangle_count() as u32 {
-                let corners = shared.triangle(t);
-                let far = |c: &Vec3| (*c - position).length() > shape.radius + 1.0;
-                if !corners.iter().all(far) {
-                    let m = collide_triangle(&shape, corners.map(|c| back * (c - position)), 0.05);
-                    least = m.points().iter().map(|p| p.separation).fold(least, f32::min);
-                }
-            }
-            if !(-0.005..=0.04).contains(&least) {
-                continue;
-            }
+            // By GJK, unless more than radii overlap.
+            let at = Relative { position, rotation }.inverse();
+            let own = shape.geometry.support().unwrap();
+            let apart = (0..shared.triangle_count() as u32).map(|t| shared.triangle(t));
+            let mut apart =
+                apart.filter(|t| t.iter().any(|c| (*c - position).length() <= shape.radius + 1.0));
+            let least = apart.try_fold(f32::MAX, |least, corners| {
+                let gap = distance(&own, &Support::triangle(corners), &at, Vec3::ZERO);
+                (!gap.overlap).then_some(least.min(gap.distance))
+            });
+            let Some(least) = least.filter(|least| (-0.005..=0.04).contains(least)) else { continue };
             seen += 1;
             let found = collide(&shape, &collider, position, rotation, 0.05);
-            let deepest =
-                found.iter().flat_map(|m| m.points()).map(|p| p.separation).fold(f32::MAX, f32::min);
-            if (deepest - least).abs() >= 0.004 {
-                for t in 0..shared.triangle_count() as u32 {
-                    let corners = shared.triangle(t).map(|c| back * (c - position));
-                    let m = collide_triangle(&shape, corners, 0.05);
-                    if m.count > 0 {
-                        println!(
-                            "{t} {:?} {:?} n {} {:?}",
-                            shared.edges(t),
-                            corners,
-                            rotation * m.normal,
-                            m.points()
-                        );
-                    }
-                }
-            }
+            let deepest = found.iter().map(RawManifold::least).fold(f32::MAX, f32::min);
             assert!((deepest - least).abs() < 0.004, "{:?} {least} {deepest} {found:?}", shape.kind);
         }
     }
@@ -347,8 +357,7 @@ fn how_long_a_box_on_a_terrain_takes() {
                 let rotation = Quat::from_rotation_arc(Vec3::Y, up.normalize());
                 let height = testing::extent(&shape, glam::DVec3::NEG_Y) as f32;
                 let position = Vec3::new(x, y, z) + up.normalize() * height;
-                let back = rotation.conjugate();
-                Relative { position: -(back * position), rotation: back }
+                Relative { position, rotation }.inverse()
             })
             .collect();
         let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());

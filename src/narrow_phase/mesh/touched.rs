@@ -8,7 +8,7 @@ use glam::Vec3;
 
 /// Triangles and planes that a shape touches, in its frame. Each has a contact, which keeps the shape in
 /// front of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Touched {
     triangles: [u32; 8],
     triangle_count: usize,
@@ -18,18 +18,6 @@ pub(crate) struct Touched {
     /// Whether one contact keeps the whole shape in front of a plane. It does for a ball. A rod that lies on
     /// a post with its middle may still turn, and strike the ground beside it.
     whole: bool,
-}
-
-impl Default for Touched {
-    fn default() -> Touched {
-        Touched {
-            triangles: [0; 8],
-            triangle_count: 0,
-            planes: [(Vec3::ZERO, 0.0); 4],
-            plane_count: 0,
-            whole: false,
-        }
-    }
 }
 
 impl Touched {

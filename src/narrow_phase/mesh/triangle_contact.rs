@@ -1,6 +1,5 @@
 //! The contact with one triangle by itself, and the patch that the surface as a whole has there.
 
-use super::boxes::key;
 use super::patch::{Patches, Touch, Verdict};
 use super::reach::Bounds;
 use crate::config::tuning::EDGE_GAP_COSINE;
@@ -9,11 +8,32 @@ use crate::narrow_phase::convex::clip::Loop;
 use crate::narrow_phase::convex::polytope::Pose;
 use glam::Vec3;
 
+/// Keys below this name a corner of a box, whichever triangle it is over.
+pub(crate) const CORNERS: u32 = 8;
+
+/// A key out of a triangle and one of 256 features; never one of the first eight.
+pub(crate) fn key(triangle: u32, feature: u32) -> u32 {
+    (triangle << 8 | feature & 0xff).wrapping_mul(0x9E37_79B1) | CORNERS
+}
+
 /// The points, with keys that also identify the triangle.
 pub(crate) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<Item = RawPoint> + use<'a> {
     let index = touch.index;
     let fold = |k: u32| k ^ k >> 8 ^ k >> 15 ^ k >> 23;
     points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
+}
+
+/// What becomes of a contact whose normal lies in the gap between the normals of two faces of a hardly convex
+/// edge, while no point of the shape is over the triangle.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Gap {
+    /// No patch.
+    None,
+    /// Its own points, along its own normal: a point of a shape that may roll which is not its lowest there
+    /// moves as the shape rolls.
+    Round,
+    /// Its points, as far as they are on the shape, along the normal of the face.
+    Flat,
 }
 
 /// The contact of a shape with one triangle that is nearer than the margin.
@@ -25,8 +45,7 @@ pub(crate) struct TriangleContact {
     pub(crate) face: f32,
     pub(crate) margin: f32,
     pub(crate) verdict: Verdict,
-    /// Whether the shape is one that may roll.
-    pub(crate) round: bool,
+    pub(crate) gap: Gap,
 }
 
 impl TriangleContact {
@@ -42,7 +61,7 @@ impl TriangleContact {
         over: impl Fn(&mut Vec<RawPoint>),
         patches: &mut Patches,
     ) {
-        let TriangleContact { normal, apart, face, margin, verdict, round } = *self;
+        let TriangleContact { normal, apart, face, margin, verdict, gap } = *self;
         let front = touch.front;
         let first = patches.points.len();
         match verdict {
@@ -54,12 +73,11 @@ impl TriangleContact {
             Verdict::Face(least) => {
                 over(&mut patches.points);
                 patches.limit(first, least);
-                // In the gap between the faces of a hardly convex edge, over neither of them.
-                if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE && round {
-                    // A point of the shape that is not its lowest there moves as the shape rolls.
+                let in_gap = patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE;
+                if in_gap && gap == Gap::Round {
                     own(&mut patches.points);
                     patches.add_in_gap(*touch, normal, face, first);
-                } else if patches.points.len() == first && -normal.dot(front) > EDGE_GAP_COSINE {
+                } else if in_gap && gap == Gap::Flat {
                     own(&mut patches.points);
                     let offset = front.dot(touch.corners[0]);
                     let bound = half + Vec3::splat(1e-3 * half.max_element());

@@ -139,22 +139,12 @@ fn on_face(input: &Input<'_>, pair: &Pair, piece: &Piece<'_>, face: Vec3) -> Raw
     let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..piece.collider.clone() };
     let rel = Relative { position: up * offset, rotation: turn_to(up) };
     let mut raw = collide_convex(shape, &plane, &rel, input.margin);
-    let mut kept = 0;
-    for i in 0..raw.count as usize {
-        let point = raw.points[i];
-        let at = rotation * (point.position + raw.normal * (0.5 * point.separation));
-        if piece.has(at, input.touch_distance) {
-            raw.points[kept] = point;
-            kept += 1;
-        }
-    }
-    raw.count = kept as u16;
-    if lies == pair.a {
-        return raw;
-    }
-    let shape_in_ground = relative_pose(pair, input.poses);
-    let back = shape_in_ground.rotation.conjugate();
-    raw.flipped(-(back * shape_in_ground.position), back)
+    let normal = raw.normal;
+    raw.retain(|point| {
+        let at = rotation * (point.position + normal * (0.5 * point.separation));
+        piece.has(at, input.touch_distance)
+    });
+    if lies == pair.a { raw } else { raw.flipped(&relative_pose(pair, input.poses).inverse()) }
 }
 
 /// The rotation of the y axis to a unit vector, exact for small angles too.

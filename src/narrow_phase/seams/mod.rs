@@ -150,6 +150,5 @@ fn ground(input: &Input<'_>, pair: &Pair) -> u32 {
 
 /// The collider of a pair with ground that can be pushed.
 fn lying(input: &Input<'_>, pair: &Pair) -> u32 {
-    let pushed = (input.summaries[pair.a as usize].body as usize) < input.dynamic;
-    if pushed { pair.a } else { pair.b }
+    if input.is_pushed(pair.a) { pair.a } else { pair.b }
 }

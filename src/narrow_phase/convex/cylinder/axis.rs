@@ -13,9 +13,10 @@
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
 use crate::config::tuning::{CYLINDER_DEEP, CYLINDER_GAP, CYLINDER_TOO_DEEP, THROUGH_SINE};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::gjk::{CoreGap, gap_from};
 use crate::narrow_phase::convex::polytope::{Polytope, Pose, Solid};
+use crate::narrow_phase::convex::sat::offer;
 use crate::shape::support::{Pose as ExactPose, Support};
 use glam::{DMat3, Vec3};
 
@@ -41,7 +42,7 @@ impl<'a> Body<'a> {
     /// The furthest along `d` [m], for `d` of unit length.
     fn extent(&self, d: Vec3) -> f32 {
         match self {
-            Body::Round(f) => f.extent(d),
+            Body::Round(f) => f.extent(LaneVec3::splat(d)),
             Body::Flat(p) => extent(p, d),
         }
     }
@@ -263,23 +264,12 @@ fn face_axis(p: &Polytope, f: &Frustum, f_in_p: &Pose, margin: f32) -> (f32, usi
     let axes = &f_in_p.axes;
     let [ax, ay, az] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);
     let centre = LaneVec3::splat(f_in_p.position);
-    let [half, bottom, top] = [f.half_height, f.bottom, f.top].map(f32x8::splat);
     let mut best = (f32::MIN, 0);
     for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
-        let (x, y, z) = (ax.dot(n), ay.dot(n), az.dot(n));
-        let flat = (x * x + z * z).sqrt();
-        let reach = Lanes::max(flat * bottom + half * y, flat * top - half * y);
-        let separation = n.dot(centre) - f32x8::new(*offset) - reach;
-        if separation.gt(f32x8::splat(best.0)).any() {
-            for (i, &s) in separation.to_array().iter().enumerate() {
-                if s > best.0 {
-                    best = (s, 8 * k + i);
-                }
-            }
-            if best.0 > margin {
-                break;
-            }
+        let reach = f.extent(-LaneVec3::new(ax.dot(n), ay.dot(n), az.dot(n)));
+        if offer(&mut best, n.dot(centre) - f32x8::new(*offset) - reach, 8 * k) && best.0 > margin {
+            break;
         }
     }
     best

@@ -4,7 +4,7 @@
 
 use super::frustum::Frustum;
 use crate::config::tuning::LINE_TOUCH_ASIDE;
-use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
+use crate::narrow_phase::contacts::manifold::RawManifold;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::convex::round_polytope::Core;
 use crate::shape::Collider;
@@ -26,12 +26,8 @@ pub(crate) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawM
     let n = -out;
     manifold.normal = n;
     let mut add = |s: f32, distance: f32, key: u32| {
-        let (separation, count) = (distance - core.radius_at(s), manifold.count as usize);
-        if separation <= margin {
-            let position = core.at(s) + n * (0.5 * (distance + core.radius_at(s)));
-            manifold.points[count] = RawPoint { position, separation, key };
-            manifold.count += 1;
-        }
+        let separation = distance - core.radius_at(s);
+        manifold.add(margin, core.at(s) + n * (0.5 * (distance + core.radius_at(s))), separation, key);
         separation
     };
     let mut least = f32::MAX;

@@ -81,23 +81,18 @@ impl<'a> Face<'a> {
         (steep * self.disc.radius > tolerance).then(|| self.slope * (-self.disc.radius / steep))
     }
 
-    /// The points of the rim that are `inside` the other face. `whole`: all of it is.
-    fn rim(&self, whole: bool, tolerance: f32, inside: impl Fn(Vec2) -> bool, cloud: &mut Cloud) {
+    /// The points of the rim that are `inside` the other face.
+    pub(super) fn rim(&self, tolerance: f32, inside: impl Fn(Vec2) -> bool, cloud: &mut Cloud) {
         let of = usize::from(self.sign < 0.0);
         for (i, direction) in RIM.iter().enumerate() {
             let p = *direction * self.disc.radius;
-            if whole || inside(p) {
+            if inside(p) {
                 self.push(p, key(ON_RIM, i, of), cloud);
             }
         }
-        if let Some(p) = self.deepest(tolerance).filter(|&p| whole || inside(p)) {
+        if let Some(p) = self.deepest(tolerance).filter(|&p| inside(p)) {
             self.push(p, key(ON_RIM, DEEPEST, of), cloud);
         }
-    }
-
-    /// With a plane that has no end.
-    pub(super) fn endless(&self, tolerance: f32, cloud: &mut Cloud) {
-        self.rim(true, tolerance, |_| true, cloud);
     }
 
     /// With a polygon in that plane. `tolerance` [m]: what counts as inside, and as level.
@@ -126,10 +121,10 @@ impl<'a> Face<'a> {
             }
         }
         let sides = &sides[..count];
-        let inside = |p: Vec2| sides.iter().all(|(out, offset)| out.dot(p) <= offset + tolerance);
         let r = self.disc.radius;
         let whole = least >= r;
-        self.rim(whole, tolerance, inside, cloud);
+        let inside = |p: Vec2| whole || sides.iter().all(|(out, offset)| out.dot(p) <= offset + tolerance);
+        self.rim(tolerance, inside, cloud);
         if whole {
             return;
         }
@@ -186,13 +181,13 @@ impl<'a> Face<'a> {
             to.seen(from.at(p)).length_squared() <= (to.disc.radius + tolerance).powi(2)
         };
         if apart + s <= r + tolerance {
-            return other.rim(true, tolerance, |_| true, cloud);
+            return other.rim(tolerance, |_| true, cloud);
         }
         if apart + r <= s + tolerance {
-            return self.rim(true, tolerance, |_| true, cloud);
+            return self.rim(tolerance, |_| true, cloud);
         }
-        self.rim(false, tolerance, |p| within(self, other, p), cloud);
-        other.rim(false, tolerance, |p| within(other, self, p), cloud);
+        self.rim(tolerance, |p| within(self, other, p), cloud);
+        other.rim(tolerance, |p| within(other, self, p), cloud);
         let along = (r * r - s * s + apart * apart) / (2.0 * apart);
         let half = r * r - along * along;
         if half <= 0.0 || apart <= 0.0 {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
+use crate::lanes::{Lanes, Vec3 as LaneVec3};
 use crate::narrow_phase::convex::clip::Segment;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
@@ -25,11 +26,12 @@ impl Frustum {
         }
     }
 
-    /// The furthest along `d` [m], for `d` of unit length.
-    pub(super) fn extent(&self, d: Vec3) -> f32 {
+    /// The furthest along directions of unit length [m].
+    #[inline(always)]
+    pub(super) fn extent<L: Lanes>(&self, d: LaneVec3<L>) -> L {
         let flat = (d.x * d.x + d.z * d.z).sqrt();
-        let rise = self.half_height * d.y;
-        (flat * self.bottom - rise).max(flat * self.top + rise)
+        let rise = L::splat(self.half_height) * d.y;
+        Lanes::max(flat * L::splat(self.bottom) - rise, flat * L::splat(self.top) + rise)
     }
 
     /// Unit vector from the axis towards a point or along a direction; x if that is on the axis.

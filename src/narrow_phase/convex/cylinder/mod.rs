@@ -27,32 +27,41 @@ use glam::Vec3;
 pub(crate) use core::round_cylinder;
 pub(crate) use frustum::Frustum;
 
-/// What a cylinder meets.
-pub(crate) enum Other<'a> {
-    Shape(&'a Collider),
-    Triangle(&'a Triangle),
+/// A cylinder or a polytope and another shape of which at least one is a cylinder; see `collide_convex`.
+pub(crate) fn cylinder(a: &Collider, b: &Collider, pose: &Pose, margin: f32) -> RawManifold {
+    let size = a.radius.min(b.radius);
+    contact(a, (Frustum::of(b), Solid::of(b)), || b.geometry.support(), Vec3::ZERO, pose, margin, size)
 }
 
-/// A cylinder or a polytope and another shape of which at least one is a cylinder; see `collide_convex`.
-pub(crate) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> RawManifold {
-    let none = RawManifold::default();
+/// All points nearer than the margin of a cylinder and a triangle in the cylinder's frame. The side of the
+/// triangle on which the frame's origin is counts as its outside: the normal, from the cylinder to the
+/// triangle, never pushes the cylinder through.
+pub(crate) fn cylinder_triangle(a: &Collider, triangle: [Vec3; 3], margin: f32) -> RawManifold {
+    let Some(triangle) = Triangle::facing(triangle, Vec3::ZERO) else { return RawManifold::default() };
+    let (front, corners) = (triangle.normal(), triangle.corners());
+    let support = || Some(Support::triangle(corners));
+    contact(a, (None, Some(Solid::Triangle(triangle))), support, front, &Pose::IDENTITY, margin, a.radius)
+}
+
+/// `against`: normals along it don't count as ways out of an overlap; zero if all do. `size`: a length of the
+/// smaller of the two [m].
+#[inline(always)]
+fn contact<'b>(
+    a: &Collider,
+    (other, solid_b): (Option<Frustum>, Option<Solid>),
+    support_b: impl Fn() -> Option<Support<'b>>,
+    against: Vec3,
+    pose: &Pose,
+    margin: f32,
+    size: f32,
+) -> RawManifold {
     let (own, solid_a) = (Frustum::of(a), Solid::of(a));
-    let (other, solid_b, against, size) = match b {
-        Other::Shape(b) => (Frustum::of(b), Solid::of(b), Vec3::ZERO, a.radius.min(b.radius)),
-        Other::Triangle(t) => (None, Some(Solid::Triangle((*t).clone())), t.normal(), a.radius),
-    };
     let (Some(body_a), Some(body_b)) = (Body::of(own, &solid_a), Body::of(other, &solid_b)) else {
-        return none;
+        return RawManifold::default();
     };
     let both = Both { bodies: [body_a, body_b], pose: *pose, back: pose.inverse(), against };
-    let supports = || {
-        let other = match b {
-            Other::Shape(b) => b.geometry.support(),
-            Other::Triangle(t) => Some(Support::triangle(t.corners())),
-        };
-        a.geometry.support().zip(other)
-    };
-    Contact { both, margin, size, tolerance: CYLINDER_AXIS_TOLERANCE * size }.manifold(supports)
+    let tolerance = CYLINDER_AXIS_TOLERANCE * size;
+    Contact { both, margin, size, tolerance }.manifold(|| a.geometry.support().zip(support_b()))
 }
 
 struct Contact<'a> {
@@ -269,7 +278,7 @@ pub(crate) fn on_half_space(
     if f.shows_cap(normal) {
         let disc = f.cap(normal.y > 0.0, &Pose::IDENTITY);
         if let Some(face) = Face::new(&disc, false, (-normal, -offset), normal, margin) {
-            face.endless(CYLINDER_AXIS_TOLERANCE * size, cloud);
+            face.rim(CYLINDER_AXIS_TOLERANCE * size, |_| true, cloud);
         }
         return;
     }

@@ -3,7 +3,8 @@
 
 use super::axis::{Body, Both};
 use crate::config::tuning::THROUGH_SINE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::convex::sat::offer;
 use glam::Vec3;
 
 type Eight = LaneVec3<f32x8>;
@@ -34,7 +35,7 @@ const DIRECTIONS: [[[f32; 8]; 3]; 13] = {
 pub(super) fn best_of_many(both: &Both, known: Vec3) -> (Vec3, f32) {
     let (pose, against, known) = (&both.pose, LaneVec3::splat(both.against), LaneVec3::splat(known));
     let [x, y, z] = [pose.axes.x_axis, pose.axes.y_axis, pose.axes.z_axis].map(Eight::splat);
-    let (mut best, mut at) = (f32::MIN, Vec3::Y);
+    let (mut best, mut at) = ((f32::MIN, 0), Vec3::Y);
     for [nx, ny, nz] in &DIRECTIONS {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let n = n * (f32x8::one() / n.length());
@@ -44,25 +45,17 @@ pub(super) fn best_of_many(both: &Both, known: Vec3) -> (Vec3, f32) {
             - extents(&both.bodies[1], back);
         let wrong = n.dot(against).gt(f32x8::splat(THROUGH_SINE)) | n.dot(known).gt(f32x8::splat(0.8));
         let separation = Lanes::select(wrong, f32x8::splat(f32::MIN), separation);
-        if separation.gt(f32x8::splat(best)).any() {
-            for (i, &s) in separation.to_array().iter().enumerate() {
-                if s > best {
-                    (best, at) = (s, n.lane(i));
-                }
-            }
+        if offer(&mut best, separation, 0) {
+            at = n.lane(best.1);
         }
     }
-    (at, best)
+    (at, best.0)
 }
 
 /// The furthest of a body along eight directions [m].
 fn extents(body: &Body, d: Eight) -> f32x8 {
     match body {
-        Body::Round(f) => {
-            let flat = (d.x * d.x + d.z * d.z).sqrt();
-            let rise = d.y * f32x8::splat(f.half_height);
-            Lanes::max(flat * f32x8::splat(f.bottom) - rise, flat * f32x8::splat(f.top) + rise)
-        }
+        Body::Round(f) => f.extent(d),
         Body::Flat(p) => p
             .vertices
             .iter()

@@ -3,8 +3,9 @@
 use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::contacts::manifold::RawManifold;
+use crate::narrow_phase::convex::collide_convex;
+use crate::narrow_phase::convex::cylinder::cylinder_triangle;
 use crate::narrow_phase::convex::testing::{Pair, collider, outside, shape};
-use crate::narrow_phase::convex::{collide_convex, collide_triangle};
 use crate::random::Random;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::Vec3;
@@ -140,7 +141,7 @@ fn a_triangle_is_touched_as_a_thin_hull() {
         let rel = near(&mut random, &one, &hull, at);
         let pair = Pair { a: &one, b: &hull, rel };
         let distance = pair.signed_distance();
-        let manifold = collide_triangle(&one, top.map(|p| rel.position + rel.rotation * p), MARGIN);
+        let manifold = cylinder_triangle(&one, top.map(|p| rel.position + rel.rotation * p), MARGIN);
         let what = format!("{:?} {rel:?} {manifold:?} {distance}", one.size);
         if distance < 3e-4 || distance > 0.9 * f64::from(MARGIN) {
             continue;
@@ -192,7 +193,7 @@ fn at_rest_it_stands_on_four_points_and_lies_on_two() {
             let middle = Vec3::new(0.2, height - 1e-3, -0.1);
             let back = rotation.conjugate();
             let local = |p: Vec3| back * (p - middle);
-            let on_mesh = collide_triangle(&drum, floor.map(local), MARGIN);
+            let on_mesh = cylinder_triangle(&drum, floor.map(local), MARGIN);
             let rel = Relative { position: local(Vec3::NEG_Y * 0.2), rotation: back };
             let on_slab = collide_convex(&drum, &slab, &rel, MARGIN);
             for manifold in [on_mesh, on_slab] {

@@ -1,12 +1,13 @@
 //! The part of a hull's face that is over a triangle.
 //!
-//! The face is clipped to the triangle's three sides, one after the other (Sutherland and Hodgman, 1974), on
-//! what each corner knows: how far it is beyond each side and over the plane, which are linear along an edge.
+//! The face is clipped to the triangle's three sides on what each corner knows: how far it is beyond each
+//! side and over the plane, which are linear along an edge.
 
 use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::clip::cut_off;
 use crate::narrow_phase::convex::polytope::Polytope;
-use crate::narrow_phase::mesh::boxes::key;
 use crate::narrow_phase::mesh::patch::Touch;
+use crate::narrow_phase::mesh::triangle_contact::key;
 use glam::Vec3;
 
 /// Most corners of a face that are used; if it has more, evenly chosen ones.
@@ -66,32 +67,18 @@ pub(crate) fn over_face(p: &Polytope, touch: &Touch, margin: f32, size: f32, poi
         return;
     }
     for k in (0..3).filter(|&k| outside[k]) {
-        let mut cut = [Corner::default(); ROOM];
-        let mut kept = 0;
-        let Some(mut last) = polygon[..count].last().copied() else { return };
-        for &this in &polygon[..count] {
-            let (from, to) = (last.beyond[k], this.beyond[k]);
-            if (from > 0.0) != (to > 0.0) && kept < ROOM {
-                let t = from / (from - to);
-                let mix = |a: f32, b: f32| a + (b - a) * t;
-                let beyond = |i: usize| mix(last.beyond[i], this.beyond[i]);
-                cut[kept] = Corner {
-                    at: last.at + (this.at - last.at) * t,
-                    height: mix(last.height, this.height),
-                    beyond: [beyond(0), beyond(1), beyond(2)],
-                    // Leaving, the side itself is the next edge; entering, the old one goes on.
-                    edge: if to > 0.0 { SIDE + k as u32 } else { last.edge },
-                    feature: (last.edge + 1) << 2 | k as u32,
-                };
-                kept += 1;
+        let crossing = |last: &Corner, this: &Corner, t: f32, leaves: bool| {
+            let mix = |a: f32, b: f32| a + (b - a) * t;
+            let beyond = |i: usize| mix(last.beyond[i], this.beyond[i]);
+            Corner {
+                at: last.at + (this.at - last.at) * t,
+                height: mix(last.height, this.height),
+                beyond: [beyond(0), beyond(1), beyond(2)],
+                edge: if leaves { SIDE + k as u32 } else { last.edge },
+                feature: (last.edge + 1) << 2 | k as u32,
             }
-            if to <= 0.0 && kept < ROOM {
-                cut[kept] = this;
-                kept += 1;
-            }
-            last = this;
-        }
-        (polygon, count) = (cut, kept);
+        };
+        count = cut_off(&mut polygon, count, |c| c.beyond[k], crossing);
     }
     for c in polygon[..count].iter().filter(|c| c.height <= margin) {
         let position = c.at - front * (0.5 * c.height);

@@ -11,10 +11,10 @@ mod triangle;
 
 use super::patch::{Patches, Touch};
 use super::reach::Bounds;
-use super::triangle_contact::{TriangleContact, named};
+use super::triangle_contact::{Gap, TriangleContact, named};
 use super::triangles::Triangles;
 use crate::config::tuning::FACE_PREFERENCE;
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::key;
 use crate::narrow_phase::convex::polytope::{Polytope, Solid};
@@ -76,7 +76,7 @@ pub(crate) fn touch<L: Lanes>(
     }
     let (vertex, reach) = furthest(p, -front);
     let face = triangles.height - reach;
-    let mut bits = (near & face.le(margins)).bits() & triangles.valid;
+    let bits = (near & face.le(margins)).bits() & triangles.valid;
     if bits == 0 {
         return;
     }
@@ -86,9 +86,7 @@ pub(crate) fn touch<L: Lanes>(
     let needed = face * L::splat(-FACE_PREFERENCE.0) - L::splat(FACE_PREFERENCE.1 * size);
     let clear = inside.ge(Lanes::max(needed, L::zero())).bits();
     let (face, margins, inside) = (face.eight(), margins.eight(), inside.eight());
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize % 8;
-        bits &= bits - 1;
+    for lane in ones(bits) {
         let touch = triangles.touch(lane, ground);
         let (face, margin) = (face[lane], margins[lane]);
         let deepest = Deepest { at: p.vertices[vertex[lane] as usize], separation: face };
@@ -116,14 +114,8 @@ pub(crate) fn touch<L: Lanes>(
         let own = |points: &mut Vec<RawPoint>| {
             contact.points(p, &touch, &deepest, margin, size, points);
         };
-        let found = TriangleContact {
-            normal: contact.normal,
-            apart: contact.apart,
-            face,
-            margin,
-            verdict,
-            round: false,
-        };
+        let ContactAxis { normal, apart, .. } = contact;
+        let found = TriangleContact { normal, apart, face, margin, verdict, gap: Gap::Flat };
         found.add(&touch, bounds, own, over, patches);
     }
 }
