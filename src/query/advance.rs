@@ -1,5 +1,5 @@
-//! When a convex shape that moves first touches another, and how deep it is in it at the start. One that
-//! turns on its way begins like any other, and is then followed by [`turning`](super::turning).
+//! When a convex shape that moves straight ahead first touches another, and how deep it is in it at the
+//! start.
 //!
 //! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich,
 //! 1996) with the separating direction of GJK is Newton's method from the safe side: it converges in a few
@@ -7,8 +7,7 @@
 //! as a touch and in what it answers (docs/decisions/advancement.md).
 
 use super::penetration::{Depth, depth};
-use super::turning::Turning;
-use crate::narrow_phase::{Accuracy, Simplex, Support, SupportPose, core_gap};
+use crate::narrow_phase::{Accuracy, CoreGap, Simplex, Support, SupportPose, core_gap};
 use glam::DVec3;
 
 /// Steps until a search gives up and calls it a touch. Paths that graze take the most, about twenty.
@@ -29,28 +28,13 @@ pub(super) struct Touch {
 
 /// The input of a search.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Course<'a> {
+pub(super) struct Course {
     /// Path of the moving shape, in its frame [m].
     pub(super) path: DVec3,
-    /// How it turns on its way, if it does.
-    pub(super) turning: Option<&'a Turning>,
     /// Gaps up to this size are touches [m].
     pub(super) tolerance: f64,
     /// Ignore an overlap at the start if the path leads out of it.
     pub(super) skip_inside: bool,
-}
-
-impl Course<'_> {
-    /// The point of the moving shape that goes straight, in its frame [m].
-    pub(super) fn pivot(&self) -> DVec3 {
-        self.turning.map_or(DVec3::ZERO, |turning| turning.pivot)
-    }
-
-    /// Whether an overlap at the start counts, by its normal and a point of it.
-    fn stays(&self, normal: DVec3, point: DVec3) -> bool {
-        let velocity = || self.turning.map_or(self.path, |turning| turning.velocity(point));
-        !self.skip_inside || velocity().dot(normal) > 0.0
-    }
 }
 
 /// The first touch up to the fraction `most`, which has no other influence on it. `pose`: of b in a's frame
@@ -60,24 +44,20 @@ pub(super) fn first_touch(
     b: &Support,
     pose: &SupportPose,
     hint: DVec3,
-    course: &Course<'_>,
+    course: &Course,
     most: f64,
 ) -> Option<Touch> {
-    let accuracy = Accuracy { absolute: 0.1 * course.tolerance, relative: 1e-3 };
     let radii = a.radius + b.radius;
-    let mut simplex = Simplex::empty();
-    let mut gap = core_gap(a, b, pose, hint, &mut simplex, accuracy);
-    if gap.overlap || gap.upper <= radii {
-        let Depth { depth, normal, point } = depth(a, b, pose, &gap);
-        return course.stays(normal, point).then_some(Touch { fraction: 0.0, normal, point, depth });
-    }
-    if let Some(turning) = course.turning {
-        return turning.first_touch(a, b, pose, hint, course, most);
-    }
     let (mut pose, start) = (*pose, pose.position);
+    let mut simplex = Simplex::empty();
     let mut t = 0.0;
     let mut found = None;
-    for _ in 0..MAX_STEPS {
+    for step in 0..MAX_STEPS {
+        let accuracy = Accuracy { absolute: 0.1 * course.tolerance, relative: 1e-3 };
+        let gap = core_gap(a, b, &pose, hint, &mut simplex, accuracy);
+        if step == 0 && (gap.overlap || gap.upper <= radii) {
+            return overlap(a, b, &pose, &gap, course);
+        }
         let touch = Touch {
             fraction: t,
             normal: gap.normal,
@@ -100,9 +80,21 @@ pub(super) fn first_touch(
         }
         pose.position = start - course.path * t;
         found = Some(touch);
-        gap = core_gap(a, b, &pose, hint, &mut simplex, accuracy);
     }
     found.map(|touch| Touch { fraction: t, ..touch })
+}
+
+/// What overlaps at the start.
+pub(super) fn overlap(
+    a: &Support,
+    b: &Support,
+    pose: &SupportPose,
+    gap: &CoreGap,
+    course: &Course,
+) -> Option<Touch> {
+    let Depth { depth, normal, point } = depth(a, b, pose, gap);
+    let stays = !course.skip_inside || course.path.dot(normal) > 0.0;
+    stays.then_some(Touch { fraction: 0.0, normal, point, depth })
 }
 
 /// Whether two shapes overlap or touch.
@@ -125,19 +117,16 @@ pub(super) fn over_plane(a: &Support, pose: &SupportPose) -> (f64, DVec3, DVec3)
 pub(super) fn first_touch_plane(
     a: &Support,
     pose: &SupportPose,
-    course: &Course<'_>,
+    course: &Course,
     most: f64,
 ) -> Option<Touch> {
     let (height, up, lowest) = over_plane(a, pose);
-    if height <= 0.0 {
-        let point = lowest - up * height;
-        let touch = Touch { fraction: 0.0, normal: -up, point, depth: -height };
-        return course.stays(-up, lowest).then_some(touch);
-    }
-    if let Some(turning) = course.turning {
-        return turning.first_touch_plane(a, pose, course, most);
-    }
     let closing = -up.dot(course.path);
+    if height <= 0.0 {
+        let stays = !course.skip_inside || closing > 0.0;
+        let point = lowest - up * height;
+        return stays.then_some(Touch { fraction: 0.0, normal: -up, point, depth: -height });
+    }
     let t = ((height - 0.5 * course.tolerance) / closing).max(0.0);
     (closing > 0.0 && height / closing <= 1.0 && t <= most).then(|| {
         let point = lowest + course.path * t;

@@ -6,7 +6,7 @@ use super::candidates::{Candidate, turn};
 use super::filter::QueryFilter;
 use super::probe::Probe;
 use super::ray::check_path;
-use super::turning::Turning;
+use super::turning::{Turning, first_touch_plane_turning, first_touch_turning};
 use crate::error::{Error, within};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::math::Quat;
@@ -280,11 +280,14 @@ impl World {
         self.along(from, motion.path, half, filter, 1.0, |candidate, most| {
             let course = Course {
                 path: local,
-                turning: turning.as_ref(),
                 tolerance: probe.tolerance(candidate.shape),
                 skip_inside: filter.skip_inside,
             };
-            match touch(probe, candidate, &course, most, any) {
+            let found = match &turning {
+                None => touch(probe, candidate, &course, most, any),
+                Some(turning) => touch_turning(probe, candidate, turning, &course, most, any),
+            };
+            match found {
                 Some(found) if found.fraction() <= most => f(candidate, &found, found.fraction()),
                 _ => most,
             }
@@ -360,46 +363,103 @@ fn limit(most: f32) -> f64 {
 fn touch(
     probe: &Probe<'_>,
     candidate: &Candidate<'_>,
-    course: &Course<'_>,
+    course: &Course,
     most: f32,
     any: bool,
 ) -> Option<Found> {
-    let (a, pose) = (&probe.support, probe.pose_of(candidate));
+    let pose = probe.pose_of(candidate);
     let touch = match candidate.shape.kind {
-        Kind::Plane => first_touch_plane(a, &pose, course, limit(most)),
-        kind if kind.is_ground() => return touch_triangles(a, candidate, &pose, course, most, any),
+        Kind::Plane => first_touch_plane(&probe.support, &pose, course, limit(most)),
+        kind if kind.is_ground() => return touch_triangles(probe, candidate, &pose, course, most, any),
         _ => {
             let other = candidate.shape.geometry.support()?;
-            first_touch(a, &other, &pose, pose.position, course, limit(most))
+            first_touch(&probe.support, &other, &pose, pose.position, course, limit(most))
         }
     }?;
     Some(Found { touch, triangle: None })
 }
 
-/// The first touch with triangles that a box around the shape meets on its way.
-fn touch_triangles(
+/// [`touch`] of a shape that turns.
+fn touch_turning(
+    probe: &Probe<'_>,
+    candidate: &Candidate<'_>,
+    turning: &Turning,
+    course: &Course,
+    most: f32,
+    any: bool,
+) -> Option<Found> {
+    let (a, pose) = (&probe.support, probe.pose_of(candidate));
+    let touch = match candidate.shape.kind {
+        Kind::Plane => first_touch_plane_turning(a, &pose, turning, course, limit(most)),
+        kind if kind.is_ground() => {
+            let to_mesh = pose.rotation.transpose();
+            let along = |axis: DVec3| turning.swept(a, axis);
+            let whole = DVec3::from_array(pose.rotation.to_cols_array_2d().map(|axis| along(axis.into())));
+            let half = whole + 2.0 * course.tolerance;
+            let sweep = (to_mesh * (turning.pivot - pose.position), to_mesh * course.path, half);
+            return each_triangle(candidate, sweep, most, any, |corners, most| {
+                let normal = reaches_turning(a, &pose, corners, turning, course)?;
+                let triangle = Support::triangle(corners);
+                first_touch_turning(a, &triangle, &pose, normal, turning, course, limit(most))
+            });
+        }
+        _ => {
+            let other = candidate.shape.geometry.support()?;
+            first_touch_turning(a, &other, &pose, pose.position, turning, course, limit(most))
+        }
+    }?;
+    Some(Found { touch, triangle: None })
+}
+
+/// [`reaches`] of a shape that turns.
+fn reaches_turning(
     a: &Support,
+    pose: &SupportPose,
+    corners: [Vec3; 3],
+    turning: &Turning,
+    course: &Course,
+) -> Option<DVec3> {
+    let [p, q, r] = corners.map(|v| pose.rotation * v.as_dvec3() + pose.position);
+    let normal = (q - p).cross(r - p).normalize_or_zero();
+    let height = normal.dot(p);
+    let toward = if height < 0.0 { -normal } else { normal };
+    let (height, moved) = (height.abs() - toward.dot(turning.pivot), toward.dot(course.path));
+    let around = turning.swept(a, toward) + course.tolerance;
+    (height <= around + moved.max(0.0) && height >= moved.min(0.0) - around).then_some(toward)
+}
+
+fn touch_triangles(
+    probe: &Probe<'_>,
     candidate: &Candidate<'_>,
     pose: &SupportPose,
-    course: &Course<'_>,
+    course: &Course,
     most: f32,
     any: bool,
 ) -> Option<Found> {
     let to_mesh = pose.rotation.transpose();
-    let (from, path) = (to_mesh * (course.pivot() - pose.position), to_mesh * course.path);
-    let half = match course.turning {
-        None => a.half_extents(to_mesh),
-        Some(turning) => DVec3::from_array(
-            pose.rotation.to_cols_array_2d().map(|axis| turning.swept(a, DVec3::from_array(axis))),
-        ),
-    };
-    let inflate = (half + 2.0 * course.tolerance).as_vec3() * (1.0 + 1e-6);
+    let (from, path) = (to_mesh * -pose.position, to_mesh * course.path);
+    let half = probe.support.half_extents(to_mesh) + 2.0 * course.tolerance;
+    each_triangle(candidate, (from, path, half), most, any, |corners, most| {
+        let normal = reaches(&probe.support, pose, corners, course)?;
+        let triangle = Support::triangle(corners);
+        first_touch(&probe.support, &triangle, pose, normal, course, limit(most))
+    })
+}
+
+/// The first touch with triangles that a box meets on its way. In the mesh's frame: where it starts, its
+/// path, and its half extents.
+#[inline(always)]
+fn each_triangle(
+    candidate: &Candidate<'_>,
+    (from, path, half): (DVec3, DVec3, DVec3),
+    most: f32,
+    any: bool,
+    first: impl Fn([Vec3; 3], f32) -> Option<Touch>,
+) -> Option<Found> {
+    let inflate = half.as_vec3() * (1.0 + 1e-6);
     let mut best: Option<(f32, u32, Touch)> = None;
     let mut look = |index: u32, corners: [Vec3; 3], most: f32| {
-        let touch = reaches(a, pose, corners, course).and_then(|normal| {
-            first_touch(a, &Support::triangle(corners), pose, normal, course, limit(most))
-        });
-        let Some(touch) = touch else { return most };
+        let Some(touch) = first(corners, most) else { return most };
         let fraction = round_down(touch.fraction);
         // The deeper one first, then the lower index.
         let better =
@@ -415,18 +475,13 @@ fn touch_triangles(
 
 /// Whether the moving shape reaches the plane of a triangle, and about the direction there; most that are
 /// near it don't.
-fn reaches(a: &Support, pose: &SupportPose, corners: [Vec3; 3], course: &Course<'_>) -> Option<DVec3> {
+fn reaches(a: &Support, pose: &SupportPose, corners: [Vec3; 3], course: &Course) -> Option<DVec3> {
     let [p, q, r] = corners.map(|v| pose.rotation * v.as_dvec3() + pose.position);
     let normal = (q - p).cross(r - p).normalize_or_zero();
     let height = normal.dot(p);
     let toward = if height < 0.0 { -normal } else { normal };
-    let (height, moved) = (height.abs() - toward.dot(course.pivot()), toward.dot(course.path));
-    // How far the shape goes ahead of its pivot along the direction, and behind it.
-    let (high, low) = match course.turning {
-        None => (a.support(toward).dot(toward) + a.radius, a.support(-toward).dot(toward) - a.radius),
-        Some(turning) => (turning.swept(a, toward), -turning.swept(a, toward)),
-    };
-    let ahead = high + moved.max(0.0) + course.tolerance;
-    let behind = low + moved.min(0.0) - course.tolerance;
+    let (height, moved) = (height.abs(), toward.dot(course.path));
+    let ahead = a.support(toward).dot(toward) + a.radius + moved.max(0.0) + course.tolerance;
+    let behind = a.support(-toward).dot(toward) - a.radius + moved.min(0.0) - course.tolerance;
     (height <= ahead && height >= behind).then_some(toward)
 }

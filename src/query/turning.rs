@@ -6,7 +6,8 @@
 //! by this bound is a support point, so a step is the root of a concave function, found from the safe side.
 //! Near a touch it is Newton's method, and no step goes too far.
 
-use super::advance::{Course, Touch};
+use super::advance::{Course, Touch, over_plane, overlap};
+use super::penetration::{Depth, depth};
 use crate::narrow_phase::{Accuracy, Simplex, Support, SupportPose, core_gap};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -52,7 +53,7 @@ impl Turning {
     }
 
     /// Velocity of a point of the shape at the start, per fraction [m].
-    pub(super) fn velocity(&self, point: DVec3) -> DVec3 {
+    fn velocity(&self, point: DVec3) -> DVec3 {
         self.path + (self.axis * self.angle).cross(point - self.pivot)
     }
 
@@ -76,60 +77,70 @@ struct Gap {
     point: DVec3,
 }
 
-impl Turning {
-    /// The first touch of shapes that do not touch at the start; see
-    /// [`first_touch`](super::advance::first_touch).
-    pub(super) fn first_touch(
-        &self,
-        a: &Support,
-        b: &Support,
-        pose: &SupportPose,
-        hint: DVec3,
-        course: &Course<'_>,
-        most: f64,
-    ) -> Option<Touch> {
-        let accuracy = Accuracy { absolute: 0.1 * course.tolerance, relative: 1e-3 };
-        advance(a, self, course, most, |t| {
-            let (turned, moved) = self.at(t);
-            let back = turned.transpose();
-            let now =
-                SupportPose { rotation: back * pose.rotation, position: back * (pose.position - moved) };
-            // The other shape turns in the moving frame, so no simplex is kept.
-            let gap = core_gap(a, b, &now, back * hint, &mut Simplex::empty(), accuracy);
-            if gap.overlap {
-                return None;
-            }
-            let normal = turned * gap.normal;
-            let low = pose.rotation * b.support(pose.rotation.transpose() * -normal) + pose.position;
-            let point = moved + turned * (gap.point_b - gap.normal * b.radius);
-            Some(Gap { normal, height: normal.dot(low) - b.radius, point })
-        })
+/// The first touch up to the fraction `most`; see [`super::advance::first_touch`].
+pub(super) fn first_touch_turning(
+    a: &Support,
+    b: &Support,
+    pose: &SupportPose,
+    hint: DVec3,
+    motion: &Turning,
+    course: &Course,
+    most: f64,
+) -> Option<Touch> {
+    let accuracy = Accuracy { absolute: 0.1 * course.tolerance, relative: 1e-3 };
+    let radii = a.radius + b.radius;
+    let mut simplex = Simplex::empty();
+    let start = core_gap(a, b, pose, hint, &mut simplex, accuracy);
+    if start.overlap || start.upper <= radii {
+        let Depth { point, .. } = depth(a, b, pose, &start);
+        let course = Course { path: motion.velocity(point), ..*course };
+        return overlap(a, b, pose, &start, &course);
     }
+    let gap_at = |t: f64| {
+        let (turned, moved) = motion.at(t);
+        let back = turned.transpose();
+        let now = SupportPose { rotation: back * pose.rotation, position: back * (pose.position - moved) };
+        // The other shape turns in the moving frame, so no simplex is kept.
+        let gap = core_gap(a, b, &now, back * hint, &mut Simplex::empty(), accuracy);
+        if gap.overlap {
+            return None;
+        }
+        let normal = turned * gap.normal;
+        let low = pose.rotation * b.support(pose.rotation.transpose() * -normal) + pose.position;
+        let point = moved + turned * (gap.point_b - gap.normal * b.radius);
+        Some(Gap { normal, height: normal.dot(low) - b.radius, point })
+    };
+    advance(a, motion, course, most, gap_at)
+}
 
-    /// The same with the half-space below a plane.
-    pub(super) fn first_touch_plane(
-        &self,
-        a: &Support,
-        pose: &SupportPose,
-        course: &Course<'_>,
-        most: f64,
-    ) -> Option<Touch> {
-        let up = pose.rotation.y_axis;
-        advance(a, self, course, most, |t| {
-            let (turned, moved) = self.at(t);
-            let down = turned.transpose() * -up;
-            let lowest = moved + turned * a.support(down) - up * a.radius;
-            let point = lowest - up * up.dot(lowest - pose.position);
-            Some(Gap { normal: -up, height: -up.dot(pose.position), point })
-        })
+/// [`first_touch_turning`] with the half-space below a plane.
+pub(super) fn first_touch_plane_turning(
+    a: &Support,
+    pose: &SupportPose,
+    motion: &Turning,
+    course: &Course,
+    most: f64,
+) -> Option<Touch> {
+    let (height, up, lowest) = over_plane(a, pose);
+    if height <= 0.0 {
+        let stays = !course.skip_inside || motion.velocity(lowest).dot(up) < 0.0;
+        let point = lowest - up * height;
+        return stays.then_some(Touch { fraction: 0.0, normal: -up, point, depth: -height });
     }
+    advance(a, motion, course, most, |t| {
+        let (turned, moved) = motion.at(t);
+        let down = turned.transpose() * -up;
+        let lowest = moved + turned * a.support(down) - up * a.radius;
+        let point = lowest - up * up.dot(lowest - pose.position);
+        Some(Gap { normal: -up, height: -up.dot(pose.position), point })
+    })
 }
 
 /// Advances from gap to gap. `gap_at`: the gap at a fraction, none if the cores overlap there by rounding.
 fn advance(
     a: &Support,
     motion: &Turning,
-    course: &Course<'_>,
+    course: &Course,
     most: f64,
     mut gap_at: impl FnMut(f64) -> Option<Gap>,
 ) -> Option<Touch> {
