@@ -89,30 +89,37 @@ typedef uint32_t BsCombine;
 
 // Friction and restitution.
 typedef struct BsMaterial {
-    // Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
+    // Coulomb coefficient while the surfaces stick. Must be at least zero. Default 0.6.
     float static_friction;
-    // Coulomb coefficient while they slide, at least zero. Default 0.6.
+    // Coulomb coefficient while they slide. Must be at least zero. Default 0.6.
     float dynamic_friction;
-    // Share of the approach speed that comes back, 0..=1. Default 0.
+    // Share of the approach speed that comes back. Must be in 0..=1. Default 0.
     float restitution;
-    // Default average.
+    // How two coefficients of friction become one. Default `BS_COMBINE_AVERAGE`.
     BsCombine friction_combine;
-    // Default average.
+    // How two coefficients of restitution become one. Default `BS_COMBINE_AVERAGE`.
     BsCombine restitution_combine;
     // Zero.
     uint32_t reserved;
 } BsMaterial;
 
-// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is none of
-// them.
+// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is
+// none of them.
 typedef struct BsSurface {
-    // Lever arm of the load against rolling, at least zero [m].
+    // Lever arm of the load against rolling [m]: the torque against rotation about axes in the surface is
+    // at most this times the normal force (the coefficient of rolling resistance as a length). A solid ball
+    // of radius r on a level floor slows down by (5/7) g b / r, and stays on slopes below atan(b / r). Must
+    // be in 0..=1e6 m. Default 0.
     float rolling_friction;
-    // Lever arm of the load against spinning, at least zero [m].
+    // Lever arm of the load against spinning [m]: the torque against rotation about the normal is at most
+    // this times the normal force, beside what sliding friction does about the middle of a contact of
+    // several points. Must be in 0..=1e6 m. Default 0.
     float spinning_friction;
-    // Velocity of the surface on the body, in the frame of the shape [m/s].
+    // Velocity at which the surface moves past the shape, in the shape's frame [m/s]: a belt. Friction
+    // pulls what touches it along. Must be within 1e6 along each axis. Default zero.
     struct BsVec3 surface_velocity;
-    // Frequency of the spring with which the surface yields, 0..=1e6 [Hz]; zero for a rigid one.
+    // Frequency of the spring with which the surface yields [Hz]; 0 for a rigid one, for which
+    // `BsSettings::contact_hertz` counts. Must be in 0..=1e6 Hz. Default 0.
     float contact_hertz;
     // Damping ratio of that spring, 0..=100. Without a spring zero stands for the engine's default, 1.
     float contact_damping;
@@ -302,9 +309,9 @@ typedef struct BsPose {
 // What positions are written as, one of `BS_POSITIONS_...`.
 typedef uint32_t BsPositionType;
 
-// Where poses and velocities of many bodies go: four columns, each with the bytes from one body to the next.
-// A column that is null is left out. Buffers need no alignment; a stride may not be shorter than what is
-// written, and zero is exactly that.
+// Where poses and velocities of many bodies go: four columns, each with the bytes from one body to the
+// next. A column that is null is left out. Buffers need no alignment; a stride may not be shorter than
+// what is written, and zero is exactly that.
 typedef struct BsColumns {
     // Size of this struct; `bs_columns_default` fills it in.
     uint32_t size;
@@ -382,25 +389,28 @@ typedef struct BsAabb {
 typedef struct BsCharacterSettings {
     // Size of this struct; `bs_character_settings_default` fills it in.
     uint32_t size;
-    // Radius of the capsule [m]. Default 0.3.
+    // Radius of the capsule, above zero [m]. Default 0.3.
     float radius;
-    // Half the distance between the centres of its two balls [m]. Default 0.6.
+    // Half the distance between the centres of its two balls [m]: 1.8 m tall by default. Must be in
+    // 0..=1e6. Default 0.6.
     float half_height;
-    // The distance that it keeps from everything [m]. Default 0.02.
+    // The distance that it keeps from everything, above zero [m]: room for rounding and for moving bodies.
+    // It stands this high above the ground. Default 0.02.
     float skin;
     // The steepest ground to stand and walk on [rad], 0..=1.57. Default 50 degrees.
     float max_slope;
-    // The highest step to climb [m]. Default 0.3.
+    // The highest step to climb [m]. The round bottom gets over edges lower than `(radius + skin) * (1 -
+    // cos(max_slope))` all the same. Must be in 0..=1e6. Default 0.3.
     float step_height;
-    // It stays on ground that drops by up to this [m]. Default 0.3.
+    // A walking character stays on ground that drops by up to this [m]. Must be in 0..=1e6. Default 0.3.
     float snap;
-    // Obstacles that a walk may slide along, 1..=64. Default 8.
+    // Obstacles that a walk may slide along; the rest of the path is dropped. Must be in 1..=64. Default 8.
     uint32_t iterations;
     // The upward direction, a unit vector. Default y.
     struct BsVec3 up;
-    // Mass for pushes on dynamic bodies [kg]. Default 80.
+    // Mass for pushes on dynamic bodies and for its weight on them [kg]. Must be at least zero. Default 80.
     float mass;
-    // The greatest force of a push [N]. Default 500.
+    // The greatest force of a push [N]. Must be at least zero. Default 500.
     float strength;
 } BsCharacterSettings;
 
@@ -420,8 +430,8 @@ typedef struct BsQueryFilter {
     BsBool dynamic;
     // Whether sensors are seen. Default no.
     BsBool sensors;
-    // Whether what a ray starts in, or a moving shape overlaps at the start and moves out of, is not seen.
-    // Default no.
+    // Whether what a ray starts in, or a moving shape overlaps at the start and moves out of, is not
+    // seen. Default no.
     BsBool skip_inside;
     // Whether only shapes are seen that would collide with one of `filter`. Default no.
     BsBool has_filter;
@@ -598,8 +608,8 @@ typedef struct BsDrawnShape {
     struct BsInk ink;
 } BsDrawnShape;
 
-// Functions of the caller that draw. They may read the world, and must not change it, nor throw or jump out
-// of the call. Each may be null.
+// Functions of the caller that draw. They may read the world, and must not change it, nor throw or jump
+// out of the call. Each may be null.
 typedef struct BsDrawCalls {
     // Size of this struct; `bs_draw_calls_default` fills it in.
     uint32_t size;
@@ -957,14 +967,17 @@ typedef uint32_t BsFrictionModel;
 typedef struct BsSettings {
     // Size of this struct; `bs_settings_default` fills it in.
     uint32_t size;
-    // Gravity [m/s²]. Default (0, -9.81, 0).
+    // Gravity [m/s²]. Must be within 1e6 along each axis. Default (0, -9.81, 0).
     struct BsVec3 gravity;
-    // Substeps of the solver in a step, 1..=64. Default 4.
+    // Substeps of the solver in a step. With 1 substep and several iterations the solver is plain
+    // sequential impulses; with several substeps and 1 iteration it is soft substepping (Macklin et al.,
+    // *Small Steps in Physics Simulation*, 2019). Must be in 1..=64. Default 4.
     uint32_t substeps;
-    // Iterations in each substep, 1..=256. Default 1.
+    // Gauss-Seidel iterations in each substep. Must be in 1..=256. Default 1.
     uint32_t iterations;
-    // Threads that a step may use, at least 1: the caller's, and those of a pool that the process shares,
-    // with a thread for each processor (or RAYON_NUM_THREADS). The result never depends on it. Default 1.
+    // Threads that a step may use, at least 1: the caller's, and those of a pool that the process
+    // shares, with a thread for each processor (or RAYON_NUM_THREADS). The result never depends on it.
+    // Default 1.
     uint32_t threads;
     // The actual mode of bodies with the mode segment. Default `BS_CONTINUOUS_SEGMENT`.
     BsContinuous continuous;
@@ -974,43 +987,57 @@ typedef struct BsSettings {
     BsFrictionCone friction_cone;
     // Default `BS_FRICTION_PER_PATCH`.
     BsFrictionModel friction_model;
-    // Length of a typical body [m], 1e-6..=1e6; scales the lengths below. Default 1.
+    // Length of a typical body [m]; scales the lengths below. Must be in 1e-6..=1e6 m. Default 1.
     float length_unit;
-    // Approach speed below which a contact does not bounce [m/s]. Default 0.3.
+    // Approach speed below which a contact does not bounce [m/s]: by default more than gravity gives a
+    // resting body within a step of 1/30 s. Must be in 0..=1e6. Default 0.3.
     float restitution_threshold;
-    // Overlap that contacts keep [length units]. Default 0.0005.
+    // Overlap that sliding, rolling and new contacts keep, and a tenth of the maximum gap at which the
+    // springs of resting contacts act [length units]. Must be in 0..=1. Default 0.0005.
     float slop;
-    // Contact stiffness [Hz]. Default 120.
+    // Contact stiffness where both materials are rigid (see `BsSurface::contact_hertz`) [Hz], limited to
+    // the stable maximum: 0.15 of the rate of substeps with one iteration, growing with the root of the
+    // number of iterations. Must be in 1e-6..=1e6. Default 120.
     float contact_hertz;
-    // Contact damping ratio. Default 10.
+    // Contact damping ratio (by default that of Catto, Box2D v3). Must be in 1e-6..=1e6. Default 10.
     float contact_damping;
-    // Maximum speed at which overlap is pushed apart [m/s per length unit]. Default 3.
+    // Maximum speed at which overlap is pushed apart [m/s per length unit]. Where many bodies overlap each
+    // other, they add up to at most five times as much. Must be in 1e-6..=1e6. Default 3.
     float push_speed;
     // Whether the solver starts with the impulses of the previous step. Default yes.
     BsBool warm_starting;
-    // Whether contacts of pairs that hardly moved are kept. Default yes.
+    // Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default yes.
     BsBool recycling;
-    // Whether joints that form trees are solved exactly. Default yes.
+    // Whether joints that form trees are solved exactly, as a block. Otherwise all joints are solved row by
+    // row, which is cheaper and lets chains stretch under load; it exists for comparison
+    // (`docs/joints.md`). Default yes.
     BsBool joint_trees;
-    // Whether paths of continuous bodies are checked after the solver. Default yes.
+    // Whether the paths of continuous bodies are checked after the solver, and cut where a centre would
+    // still pass through something (`docs/decisions/guard.md`). Without it bodies are stopped by contacts
+    // alone; this exists to measure how well. Default yes.
     BsBool guard;
-    // Whether bodies at rest fall asleep. Default no.
+    // Whether bodies at rest fall asleep, in islands of connected bodies; until something wakes them they
+    // take no time. Default no.
     BsBool sleeping;
     // Zero.
     uint8_t reserved[7];
-    // Speed below which a body counts as at rest [m/s per length unit]. Default 0.05.
+    // A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is
+    // faster [m/s per length unit]. Must be at least zero. Default 0.05.
     float sleep_speed;
-    // How long an island must be at rest before it falls asleep [s]. Default 0.5.
+    // How long all bodies of an island must be at rest before it falls asleep [s]. Must be at least zero.
+    // Default 0.5.
     float sleep_time;
-    // Contacts with at least this approach speed are reported as hits [m/s per length unit]. Default 1.
+    // Contacts with at least this approach speed are reported as hits [m/s per length unit]. Must be at
+    // least zero. Default 1.
     float hit_speed;
-    // Maximum number of events of each kind in a step. Default 4096.
+    // Maximum number of events of each kind in a step; those beyond are counted in
+    // `BsStepReport::events_lost`. Default 4096.
     uint32_t event_capacity;
     // The order in which groups of rows are solved, each of the seven once: the last is obeyed best. The
     // eighth place is not used.
     BsRowGroup order[8];
-    // Bytes that the world may reserve in all. Additions beyond it are refused with `BS_ERROR_BUDGET`, and a
-    // step leaves out the contacts that don't fit. Default `BS_NO_LIMIT`.
+    // Bytes that the world may reserve in all. Additions beyond it are refused with `BS_ERROR_BUDGET`,
+    // and a step leaves out the contacts that don't fit. Default `BS_NO_LIMIT`.
     uint64_t budget;
     // The same for each category, by `BS_CATEGORY_...`. Default `BS_NO_LIMIT`.
     uint64_t budget_of[BS_CATEGORIES];
@@ -1053,7 +1080,8 @@ typedef struct BsDivergence {
     uint32_t size;
     // The first stage with a different result.
     BsStage stage;
-    // Which step, from 1; for a refused call, the step after it. Zero: no divergence, and all else is zero.
+    // Which step, from 1; for a refused call, the step after it. Zero: no divergence, and all else is
+    // zero.
     uint64_t step;
     // The first body that differs; all zeros if none shows it.
     struct BsBody body;
@@ -1097,7 +1125,8 @@ typedef struct BsStepReport {
     uint32_t potential;
     // Potential manifolds that had to push.
     uint32_t pushed;
-    // Potential manifolds that pushed in the previous step without closing their gap.
+    // Potential manifolds that pushed in the previous step without closing their gap: the body was pushed
+    // by something that it never touched.
     uint32_t ghosts;
     // Pairs that kept their manifold without a new narrow phase.
     uint32_t recycled;
@@ -1109,15 +1138,21 @@ typedef struct BsStepReport {
     uint32_t batches;
     // Contacts that found no colour.
     uint32_t uncoloured;
-    // Bodies whose path the guard cut.
+    // Bodies whose path the guard cut: a centre, or the end of a limb, would have crossed something.
     uint32_t cut;
-    // Bodies that the guard lifted off a surface.
+    // Bodies that crossed nothing, and that the guard lifted off a surface because they ended too close to
+    // it.
     uint32_t lifted;
-    // Bodies that rows pushed off their predicted path and that were led along static geometry.
+    // Bodies that rows pushed off their predicted path, and that would have entered or overlapped static
+    // geometry: they were led along it, and ended outside of it.
     uint32_t settled;
-    // Trees of joints in which a body counts as heavier than it is.
+    // Trees of joints in which a body counts as heavier than it is, because something more than 20,000
+    // times as heavy is attached to it: with its own mass the exact solution would lose all digits.
     uint32_t weighted_trees;
-    // Trees of joints that were closed at a loss of energy.
+    // Trees of joints that whip, because a body bears several times its mass: no velocities at the start of
+    // a substep leave them closed at its end, or only velocities that gain energy. They were closed all the
+    // same, and lost some energy. Also nets of joints that turn faster than a substep can follow, if they
+    // lost energy that their rows would have added.
     uint32_t damped_trees;
     // Bodies that had to be stopped, see `bs_world_stopped_bodies`.
     uint32_t stopped;
@@ -1131,9 +1166,10 @@ typedef struct BsStepReport {
     uint32_t slept;
     // Bodies that woke in the step, or since the one before.
     uint32_t woke;
-    // Events beyond the capacity.
+    // Number of events beyond the capacity.
     uint32_t events_lost;
-    // Points of contacts that were left out because memory was not allowed to grow.
+    // Points of contacts, and pairs with an unknown number of points, that were left out because memory was
+    // not allowed to grow.
     uint32_t shed;
 } BsStepReport;
 

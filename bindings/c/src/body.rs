@@ -10,14 +10,13 @@ pub use change::*;
 pub use contacts::*;
 pub use desc::*;
 
-pub(crate) use desc::write_kind;
-
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out, slice};
 use crate::abi::sized::{read, read_all};
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::Twin;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsVec3};
-use crate::settings::{BsContinuous, BsRowGroup, read_continuous, read_place};
+use crate::settings::{BsContinuous, BsRowGroup};
 use crate::world::{BsWorld, changing, reading};
 use backstop::BodyHandle;
 
@@ -117,7 +116,7 @@ pub unsafe extern "C" fn bs_body_kind(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Out::new("the place for the kind", kind)?) };
-        out.set(write_kind(content.kind(body.into())?));
+        out.set(Twin::write(&content.kind(body.into())?));
         Ok(())
     })
 }
@@ -179,7 +178,7 @@ pub unsafe extern "C" fn bs_body_set_continuous(
     mode: BsContinuous,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.set_continuous(body.into(), read_continuous(mode)?)?))
+    call(|| Ok(unsafe { changing(world) }?.set_continuous(body.into(), Twin::read(mode)?)?))
 }
 
 /// Has the rows of a body solved right after those of a group, or in their own place again.
@@ -190,7 +189,7 @@ pub unsafe extern "C" fn bs_body_solve_after(
     group: BsRowGroup,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.solve_body_after(body.into(), read_place(group)?)?))
+    call(|| Ok(unsafe { changing(world) }?.solve_body_after(body.into(), Twin::read(group)?)?))
 }
 
 /// Pose of a body's origin in the world.

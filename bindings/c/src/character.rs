@@ -7,8 +7,9 @@ pub use resident::*;
 use crate::abi::guard::{call, value_or};
 use crate::abi::lock::{Changing, Reading, Shared};
 use crate::abi::pointers::{Buffer, Out, borrow};
-use crate::abi::sized::{described, place, read, write};
+use crate::abi::sized::{place, read, write};
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::record;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
 use crate::query::{BsQueryFilter, with_filter};
 use crate::shape::BsGeometry;
@@ -29,41 +30,33 @@ struct Walker {
 impl Walker {
     /// The report of its last walk.
     fn told(&self) -> BsCharacterReport {
-        BsCharacterReport::of_engine(&self.report, self.character.position().into())
+        let position = self.character.position().into();
+        BsCharacterReport { position, ..BsCharacterReport::of_engine(&self.report) }
     }
 }
 
-/// Settings of a character.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsCharacterSettings {
-    /// Size of this struct; `bs_character_settings_default` fills it in.
-    pub size: u32,
-    /// Radius of the capsule [m]. Default 0.3.
-    pub radius: f32,
-    /// Half the distance between the centres of its two balls [m]. Default 0.6.
-    pub half_height: f32,
-    /// The distance that it keeps from everything [m]. Default 0.02.
-    pub skin: f32,
-    /// The steepest ground to stand and walk on [rad], 0..=1.57. Default 50 degrees.
-    pub max_slope: f32,
-    /// The highest step to climb [m]. Default 0.3.
-    pub step_height: f32,
-    /// It stays on ground that drops by up to this [m]. Default 0.3.
-    pub snap: f32,
-    /// Obstacles that a walk may slide along, 1..=64. Default 8.
-    pub iterations: u32,
-    /// The upward direction, a unit vector. Default y.
-    pub up: BsVec3,
-    /// Mass for pushes on dynamic bodies [kg]. Default 80.
-    pub mass: f32,
-    /// The greatest force of a push [N]. Default 500.
-    pub strength: f32,
+record! {
+    /// Settings of a character.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsCharacterSettings of settings: CharacterSettings {
+        /// Size of this struct; `bs_character_settings_default` fills it in.
+        pub size: u32 = size_of::<BsCharacterSettings>() as u32,
+        pub radius: f32,
+        pub half_height: f32,
+        pub skin: f32,
+        /// The steepest ground to stand and walk on [rad], 0..=1.57. Default 50 degrees.
+        pub max_slope: f32,
+        pub step_height: f32,
+        pub snap: f32,
+        pub iterations: u32,
+        /// The upward direction, a unit vector. Default y.
+        pub up: BsVec3,
+        pub mass: f32,
+        pub strength: f32,
+    }
+    default bs_character_settings_default()
 }
-
-described! { BsCharacterSettings, bs_character_settings_default(), [
-    size, radius, half_height, skin, max_slope, step_height, snap, iterations, up, mass, strength,
-] }
 
 /// A character of 1.8 m and 80 kg.
 #[unsafe(no_mangle)]
@@ -71,53 +64,22 @@ pub extern "C" fn bs_character_settings_default() -> BsCharacterSettings {
     BsCharacterSettings::of_engine(&CharacterSettings::default())
 }
 
-impl BsCharacterSettings {
-    fn to_engine(self) -> CharacterSettings {
-        CharacterSettings {
-            radius: self.radius,
-            half_height: self.half_height,
-            skin: self.skin,
-            max_slope: self.max_slope,
-            step_height: self.step_height,
-            snap: self.snap,
-            iterations: self.iterations,
-            up: self.up.into(),
-            mass: self.mass,
-            strength: self.strength,
-        }
+record! {
+    /// What a character stands on.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsGround of ground: Ground {
+        /// Whose shape it is.
+        pub body: BsBody,
+        /// Which shape.
+        pub shape: BsShape,
+        /// Where, in the world [m].
+        pub point: BsDVec3,
+        /// Unit, out of the ground.
+        pub normal: BsVec3,
+        /// How fast the ground moves at that point [m/s].
+        pub velocity: BsVec3,
     }
-
-    fn of_engine(settings: &CharacterSettings) -> BsCharacterSettings {
-        BsCharacterSettings {
-            size: size_of::<BsCharacterSettings>() as u32,
-            radius: settings.radius,
-            half_height: settings.half_height,
-            skin: settings.skin,
-            max_slope: settings.max_slope,
-            step_height: settings.step_height,
-            snap: settings.snap,
-            iterations: settings.iterations,
-            up: settings.up.into(),
-            mass: settings.mass,
-            strength: settings.strength,
-        }
-    }
-}
-
-/// What a character stands on.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsGround {
-    /// Whose shape it is.
-    pub body: BsBody,
-    /// Which shape.
-    pub shape: BsShape,
-    /// Where, in the world [m].
-    pub point: BsDVec3,
-    /// Unit, out of the ground.
-    pub normal: BsVec3,
-    /// How fast the ground moves at that point [m/s].
-    pub velocity: BsVec3,
 }
 
 impl BsGround {
@@ -128,32 +90,24 @@ impl BsGround {
         normal: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
         velocity: BsVec3 { x: 0.0, y: 0.0, z: 0.0 },
     };
-
-    fn of_engine(ground: &Ground) -> BsGround {
-        BsGround {
-            body: ground.body.into(),
-            shape: ground.shape.into(),
-            point: ground.point.into(),
-            normal: ground.normal.into(),
-            velocity: ground.velocity.into(),
-        }
-    }
 }
 
-/// What a character ran into.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsCharacterHit {
-    /// Whose shape it is.
-    pub body: BsBody,
-    /// Which shape.
-    pub shape: BsShape,
-    /// Where, in the world [m].
-    pub point: BsDVec3,
-    /// Unit, from the obstacle towards the character.
-    pub normal: BsVec3,
-    /// Impulse of the push on a dynamic body, zero for others [N s].
-    pub impulse: BsVec3,
+record! {
+    /// What a character ran into.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsCharacterHit of hit: CharacterHit {
+        /// Whose shape it is.
+        pub body: BsBody,
+        /// Which shape.
+        pub shape: BsShape,
+        /// Where, in the world [m].
+        pub point: BsDVec3,
+        /// Unit, from the obstacle towards the character.
+        pub normal: BsVec3,
+        /// Impulse of the push on a dynamic body, zero for others [N s].
+        pub impulse: BsVec3,
+    }
 }
 
 impl Default for BsCharacterHit {
@@ -163,73 +117,42 @@ impl Default for BsCharacterHit {
     }
 }
 
-fn of_hit(hit: &CharacterHit) -> BsCharacterHit {
-    BsCharacterHit {
-        body: hit.body.into(),
-        shape: hit.shape.into(),
-        point: hit.point.into(),
-        normal: hit.normal.into(),
-        impulse: hit.impulse.into(),
+record! {
+    /// What came of a walk.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsCharacterReport of report: CharacterReport {
+        /// Size of this struct, set by the caller.
+        pub size: u32 = size_of::<BsCharacterReport>() as u32,
+        /// How far steps were climbed [m].
+        pub stepped: f32,
+        /// Where the middle of the capsule is [m].
+        pub position: BsDVec3 = BsDVec3::default(),
+        /// The whole displacement [m].
+        pub moved: BsVec3,
+        /// The part of it by moving ground [m].
+        pub carried: BsVec3,
+        /// The part of it out of bodies that had moved into the character [m].
+        pub pushed_out: BsVec3,
+        /// The velocity after obstacles [m/s]: relative to the ground if there is one, else in the world.
+        pub velocity: BsVec3,
+        /// By how much the ground turned about `up` meanwhile [rad].
+        pub turned: f32,
+        /// Remaining overlap of the capsule [m]; above zero only if it is squeezed.
+        pub overlap: f32,
+        /// The ground, if `on_ground`.
+        pub ground: BsGround = report.ground.as_ref().map_or(BsGround::NONE, BsGround::of_engine),
+        /// Whether it stands on something.
+        pub on_ground: BsBool = report.ground.is_some().into(),
+        /// Zero.
+        pub reserved: [u8; 7] = [0; 7],
     }
+    default BsCharacterReport::default()
 }
-
-/// What came of a walk.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsCharacterReport {
-    /// Size of this struct, set by the caller.
-    pub size: u32,
-    /// How far steps were climbed [m].
-    pub stepped: f32,
-    /// Where the middle of the capsule is [m].
-    pub position: BsDVec3,
-    /// The whole displacement [m].
-    pub moved: BsVec3,
-    /// The part of it by moving ground [m].
-    pub carried: BsVec3,
-    /// The part of it out of bodies that had moved into the character [m].
-    pub pushed_out: BsVec3,
-    /// The velocity after obstacles [m/s]: relative to the ground if there is one, else in the world.
-    pub velocity: BsVec3,
-    /// By how much the ground turned about `up` meanwhile [rad].
-    pub turned: f32,
-    /// Remaining overlap of the capsule [m]; above zero only if it is squeezed.
-    pub overlap: f32,
-    /// The ground, if `on_ground`.
-    pub ground: BsGround,
-    /// Whether it stands on something.
-    pub on_ground: BsBool,
-    /// Zero.
-    pub reserved: [u8; 7],
-}
-
-described! { BsCharacterReport, BsCharacterReport::default(), [
-    size, stepped, position, moved, carried, pushed_out, velocity, turned, overlap, ground, on_ground,
-    reserved,
-] }
 
 impl Default for BsCharacterReport {
     fn default() -> BsCharacterReport {
-        BsCharacterReport::of_engine(&CharacterReport::default(), BsDVec3::default())
-    }
-}
-
-impl BsCharacterReport {
-    fn of_engine(report: &CharacterReport, position: BsDVec3) -> BsCharacterReport {
-        BsCharacterReport {
-            size: size_of::<BsCharacterReport>() as u32,
-            stepped: report.stepped,
-            position,
-            moved: report.moved.into(),
-            carried: report.carried.into(),
-            pushed_out: report.pushed_out.into(),
-            velocity: report.velocity.into(),
-            turned: report.turned,
-            overlap: report.overlap,
-            ground: report.ground.as_ref().map_or(BsGround::NONE, BsGround::of_engine),
-            on_ground: report.ground.is_some().into(),
-            reserved: [0; 7],
-        }
+        BsCharacterReport::of_engine(&CharacterReport::default())
     }
 }
 
@@ -261,7 +184,7 @@ pub unsafe extern "C" fn bs_character_create(
             let out = Out::new("the place for the character", character)?;
             (out, crate::abi::sized::read_or_default(settings)?)
         };
-        let character = Character::new(settings.to_engine(), position.into())?;
+        let character = Character::new(settings.on(CharacterSettings::default())?, position.into())?;
         let walker = Shared::new(Walker { character, report: CharacterReport::default() });
         out.set(Box::into_raw(Box::new(BsCharacter { walker })));
         Ok(())
@@ -340,7 +263,7 @@ pub unsafe extern "C" fn bs_character_hits(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (walker, out) = unsafe { (looking(character)?, Buffer::new("hits", hits, capacity, count)?) };
-        let hits: Vec<_> = walker.report.hits().map(of_hit).collect();
+        let hits: Vec<_> = walker.report.hits().map(BsCharacterHit::of_engine).collect();
         out.fill(hits.into_iter())
     })
 }
@@ -410,7 +333,7 @@ pub unsafe extern "C" fn bs_character_set_settings(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (mut walker, settings) = unsafe { (moving(character)?, read(settings)?) };
-        Ok(walker.character.set_settings(settings.to_engine())?)
+        Ok(walker.character.set_settings(settings.on(CharacterSettings::default())?)?)
     })
 }
 

@@ -2,10 +2,11 @@
 
 use crate::abi::guard::call;
 use crate::abi::pointers::Buffer;
-use crate::abi::sized::{described, read, read_or_default};
-use crate::abi::status::BsStatus;
+use crate::abi::sized::{read, read_or_default};
+use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::{Twin, record};
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsShape};
-use crate::body::{BsBodyKind, write_kind};
+use crate::body::BsBodyKind;
 use crate::shape::BsGeometry;
 use crate::world::{BsWorld, reading};
 use backstop::debug::{DebugDraw, DrawOptions, DrawnShape, Element, Ink, Region};
@@ -73,95 +74,61 @@ fn of_element(element: Element) -> BsElement {
     }
 }
 
-/// What to draw.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsDrawOptions {
-    /// Size of this struct; `bs_draw_options_default` fills it in.
-    pub size: u32,
-    /// Shapes, in the colour of their body's kind. Default yes.
-    pub shapes: BsBool,
-    /// The box around each shape. Default no.
-    pub aabbs: BsBool,
-    /// The box that the broad phase keeps of each shape. Default no.
-    pub fat_aabbs: BsBool,
-    /// Swept paths of the last step. Default no.
-    pub motion: BsBool,
-    /// Points of contact. Default yes.
-    pub contacts: BsBool,
-    /// Normals and gaps at points of contact. Default no.
-    pub normals: BsBool,
-    /// Impulses at points of contact. Default no.
-    pub impulses: BsBool,
-    /// Frames, limits and gaps of joints. Default yes.
-    pub joints: BsBool,
-    /// Dynamic bodies in the colour of their island. Default no.
-    pub islands: BsBool,
-    /// Centres of mass and principal axes. Default no.
-    pub centres: BsBool,
-    /// Contacts in the colour that the solver gave them. Default no.
-    pub solver_colours: BsBool,
-    /// Whether only what is in the box from `region_min` to `region_max` is drawn. Default no.
-    pub has_region: BsBool,
-    /// Low corner [m].
-    pub region_min: BsDVec3,
-    /// High corner [m].
-    pub region_max: BsDVec3,
-    /// Length of normals and of the axes of frames [m]. Default 0.2.
-    pub length: f32,
-    /// Length of an impulse of 1 N s [m]. Default 0.01.
-    pub impulse_scale: f32,
+record! {
+    /// What to draw.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsDrawOptions of options: DrawOptions {
+        /// Size of this struct; `bs_draw_options_default` fills it in.
+        pub size: u32 = size_of::<BsDrawOptions>() as u32,
+        /// Shapes, in the colour of their body's kind. Default yes.
+        pub shapes: BsBool,
+        /// The box around each shape. Default no.
+        pub aabbs: BsBool,
+        /// The box that the broad phase keeps of each shape. Default no.
+        pub fat_aabbs: BsBool,
+        /// Swept paths of the last step. Default no.
+        pub motion: BsBool,
+        /// Points of contact. Default yes.
+        pub contacts: BsBool,
+        /// Normals and gaps at points of contact. Default no.
+        pub normals: BsBool,
+        /// Impulses at points of contact. Default no.
+        pub impulses: BsBool,
+        /// Frames, limits and gaps of joints. Default yes.
+        pub joints: BsBool,
+        /// Dynamic bodies in the colour of their island. Default no.
+        pub islands: BsBool,
+        /// Centres of mass and principal axes. Default no.
+        pub centres: BsBool,
+        /// Contacts in the colour that the solver gave them. Default no.
+        pub solver_colours: BsBool,
+        /// Whether only what is in the box from `region_min` to `region_max` is drawn. Default no.
+        pub has_region: BsBool = options.region.is_some().into(),
+        /// Low corner [m].
+        pub region_min: BsDVec3 = options.region.map(|region| region.min.into()).unwrap_or_default(),
+        /// High corner [m].
+        pub region_max: BsDVec3 = options.region.map(|region| region.max.into()).unwrap_or_default(),
+        /// Length of normals and of the axes of frames [m]. Default 0.2.
+        pub length: f32,
+        /// Length of an impulse of 1 N s [m]. Default 0.01.
+        pub impulse_scale: f32,
+    }
+    default bs_draw_options_default()
 }
-
-described! { BsDrawOptions, bs_draw_options_default(), [
-    size, shapes, aabbs, fat_aabbs, motion, contacts, normals, impulses, joints, islands, centres,
-    solver_colours, has_region, region_min, region_max, length, impulse_scale,
-] }
 
 /// Shapes, points of contact and joints.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_draw_options_default() -> BsDrawOptions {
-    let options = DrawOptions::default();
-    BsDrawOptions {
-        size: size_of::<BsDrawOptions>() as u32,
-        shapes: options.shapes.into(),
-        aabbs: options.aabbs.into(),
-        fat_aabbs: options.fat_aabbs.into(),
-        motion: options.motion.into(),
-        contacts: options.contacts.into(),
-        normals: options.normals.into(),
-        impulses: options.impulses.into(),
-        joints: options.joints.into(),
-        islands: options.islands.into(),
-        centres: options.centres.into(),
-        solver_colours: options.solver_colours.into(),
-        has_region: 0,
-        region_min: BsDVec3::default(),
-        region_max: BsDVec3::default(),
-        length: options.length,
-        impulse_scale: options.impulse_scale,
-    }
+    BsDrawOptions::of_engine(&DrawOptions::default())
 }
 
 impl BsDrawOptions {
-    fn to_engine(self) -> DrawOptions {
+    fn to_engine(self) -> Outcome<DrawOptions> {
         let region = Region { min: self.region_min.into(), max: self.region_max.into() };
-        let mut options = DrawOptions::nothing();
-        options.shapes = self.shapes != 0;
-        options.aabbs = self.aabbs != 0;
-        options.fat_aabbs = self.fat_aabbs != 0;
-        options.motion = self.motion != 0;
-        options.contacts = self.contacts != 0;
-        options.normals = self.normals != 0;
-        options.impulses = self.impulses != 0;
-        options.joints = self.joints != 0;
-        options.islands = self.islands != 0;
-        options.centres = self.centres != 0;
-        options.solver_colours = self.solver_colours != 0;
+        let mut options = self.on(DrawOptions::nothing())?;
         options.region = (self.has_region != 0).then_some(region);
-        options.length = self.length;
-        options.impulse_scale = self.impulse_scale;
-        options
+        Ok(options)
     }
 }
 
@@ -229,26 +196,27 @@ pub struct BsDrawnShape {
     pub ink: BsInk,
 }
 
-/// Functions of the caller that draw. They may read the world, and must not change it, nor throw or jump out
-/// of the call. Each may be null.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct BsDrawCalls {
-    /// Size of this struct; `bs_draw_calls_default` fills it in.
-    pub size: u32,
-    /// Zero.
-    pub reserved: u32,
-    /// What the functions are called with.
-    pub user: *mut c_void,
-    /// Draws a line.
-    pub line: Option<unsafe extern "C" fn(user: *mut c_void, line: *const BsLine)>,
-    /// Draws a point.
-    pub point: Option<unsafe extern "C" fn(user: *mut c_void, point: *const BsPoint)>,
-    /// Draws a shape; null: shapes come as lines.
-    pub shape: Option<unsafe extern "C" fn(user: *mut c_void, shape: *const BsDrawnShape)>,
+record! {
+    /// Functions of the caller that draw. They may read the world, and must not change it, nor throw or jump
+    /// out of the call. Each may be null.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsDrawCalls {
+        /// Size of this struct; `bs_draw_calls_default` fills it in.
+        pub size: u32,
+        /// Zero.
+        pub reserved: u32,
+        /// What the functions are called with.
+        pub user: *mut c_void,
+        /// Draws a line.
+        pub line: Option<unsafe extern "C" fn(user: *mut c_void, line: *const BsLine)>,
+        /// Draws a point.
+        pub point: Option<unsafe extern "C" fn(user: *mut c_void, point: *const BsPoint)>,
+        /// Draws a shape; null: shapes come as lines.
+        pub shape: Option<unsafe extern "C" fn(user: *mut c_void, shape: *const BsDrawnShape)>,
+    }
+    default bs_draw_calls_default()
 }
-
-described! { BsDrawCalls, bs_draw_calls_default(), [size, reserved, user, line, point, shape] }
 
 /// Functions that draw nothing.
 #[unsafe(no_mangle)]
@@ -279,7 +247,7 @@ impl DebugDraw for Calls {
         let drawn = BsDrawnShape {
             shape: shape.shape.into(),
             body: shape.body.into(),
-            kind: write_kind(shape.kind),
+            kind: Twin::write(&shape.kind),
             reserved: 0,
             geometry: BsGeometry::of_engine(shape.geometry),
             pose: BsPose { position: shape.position.into(), rotation: shape.rotation.into() },
@@ -314,7 +282,7 @@ pub unsafe extern "C" fn bs_world_draw(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, options, calls) = unsafe { (reading(world)?, read_or_default(options)?, read(calls)?) };
-        content.draw(&options.to_engine(), &mut Calls(calls));
+        content.draw(&options.to_engine()?, &mut Calls(calls));
         Ok(())
     })
 }
@@ -356,7 +324,7 @@ pub unsafe extern "C" fn bs_world_draw_arrays(
             (reading(world)?, read_or_default(options)?, lines, points)
         };
         let mut sketch = Sketch::default();
-        content.draw(&options.to_engine(), &mut sketch);
+        content.draw(&options.to_engine()?, &mut sketch);
         // Both counts are written, whichever is too short.
         let (room, rest) = (lines.reserve(sketch.lines.len()), points.reserve(sketch.points.len()));
         room.and(rest)?;

@@ -12,8 +12,9 @@ use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::{Buffer, Out};
 use crate::abi::sized::{read, read_all};
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::Twin;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsJoint, BsPose, BsQuat, BsVec3};
-use crate::settings::{BsRowGroup, read_place};
+use crate::settings::BsRowGroup;
 use crate::world::{BsWorld, changing, reading};
 
 /// Adds a joint. `joint` may be null.
@@ -180,7 +181,7 @@ pub unsafe extern "C" fn bs_joint_solve_after(
     group: BsRowGroup,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.solve_joint_after(joint.into(), read_place(group)?)?))
+    call(|| Ok(unsafe { changing(world) }?.solve_joint_after(joint.into(), Twin::read(group)?)?))
 }
 
 /// The caller's number of a joint.

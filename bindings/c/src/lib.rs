@@ -12,7 +12,7 @@
 //!   undefined behaviour.
 //! - Every function goes through `abi/guard.rs`, which turns errors and panics into a status.
 //!
-//! What the engine adds is added here: a field at the end of a description and of its `described!`, an arm in
+//! What the engine adds is added here: a field at the end of a description, an arm in
 //! `abi/status.rs`, a function in the file of its subject.
 
 #![allow(

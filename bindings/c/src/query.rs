@@ -9,14 +9,15 @@ pub use overlap::*;
 
 use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
-use crate::abi::sized::{described, read_or_default};
+use crate::abi::sized::read_or_default;
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::record;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsShape, BsVec3};
 use crate::shape::{BsFilter, BsGeometry, bs_filter_default};
 use crate::world::{BsWorld, reading};
 use backstop::{
-    BodyHandle, ClosestPoint, Geometry, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast, ShapeHandle,
-    ShapeHit, World,
+    BodyHandle, ClosestPoint, Filter, Geometry, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast,
+    ShapeHandle, ShapeHit, World,
 };
 use std::ffi::c_void;
 use std::ptr::null_mut;
@@ -26,68 +27,50 @@ use std::ptr::null_mut;
 pub type BsQueryPredicate =
     Option<unsafe extern "C" fn(user: *mut c_void, body: BsBody, shape: BsShape) -> BsBool>;
 
-/// Which shapes a query sees.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct BsQueryFilter {
-    /// Size of this struct; `bs_query_filter_default` fills it in.
-    pub size: u32,
-    /// Whether shapes of static bodies are seen. Default yes.
-    pub statics: BsBool,
-    /// Whether shapes of kinematic bodies are seen. Default yes.
-    pub kinematic: BsBool,
-    /// Whether shapes of dynamic bodies are seen. Default yes.
-    pub dynamic: BsBool,
-    /// Whether sensors are seen. Default no.
-    pub sensors: BsBool,
-    /// Whether what a ray starts in, or a moving shape overlaps at the start and moves out of, is not seen.
-    /// Default no.
-    pub skip_inside: BsBool,
-    /// Whether only shapes are seen that would collide with one of `filter`. Default no.
-    pub has_filter: BsBool,
-    /// Zero.
-    pub reserved: [u8; 6],
-    /// See `has_filter`.
-    pub filter: BsFilter,
-    /// A body whose shapes are not seen; all zeros for none.
-    pub exclude_body: BsBody,
-    /// A shape that is not seen; all zeros for none.
-    pub exclude_shape: BsShape,
-    /// The caller's own say, asked last, or null. It may be asked more than once about a shape.
-    pub predicate: BsQueryPredicate,
-    /// What the predicate is called with.
-    pub user: *mut c_void,
-    /// The only body whose shapes are seen; all zeros for any.
-    pub only_body: BsBody,
-    /// The only shape that is seen, whatever `only_body` says; all zeros for any.
-    pub only_shape: BsShape,
+record! {
+    /// Which shapes a query sees.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug)]
+    pub struct BsQueryFilter of query: QueryFilter<'_> {
+        /// Size of this struct; `bs_query_filter_default` fills it in.
+        pub size: u32 = size_of::<BsQueryFilter>() as u32,
+        /// Whether shapes of static bodies are seen. Default yes.
+        pub statics: BsBool,
+        /// Whether shapes of kinematic bodies are seen. Default yes.
+        pub kinematic: BsBool,
+        /// Whether shapes of dynamic bodies are seen. Default yes.
+        pub dynamic: BsBool,
+        /// Whether sensors are seen. Default no.
+        pub sensors: BsBool,
+        /// Whether what a ray starts in, or a moving shape overlaps at the start and moves out of, is not
+        /// seen. Default no.
+        pub skip_inside: BsBool,
+        /// Whether only shapes are seen that would collide with one of `filter`. Default no.
+        pub has_filter: BsBool = query.filter.is_some().into(),
+        /// Zero.
+        pub reserved: [u8; 6] = [0; 6],
+        /// See `has_filter`.
+        pub filter: BsFilter = query.filter.as_ref().map_or(bs_filter_default(), BsFilter::of_engine),
+        /// A body whose shapes are not seen; all zeros for none.
+        pub exclude_body: BsBody = BsBody::NONE,
+        /// A shape that is not seen; all zeros for none.
+        pub exclude_shape: BsShape = BsShape::NONE,
+        /// The caller's own say, asked last, or null. It may be asked more than once about a shape.
+        pub predicate: BsQueryPredicate = None,
+        /// What the predicate is called with.
+        pub user: *mut c_void = null_mut(),
+        /// The only body whose shapes are seen; all zeros for any.
+        pub only_body: BsBody = BsBody::NONE,
+        /// The only shape that is seen, whatever `only_body` says; all zeros for any.
+        pub only_shape: BsShape = BsShape::NONE,
+    }
+    default bs_query_filter_default()
 }
-
-described! { BsQueryFilter, bs_query_filter_default(), [
-    size, statics, kinematic, dynamic, sensors, skip_inside, has_filter, reserved, filter, exclude_body,
-    exclude_shape, predicate, user, only_body, only_shape,
-] }
 
 /// All shapes but sensors.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_query_filter_default() -> BsQueryFilter {
-    BsQueryFilter {
-        size: size_of::<BsQueryFilter>() as u32,
-        statics: 1,
-        kinematic: 1,
-        dynamic: 1,
-        sensors: 0,
-        skip_inside: 0,
-        has_filter: 0,
-        reserved: [0; 6],
-        filter: bs_filter_default(),
-        exclude_body: BsBody::NONE,
-        exclude_shape: BsShape::NONE,
-        predicate: None,
-        user: null_mut(),
-        only_body: BsBody::NONE,
-        only_shape: BsShape::NONE,
-    }
+    BsQueryFilter::of_engine(&QueryFilter::new())
 }
 
 /// Calls `work` with the engine's filter.
@@ -105,13 +88,10 @@ pub(crate) unsafe fn with_filter(
         Some(predicate) => unsafe { predicate(filter.user, body.into(), shape.into()) != 0 },
         None => true,
     };
-    let mut query = QueryFilter::new();
-    query.filter = (filter.has_filter != 0).then(|| filter.filter.to_engine());
-    query.statics = filter.statics != 0;
-    query.kinematic = filter.kinematic != 0;
-    query.dynamic = filter.dynamic != 0;
-    query.sensors = filter.sensors != 0;
-    query.skip_inside = filter.skip_inside != 0;
+    let mut query = filter.on(QueryFilter::new())?;
+    if filter.has_filter != 0 {
+        query.filter = Some(filter.filter.on(Filter::default())?);
+    }
     query.exclude_body = (filter.exclude_body != BsBody::NONE).then(|| filter.exclude_body.into());
     query.exclude_shape = (filter.exclude_shape != BsShape::NONE).then(|| filter.exclude_shape.into());
     if filter.only_shape != BsShape::NONE {

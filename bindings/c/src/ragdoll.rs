@@ -6,13 +6,14 @@ pub use driven::*;
 
 use crate::abi::guard::call;
 use crate::abi::pointers::Buffer;
-use crate::abi::sized::{described, read, read_all};
+use crate::abi::sized::{read, read_all};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::twin::record;
 use crate::abi::values::{BsBody, BsJoint, BsPose, BsVec3};
 use crate::shape::{BsFilter, BsMaterial, BsSurface, bs_filter_default, bs_material_default};
 use crate::world::{BsWorld, changing};
 use backstop::glam::Quat;
-use backstop::{Bone, BoneJoint, Skeleton};
+use backstop::{Bone, BoneJoint, Filter, Skeleton};
 use std::ptr::null;
 
 /// How a bone moves on its parent, one of `BS_BONE_...`.
@@ -27,39 +28,38 @@ pub const BS_BONE_HINGE: BsBoneKind = 2;
 /// No parent: a root.
 pub const BS_NO_BONE: u32 = u32::MAX;
 
-/// A bone: a capsule on its parent.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsBoneDesc {
-    /// Size of this struct; `bs_bone_desc_default` fills it in.
-    pub size: u32,
-    /// A bone before this one, or `BS_NO_BONE`.
-    pub parent: u32,
-    /// Where it hangs on its parent [m].
-    pub joint_at: BsVec3,
-    /// One end of the capsule, cap included [m].
-    pub from: BsVec3,
-    /// The other end.
-    pub to: BsVec3,
-    /// [m]
-    pub radius: f32,
-    /// How it moves on its parent.
-    pub joint: BsBoneKind,
-    /// Half the angle of the cone of a ball, 0..=pi [rad].
-    pub swing: f32,
-    /// To either side, of a ball, 0..=pi [rad].
-    pub twist: f32,
-    /// Hinges: the axis, in the skeleton's axes; its length does not matter.
-    pub axis: BsVec3,
-    /// Hinges: the least angle, at most zero [rad].
-    pub min: f32,
-    /// Hinges: the greatest angle, at least zero [rad].
-    pub max: f32,
+record! {
+    /// A bone: a capsule on its parent.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsBoneDesc {
+        /// Size of this struct; `bs_bone_desc_default` fills it in.
+        pub size: u32,
+        /// A bone before this one, or `BS_NO_BONE`.
+        pub parent: u32,
+        /// Where it hangs on its parent [m].
+        pub joint_at: BsVec3,
+        /// One end of the capsule, cap included [m].
+        pub from: BsVec3,
+        /// The other end.
+        pub to: BsVec3,
+        /// [m]
+        pub radius: f32,
+        /// How it moves on its parent.
+        pub joint: BsBoneKind,
+        /// Half the angle of the cone of a ball, 0..=pi [rad].
+        pub swing: f32,
+        /// To either side, of a ball, 0..=pi [rad].
+        pub twist: f32,
+        /// Hinges: the axis, in the skeleton's axes; its length does not matter.
+        pub axis: BsVec3,
+        /// Hinges: the least angle, at most zero [rad].
+        pub min: f32,
+        /// Hinges: the greatest angle, at least zero [rad].
+        pub max: f32,
+    }
+    default bs_bone_desc_default()
 }
-
-described! { BsBoneDesc, bs_bone_desc_default(), [
-    size, parent, joint_at, from, to, radius, joint, swing, twist, axis, min, max,
-] }
 
 const ZERO: BsVec3 = BsVec3 { x: 0.0, y: 0.0, z: 0.0 };
 
@@ -82,33 +82,32 @@ pub extern "C" fn bs_bone_desc_default() -> BsBoneDesc {
     }
 }
 
-/// Bones with what they are made of.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsSkeletonDesc {
-    /// Size of this struct; `bs_skeleton_desc_default` fills it in.
-    pub size: u32,
-    /// [kg/m³]. Default 1000.
-    pub density: f32,
-    /// Parents before children. Each has the size that the first says.
-    pub bones: *const BsBoneDesc,
-    /// Number of bones.
-    pub bone_count: usize,
-    /// Material of all bones.
-    pub material: BsMaterial,
-    /// Filter of all bones. Neighbours never collide.
-    pub filter: BsFilter,
-    /// Torque of friction in each joint [N m]. Default 0.
-    pub friction: f32,
-    /// Zero.
-    pub reserved: u32,
-    /// Friction against rolling and spinning of all bones, and a belt. Default none.
-    pub surface: BsSurface,
+record! {
+    /// Bones with what they are made of.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsSkeletonDesc {
+        /// Size of this struct; `bs_skeleton_desc_default` fills it in.
+        pub size: u32,
+        /// [kg/m³]. Default 1000.
+        pub density: f32,
+        /// Parents before children. Each has the size that the first says.
+        pub bones: *const BsBoneDesc,
+        /// Number of bones.
+        pub bone_count: usize,
+        /// Material of all bones.
+        pub material: BsMaterial,
+        /// Filter of all bones. Neighbours never collide.
+        pub filter: BsFilter,
+        /// Torque of friction in each joint [N m]. Default 0.
+        pub friction: f32,
+        /// Zero.
+        pub reserved: u32,
+        /// Friction against rolling and spinning of all bones, and a belt. Default none.
+        pub surface: BsSurface,
+    }
+    default bs_skeleton_desc_default()
 }
-
-described! { BsSkeletonDesc, bs_skeleton_desc_default(), [
-    size, density, bones, bone_count, material, filter, friction, reserved, surface,
-] }
 
 /// A skeleton of ordinary flesh without bones.
 #[unsafe(no_mangle)]
@@ -191,8 +190,8 @@ unsafe fn skeleton_of(desc: *const BsSkeletonDesc) -> Outcome<Skeleton> {
     let bones = bones.into_iter().map(BsBoneDesc::to_engine).collect::<Outcome<_>>()?;
     Ok(Skeleton::new(bones)
         .with_density(desc.density)
-        .with_material(desc.surface.on(desc.material.to_engine()?))
-        .with_filter(desc.filter.to_engine())
+        .with_material(desc.surface.with(desc.material)?)
+        .with_filter(desc.filter.on(Filter::default())?)
         .with_friction(desc.friction))
 }
 

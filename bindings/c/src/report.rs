@@ -1,127 +1,60 @@
 //! Reports: counts and times of a step, memory, and which parts of the engine a world needs.
 
-use crate::abi::sized::described;
+use crate::abi::twin::record;
 use crate::abi::values::BsBool;
 use crate::settings::BS_CATEGORIES;
 use backstop::{Category, Feature, MemoryReport, ModelPart, StepReport};
 use std::ffi::{CStr, c_char};
 
-/// Counts and times of a step.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BsStepReport {
-    /// Size of this struct, set by the caller.
-    pub size: u32,
-    /// Time of the whole step [us].
-    pub step_us: f32,
-    /// Time of forces, bounds and pairs [us].
-    pub broad_us: f32,
-    /// Time of manifolds [us].
-    pub narrow_us: f32,
-    /// Time of restitution, and of sorting, colouring and packing rows [us].
-    pub prepare_us: f32,
-    /// Time of substeps [us].
-    pub solve_us: f32,
-    /// Time of poses and the guard [us].
-    pub finish_us: f32,
-    /// Pairs that the broad phase keeps.
-    pub pairs: u32,
-    /// Movers whose box in the tree was renewed.
-    pub moved: u32,
-    /// Movers that were swept along their path.
-    pub swept: u32,
-    /// Manifolds with at least one point.
-    pub manifolds: u32,
-    /// Points that touch.
-    pub real: u32,
-    /// Points that may touch within the step.
-    pub potential: u32,
-    /// Potential manifolds that had to push.
-    pub pushed: u32,
-    /// Potential manifolds that pushed in the previous step without closing their gap.
-    pub ghosts: u32,
-    /// Pairs that kept their manifold without a new narrow phase.
-    pub recycled: u32,
-    /// Fast pairs whose first touch within the step was searched for.
-    pub casts: u32,
-    /// Points that bounced.
-    pub impacts: u32,
-    /// Batches of eight manifolds.
-    pub batches: u32,
-    /// Contacts that found no colour.
-    pub uncoloured: u32,
-    /// Bodies whose path the guard cut.
-    pub cut: u32,
-    /// Bodies that the guard lifted off a surface.
-    pub lifted: u32,
-    /// Bodies that rows pushed off their predicted path and that were led along static geometry.
-    pub settled: u32,
-    /// Trees of joints in which a body counts as heavier than it is.
-    pub weighted_trees: u32,
-    /// Trees of joints that were closed at a loss of energy.
-    pub damped_trees: u32,
-    /// Bodies that had to be stopped, see `bs_world_stopped_bodies`.
-    pub stopped: u32,
-    /// Impacts that were solved one by one at their times.
-    pub struck: u32,
-    /// Bodies that lost the rest of the step after too many of those.
-    pub stood: u32,
-    /// Bodies that are asleep.
-    pub asleep: u32,
-    /// Bodies that fell asleep in the step, or since the one before.
-    pub slept: u32,
-    /// Bodies that woke in the step, or since the one before.
-    pub woke: u32,
-    /// Events beyond the capacity.
-    pub events_lost: u32,
-    /// Points of contacts that were left out because memory was not allowed to grow.
-    pub shed: u32,
-}
-
-described! { BsStepReport, BsStepReport::default(), [
-    size, step_us, broad_us, narrow_us, prepare_us, solve_us, finish_us, pairs, moved, swept, manifolds, real,
-    potential, pushed, ghosts, recycled, casts, impacts, batches, uncoloured, cut, lifted, settled,
-    weighted_trees, damped_trees, stopped, struck, stood, asleep, slept, woke, events_lost, shed,
-] }
-
-impl BsStepReport {
-    pub(crate) fn of_engine(report: &StepReport) -> BsStepReport {
-        BsStepReport {
-            size: size_of::<BsStepReport>() as u32,
-            step_us: report.times.step,
-            broad_us: report.times.broad,
-            narrow_us: report.times.narrow,
-            prepare_us: report.times.prepare,
-            solve_us: report.times.solve,
-            finish_us: report.times.finish,
-            pairs: report.pairs,
-            moved: report.moved,
-            swept: report.swept,
-            manifolds: report.manifolds,
-            real: report.real,
-            potential: report.potential,
-            pushed: report.pushed,
-            ghosts: report.ghosts,
-            recycled: report.recycled,
-            casts: report.casts,
-            impacts: report.impacts,
-            batches: report.batches,
-            uncoloured: report.uncoloured,
-            cut: report.cut,
-            lifted: report.lifted,
-            settled: report.settled,
-            weighted_trees: report.weighted_trees,
-            damped_trees: report.damped_trees,
-            stopped: report.stopped,
-            struck: report.struck,
-            stood: report.stood,
-            asleep: report.asleep,
-            slept: report.slept,
-            woke: report.woke,
-            events_lost: report.events_lost,
-            shed: report.shed,
-        }
+record! {
+    /// Counts and times of a step.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct BsStepReport of report: StepReport {
+        /// Size of this struct, set by the caller.
+        pub size: u32 = size_of::<BsStepReport>() as u32,
+        /// Time of the whole step [us].
+        pub step_us: f32 = report.times.step,
+        /// Time of forces, bounds and pairs [us].
+        pub broad_us: f32 = report.times.broad,
+        /// Time of manifolds [us].
+        pub narrow_us: f32 = report.times.narrow,
+        /// Time of restitution, and of sorting, colouring and packing rows [us].
+        pub prepare_us: f32 = report.times.prepare,
+        /// Time of substeps [us].
+        pub solve_us: f32 = report.times.solve,
+        /// Time of poses and the guard [us].
+        pub finish_us: f32 = report.times.finish,
+        pub pairs: u32,
+        pub moved: u32,
+        pub swept: u32,
+        pub manifolds: u32,
+        pub real: u32,
+        pub potential: u32,
+        pub pushed: u32,
+        pub ghosts: u32,
+        pub recycled: u32,
+        pub casts: u32,
+        pub impacts: u32,
+        pub batches: u32,
+        pub uncoloured: u32,
+        pub cut: u32,
+        pub lifted: u32,
+        pub settled: u32,
+        pub weighted_trees: u32,
+        pub damped_trees: u32,
+        /// Bodies that had to be stopped, see `bs_world_stopped_bodies`.
+        pub stopped: u32,
+        /// Impacts that were solved one by one at their times.
+        pub struck: u32,
+        pub stood: u32,
+        pub asleep: u32,
+        pub slept: u32,
+        pub woke: u32,
+        pub events_lost: u32,
+        pub shed: u32,
     }
+    default BsStepReport::default()
 }
 
 /// What memory is for, one of `BS_CATEGORY_...`: an index into `BsMemoryReport::of` and
@@ -160,21 +93,22 @@ pub struct BsBytes {
     pub peak: u64,
 }
 
-/// Bytes of a world by category. Arrays of events that this interface hands out are not counted.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BsMemoryReport {
-    /// Size of this struct, set by the caller.
-    pub size: u32,
-    /// How many categories there are.
-    pub categories: u32,
-    /// Reserved bytes of all.
-    pub total: u64,
-    /// Bytes by `BS_CATEGORY_...`; zeros beyond those.
-    pub of: [BsBytes; BS_CATEGORIES],
+record! {
+    /// Bytes of a world by category. Arrays of events that this interface hands out are not counted.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct BsMemoryReport {
+        /// Size of this struct, set by the caller.
+        pub size: u32,
+        /// How many categories there are.
+        pub categories: u32,
+        /// Reserved bytes of all.
+        pub total: u64,
+        /// Bytes by `BS_CATEGORY_...`; zeros beyond those.
+        pub of: [BsBytes; BS_CATEGORIES],
+    }
+    default BsMemoryReport::default()
 }
-
-described! { BsMemoryReport, BsMemoryReport::default(), [size, categories, total, of] }
 
 impl BsMemoryReport {
     pub(crate) fn of_engine(report: &MemoryReport) -> BsMemoryReport {

@@ -6,9 +6,10 @@ pub use change::*;
 
 use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, borrow};
-use crate::abi::sized::{described, read};
+use crate::abi::sized::read;
 use crate::abi::status::{BsStatus, Outcome, Refusal};
-use crate::abi::values::{BsBody, BsBool, BsQuat, BsShape, BsVec3, codes};
+use crate::abi::twin::{codes, record};
+use crate::abi::values::{BsBody, BsBool, BsQuat, BsShape, BsVec3};
 use crate::asset::{BsHeightField, BsHull, BsMesh, lend, share};
 use crate::mass::BsMassProperties;
 use crate::world::{BsWorld, changing, reading};
@@ -176,75 +177,47 @@ pub const BS_COMBINE_MAXIMUM: BsCombine = 2;
 /// a b
 pub const BS_COMBINE_MULTIPLY: BsCombine = 3;
 
-codes! { "way to combine coefficients", read_combine, write_combine, Combine {
+codes! { "way to combine coefficients", Combine {
     BS_COMBINE_AVERAGE = Combine::Average,
     BS_COMBINE_MINIMUM = Combine::Minimum,
     BS_COMBINE_MAXIMUM = Combine::Maximum,
     BS_COMBINE_MULTIPLY = Combine::Multiply,
 } }
 
-/// Friction and restitution.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsMaterial {
-    /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
-    pub static_friction: f32,
-    /// Coulomb coefficient while they slide, at least zero. Default 0.6.
-    pub dynamic_friction: f32,
-    /// Share of the approach speed that comes back, 0..=1. Default 0.
-    pub restitution: f32,
-    /// Default average.
-    pub friction_combine: BsCombine,
-    /// Default average.
-    pub restitution_combine: BsCombine,
-    /// Zero.
-    pub reserved: u32,
-}
-
-impl BsMaterial {
-    pub(crate) fn to_engine(self) -> Outcome<Material> {
-        self.on(Material::default())
-    }
-
-    /// A material with this friction and restitution, and all else as it is.
-    fn on(self, material: Material) -> Outcome<Material> {
-        Ok(material
-            .with_static_friction(self.static_friction)
-            .with_dynamic_friction(self.dynamic_friction)
-            .with_restitution(self.restitution)
-            .with_friction_combine(read_combine(self.friction_combine)?)
-            .with_restitution_combine(read_combine(self.restitution_combine)?))
-    }
-
-    pub(crate) fn of_engine(material: Material) -> BsMaterial {
-        BsMaterial {
-            static_friction: material.static_friction,
-            dynamic_friction: material.dynamic_friction,
-            restitution: material.restitution,
-            friction_combine: write_combine(material.friction_combine),
-            restitution_combine: write_combine(material.restitution_combine),
-            reserved: 0,
-        }
+record! {
+    /// Friction and restitution.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsMaterial of material: Material {
+        pub static_friction: f32,
+        pub dynamic_friction: f32,
+        pub restitution: f32,
+        pub friction_combine: BsCombine,
+        pub restitution_combine: BsCombine,
+        /// Zero.
+        pub reserved: u32 = 0,
     }
 }
 
-/// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is none of
-/// them.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BsSurface {
-    /// Lever arm of the load against rolling, at least zero [m].
-    pub rolling_friction: f32,
-    /// Lever arm of the load against spinning, at least zero [m].
-    pub spinning_friction: f32,
-    /// Velocity of the surface on the body, in the frame of the shape [m/s].
-    pub surface_velocity: BsVec3,
-    /// Frequency of the spring with which the surface yields, 0..=1e6 [Hz]; zero for a rigid one.
-    pub contact_hertz: f32,
-    /// Damping ratio of that spring, 0..=100. Without a spring zero stands for the engine's default, 1.
-    pub contact_damping: f32,
-    /// Zero.
-    pub reserved: u32,
+record! {
+    /// What few materials have: friction against rolling and spinning, a belt, and a spring. All zeros is
+    /// none of them.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct BsSurface of material: Material {
+        pub rolling_friction: f32,
+        pub spinning_friction: f32,
+        pub surface_velocity: BsVec3,
+        pub contact_hertz: f32,
+        /// Damping ratio of that spring, 0..=100. Without a spring zero stands for the engine's default, 1.
+        pub contact_damping: f32 = if has_no_spring(material) { 0.0 } else { material.contact_damping },
+        /// Zero.
+        pub reserved: u32 = 0,
+    }
+}
+
+fn has_no_spring(material: &Material) -> bool {
+    material.contact_hertz == 0.0 && material.contact_damping == 1.0
 }
 
 impl BsSurface {
@@ -258,122 +231,85 @@ impl BsSurface {
     };
 
     /// The material with this surface.
-    pub(crate) fn on(self, material: Material) -> Material {
+    pub(crate) fn over(self, material: Material) -> Outcome<Material> {
         let rigid = self.contact_hertz == 0.0 && self.contact_damping == 0.0;
-        material
-            .with_contact_hertz(self.contact_hertz)
-            .with_contact_damping(if rigid { 1.0 } else { self.contact_damping })
-            .with_rolling_friction(self.rolling_friction)
-            .with_spinning_friction(self.spinning_friction)
-            .with_surface_velocity(backstop::glam::Vec3::from(self.surface_velocity))
+        Ok(self.on(material)?.with_contact_damping(if rigid { 1.0 } else { self.contact_damping }))
     }
 
-    pub(crate) fn of_engine(material: Material) -> BsSurface {
-        let rigid = material.contact_hertz == 0.0 && material.contact_damping == 1.0;
-        BsSurface {
-            contact_hertz: material.contact_hertz,
-            contact_damping: if rigid { 0.0 } else { material.contact_damping },
-            rolling_friction: material.rolling_friction,
-            spinning_friction: material.spinning_friction,
-            surface_velocity: material.surface_velocity.into(),
-            reserved: 0,
-        }
+    /// The material of both parts.
+    pub(crate) fn with(self, material: BsMaterial) -> Outcome<Material> {
+        self.over(material.on(Material::default())?)
     }
 }
 
-/// Which shapes collide. Two of the same group that is not zero do if it is positive, and don't if it is
-/// negative; all others if each has a category that the other's mask has.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BsFilter {
-    /// Bits that this shape is. Default: bit 0.
-    pub category: u64,
-    /// Bits that this shape collides with. Default: all.
-    pub mask: u64,
-    /// Default 0.
-    pub group: i32,
-    /// Zero.
-    pub reserved: u32,
-}
-
-impl BsFilter {
-    pub(crate) fn to_engine(self) -> Filter {
-        Filter::default().with_category(self.category).with_mask(self.mask).with_group(self.group)
-    }
-
-    pub(crate) fn of_engine(filter: Filter) -> BsFilter {
-        let Filter { category, mask, group, .. } = filter;
-        BsFilter { category, mask, group, reserved: 0 }
+record! {
+    /// Which shapes collide. Two of the same group that is not zero do if it is positive, and don't if it is
+    /// negative; all others if each has a category that the other's mask has.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct BsFilter of filter: Filter {
+        /// Bits that this shape is. Default: bit 0.
+        pub category: u64,
+        /// Bits that this shape collides with. Default: all.
+        pub mask: u64,
+        /// Default 0.
+        pub group: i32,
+        /// Zero.
+        pub reserved: u32 = 0,
     }
 }
 
 /// Friction 0.6 and no restitution.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_material_default() -> BsMaterial {
-    BsMaterial::of_engine(Material::default())
+    BsMaterial::of_engine(&Material::default())
 }
 
 /// Collides with everything.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_filter_default() -> BsFilter {
-    BsFilter::of_engine(Filter::default())
+    BsFilter::of_engine(&Filter::default())
 }
 
-/// A shape to be put on a body.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsShapeDesc {
-    /// Size of this struct; `bs_shape_desc_default` fills it in.
-    pub size: u32,
-    /// It pushes nothing, and notices what comes into it. Convex or a plane. Default no.
-    pub sensor: BsBool,
-    /// Its contacts are reported as events. Default no.
-    pub events: BsBool,
-    /// As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
-    pub senses_static: BsBool,
-    /// Zero.
-    pub reserved: [u8; 1],
-    /// Its form. Default a ball without radius, which is refused.
-    pub geometry: BsGeometry,
-    /// Where its frame is in the body's [m].
-    pub position: BsVec3,
-    /// How its frame is turned in the body's.
-    pub rotation: BsQuat,
-    /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
-    pub density: f32,
-    /// Friction and restitution.
-    pub material: BsMaterial,
-    /// Which shapes it collides with.
-    pub filter: BsFilter,
-    /// Free for the caller.
-    pub user_data: u64,
-    /// Friction against rolling and spinning, a belt, a spring. Default none.
-    pub surface: BsSurface,
+record! {
+    /// A shape to be put on a body.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsShapeDesc of desc: ShapeDesc {
+        /// Size of this struct; `bs_shape_desc_default` fills it in.
+        pub size: u32 = size_of::<BsShapeDesc>() as u32,
+        /// It pushes nothing, and notices what comes into it. Convex or a plane. Default no.
+        pub sensor: BsBool,
+        /// Its contacts are reported as events. Default no.
+        pub events: BsBool,
+        /// As a sensor it also notices static shapes, and surfaces of meshes and height fields. Default no.
+        pub senses_static: BsBool,
+        /// Zero.
+        pub reserved: [u8; 1] = [0],
+        /// Its form. Default a ball without radius, which is refused.
+        pub geometry: BsGeometry = BsGeometry::of_engine(&desc.geometry),
+        /// Where its frame is in the body's [m].
+        pub position: BsVec3,
+        /// How its frame is turned in the body's.
+        pub rotation: BsQuat,
+        /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
+        pub density: f32,
+        /// Friction and restitution.
+        pub material: BsMaterial = BsMaterial::of_engine(&desc.material),
+        /// Which shapes it collides with.
+        pub filter: BsFilter = BsFilter::of_engine(&desc.filter),
+        /// Free for the caller.
+        pub user_data: u64,
+        /// Friction against rolling and spinning, a belt, a spring. Default none.
+        pub surface: BsSurface = BsSurface::of_engine(&desc.material),
+    }
+    default bs_shape_desc_default(bs_sphere(0.0))
 }
-
-described! { BsShapeDesc, bs_shape_desc_default(bs_sphere(0.0)), [
-    size, sensor, events, senses_static, reserved, geometry, position, rotation, density, material, filter,
-    user_data, surface,
-] }
 
 /// A shape at the body's origin with default material, filter and density.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_shape_desc_default(geometry: BsGeometry) -> BsShapeDesc {
-    BsShapeDesc {
-        size: size_of::<BsShapeDesc>() as u32,
-        sensor: 0,
-        events: 0,
-        senses_static: 0,
-        reserved: [0; 1],
-        geometry,
-        position: BsVec3::default(),
-        rotation: BsQuat::IDENTITY,
-        density: 1000.0,
-        material: bs_material_default(),
-        filter: bs_filter_default(),
-        user_data: 0,
-        surface: BsSurface::NONE,
-    }
+    BsShapeDesc { geometry, ..BsShapeDesc::of_engine(&ShapeDesc::new(Geometry::sphere(0.0))) }
 }
 
 impl BsShapeDesc {
@@ -382,16 +318,9 @@ impl BsShapeDesc {
     pub(crate) unsafe fn to_engine(self) -> Outcome<ShapeDesc> {
         // SAFETY: as this function.
         let mut desc = ShapeDesc::new(unsafe { self.geometry.to_engine() }?);
-        desc.position = self.position.into();
-        desc.rotation = self.rotation.into();
-        desc.density = self.density;
-        desc.material = self.surface.on(self.material.to_engine()?);
-        desc.filter = self.filter.to_engine();
-        desc.sensor = self.sensor != 0;
-        desc.events = self.events != 0;
-        desc.senses_static = self.senses_static != 0;
-        desc.user_data = self.user_data;
-        Ok(desc)
+        desc.material = self.surface.with(self.material)?;
+        desc.filter = self.filter.on(desc.filter)?;
+        self.on(desc)
     }
 }
 
@@ -466,7 +395,7 @@ pub unsafe extern "C" fn bs_shape_material(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Out::new("the place for the material", material)?) };
-        out.set(BsMaterial::of_engine(content.material(shape.into())?));
+        out.set(BsMaterial::of_engine(&content.material(shape.into())?));
         Ok(())
     })
 }
@@ -494,7 +423,7 @@ pub unsafe extern "C" fn bs_shape_set_filter(
     filter: BsFilter,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.set_filter(shape.into(), filter.to_engine())?))
+    call(|| Ok(unsafe { changing(world) }?.set_filter(shape.into(), filter.on(Filter::default())?)?))
 }
 
 /// Sets whether contacts of a shape are reported as events.

@@ -1,6 +1,6 @@
 //! The layout of every struct is pinned: what a program was built with is what a later library finds. The
-//! numbers are those that gcc gave for the header on x86-64; tests/layout.c has them again, for the C
-//! compiler to check.
+//! numbers are those that gcc gave for the header on x86-64; tests/layout.awk hands them to the C compiler,
+//! which checks them too.
 
 #![cfg(target_pointer_width = "64")]
 

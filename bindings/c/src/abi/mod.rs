@@ -6,4 +6,5 @@ pub(crate) mod lock;
 pub(crate) mod pointers;
 pub(crate) mod sized;
 pub(crate) mod status;
+pub(crate) mod twin;
 pub(crate) mod values;

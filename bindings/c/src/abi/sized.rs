@@ -38,7 +38,7 @@ pub(crate) const fn has_no_gaps(starts: &[usize], ends: &[usize], size: usize) -
     at == size
 }
 
-/// Implements `Described` for a type by the list of its fields.
+/// Implements `Described` for a type by the list of its fields; [`record`](super::twin::record) has the list.
 macro_rules! described {
     ($name:ident, $defaults:expr, [$($field:ident),* $(,)?]) => {
         // SAFETY: all of these types are `repr(C)`, of numbers, pointers and optional functions; the ends are

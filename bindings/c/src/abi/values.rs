@@ -204,25 +204,3 @@ impl From<Quat> for BsQuat {
         BsQuat { x: q.x, y: q.y, z: q.z, w: q.w }
     }
 }
-
-/// Conversions between constants of the interface and an enumeration of the engine.
-macro_rules! codes {
-    ($what:literal, $read:ident, $write:ident, $type:ty { $($code:ident = $variant:path),* $(,)? }) => {
-        pub(crate) fn $read(value: u32) -> $crate::abi::status::Outcome<$type> {
-            match value {
-                $($code => Ok($variant),)*
-                _ => Err($crate::abi::status::Refusal::Constant { what: $what, value }),
-            }
-        }
-
-        pub(crate) fn $write(value: $type) -> u32 {
-            match value {
-                $($variant => $code,)*
-                // What has no constant yet: no call takes it back.
-                #[allow(unreachable_patterns, reason = "not every enumeration may grow")]
-                _ => u32::MAX,
-            }
-        }
-    };
-}
-pub(crate) use codes;

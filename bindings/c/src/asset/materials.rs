@@ -23,7 +23,7 @@ unsafe fn table(
         // SAFETY: as this function.
         false => unsafe { slice("the surfaces", surfaces, count) }?.to_vec(),
     };
-    materials.iter().zip(surfaces).map(|(&material, surface)| Ok(surface.on(material.to_engine()?))).collect()
+    materials.iter().zip(surfaces).map(|(&material, surface)| surface.with(material)).collect()
 }
 
 /// A mesh as by `bs_mesh_create`, with materials of its own: for each triangle zero for the material of the
@@ -144,10 +144,10 @@ unsafe fn tell_material<A: Asset>(
         let none = Refusal::Constant { what: "material of it", value: number.into() };
         let found = *usize::from(number).checked_sub(1).and_then(|at| table(&of).get(at)).ok_or(none)?;
         if let Some(out) = material {
-            out.set(BsMaterial::of_engine(found));
+            out.set(BsMaterial::of_engine(&found));
         }
         if let Some(out) = surface {
-            out.set(BsSurface::of_engine(found));
+            out.set(BsSurface::of_engine(&found));
         }
         Ok(())
     })

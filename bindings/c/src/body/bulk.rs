@@ -2,8 +2,9 @@
 
 use crate::abi::guard::call;
 use crate::abi::pointers::slice;
-use crate::abi::sized::{described, read};
+use crate::abi::sized::read;
 use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::twin::record;
 use crate::abi::values::BsBody;
 use crate::world::{BsWorld, Content, reading};
 use backstop::{BodyHandle, Error};
@@ -17,38 +18,36 @@ pub const BS_POSITIONS_F64: BsPositionType = 0;
 /// Three `float`s: relative to the world's origin [m].
 pub const BS_POSITIONS_F32: BsPositionType = 1;
 
-/// Where poses and velocities of many bodies go: four columns, each with the bytes from one body to the next.
-/// A column that is null is left out. Buffers need no alignment; a stride may not be shorter than what is
-/// written, and zero is exactly that.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsColumns {
-    /// Size of this struct; `bs_columns_default` fills it in.
-    pub size: u32,
-    /// What positions are written as. Default `BS_POSITIONS_F64`.
-    pub position_type: BsPositionType,
-    /// Positions of origins: three numbers each.
-    pub positions: *mut c_void,
-    /// Rotations: four `float`s each, x, y, z, w.
-    pub rotations: *mut c_void,
-    /// Linear velocities: three `float`s each [m/s].
-    pub linear_velocities: *mut c_void,
-    /// Angular velocities: three `float`s each [rad/s].
-    pub angular_velocities: *mut c_void,
-    /// Bytes from one to the next.
-    pub position_stride: u32,
-    /// Bytes from one to the next.
-    pub rotation_stride: u32,
-    /// Bytes from one to the next.
-    pub linear_stride: u32,
-    /// Bytes from one to the next.
-    pub angular_stride: u32,
+record! {
+    /// Where poses and velocities of many bodies go: four columns, each with the bytes from one body to the
+    /// next. A column that is null is left out. Buffers need no alignment; a stride may not be shorter than
+    /// what is written, and zero is exactly that.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsColumns {
+        /// Size of this struct; `bs_columns_default` fills it in.
+        pub size: u32,
+        /// What positions are written as. Default `BS_POSITIONS_F64`.
+        pub position_type: BsPositionType,
+        /// Positions of origins: three numbers each.
+        pub positions: *mut c_void,
+        /// Rotations: four `float`s each, x, y, z, w.
+        pub rotations: *mut c_void,
+        /// Linear velocities: three `float`s each [m/s].
+        pub linear_velocities: *mut c_void,
+        /// Angular velocities: three `float`s each [rad/s].
+        pub angular_velocities: *mut c_void,
+        /// Bytes from one to the next.
+        pub position_stride: u32,
+        /// Bytes from one to the next.
+        pub rotation_stride: u32,
+        /// Bytes from one to the next.
+        pub linear_stride: u32,
+        /// Bytes from one to the next.
+        pub angular_stride: u32,
+    }
+    default bs_columns_default()
 }
-
-described! { BsColumns, bs_columns_default(), [
-    size, position_type, positions, rotations, linear_velocities, angular_velocities, position_stride,
-    rotation_stride, linear_stride, angular_stride,
-] }
 
 /// No columns.
 #[unsafe(no_mangle)]

@@ -1,18 +1,19 @@
 //! Traits and motion of a body, read and changed one by one.
 
-use super::desc::{BsAxes, BsBodyKind, axes, read_cap, read_kind};
+use super::desc::{BsAxes, BsBodyKind};
 use crate::abi::guard::call;
 use crate::abi::status::BsStatus;
+use crate::abi::twin::Twin;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsVec3};
 use crate::mass::BsMassProperties;
-use crate::settings::{BsContinuous, BsRowGroup, write_continuous, write_place};
+use crate::settings::{BsContinuous, BsRowGroup};
 use crate::world::{BsWorld, change, changing, get, get_two};
 
 /// Makes a body static, kinematic or dynamic; it keeps its handle, pose, shapes and joints.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_body_set_kind(world: *mut BsWorld, body: BsBody, kind: BsBodyKind) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.set_kind(body.into(), read_kind(kind)?)?))
+    call(|| Ok(unsafe { changing(world) }?.set_kind(body.into(), Twin::read(kind)?)?))
 }
 
 /// Sets the caller's number of a body.
@@ -85,8 +86,11 @@ pub unsafe extern "C" fn bs_body_set_max_speeds(
     linear: f32,
     angular: f32,
 ) -> BsStatus {
-    // SAFETY: the caller keeps to the header.
-    unsafe { change(world, |w| w.set_max_speeds(body.into(), read_cap(linear), read_cap(angular))) }
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut content = unsafe { changing(world) }?;
+        Ok(content.set_max_speeds(body.into(), Twin::read(linear)?, Twin::read(angular)?)?)
+    })
 }
 
 fn bits(axes: [bool; 3]) -> BsAxes {
@@ -121,7 +125,7 @@ pub unsafe extern "C" fn bs_body_set_locks(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let mut content = unsafe { changing(world) }?;
-        Ok(content.set_locks(body.into(), axes(translation)?, axes(rotation)?)?)
+        Ok(content.set_locks(body.into(), Twin::read(translation)?, Twin::read(rotation)?)?)
     })
 }
 
@@ -133,9 +137,7 @@ pub unsafe extern "C" fn bs_body_continuous(
     mode: *mut BsContinuous,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe {
-        get(world, "the place for the mode", mode, |w| Ok(write_continuous(w.continuous(body.into())?)))
-    }
+    unsafe { get(world, "the place for the mode", mode, |w| Ok(Twin::write(&w.continuous(body.into())?))) }
 }
 
 /// The group after which the rows of a body are solved, or `BS_ROWS_NONE`.
@@ -146,7 +148,9 @@ pub unsafe extern "C" fn bs_body_solved_after(
     group: *mut BsRowGroup,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe { get(world, "the place for the group", group, |w| Ok(write_place(w.solved_after(body.into())?))) }
+    unsafe {
+        get(world, "the place for the group", group, |w| Ok(Twin::write(&w.solved_after(body.into())?)))
+    }
 }
 
 /// Whether a body may fall asleep.

@@ -1,12 +1,11 @@
 //! What a joint limits, drives and bears, read and changed one by one.
 
-use super::desc::{
-    BsDriveDesc, BsFrame, BsJointAxes, BsLimitDesc, BsMotion, read_axes, read_axis, read_motion,
-};
+use super::desc::{BsDriveDesc, BsFrame, BsJointAxes, BsLimitDesc, BsMotion};
 use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, slice};
 use crate::abi::sized::read;
 use crate::abi::status::BsStatus;
+use crate::abi::twin::Twin;
 use crate::abi::values::{BsBool, BsJoint, BsVec3};
 use crate::world::{BsWorld, change, changing, get, get_two, reading};
 use backstop::JointEvent;
@@ -39,7 +38,7 @@ pub unsafe extern "C" fn bs_joint_remove_drive(
         // SAFETY: the caller keeps to the header.
         let (mut content, out) =
             unsafe { (changing(world)?, Out::optional("the place for the answer", removed)?) };
-        let had = content.remove_joint_drive(joint.into(), read_motion(motion)?, read_axis(axis)?)?;
+        let had = content.remove_joint_drive(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?;
         if let Some(out) = out {
             out.set(had.into());
         }
@@ -61,7 +60,7 @@ pub unsafe extern "C" fn bs_joint_set_target(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let mut content = unsafe { changing(world) }?;
-        let (motion, axis) = (read_motion(motion)?, read_axis(axis)?);
+        let (motion, axis) = (Twin::read(motion)?, Twin::read(axis)?);
         Ok(content.set_joint_target(joint.into(), motion, axis, position, velocity)?)
     })
 }
@@ -94,7 +93,7 @@ pub unsafe extern "C" fn bs_joint_remove_limit(
         // SAFETY: the caller keeps to the header.
         let (mut content, out) =
             unsafe { (changing(world)?, Out::optional("the place for the answer", removed)?) };
-        let had = content.remove_joint_limit(joint.into(), read_motion(motion)?, read_axes(axes)?)?;
+        let had = content.remove_joint_limit(joint.into(), Twin::read(motion)?, Twin::read(axes)?)?;
         if let Some(out) = out {
             out.set(had.into());
         }
@@ -115,7 +114,7 @@ pub unsafe extern "C" fn bs_joint_limits(
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Buffer::new("limits", limits, capacity, count)?) };
         let found: Vec<_> = content.joint_limits(joint.into())?.collect();
-        out.fill(found.into_iter().map(BsLimitDesc::of_engine))
+        out.fill(found.iter().map(BsLimitDesc::of_engine))
     })
 }
 
@@ -132,7 +131,7 @@ pub unsafe extern "C" fn bs_joint_drives(
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Buffer::new("drives", drives, capacity, count)?) };
         let found: Vec<_> = content.joint_drives(joint.into())?.collect();
-        out.fill(found.into_iter().map(BsDriveDesc::of_engine))
+        out.fill(found.iter().map(BsDriveDesc::of_engine))
     })
 }
 
@@ -148,7 +147,7 @@ pub unsafe extern "C" fn bs_joint_displacement(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get(world, "the place for the displacement", displacement, |w| {
-            Ok(w.joint_displacement(joint.into(), read_motion(motion)?, read_axes(axes)?)?)
+            Ok(w.joint_displacement(joint.into(), Twin::read(motion)?, Twin::read(axes)?)?)
         })
     }
 }
@@ -165,7 +164,7 @@ pub unsafe extern "C" fn bs_joint_speed(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get(world, "the place for the speed", speed, |w| {
-            Ok(w.joint_speed(joint.into(), read_motion(motion)?, read_axis(axis)?)?)
+            Ok(w.joint_speed(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?)
         })
     }
 }

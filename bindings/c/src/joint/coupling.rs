@@ -1,11 +1,12 @@
 //! Couplings: gears, racks, screws and pulleys out of two motions of joints.
 
 use super::desc::{BS_AXES_ALL, BS_AXIS_X, BS_MOTION_ANGULAR, BS_MOTION_LINEAR};
-use super::desc::{BsJointAxes, BsMotion, read_axes, read_motion, write_axes, write_motion};
+use super::desc::{BsJointAxes, BsMotion};
 use crate::abi::guard::{call, value_or};
 use crate::abi::pointers::Out;
-use crate::abi::sized::{described, read, write};
+use crate::abi::sized::{read, write};
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::{Twin, record};
 use crate::abi::values::{BsBool, BsCoupling, BsJoint};
 use crate::world::{BsWorld, change, changing, get, get_all, get_two, reading};
 use backstop::{CoupledMotion, CouplingDesc};
@@ -25,32 +26,31 @@ pub struct BsCoupledMotion {
     pub factor: f64,
 }
 
-/// A coupling to be added: the sum of two motions, each times its factor, is kept at a value or within a
-/// range.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsCouplingDesc {
-    /// Size of this struct; the functions that make one fill it in.
-    pub size: u32,
-    /// Whether the sum is kept within `min` and `max`, and not at what it is when the coupling is added.
-    pub has_range: BsBool,
-    /// Zero.
-    pub reserved: [u8; 3],
-    /// The two motions.
-    pub motions: [BsCoupledMotion; 2],
-    /// Least sum; minus infinity for none.
-    pub min: f64,
-    /// Greatest sum; infinity for none.
-    pub max: f64,
-    /// The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
-    pub strength: [f32; 2],
-    /// Free for the caller.
-    pub user_data: u64,
+record! {
+    /// A coupling to be added: the sum of two motions, each times its factor, is kept at a value or within a
+    /// range.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsCouplingDesc {
+        /// Size of this struct; the functions that make one fill it in.
+        pub size: u32,
+        /// Whether the sum is kept within `min` and `max`, and not at what it is when the coupling is added.
+        pub has_range: BsBool,
+        /// Zero.
+        pub reserved: [u8; 3],
+        /// The two motions.
+        pub motions: [BsCoupledMotion; 2],
+        /// Least sum; minus infinity for none.
+        pub min: f64,
+        /// Greatest sum; infinity for none.
+        pub max: f64,
+        /// The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
+        pub strength: [f32; 2],
+        /// Free for the caller.
+        pub user_data: u64,
+    }
+    default bs_coupling_desc_default(NO_MOTION, NO_MOTION)
 }
-
-described! { BsCouplingDesc, bs_coupling_desc_default(NO_MOTION, NO_MOTION), [
-    size, has_range, reserved, motions, min, max, strength, user_data,
-] }
 
 const NO_MOTION: BsCoupledMotion =
     BsCoupledMotion { joint: BsJoint::NONE, motion: BS_MOTION_ANGULAR, axes: BS_AXIS_X, factor: 1.0 };
@@ -124,8 +124,8 @@ impl BsCouplingDesc {
     fn of_engine(desc: &CouplingDesc) -> BsCouplingDesc {
         let one = |of: &CoupledMotion| BsCoupledMotion {
             joint: of.joint.into(),
-            motion: write_motion(of.motion),
-            axes: write_axes(of.axes),
+            motion: Twin::write(&of.motion),
+            axes: Twin::write(&of.axes),
             factor: of.factor,
         };
         let [first, second] = &desc.motions;
@@ -143,8 +143,8 @@ impl BsCouplingDesc {
     fn to_engine(self) -> Outcome<CouplingDesc> {
         let one = |of: BsCoupledMotion| -> Outcome<CoupledMotion> {
             let mut motion = CoupledMotion::distance(of.joint.into(), of.factor);
-            motion.motion = read_motion(of.motion)?;
-            motion.axes = read_axes(of.axes)?;
+            motion.motion = Twin::read(of.motion)?;
+            motion.axes = Twin::read(of.axes)?;
             Ok(motion)
         };
         let desc = CouplingDesc::new([one(self.motions[0])?, one(self.motions[1])?])

@@ -1,9 +1,10 @@
 //! What a joint is made of: limits, drives, frames.
 
-use crate::abi::sized::{described, read_all};
+use crate::abi::sized::read_all;
 use crate::abi::status::{Outcome, Refusal};
+use crate::abi::twin::{Twin, codes, record};
 use crate::abi::values::{BsBody, BsBool, BsQuat, BsVec3};
-use crate::settings::{BS_ROWS_NONE, BsRowGroup, read_place};
+use crate::settings::BsRowGroup;
 use backstop::{Axes, Axis, BodyHandle, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use std::ptr::null;
 
@@ -32,40 +33,33 @@ pub const BS_AROUND_Z: BsJointAxes = 5;
 /// The distance of the two frames [m], or the angle of the whole rotation between them [rad].
 pub const BS_AXES_ALL: BsJointAxes = 6;
 
-pub(super) fn read_motion(value: BsMotion) -> Outcome<Motion> {
-    match value {
-        BS_MOTION_LINEAR => Ok(Motion::Linear),
-        BS_MOTION_ANGULAR => Ok(Motion::Angular),
-        _ => Err(Refusal::Constant { what: "motion", value }),
+codes! { "motion", Motion {
+    BS_MOTION_LINEAR = Motion::Linear,
+    BS_MOTION_ANGULAR = Motion::Angular,
+} }
+
+codes! { "axis of a joint", Axis {
+    BS_AXIS_X = Axis::X,
+    BS_AXIS_Y = Axis::Y,
+    BS_AXIS_Z = Axis::Z,
+} }
+
+impl Twin<Axes> for BsJointAxes {
+    fn read(self) -> Outcome<Axes> {
+        match self {
+            BS_AXIS_X..=BS_AXIS_Z => Twin::read(self).map(Axes::One),
+            BS_AROUND_X..=BS_AROUND_Z => Twin::read(self - BS_AROUND_X).map(Axes::Around),
+            BS_AXES_ALL => Ok(Axes::All),
+            value => Err(Refusal::Constant { what: "set of axes of a joint", value }),
+        }
     }
-}
 
-pub(super) fn read_axis(value: BsJointAxes) -> Outcome<Axis> {
-    let none = Refusal::Constant { what: "axis of a joint", value };
-    Axis::ALL.get(value as usize).copied().ok_or(none)
-}
-
-pub(super) fn read_axes(value: BsJointAxes) -> Outcome<Axes> {
-    match value {
-        BS_AXIS_X..=BS_AXIS_Z => read_axis(value).map(Axes::One),
-        BS_AROUND_X..=BS_AROUND_Z => read_axis(value - BS_AROUND_X).map(Axes::Around),
-        BS_AXES_ALL => Ok(Axes::All),
-        _ => Err(Refusal::Constant { what: "set of axes of a joint", value }),
-    }
-}
-
-pub(super) fn write_motion(motion: Motion) -> BsMotion {
-    match motion {
-        Motion::Linear => BS_MOTION_LINEAR,
-        Motion::Angular => BS_MOTION_ANGULAR,
-    }
-}
-
-pub(super) fn write_axes(axes: Axes) -> BsJointAxes {
-    match axes {
-        Axes::One(axis) => axis as u32,
-        Axes::Around(axis) => BS_AROUND_X + axis as u32,
-        Axes::All => BS_AXES_ALL,
+    fn write(axes: &Axes) -> BsJointAxes {
+        match axes {
+            Axes::One(axis) => *axis as u32,
+            Axes::Around(axis) => BS_AROUND_X + *axis as u32,
+            Axes::All => BS_AXES_ALL,
+        }
     }
 }
 
@@ -96,19 +90,14 @@ pub struct BsSpring {
 impl BsSpring {
     const NONE: BsSpring = BsSpring { kind: BS_SPRING_NONE, stiffness: 0.0, damping: 0.0 };
 
-    fn of_engine(spring: Option<Spring>) -> BsSpring {
-        let (kind, stiffness, damping) = match spring {
-            None => return BsSpring::NONE,
-            Some(Spring::Coefficients { stiffness, damping }) => (BS_SPRING_COEFFICIENTS, stiffness, damping),
-            Some(Spring::Frequency { hertz, ratio }) => (BS_SPRING_FREQUENCY, hertz, ratio),
-            Some(Spring::Acceleration { stiffness, damping }) => (BS_SPRING_ACCELERATION, stiffness, damping),
-            // A kind without a constant yet: no call takes it back.
-            Some(_) => (u32::MAX, 0.0, 0.0),
-        };
-        BsSpring { kind, stiffness, damping }
+    pub(crate) fn needed(self) -> Outcome<Spring> {
+        let none = Refusal::Constant { what: "kind of spring of a drive", value: self.kind };
+        Twin::<Option<Spring>>::read(self)?.ok_or(none)
     }
+}
 
-    fn to_engine(self) -> Outcome<Option<Spring>> {
+impl Twin<Option<Spring>> for BsSpring {
+    fn read(self) -> Outcome<Option<Spring>> {
         let BsSpring { kind, stiffness, damping } = self;
         Ok(match kind {
             BS_SPRING_NONE => None,
@@ -119,33 +108,50 @@ impl BsSpring {
         })
     }
 
-    pub(crate) fn needed(self) -> Outcome<Spring> {
-        let none = Refusal::Constant { what: "kind of spring of a drive", value: self.kind };
-        self.to_engine()?.ok_or(none)
+    fn write(spring: &Option<Spring>) -> BsSpring {
+        let (kind, stiffness, damping) = match *spring {
+            None => return BsSpring::NONE,
+            Some(Spring::Coefficients { stiffness, damping }) => (BS_SPRING_COEFFICIENTS, stiffness, damping),
+            Some(Spring::Frequency { hertz, ratio }) => (BS_SPRING_FREQUENCY, hertz, ratio),
+            Some(Spring::Acceleration { stiffness, damping }) => (BS_SPRING_ACCELERATION, stiffness, damping),
+            // A kind without a constant yet: no call takes it back.
+            Some(_) => (u32::MAX, 0.0, 0.0),
+        };
+        BsSpring { kind, stiffness, damping }
     }
 }
 
-/// Keeps a displacement within a range. A range of no width locks.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsLimitDesc {
-    /// Size of this struct; `bs_limit_desc` fills it in.
-    pub size: u32,
-    /// Sliding or turning.
-    pub motion: BsMotion,
-    /// Along or about which axes.
-    pub axes: BsJointAxes,
-    /// Least allowed [m] or [rad]; minus infinity for none.
-    pub min: f32,
-    /// Most allowed, not below `min`; infinity for none.
-    pub max: f32,
-    /// What pushes back beyond the range. Default none: rigid.
-    pub spring: BsSpring,
+/// Of a drive, which must have one.
+impl Twin<Spring> for BsSpring {
+    fn read(self) -> Outcome<Spring> {
+        self.needed()
+    }
+
+    fn write(spring: &Spring) -> BsSpring {
+        Twin::write(&Some(*spring))
+    }
 }
 
-described! { BsLimitDesc, bs_limit_desc(BS_MOTION_LINEAR, BS_AXES_ALL, 0.0, 0.0), [
-    size, motion, axes, min, max, spring,
-] }
+record! {
+    /// Keeps a displacement within a range. A range of no width locks.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsLimitDesc of limit: Limit {
+        /// Size of this struct; `bs_limit_desc` fills it in.
+        pub size: u32 = size_of::<BsLimitDesc>() as u32,
+        /// Sliding or turning.
+        pub motion: BsMotion,
+        /// Along or about which axes.
+        pub axes: BsJointAxes,
+        /// Least allowed [m] or [rad]; minus infinity for none.
+        pub min: f32,
+        /// Most allowed, not below `min`; infinity for none.
+        pub max: f32,
+        /// What pushes back beyond the range. Default none: rigid.
+        pub spring: BsSpring,
+    }
+    default bs_limit_desc(BS_MOTION_LINEAR, BS_AXES_ALL, 0.0, 0.0)
+}
 
 /// A rigid limit.
 #[unsafe(no_mangle)]
@@ -154,29 +160,28 @@ pub extern "C" fn bs_limit_desc(motion: BsMotion, axes: BsJointAxes, min: f32, m
     BsLimitDesc { size, motion, axes, min, max, spring: BsSpring::NONE }
 }
 
-/// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsDriveDesc {
-    /// Size of this struct; `bs_motor_desc` and others fill it in.
-    pub size: u32,
-    /// Sliding or turning.
-    pub motion: BsMotion,
-    /// `BS_AXIS_X`, `BS_AXIS_Y` or `BS_AXIS_Z`.
-    pub axis: BsJointAxes,
-    /// [m] or [rad]
-    pub position: f32,
-    /// [m/s] or [rad/s]
-    pub velocity: f32,
-    /// How hard it pulls.
-    pub spring: BsSpring,
-    /// The most force [N] or torque [N m]; infinity for no bound.
-    pub max_force: f32,
+record! {
+    /// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsDriveDesc of drive: Drive {
+        /// Size of this struct; `bs_motor_desc` and others fill it in.
+        pub size: u32 = size_of::<BsDriveDesc>() as u32,
+        /// Sliding or turning.
+        pub motion: BsMotion,
+        /// `BS_AXIS_X`, `BS_AXIS_Y` or `BS_AXIS_Z`.
+        pub axis: BsJointAxes,
+        /// [m] or [rad]
+        pub position: f32,
+        /// [m/s] or [rad/s]
+        pub velocity: f32,
+        /// How hard it pulls.
+        pub spring: BsSpring,
+        /// The most force [N] or torque [N m]; infinity for no bound.
+        pub max_force: f32,
+    }
+    default bs_motor_desc(BS_MOTION_ANGULAR, BS_AXIS_X, 0.0, 0.0)
 }
-
-described! { BsDriveDesc, bs_motor_desc(BS_MOTION_ANGULAR, BS_AXIS_X, 0.0, 0.0), [
-    size, motion, axis, position, velocity, spring, max_force,
-] }
 
 /// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m]; friction at speed zero.
 #[unsafe(no_mangle)]
@@ -204,40 +209,14 @@ pub extern "C" fn bs_spring_desc(
 }
 
 impl BsLimitDesc {
-    pub(super) fn of_engine(limit: Limit) -> BsLimitDesc {
-        let axes = write_axes(limit.axes);
-        let desc = bs_limit_desc(write_motion(limit.motion), axes, limit.min, limit.max);
-        BsLimitDesc { spring: BsSpring::of_engine(limit.spring), ..desc }
-    }
-
     pub(super) fn to_engine(self) -> Outcome<Limit> {
-        let (motion, axes) = (read_motion(self.motion)?, read_axes(self.axes)?);
-        Ok(Limit { motion, axes, min: self.min, max: self.max, spring: self.spring.to_engine()? })
+        self.on(Limit::new(Motion::Linear, Axes::All, 0.0, 0.0))
     }
 }
 
 impl BsDriveDesc {
-    pub(super) fn of_engine(drive: Drive) -> BsDriveDesc {
-        BsDriveDesc {
-            size: size_of::<BsDriveDesc>() as u32,
-            motion: write_motion(drive.motion),
-            axis: drive.axis as u32,
-            position: drive.position,
-            velocity: drive.velocity,
-            spring: BsSpring::of_engine(Some(drive.spring)),
-            max_force: drive.max_force,
-        }
-    }
-
     pub(super) fn to_engine(self) -> Outcome<Drive> {
-        Ok(Drive {
-            motion: read_motion(self.motion)?,
-            axis: read_axis(self.axis)?,
-            position: self.position,
-            velocity: self.velocity,
-            spring: self.spring.needed()?,
-            max_force: self.max_force,
-        })
+        self.on(Drive::motor(Motion::Linear, Axis::X, 0.0, 0.0))
     }
 }
 
@@ -270,8 +249,6 @@ pub struct BsFrame {
 }
 
 impl BsFrame {
-    const NONE: BsFrame = BsFrame { position: BsVec3 { x: 0.0, y: 0.0, z: 0.0 }, rotation: BsQuat::IDENTITY };
-
     pub(super) fn of_engine(frame: Frame) -> BsFrame {
         BsFrame { position: frame.position.into(), rotation: frame.rotation.into() }
     }
@@ -281,80 +258,58 @@ impl BsFrame {
     }
 }
 
-/// A joint to be added. The relative motion is that of the second frame as seen from the first.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsJointDesc {
-    /// Size of this struct; `bs_joint_desc_default` fills it in.
-    pub size: u32,
-    /// What it locks.
-    pub kind: BsJointKind,
-    /// The two bodies, at least one of them dynamic.
-    pub bodies: [BsBody; 2],
-    /// Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
-    pub frames: [BsFrame; 2],
-    /// Distance joints: the least distance [m].
-    pub range_min: f32,
-    /// Distance joints: the greatest distance; wheels: the travel [m].
-    pub range_max: f32,
-    /// Wheels alone.
-    pub spring: BsSpring,
-    /// The joint breaks above this force [N]. Default infinity.
-    pub break_force: f32,
-    /// The joint breaks above this torque [N m]. Default infinity.
-    pub break_torque: f32,
-    /// Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
-    pub solved_after: BsRowGroup,
-    /// Whether the two bodies collide with each other. Default no.
-    pub collide: BsBool,
-    /// Zero.
-    pub reserved: [u8; 7],
-    /// What is kept within a range, beside what the kind locks. Each has the size that the first says.
-    pub limits: *const BsLimitDesc,
-    /// Number of limits.
-    pub limit_count: usize,
-    /// What is driven.
-    pub drives: *const BsDriveDesc,
-    /// Number of drives.
-    pub drive_count: usize,
-    /// Free for the caller.
-    pub user_data: u64,
-    /// Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
-    pub force_threshold: f32,
-    /// The same of its torque [N m]. Default infinity.
-    pub torque_threshold: f32,
+record! {
+    /// A joint to be added. The relative motion is that of the second frame as seen from the first.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsJointDesc of desc: JointDesc {
+        /// Size of this struct; `bs_joint_desc_default` fills it in.
+        pub size: u32 = size_of::<BsJointDesc>() as u32,
+        /// What it locks.
+        pub kind: BsJointKind = BS_JOINT_FREE,
+        /// The two bodies, at least one of them dynamic.
+        pub bodies: [BsBody; 2] = desc.bodies.map(Into::into),
+        /// Where the joint sits on each; `bs_joint_frames_at` makes them from a point of the world.
+        pub frames: [BsFrame; 2] = desc.frames.map(BsFrame::of_engine),
+        /// Distance joints: the least distance [m].
+        pub range_min: f32 = 0.0,
+        /// Distance joints: the greatest distance; wheels: the travel [m].
+        pub range_max: f32 = 0.0,
+        /// Wheels alone.
+        pub spring: BsSpring = BsSpring::NONE,
+        /// The joint breaks above this force [N]. Default infinity.
+        pub break_force: f32,
+        /// The joint breaks above this torque [N m]. Default infinity.
+        pub break_torque: f32,
+        /// Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
+        pub solved_after: BsRowGroup,
+        /// Whether the two bodies collide with each other. Default no.
+        pub collide: BsBool,
+        /// Zero.
+        pub reserved: [u8; 7] = [0; 7],
+        /// What is kept within a range, beside what the kind locks. Each has the size that the first says.
+        pub limits: *const BsLimitDesc = null(),
+        /// Number of limits.
+        pub limit_count: usize = 0,
+        /// What is driven.
+        pub drives: *const BsDriveDesc = null(),
+        /// Number of drives.
+        pub drive_count: usize = 0,
+        /// Free for the caller.
+        pub user_data: u64,
+        /// Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
+        pub force_threshold: f32,
+        /// The same of its torque [N m]. Default infinity.
+        pub torque_threshold: f32,
+    }
+    default bs_joint_desc_default(BS_JOINT_FREE, BsBody::NONE, BsBody::NONE)
 }
-
-described! { BsJointDesc, bs_joint_desc_default(BS_JOINT_FREE, BsBody::NONE, BsBody::NONE), [
-    size, kind, bodies, frames, range_min, range_max, spring, break_force, break_torque, solved_after,
-    collide, reserved, limits, limit_count, drives, drive_count, user_data,
-    force_threshold, torque_threshold,
-] }
 
 /// A joint of a kind between the origins of two bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_joint_desc_default(kind: BsJointKind, a: BsBody, b: BsBody) -> BsJointDesc {
-    BsJointDesc {
-        size: size_of::<BsJointDesc>() as u32,
-        kind,
-        bodies: [a, b],
-        frames: [BsFrame::NONE; 2],
-        range_min: 0.0,
-        range_max: 0.0,
-        spring: BsSpring::NONE,
-        break_force: f32::INFINITY,
-        break_torque: f32::INFINITY,
-        solved_after: BS_ROWS_NONE,
-        collide: 0,
-        reserved: [0; 7],
-        limits: null(),
-        limit_count: 0,
-        drives: null(),
-        drive_count: 0,
-        user_data: 0,
-        force_threshold: f32::INFINITY,
-        torque_threshold: f32::INFINITY,
-    }
+    let desc = JointDesc::new([a, b].map(Into::into), [Frame::default(); 2]);
+    BsJointDesc { kind, ..BsJointDesc::of_engine(&desc) }
 }
 
 impl BsJointDesc {
@@ -382,11 +337,6 @@ impl BsJointDesc {
         for drive in drives {
             desc.drives.push(drive.to_engine()?);
         }
-        (desc.break_force, desc.break_torque) = (self.break_force, self.break_torque);
-        desc.solved_after = read_place(self.solved_after)?;
-        desc.collide = self.collide != 0;
-        desc.user_data = self.user_data;
-        (desc.force_threshold, desc.torque_threshold) = (self.force_threshold, self.torque_threshold);
-        Ok(desc)
+        self.on(desc)
     }
 }

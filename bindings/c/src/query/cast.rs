@@ -3,8 +3,9 @@
 use super::{BsHit, BsQueryFilter, ask, ask_all, geometry};
 use crate::abi::guard::call;
 use crate::abi::pointers::Out;
-use crate::abi::sized::{described, read};
+use crate::abi::sized::read;
 use crate::abi::status::{BsStatus, Outcome};
+use crate::abi::twin::record;
 use crate::abi::values::{BsBool, BsDVec3, BsPose, BsQuat, BsVec3};
 use crate::shape::BsGeometry;
 use crate::world::BsWorld;
@@ -12,30 +13,29 @@ use backstop::glam::Quat;
 use backstop::{Geometry, ShapeCast};
 use std::ptr::null;
 
-/// A convex shape that moves and turns.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsShapeCast {
-    /// Size of this struct; `bs_shape_cast_default` fills it in.
-    pub size: u32,
-    /// Path of its pivot [m].
-    pub path: BsVec3,
-    /// Where its origin is at the start, and how it is turned.
-    pub pose: BsPose,
-    /// By how much it turns on the way: a rotation vector in the world [rad]. Default zero.
-    pub spin: BsVec3,
-    /// The point that follows the path, in the shape's frame [m]. Default its origin.
-    pub pivot: BsVec3,
-    /// The shape.
-    pub shape: *const BsGeometry,
+record! {
+    /// A convex shape that moves and turns.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsShapeCast {
+        /// Size of this struct; `bs_shape_cast_default` fills it in.
+        pub size: u32,
+        /// Path of its pivot [m].
+        pub path: BsVec3,
+        /// Where its origin is at the start, and how it is turned.
+        pub pose: BsPose,
+        /// By how much it turns on the way: a rotation vector in the world [rad]. Default zero.
+        pub spin: BsVec3,
+        /// The point that follows the path, in the shape's frame [m]. Default its origin.
+        pub pivot: BsVec3,
+        /// The shape.
+        pub shape: *const BsGeometry,
+    }
+    default bs_shape_cast_default(null(), ORIGIN, ZERO)
 }
 
 const ZERO: BsVec3 = BsVec3 { x: 0.0, y: 0.0, z: 0.0 };
 const ORIGIN: BsPose = BsPose { position: BsDVec3 { x: 0.0, y: 0.0, z: 0.0 }, rotation: BsQuat::IDENTITY };
-
-described! { BsShapeCast, bs_shape_cast_default(null(), ORIGIN, ZERO), [
-    size, path, pose, spin, pivot, shape,
-] }
 
 /// A shape that moves from a pose along a path [m] and does not turn.
 #[unsafe(no_mangle)]

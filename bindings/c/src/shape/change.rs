@@ -23,7 +23,7 @@ pub unsafe extern "C" fn bs_shape_filter(
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     unsafe {
-        get(world, "the place for the filter", filter, |w| Ok(BsFilter::of_engine(w.filter(shape.into())?)))
+        get(world, "the place for the filter", filter, |w| Ok(BsFilter::of_engine(&w.filter(shape.into())?)))
     }
 }
 
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn bs_shape_surface(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get(world, "the place for the surface", surface, |w| {
-            Ok(BsSurface::of_engine(w.material(shape.into())?))
+            Ok(BsSurface::of_engine(&w.material(shape.into())?))
         })
     }
 }
@@ -109,8 +109,12 @@ pub unsafe extern "C" fn bs_shape_set_surface(
     shape: BsShape,
     surface: BsSurface,
 ) -> BsStatus {
-    // SAFETY: the caller keeps to the header.
-    unsafe { change(world, |w| w.set_material(shape.into(), surface.on(w.material(shape.into())?))) }
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let mut content = unsafe { changing(world) }?;
+        let material = surface.over(content.material(shape.into())?)?;
+        Ok(content.set_material(shape.into(), material)?)
+    })
 }
 
 /// Replaces the form of a shape. Mass follows if it is that of the shapes.

@@ -4,8 +4,9 @@ use super::{BsSnapshot, writing};
 use crate::abi::guard::{call, value_or};
 use crate::abi::lock::{Changing, Reading, Shared};
 use crate::abi::pointers::{Buffer, Out, borrow, slice};
-use crate::abi::sized::{described, read_or_default, write};
+use crate::abi::sized::{read_or_default, write};
 use crate::abi::status::{BsStatus, Outcome, Refusal};
+use crate::abi::twin::record;
 use crate::abi::values::{BsBody, BsBool};
 use crate::world::{BsWorld, changing, get, reading};
 use backstop::LoadLimits;
@@ -130,62 +131,40 @@ fn stage_code(stage: Stage) -> BsStage {
     }
 }
 
-/// How a replay is played, and what a recording may ask for at most.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BsReplayOptions {
-    /// Size of this struct; `bs_replay_options_default` fills it in.
-    pub size: u32,
-    /// Threads to step with, 0 for as many as were recorded: their number does not matter to the bits.
-    /// Default 0.
-    pub threads: u32,
-    /// Substeps, 0 for as many as were recorded: others diverge. Default 0.
-    pub substeps: u32,
-    /// Iterations, 0 for as many as were recorded: others diverge. Default 0.
-    pub iterations: u32,
-    /// Bytes of one block. Default 1 GiB.
-    pub bytes: u64,
-    /// Vertices. Default 10 million.
-    pub vertices: u64,
-    /// Triangles, two for a cell of a height field. Default 10 million.
-    pub triangles: u64,
-    /// Bodies at a time. Default 1 million.
-    pub bodies: u64,
-    /// Joints and couplings at a time. Default 1 million.
-    pub joints: u64,
-    /// Bytes of the geometry, and of the world. Default 1 GiB.
-    pub memory: u64,
+record! {
+    /// How a replay is played, and what a recording may ask for at most.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct BsReplayOptions of limits: LoadLimits {
+        /// Size of this struct; `bs_replay_options_default` fills it in.
+        pub size: u32 = size_of::<BsReplayOptions>() as u32,
+        /// Threads to step with, 0 for as many as were recorded: their number does not matter to the bits.
+        /// Default 0.
+        pub threads: u32 = 0,
+        /// Substeps, 0 for as many as were recorded: others diverge. Default 0.
+        pub substeps: u32 = 0,
+        /// Iterations, 0 for as many as were recorded: others diverge. Default 0.
+        pub iterations: u32 = 0,
+        /// Bytes of one block. Default 1 GiB.
+        pub bytes: u64,
+        /// Vertices. Default 10 million.
+        pub vertices: u64,
+        /// Triangles, two for a cell of a height field. Default 10 million.
+        pub triangles: u64,
+        /// Bodies at a time. Default 1 million.
+        pub bodies: u64,
+        /// Joints and couplings at a time. Default 1 million.
+        pub joints: u64,
+        /// Bytes of the geometry, and of the world. Default 1 GiB.
+        pub memory: u64,
+    }
+    default bs_replay_options_default()
 }
-
-described! { BsReplayOptions, bs_replay_options_default(), [
-    size, threads, substeps, iterations, bytes, vertices, triangles, bodies, joints, memory,
-] }
 
 /// As it was recorded, within generous limits.
 #[unsafe(no_mangle)]
 pub extern "C" fn bs_replay_options_default() -> BsReplayOptions {
-    let limits = LoadLimits::default();
-    BsReplayOptions {
-        size: size_of::<BsReplayOptions>() as u32,
-        threads: 0,
-        substeps: 0,
-        iterations: 0,
-        bytes: limits.bytes,
-        vertices: limits.vertices,
-        triangles: limits.triangles,
-        bodies: limits.bodies,
-        joints: limits.joints,
-        memory: limits.memory,
-    }
-}
-
-impl BsReplayOptions {
-    fn limits(&self) -> LoadLimits {
-        let mut limits = LoadLimits::default();
-        (limits.bytes, limits.vertices, limits.triangles) = (self.bytes, self.vertices, self.triangles);
-        (limits.bodies, limits.joints, limits.memory) = (self.bodies, self.joints, self.memory);
-        limits
-    }
+    BsReplayOptions::of_engine(&LoadLimits::default())
 }
 
 /// What came of a step of a replay, one of `BS_REPLAY_...`.
@@ -197,31 +176,31 @@ pub const BS_REPLAY_DIVERGED: BsReplayProgress = 1;
 /// There is no further step: all of them were the same.
 pub const BS_REPLAY_END: BsReplayProgress = 2;
 
-/// The first difference between a replay and its recording.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsDivergence {
-    /// Size of this struct, set by the caller.
-    pub size: u32,
-    /// The first stage with a different result.
-    pub stage: BsStage,
-    /// Which step, from 1; for a refused call, the step after it. Zero: no divergence, and all else is zero.
-    pub step: u64,
-    /// The first body that differs; all zeros if none shows it.
-    pub body: BsBody,
-    /// The caller's number of that body.
-    pub user_data: u64,
-    /// How many bodies differ after the step.
-    pub bodies: u64,
-    /// `bs_world_hash` after the step as recorded.
-    pub recorded_hash: u64,
-    /// The same as replayed.
-    pub replayed_hash: u64,
+record! {
+    /// The first difference between a replay and its recording.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct BsDivergence {
+        /// Size of this struct, set by the caller.
+        pub size: u32,
+        /// The first stage with a different result.
+        pub stage: BsStage,
+        /// Which step, from 1; for a refused call, the step after it. Zero: no divergence, and all else is
+        /// zero.
+        pub step: u64,
+        /// The first body that differs; all zeros if none shows it.
+        pub body: BsBody,
+        /// The caller's number of that body.
+        pub user_data: u64,
+        /// How many bodies differ after the step.
+        pub bodies: u64,
+        /// `bs_world_hash` after the step as recorded.
+        pub recorded_hash: u64,
+        /// The same as replayed.
+        pub replayed_hash: u64,
+    }
+    default BsDivergence::default()
 }
-
-described! { BsDivergence, BsDivergence::default(), [
-    size, stage, step, body, user_data, bodies, recorded_hash, replayed_hash,
-] }
 
 impl Default for BsDivergence {
     fn default() -> BsDivergence {
@@ -329,7 +308,8 @@ pub unsafe extern "C" fn bs_replay_create(
                 settings.iterations = options.iterations;
             }
         };
-        let replay = Replay::open_limited(Cursor::new(bytes.to_vec()), &options.limits(), change)?;
+        let replay =
+            Replay::open_limited(Cursor::new(bytes.to_vec()), &options.on(LoadLimits::default())?, change)?;
         let engine = words(replay.engine());
         let player = Player { replay, diverged: None, words: CString::default(), engine };
         out.set(Box::into_raw(Box::new(BsReplay { player: Shared::new(player) })));
