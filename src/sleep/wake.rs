@@ -18,7 +18,7 @@ impl Islands<'_> {
         if self.sleep.count() == 0 {
             return false;
         }
-        let mut waking = self.to_wake();
+        let mut waking = self.islands_to_wake();
         let asleep = self.bodies.asleep();
         for pair in &self.broad.pairs {
             let [a, b] = [pair.a, pair.b].map(|c| self.colliders.summaries[c as usize].body as usize);
@@ -93,7 +93,7 @@ impl Islands<'_> {
         if self.bodies.sleepers() == 0 {
             return index;
         }
-        let mut waking = self.to_wake();
+        let mut waking = self.islands_to_wake();
         let summaries = &self.colliders.summaries;
         let own = |c: u32| summaries[c as usize].body as usize == index;
         let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[summaries[c as usize].body as usize]);
@@ -114,7 +114,7 @@ impl Islands<'_> {
         if self.bodies.sleepers() == 0 {
             return;
         }
-        let mut waking = self.to_wake();
+        let mut waking = self.islands_to_wake();
         for i in self.bodies.asleep() {
             let pose = &self.bodies.pose[i];
             let meets = self.bodies.colliders[i].as_slice().iter().any(|&c| {
@@ -131,14 +131,14 @@ impl Islands<'_> {
 
     /// Wakes all bodies.
     pub(crate) fn wake_all(&mut self) {
-        let mut waking = self.to_wake();
+        let mut waking = self.islands_to_wake();
         let islands = self.bodies.asleep().filter_map(|i| self.sleep.island_of(self.bodies.slot[i]));
         islands.for_each(|island| Sleep::note(&mut waking, island));
         self.wake_all_of(waking);
     }
 
     /// An empty list of islands, for [`Islands::wake_all_of`].
-    fn to_wake(&mut self) -> Vec<u32> {
+    fn islands_to_wake(&mut self) -> Vec<u32> {
         let mut waking = std::mem::take(&mut self.sleep.waking);
         waking.clear();
         waking

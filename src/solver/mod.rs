@@ -154,7 +154,10 @@ pub(crate) fn solve(workers: &Workers<'_>, input: SolverInput<'_>) -> bool {
         impulses: input.impulses,
         witness: input.witness.map(|witness| witness as &mut dyn Witness),
     };
-    let in_range = (0..settings.substeps).fold(true, |in_range, substep| substeps.run(substep) && in_range);
+    let mut in_range = true;
+    for substep in 0..settings.substeps {
+        in_range &= substeps.run(substep);
+    }
     integrator.mark_relaxed();
     substeps.release_standing_bodies();
     joints.nets = nets;

@@ -162,11 +162,11 @@ fn no_path_slips_through_shared_edges_and_vertices() {
             };
             let direction = (through - from).normalize();
             let to = through + direction * random.range(0.01, 100.0);
-            assert!(Ground::Mesh(&mesh).segment_hit(from, to).is_some(), "{from} {to} through {through}");
+            assert!(Ground::Mesh(mesh).segment_hit(from, to).is_some(), "{from} {to} through {through}");
             // And in two steps that meet somewhere near the surface.
             let middle = through + random.cube() * 1e-6 * random.below(3) as f32;
             let two =
-                Ground::Mesh(&mesh).segment_hit(from, middle).or(Ground::Mesh(&mesh).segment_hit(middle, to));
+                Ground::Mesh(mesh).segment_hit(from, middle).or(Ground::Mesh(mesh).segment_hit(middle, to));
             assert!(two.is_some(), "{from} {middle} {to}");
         }
     }
