@@ -126,3 +126,42 @@ macro_rules! fields {
     };
 }
 pub(crate) use fields;
+
+#[cfg(test)]
+mod tests {
+    use super::Field;
+    use crate::{Material, Settings, StepReport};
+
+    fn named<'a>(fields: &'a [Field], name: &str) -> &'a Field {
+        fields.iter().find(|field| field.name == name).unwrap()
+    }
+
+    #[test]
+    fn a_field_says_unit_range_and_default() {
+        let field = named(Material::FIELDS, "rolling_friction");
+        assert_eq!(
+            (field.unit(), field.range, field.default),
+            (Some("m"), Some("in 0..=1e6 m"), Some("0.0"))
+        );
+        // Its first bracket is a link.
+        assert_eq!(named(Settings::FIELDS, "contact_hertz").unit(), Some("Hz"));
+        assert_eq!(named(StepReport::FIELDS, "stopped").unit(), None);
+    }
+
+    /// The pages have each setting, and each part of a material that glTF has no name for, with its unit.
+    #[test]
+    fn no_field_is_missing_in_the_pages() {
+        let page = include_str!("../../docs/json.md");
+        for field in Settings::FIELDS {
+            let unit = field.unit().map_or(String::new(), |unit| format!(" [{unit}]"));
+            assert!(page.contains(&format!("`{}`{unit}", field.name)), "docs/json.md lacks {}", field.name);
+        }
+        let page = include_str!("../../docs/levels.md");
+        for field in &Material::FIELDS[5..] {
+            let mut words = field.name.split('_');
+            let first = words.next().unwrap_or_default().to_owned();
+            let name = words.fold(first, |all, word| all + &word[..1].to_uppercase() + &word[1..]);
+            assert!(page.contains(&format!("`{name}`")), "docs/levels.md lacks {name}");
+        }
+    }
+}

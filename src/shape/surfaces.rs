@@ -54,10 +54,23 @@ impl Surfaces {
     pub(crate) fn words(this: &Option<Box<Surfaces>>) -> impl Iterator<Item = u32> + '_ {
         this.iter().flat_map(|this| {
             let numbers = |m: &Material| {
-                let how = [m.friction_combine as u32, m.restitution_combine as u32];
-                let of_contacts = [m.static_friction, m.dynamic_friction, m.restitution];
-                let rare = [m.rolling_friction, m.spinning_friction, m.contact_hertz, m.contact_damping];
-                let numbers = of_contacts.into_iter().chain(rare).chain(m.surface_velocity.to_array());
+                // No field is left out by `..`: whoever adds one says here where it stands.
+                let &Material {
+                    static_friction,
+                    dynamic_friction,
+                    restitution,
+                    friction_combine,
+                    restitution_combine,
+                    rolling_friction,
+                    spinning_friction,
+                    surface_velocity,
+                    contact_hertz,
+                    contact_damping,
+                } = m;
+                let how = [friction_combine as u32, restitution_combine as u32];
+                let of_contacts = [static_friction, dynamic_friction, restitution];
+                let rare = [rolling_friction, spinning_friction, contact_hertz, contact_damping];
+                let numbers = of_contacts.into_iter().chain(rare).chain(surface_velocity.to_array());
                 how.into_iter().chain(numbers.map(f32::to_bits)).collect::<Vec<u32>>()
             };
             this.parts.iter().map(|&part| part.into()).chain(this.table.iter().flat_map(numbers))

@@ -1,8 +1,8 @@
 //! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it; and what they have no names
 //! for, in the object `backstop` of their `extras`.
 
-use serde::Deserialize;
 use serde::de::{DeserializeOwned, Deserializer, Error};
+use serde::{Deserialize, Serialize};
 
 pub(crate) const RIGID_BODIES: &str = "KHR_physics_rigid_bodies";
 pub(crate) const SHAPES: &str = "KHR_implicit_shapes";
@@ -137,25 +137,36 @@ pub(super) struct Material {
     pub(super) extras: MaterialExtras,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(default, rename_all = "camelCase", deny_unknown_fields)]
-pub(super) struct MaterialExtras {
-    pub(super) rolling_friction: f32,
-    pub(super) spinning_friction: f32,
-    pub(super) surface_velocity: [f32; 3],
-    pub(super) contact_hertz: f32,
-    pub(super) contact_damping: f32,
+/// As a file has it.
+type Vec3 = [f32; 3];
+
+macro_rules! extras {
+    (base { $($base:tt)+ } rare { $(
+        $(#[doc = $doc:literal])+
+        $with:ident($field:ident: $kind:ty $(, $into:ident)?) = $default:expr
+            $(, $what:literal $ends:tt $range:literal)?;
+    )+ }) => {
+        /// What few materials have, and the extension has no names for: the engine's own list.
+        #[derive(Debug, Deserialize, Serialize)]
+        #[serde(default, rename_all = "camelCase", deny_unknown_fields)]
+        pub(crate) struct MaterialExtras { $($field: $kind),+ }
+
+        impl MaterialExtras {
+            pub(crate) fn of(material: &backstop::Material) -> Self {
+                MaterialExtras { $($field: material.$field.into()),+ }
+            }
+
+            pub(super) fn on(&self, material: backstop::Material) -> backstop::Material {
+                material$(.$with(self.$field))+
+            }
+        }
+    };
 }
+backstop::material_fields!(extras);
 
 impl Default for MaterialExtras {
     fn default() -> Self {
-        MaterialExtras {
-            rolling_friction: 0.0,
-            spinning_friction: 0.0,
-            surface_velocity: [0.0; 3],
-            contact_hertz: 0.0,
-            contact_damping: 1.0,
-        }
+        MaterialExtras::of(&backstop::Material::default())
     }
 }
 

@@ -362,17 +362,13 @@ fn material(m: &extension::Material, notes: &mut Vec<String>) -> Material {
     if m.restitution > 1.0 {
         notes.push(format!("a restitution of {} is taken as 1", m.restitution));
     }
-    Material::default()
+    let material = Material::default()
         .with_static_friction(m.static_friction)
         .with_dynamic_friction(m.dynamic_friction)
         .with_restitution(m.restitution.min(1.0))
-        .with_rolling_friction(m.extras.rolling_friction)
-        .with_spinning_friction(m.extras.spinning_friction)
-        .with_surface_velocity(m.extras.surface_velocity)
-        .with_contact_hertz(m.extras.contact_hertz)
-        .with_contact_damping(m.extras.contact_damping)
         .with_friction_combine(combine(m.friction_combine))
-        .with_restitution_combine(combine(m.restitution_combine))
+        .with_restitution_combine(combine(m.restitution_combine));
+    m.extras.on(material)
 }
 
 /// One of our extensions' objects.

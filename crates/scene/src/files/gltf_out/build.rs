@@ -7,7 +7,7 @@
 
 use super::document::Document;
 use super::visual;
-use crate::files::gltf_in::extension::{OWN, RIGID_BODIES, SHAPES};
+use crate::files::gltf_in::extension::{MaterialExtras, OWN, RIGID_BODIES, SHAPES};
 use crate::{Scene, SceneBody};
 use backstop::{BodyDesc, BodyKind};
 use backstop::{Combine, Filter, Geometry, GeometryKey, MassProperties, Material, ShapeDesc};
@@ -301,20 +301,9 @@ fn material(m: &Material) -> Value {
         "frictionCombine": combine(m.friction_combine),
         "restitutionCombine": combine(m.restitution_combine),
     });
-    let mut extras = json!({});
-    let numbers = [
-        ("rollingFriction", m.rolling_friction, 0.0),
-        ("spinningFriction", m.spinning_friction, 0.0),
-        ("contactHertz", m.contact_hertz, 0.0),
-        ("contactDamping", m.contact_damping, 1.0),
-    ];
-    for (name, value, default) in numbers {
-        if value != default {
-            extras[name] = json!(value);
-        }
-    }
-    if m.surface_velocity != Vec3::ZERO {
-        extras["surfaceVelocity"] = json!(m.surface_velocity.to_array());
+    let [mut extras, plain] = [m, &Material::default()].map(|m| json!(MaterialExtras::of(m)));
+    if let Some(fields) = extras.as_object_mut() {
+        fields.retain(|name, value| plain[name.as_str()] != *value);
     }
     add_extras(&mut out, extras);
     out
