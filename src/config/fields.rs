@@ -130,6 +130,7 @@ pub(crate) use fields;
 #[cfg(test)]
 mod tests {
     use super::Field;
+    use crate::shape::RareMaterial;
     use crate::{Material, Settings, StepReport};
 
     fn named<'a>(fields: &'a [Field], name: &str) -> &'a Field {
@@ -157,8 +158,8 @@ mod tests {
             assert!(page.contains(&format!("`{}`{unit}", field.name)), "docs/json.md lacks {}", field.name);
         }
         let page = include_str!("../../docs/levels.md");
-        for field in &Material::FIELDS[5..] {
-            let mut words = field.name.split('_');
+        for name in RareMaterial::NAMES {
+            let mut words = name.split('_');
             let first = words.next().unwrap_or_default().to_owned();
             let name = words.fold(first, |all, word| all + &word[..1].to_uppercase() + &word[1..]);
             assert!(page.contains(&format!("`{name}`")), "docs/levels.md lacks {name}");

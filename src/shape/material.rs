@@ -113,6 +113,11 @@ macro_rules! part {
         }
 
         impl $of {
+            /// The names of its fields.
+            #[cfg(test)]
+            #[allow(dead_code, reason = "one of the two parts is asked")]
+            pub(crate) const NAMES: &[&str] = &[$(stringify!($field)),+];
+
             fn put(self, to: &mut Material) {
                 $(to.$field = self.$field;)+
             }

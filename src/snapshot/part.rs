@@ -430,36 +430,45 @@ fn read_collider(
         let all = [Combine::Average, Combine::Minimum, Combine::Maximum, Combine::Multiply];
         all.into_iter().find(|&how| how as u32 == code).ok_or_else(|| broken("a material"))
     };
-    let mut material = Material {
+    let base = BaseMaterial {
         static_friction,
         dynamic_friction,
         restitution,
         friction_combine: combine(code >> 8 & 15)?,
         restitution_combine: combine(code >> 12 & 15)?,
-        ..Material::default()
     };
     within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
     let [category, mask]: [u64; 2] = from.record::<_, 4>()?;
     let filter = Filter { category, mask, group: from.one()? as i32 };
     let user_data = from.long()?;
-    if flags & ROLLS != 0 {
-        [material.rolling_friction, material.spinning_friction] = from.finite::<[f32; 2], 2>()?;
+    let mut rare = RareMaterial::default();
+    {
+        // No field is left out by `..`: whoever adds one reads it here.
+        let RareMaterial {
+            rolling_friction,
+            spinning_friction,
+            surface_velocity,
+            contact_hertz,
+            contact_damping,
+        } = &mut rare;
+        if flags & ROLLS != 0 {
+            [*rolling_friction, *spinning_friction] = from.finite::<[f32; 2], 2>()?;
+        }
+        if flags & BELT != 0 {
+            *surface_velocity = from.finite::<Vec3, 3>()?;
+        }
+        if flags & (SOFT | IDLE_DAMPING) != 0 {
+            [*contact_hertz, *contact_damping] = from.finite::<[f32; 2], 2>()?;
+        }
     }
-    if flags & BELT != 0 {
-        material.surface_velocity = from.finite::<Vec3, 3>()?;
-    }
-    if flags & (SOFT | IDLE_DAMPING) != 0 {
-        [material.contact_hertz, material.contact_damping] = from.finite::<[f32; 2], 2>()?;
-    }
-    material.validate()?;
-    let rare = material.rare();
+    Material::of(base, rare).validate()?;
     if rare.flags() | geometry.rare_flags() != flags & RARE {
         return Err(broken("a material"));
     }
     let collider = Collider {
         position,
         rotation,
-        material: material.base(),
+        material: base,
         filter,
         density,
         flags,
