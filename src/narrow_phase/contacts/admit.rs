@@ -83,7 +83,7 @@ impl RowCost {
 struct Load {
     contacts: u32,
     points: u32,
-    rows: [u32; 2],
+    rows: [usize; 2],
 }
 
 /// Contacts by weight; those that stay whatever they weigh come last.
@@ -100,14 +100,13 @@ impl Census {
         load.contacts += 1;
         load.points += kind.room as u32;
         for (rows, points) in load.rows.iter_mut().zip([kind.points, kind.needed]) {
-            *rows += cost.of(kind, points) as u32;
+            *rows += cost.of(kind, points);
         }
     }
 
     /// Contacts from a weight on, and the bytes of their rows.
     fn from(&self, weight: Weight) -> (ContactCount, usize) {
-        let sum =
-            |(count, rows), load: &Load| (count + load.part(load.contacts), rows + load.rows[0] as usize);
+        let sum = |(count, rows), load: &Load| (count + load.part(load.contacts), rows + load.rows[0]);
         self.0[weight.index()..].iter().fold((ContactCount::default(), 0), sum)
     }
 
@@ -137,7 +136,7 @@ impl Census {
         if which == 1 {
             // What is left is for points that are not needed.
             for (index, load) in self.0.iter().enumerate().rev() {
-                let more = (load.rows[0] - load.rows[1]) as usize;
+                let more = load.rows[0] - load.rows[1];
                 if !hold(count, rows + more) {
                     break;
                 }
@@ -150,14 +149,14 @@ impl Census {
 }
 
 /// The share of some contacts in what all of them take, if they are alike.
-fn share(of: u32, contacts: u32, all: u32) -> usize {
-    (of as usize * contacts as usize).div_ceil(all.max(1) as usize)
+fn share(of: usize, contacts: u32, all: u32) -> usize {
+    (of * contacts as usize).div_ceil(all.max(1) as usize)
 }
 
 impl Load {
     /// So many of its contacts, if they are alike.
     fn part(&self, contacts: u32) -> ContactCount {
-        let points = share(self.points, contacts, self.contacts);
+        let points = share(self.points as usize, contacts, self.contacts);
         ContactCount { contacts: contacts as usize, points }
     }
 }
