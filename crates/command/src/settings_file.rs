@@ -41,22 +41,30 @@ pub(crate) struct SettingsFile {
 
 impl SettingsFile {
     pub(crate) fn read(path: &Path) -> anyhow::Result<SettingsFile> {
-        let about = || format!("can't read settings from {}", path.display());
-        let text = files::read_text(path, LARGEST).with_context(about)?;
-        SettingsFile::parse(&text).with_context(about)
+        SettingsFile::with(Some(path), &[])
     }
 
-    fn parse(text: &str) -> anyhow::Result<SettingsFile> {
-        let Value::Object(mut fields) = serde_json::from_str(text).context("it is no JSON")? else {
-            bail!("it is no JSON object");
-        };
+    /// A file, if there is one, and settings that count more.
+    pub(crate) fn with(path: Option<&Path>, set: &[(String, Value)]) -> anyhow::Result<SettingsFile> {
+        let mut fields = Map::new();
+        if let Some(path) = path {
+            let about = || format!("can't read settings from {}", path.display());
+            let text = files::read_text(path, LARGEST).with_context(about)?;
+            fields = object_of(&text).with_context(about)?;
+            SettingsFile::of(fields.clone()).with_context(about)?;
+        }
+        fields.extend(set.iter().cloned());
+        SettingsFile::of(fields)
+    }
+
+    fn of(mut fields: Map<String, Value>) -> anyhow::Result<SettingsFile> {
         let dt = fields.remove("dt").map(|dt| seconds(&dt)).transpose()?;
         let solver = fields.remove("solver").map(|name| method(&name)).transpose()?;
         // This field is for human readers.
         fields.remove("about");
-        let known = object(&Settings::default())?;
-        if let Some(name) = fields.keys().find(|name| !known.contains_key(*name)) {
-            bail!("there is no setting \"{name}\"");
+        let known = || Settings::FIELDS.iter().map(|field| field.name);
+        if let Some(name) = fields.keys().find(|name| !known().any(|known| known == *name)) {
+            bail!("there is no setting \"{name}\"; there are {}", known().collect::<Vec<_>>().join(", "));
         }
         let has_gravity = fields.contains_key("gravity");
         for (name, value) in &fields {
@@ -78,6 +86,13 @@ fn seconds(dt: &Value) -> anyhow::Result<f32> {
 fn method(name: &Value) -> anyhow::Result<WorldMethod> {
     let known = name.as_str().and_then(WorldMethod::by_name);
     known.with_context(|| format!("\"solver\" can't be {name}: it must be the name of a method of the lab"))
+}
+
+fn object_of(text: &str) -> anyhow::Result<Map<String, Value>> {
+    match serde_json::from_str(text).context("it is no JSON")? {
+        Value::Object(fields) => Ok(fields),
+        _ => bail!("it is no JSON object"),
+    }
 }
 
 fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
@@ -131,10 +146,28 @@ mod tests {
             .with_threads(7);
         let text =
             serde_json::to_string(&fields(120, &settings, WorldMethod::by_name("admm")).unwrap()).unwrap();
-        let file = SettingsFile::parse(&text).unwrap();
+        let file = SettingsFile::of(object_of(&text).unwrap()).unwrap();
         assert_eq!((file.dt, file.has_gravity), (Some(1.0 / 120.0), false));
         assert_eq!(file.solver.map(|solver| solver.name()), Some("admm"));
         assert_eq!(file.world, settings.with_threads(1));
+    }
+
+    /// Each field of the settings can be set by its name, and what is set counts more than a file.
+    #[test]
+    fn any_setting_is_set_by_its_name() {
+        let usual = object(&Settings::default()).unwrap();
+        for field in Settings::FIELDS {
+            let text = match &usual[field.name] {
+                Value::String(name) => format!("{}={name}", field.name),
+                value => format!("{}={value}", field.name),
+            };
+            let set = args::setting(&text).unwrap();
+            assert_eq!(SettingsFile::with(None, &[set]).unwrap().world, Settings::default(), "{text}");
+        }
+        let set = ["slop=0.1", "friction_model=point", "dt=1/30"].map(|text| args::setting(text).unwrap());
+        let file = SettingsFile::with(None, &set).unwrap();
+        let expected = Settings::default().with_slop(0.1).with_friction_model(FrictionModel::Point);
+        assert_eq!((file.world, file.dt), (expected, Some(1.0 / 30.0)));
     }
 
     #[test]
@@ -150,7 +183,7 @@ mod tests {
             (r#"{"dt": 2}"#, "\"dt\" can't be 2"),
             (r#"{"dt": "1/0"}"#, "\"dt\" can't be \"1/0\""),
         ] {
-            let error = format!("{:#}", SettingsFile::parse(text).unwrap_err());
+            let error = format!("{:#}", object_of(text).and_then(SettingsFile::of).unwrap_err());
             assert!(error.contains(reason), "{text}: {error}");
         }
     }

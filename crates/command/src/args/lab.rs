@@ -33,7 +33,7 @@ pub(crate) struct StabilityOptions {
     #[arg(long, value_name = "N")]
     pub(crate) iterations: Option<u32>,
     /// Where friction acts: patch or point [default: patch, of the set both].
-    #[arg(long, value_name = "MODEL", value_parser = friction_model)]
+    #[arg(long, value_name = "MODEL", value_parser = named::<FrictionModel>)]
     pub(crate) friction_model: Option<FrictionModel>,
     /// Metres of a unit of the structure, and the world's length unit.
     #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
@@ -162,7 +162,7 @@ pub(crate) struct TossOptions {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) iterations: u32,
     /// Where friction acts: patch or point.
-    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = friction_model)]
+    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = named::<FrictionModel>)]
     pub(crate) friction_model: FrictionModel,
     /// Coefficient of friction of cube and plate.
     #[arg(long, value_name = "MU", default_value_t = 0.18)]
@@ -200,7 +200,7 @@ pub(crate) struct CaseOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub(crate) iterations: Option<u32>,
     /// Where friction acts: patch or point.
-    #[arg(long, value_name = "MODEL", value_parser = friction_model)]
+    #[arg(long, value_name = "MODEL", value_parser = named::<FrictionModel>)]
     pub(crate) friction_model: Option<FrictionModel>,
     /// Runs at once [default: one per core].
     #[arg(long, value_name = "N", value_parser = threads)]
@@ -238,7 +238,7 @@ pub(crate) struct SimbenchOptions {
     #[arg(long, value_name = "N")]
     pub(crate) iterations: Option<u32>,
     /// Bounds of friction: cone or box.
-    #[arg(long, value_name = "SHAPE", default_value = "cone", value_parser = friction_cone)]
+    #[arg(long, value_name = "SHAPE", default_value = "cone", value_parser = named::<FrictionCone>)]
     pub(crate) friction: FrictionCone,
     /// Simulated time [default: as SimBenchmark has it: 4, 20, 10 and 600 s].
     #[arg(long, value_name = "S", value_parser = positive)]

@@ -16,6 +16,7 @@ use backstop::glam::{DVec3, Vec3};
 use backstop::{Continuous, ContinuousMethod, LoadLimits};
 use backstop_lab::WorldMethod;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// Rigid-body physics with continuous collision in one pass.
@@ -126,6 +127,9 @@ pub(crate) struct RunOptions {
     /// (docs/trade.md).
     #[arg(long, value_name = "FILE")]
     pub(crate) settings: Option<PathBuf>,
+    /// Any setting by its name, as docs/json.md lists them; counts more than a file, less than an option.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    pub(crate) set: Vec<(String, Value)>,
     /// Length of a step in seconds: a number or a fraction [default: 1/60].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub(crate) dt: Option<f32>,
@@ -140,11 +144,11 @@ pub(crate) struct RunOptions {
     pub(crate) iterations: Option<u32>,
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume
     /// [default: segment].
-    #[arg(long, value_name = "MODE", value_parser = continuous)]
+    #[arg(long, value_name = "MODE", value_parser = named::<Continuous>)]
     pub(crate) continuous: Option<Continuous>,
     /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
     /// (docs/continuous.md) [default: one-pass].
-    #[arg(long, value_name = "NAME", value_parser = method)]
+    #[arg(long, value_name = "NAME", value_parser = named::<ContinuousMethod>)]
     pub(crate) method: Option<ContinuousMethod>,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
@@ -215,7 +219,7 @@ pub(crate) struct PlanOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) steps: Option<u32>,
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
-    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<Continuous>)]
     pub(crate) continuous: Continuous,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
@@ -281,11 +285,11 @@ pub(crate) struct ProfileOptions {
     #[arg(long, value_name = "N")]
     pub(crate) iterations: Option<u32>,
     /// What is compared with discrete: segment or volume.
-    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<Continuous>)]
     pub(crate) continuous: Continuous,
     /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
     /// (docs/continuous.md).
-    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
+    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = named::<ContinuousMethod>)]
     pub(crate) method: ContinuousMethod,
     /// Leave out the comparison of methods on their six scenes (`compare`).
     #[arg(long)]

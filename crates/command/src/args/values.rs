@@ -1,11 +1,12 @@
 //! Parsers of option values.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel};
 use backstop_lab::WorldMethod;
 use backstop_lab::methods::{Friction, Method};
 use backstop_lab::simbench::Test;
 use backstop_lab::structures::Structure;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 pub(crate) fn number(text: &str) -> Result<f32, String> {
     let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
@@ -22,12 +23,15 @@ pub(crate) fn hertz(text: &str) -> Result<f32, String> {
     if (1.0..=1e6).contains(&value) { Ok(value) } else { Err("must be in 1..=1000000".into()) }
 }
 
-pub(crate) fn friction_model(text: &str) -> Result<FrictionModel, String> {
-    match text {
-        "patch" => Ok(FrictionModel::Patch),
-        "point" => Ok(FrictionModel::Point),
-        _ => Err("must be patch or point".into()),
-    }
+/// What a setting may be, by the names that its type has in JSON.
+pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(Value::from(text)).map_err(|error| error.to_string())
+}
+
+/// A setting by its name: its value in JSON, without the quotes of names.
+pub(crate) fn setting(text: &str) -> Result<(String, Value), String> {
+    let (name, value) = text.split_once('=').ok_or_else(|| "must be like slop=0.01".to_owned())?;
+    Ok((name.into(), serde_json::from_str(value).unwrap_or_else(|_| Value::from(value))))
 }
 
 pub(crate) fn solver(text: &str) -> Result<&'static Method, String> {
@@ -65,14 +69,6 @@ pub(crate) fn any_method(text: &str) -> Result<AnyMethod, String> {
 pub(crate) fn simbench_test(text: &str) -> Result<Test, String> {
     let names = || Test::ALL.map(Test::name).join(", ");
     Test::named(text).ok_or_else(|| format!("must be one of {}", names()))
-}
-
-pub(crate) fn friction_cone(text: &str) -> Result<FrictionCone, String> {
-    match text {
-        "cone" => Ok(FrictionCone::Cone),
-        "box" => Ok(FrictionCone::Box),
-        _ => Err("must be cone or box".into()),
-    }
 }
 
 pub(crate) fn world_method(text: &str) -> Result<WorldMethod, String> {
@@ -169,24 +165,4 @@ pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
     let side = |text: &str| text.parse().ok().filter(|n| (1..=8192).contains(n));
     let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
     sides.ok_or_else(|| "must be like 960x540, with sides in 1..=8192".into())
-}
-
-pub(crate) fn continuous(text: &str) -> Result<Continuous, String> {
-    match text {
-        "discrete" => Ok(Continuous::Discrete),
-        "segment" => Ok(Continuous::Segment),
-        "volume" => Ok(Continuous::Volume),
-        _ => Err("must be discrete, segment or volume".into()),
-    }
-}
-
-pub(crate) fn method(text: &str) -> Result<ContinuousMethod, String> {
-    match text {
-        "one-pass" => Ok(ContinuousMethod::OnePass),
-        "speculative" => Ok(ContinuousMethod::Speculative),
-        "talk" => Ok(ContinuousMethod::Talk),
-        "linear-cast" => Ok(ContinuousMethod::LinearCast),
-        "conservative-advancement" => Ok(ContinuousMethod::ConservativeAdvancement),
-        _ => Err("must be one-pass, speculative, talk, linear-cast or conservative-advancement".into()),
-    }
 }

@@ -34,14 +34,14 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
     let inputs = std::iter::once(Path::new(&options.scene)).chain(options.settings.as_deref());
     output::refuse_inputs(&outputs, inputs)?;
-    let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
+    let file = SettingsFile::with(options.settings.as_deref(), &options.set)?;
     let mut scene = output::open(&options.scene, &options.common.limits())?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     for (file, kind) in outputs.iter().zip([Kind::Gltf, Kind::Replay, Kind::Page, Kind::Problem]) {
         file.map_or(Ok(()), |file| expect_place(file, kind))?;
     }
     // Rain comes from above, that is, against gravity.
-    let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
+    let of_file = file.has_gravity.then_some(file.world.gravity);
     scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
     let chosen = Chosen::new(options, &scene, file);
     if chosen.solver.is_some() && options.record.is_some() {
@@ -234,12 +234,11 @@ struct Chosen {
 }
 
 impl Chosen {
-    fn new(options: &RunOptions, scene: &Scene, file: Option<SettingsFile>) -> Chosen {
-        let of_file = file.as_ref().and_then(|file| file.solver);
-        let solver = options.solver.or(of_file);
+    fn new(options: &RunOptions, scene: &Scene, file: SettingsFile) -> Chosen {
+        let solver = options.solver.or(file.solver);
         let solver =
             solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
-        let (dt, base) = file.map_or((None, Settings::default()), |file| (file.dt, file.world));
+        let base = file.world;
         let settings = base
             .clone()
             .with_gravity(scene.gravity)
@@ -250,7 +249,7 @@ impl Chosen {
             .with_method(options.method.unwrap_or(base.method))
             .with_sleeping(options.sleep || base.sleeping)
             .with_budget(options.budget.map_or(base.budget, Budget::total));
-        Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings, solver }
+        Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver }
     }
 }
 
