@@ -71,6 +71,11 @@ pub(crate) struct Block {
 }
 
 impl Block {
+    /// Where it put what it found, among the places of all blocks.
+    pub(crate) fn found(&self) -> std::ops::Range<usize> {
+        self.fresh as usize..(self.fresh + self.found) as usize
+    }
+
     /// Those of so many of its contacts that may get more points than they have.
     pub(crate) fn growing(&self, contacts: u32) -> u32 {
         const SPHERE: u8 = Kind::Sphere as u8;

@@ -108,7 +108,7 @@ pub(crate) fn collide(
     found.swap_own(&mut memory);
     let (mut first, end) = (0, bins.blocks.len());
     loop {
-        let last = found.wave(&mut bins.blocks, first, &mut memory);
+        let last = found.wave(&mut bins.blocks, first, pairs, input, &mut memory);
         let mut wave = Wave { bins, blocks: first..last, states };
         run_blocks(workers, input, &mut wave, pairs, contacts, found.places(&mut memory.space.slab));
         stats.shed += found.commit(&mut wave, pairs, contacts, input, &mut memory);

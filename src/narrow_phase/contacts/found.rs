@@ -8,8 +8,8 @@ use super::admit::ContactMemory;
 use super::contact::{Contact, FoundAt, NO_CONTACT};
 use super::of_meshes::{Exchange, MeshBlock};
 use super::store::{ContactCount, Contacts};
-use super::way::{make_way, reserve};
-use super::weight::Weight;
+use super::way::{Way, make_way, reserve};
+use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Allowance, Allowances, Buffer, Category, Marks, Slab, bytes_of, even_out};
 use crate::narrow_phase::RawManifold;
@@ -156,21 +156,17 @@ pub(crate) struct Wave<'a> {
     pub(crate) states: &'a mut [PackedState],
 }
 
-/// Blocks, for what they found.
-#[derive(Clone, Copy)]
-pub(super) struct FoundBy<'a> {
-    pub(super) blocks: &'a [Block],
-    /// Places for new contacts, in the memory that rows lend.
-    pub(super) place: usize,
-}
-
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct FoundContacts {
     /// Without a budget new contacts have memory of their own.
     own: Slab,
-    /// Places for the new contacts of the wave.
+    /// New contacts that wait for a slot: under a budget until all are found, so that all are weighed at once.
+    waiting: usize,
+    /// Places for these and for the new contacts of the wave.
     place: usize,
+    /// Points of contacts that gave up their place to heavier ones.
+    shed: u32,
     meshes: Vec<MeshBlock>,
     /// Memory granted to each of them.
     share: Allowance,
@@ -236,25 +232,54 @@ impl FoundContacts {
         self.meshes.iter_mut().for_each(|block| block.mesh.allowance = self.share);
     }
 
-    /// Makes places for the new contacts of the next blocks, from `first` on, and returns the end of those
-    /// that there are enough for. Only one block alone may have too few.
+    /// Makes places for the new contacts of the next blocks, from `first` on, behind those that wait, and
+    /// returns the end of those that there are enough for. Only one block alone may have too few.
     pub(crate) fn wave(
         &mut self,
         blocks: &mut [Block],
         first: usize,
+        pairs: &[Pair],
+        input: &Input<'_>,
         memory: &mut ContactMemory<'_>,
     ) -> usize {
-        let ContactMemory { allowances, space } = memory;
-        let most = space.slab.holds::<Fresh>().max(WAVE);
-        let (mut end, mut total) = spread(blocks, first, most);
+        let ContactMemory { allowances, space } = &mut *memory;
+        let all_at_once = !allowances.is_endless();
+        let most = if all_at_once { usize::MAX } else { space.slab.holds::<Fresh>().max(WAVE) };
+        let (mut end, mut total) = spread(blocks, first, self.waiting, most);
         self.place = allowances.within(Category::Rows, |allowance| {
             allowance.within(4, |allowance| space.slab.reserve::<Fresh>(total, allowance))
         });
         if self.place < total {
-            (end, total) = spread(blocks, first, self.place);
+            self.keep_heaviest(self.place / 2, pairs, input, memory);
+            (end, total) = spread(blocks, first, self.waiting, self.place);
         }
         self.place = total;
         end
+    }
+
+    /// Leaves so many of those that wait for a slot.
+    fn keep_heaviest(
+        &mut self,
+        most: usize,
+        pairs: &[Pair],
+        input: &Input<'_>,
+        memory: &mut ContactMemory<'_>,
+    ) {
+        if self.waiting <= most {
+            return;
+        }
+        let fresh: &mut [Fresh] = memory.space.slab.alone(self.waiting);
+        let weight = |found: &Fresh| found.weight(&pairs[found.pair as usize], input);
+        let mut floor = Threshold::of_heaviest(most, fresh.iter().map(weight));
+        self.waiting = 0;
+        for i in 0..fresh.len() {
+            if floor.keeps(weight(&fresh[i])) {
+                fresh[self.waiting] = fresh[i];
+                self.waiting += 1;
+            } else {
+                self.shed += fresh[i].raw.size();
+            }
+        }
     }
 
     /// What blocks write to while they run.
@@ -264,8 +289,8 @@ impl FoundContacts {
         Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
-    /// Gives slots to the contacts of some blocks, but not to those of mesh blocks. Returns the number of
-    /// points that got none.
+    /// Takes over what some blocks found. Without a budget it gets slots at once. Returns the number of points
+    /// that got none.
     pub(crate) fn commit(
         &mut self,
         wave: &mut Wave<'_>,
@@ -284,17 +309,65 @@ impl FoundContacts {
                 contacts.remove_chain(slot);
             }
         }
-        if blocks.iter().all(|block| block.found == 0) {
-            return shed;
+        shed += self.close_up(blocks, pairs, contacts, input, memory);
+        if memory.allowances.is_endless() && self.waiting > 0 {
+            let mut way = make_way(self.waiting, &[], pairs, contacts, input, memory);
+            shed += self.insert(&mut way, pairs, contacts, input, memory);
         }
-        let found = FoundBy { blocks, place: self.place };
-        if blocks.iter().any(|block| block.grown) {
-            shed += found.renew_grown(pairs, contacts, input, memory);
-        }
-        let mut way = make_way(found, &[], pairs, contacts, input, memory);
-        shed += way.shed;
+        shed
+    }
+
+    /// Moves what blocks found behind those that wait, in the order of the blocks; but gives contacts places
+    /// for manifolds that they had none for, and then these. Returns the number of points that got no place.
+    fn close_up(
+        &mut self,
+        blocks: &[Block],
+        pairs: &[Pair],
+        contacts: &mut Contacts,
+        input: &Input<'_>,
+        memory: &mut ContactMemory<'_>,
+    ) -> u32 {
         let bounded = !memory.allowances.is_endless();
-        for found in found.all(memory.space.slab.alone(self.place)) {
+        let wanted =
+            |found: &Fresh| input.room(&pairs[found.pair as usize], bounded).max(found.raw.count as usize);
+        if blocks.iter().any(|block| block.grown) {
+            let fresh: &[Fresh] = memory.space.slab.alone(self.place);
+            let found = blocks.iter().filter(|block| block.grown).flat_map(|block| &fresh[block.found()]);
+            let slot = |found: &Fresh| pairs[found.pair as usize].contact;
+            let grown = found.filter(|found| slot(found) != NO_CONTACT);
+            let points = grown.map(|found| wanted(found) - contacts.least_room(slot(found))).sum();
+            let more = ContactCount { contacts: 0, points };
+            reserve(more, contacts, self.place * FRESH_BYTES, 0, memory);
+        }
+        let fresh: &mut [Fresh] = memory.space.slab.alone(self.place);
+        let mut shed = 0;
+        for index in blocks.iter().flat_map(Block::found) {
+            let (mut found, pair) = (fresh[index], &pairs[fresh[index].pair as usize]);
+            if pair.contact == NO_CONTACT {
+                fresh[self.waiting] = found;
+                self.waiting += 1;
+                continue;
+            }
+            let room = contacts.grow(pair.contact, wanted(&found));
+            shed += found.raw.keep(room);
+            let at = FoundAt::of(pair, input, found.fraction);
+            contacts.at_mut(pair.contact).renew(&found.raw, at, input.match_limits(pair));
+        }
+        shed
+    }
+
+    /// Gives slots to those that wait, as far as the way is free. Returns the number of points that got none.
+    fn insert(
+        &mut self,
+        way: &mut Way,
+        pairs: &mut [Pair],
+        contacts: &mut Contacts,
+        input: &Input<'_>,
+        memory: &mut ContactMemory<'_>,
+    ) -> u32 {
+        let bounded = !memory.allowances.is_endless();
+        let mut shed = way.shed;
+        for found in &*memory.space.slab.alone::<Fresh>(std::mem::take(&mut self.waiting)) {
             let pair = &mut pairs[found.pair as usize];
             if way.floor.as_mut().is_some_and(|floor| !floor.keeps(found.weight(pair, input))) {
                 shed += found.raw.size();
@@ -309,7 +382,7 @@ impl FoundContacts {
         shed
     }
 
-    /// Once all blocks ran: makes way for the contacts of mesh blocks, and for the rows of all contacts.
+    /// Once all blocks ran: makes way for all contacts that have no slot yet, and for the rows of all.
     /// Returns the number of points that got no slot.
     pub(crate) fn finish(
         &mut self,
@@ -322,9 +395,9 @@ impl FoundContacts {
             let used = self.share.left() - block.mesh.allowance.left();
             memory.allowances.within(Category::Scratch, |allowance| allowance.take(used));
         }
-        let none = FoundBy { blocks: &[], place: 0 };
-        let way = make_way(none, &self.meshes, pairs, contacts, input, memory);
-        let mut shed = way.shed;
+        let mut way = make_way(self.waiting, &self.meshes, pairs, contacts, input, memory);
+        let mut shed = std::mem::take(&mut self.shed);
+        shed += self.insert(&mut way, pairs, contacts, input, memory);
         memory.allowances.within(Category::Scratch, |allowance| {
             for block in &mut self.meshes {
                 shed += std::mem::take(&mut block.mesh.shed);
@@ -338,54 +411,6 @@ impl FoundContacts {
             even_out(&mut self.meshes, &mut self.marks, &mut part);
             allowance.take(before - part.left());
         });
-        shed
-    }
-}
-
-impl<'a> FoundBy<'a> {
-    /// What the blocks found, in their order, apart from what is done with.
-    pub(super) fn all(self, fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
-        self.blocks.iter().flat_map(|block| {
-            let start = block.fresh as usize;
-            fresh[start..start + block.found as usize].iter().filter(|found| found.raw.count > 0)
-        })
-    }
-
-    /// Gives the contacts of the blocks places for the manifolds that they had none for, and then these. What
-    /// was found about them is done with. Returns the number of points that got no place.
-    fn renew_grown(
-        self,
-        pairs: &[Pair],
-        contacts: &mut Contacts,
-        input: &Input<'_>,
-        memory: &mut ContactMemory<'_>,
-    ) -> u32 {
-        let FoundBy { blocks, place } = self;
-        let bounded = !memory.allowances.is_endless();
-        let grown = self
-            .all(memory.space.slab.alone(place))
-            .filter(|found| pairs[found.pair as usize].contact != NO_CONTACT);
-        let points = grown.map(|found| {
-            let pair = &pairs[found.pair as usize];
-            input.room(pair, bounded).max(found.raw.count as usize) - contacts.least_room(pair.contact)
-        });
-        let more = ContactCount { contacts: 0, points: points.sum() };
-        reserve(more, contacts, place * FRESH_BYTES, 0, memory);
-        let fresh: &mut [Fresh] = memory.space.slab.alone(place);
-        let mut shed = 0;
-        for block in blocks.iter().filter(|block| block.grown) {
-            for found in &mut fresh[block.fresh as usize..][..block.found as usize] {
-                let pair = &pairs[found.pair as usize];
-                if pair.contact != NO_CONTACT {
-                    let wanted = input.room(pair, bounded).max(found.raw.count as usize);
-                    let room = contacts.grow(pair.contact, wanted);
-                    shed += found.raw.keep(room);
-                    let at = FoundAt::of(pair, input, found.fraction);
-                    contacts.at_mut(pair.contact).renew(&found.raw, at, input.match_limits(pair));
-                    found.raw.count = 0;
-                }
-            }
-        }
         shed
     }
 }
@@ -406,13 +431,13 @@ impl Fresh {
     }
 }
 
-/// Spreads so many places over blocks; returns the end of those that have enough, and the sum of these. The
-/// first takes what there is.
-fn spread(blocks: &mut [Block], first: usize, most: usize) -> (usize, usize) {
-    let (mut end, mut total) = (first, 0);
+/// Spreads places over blocks, from `start` to `most`; returns the end of those that have enough, and of their
+/// places. The first takes what there is.
+fn spread(blocks: &mut [Block], first: usize, start: usize, most: usize) -> (usize, usize) {
+    let (mut end, mut total) = (first, start);
     let fits = |block: &Block, total: usize| most == 0 || total + block.place as usize <= most;
     while let Some(block) = blocks.get_mut(end).filter(|block| end == first || fits(block, total)) {
-        block.place = block.place.min(most as u32);
+        block.place = (block.place as usize).min(most - total) as u32;
         block.fresh = total as u32;
         total += block.place as usize;
         end += 1;

@@ -2,7 +2,7 @@
 
 use super::admit::{Census, ContactMemory, Kind as Taken, with_empty};
 use super::contact::NO_CONTACT;
-use super::found::{FRESH_BYTES, FoundBy, LEAST_ROWS};
+use super::found::{FRESH_BYTES, Fresh, LEAST_ROWS};
 use super::of_meshes::MeshBlock;
 use super::store::{ContactCount, Contacts};
 use super::weight::{Threshold, Weight};
@@ -23,22 +23,21 @@ pub(super) struct Way {
     pub(super) shed: u32,
 }
 
-/// Reserves slots for what blocks found. Under a budget weighs it and the existing contacts, and sheds those
-/// that are too light for all to fit with their rows.
+/// Reserves slots for so many that wait for one. Under a budget weighs them and the existing contacts, and
+/// sheds those that are too light for all to fit with their rows.
 pub(super) fn make_way(
-    found: FoundBy<'_>,
+    waiting: usize,
     meshes: &[MeshBlock],
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     input: &Input<'_>,
     memory: &mut ContactMemory<'_>,
 ) -> Way {
-    let place = found.place;
     let mut way = Way { most: 0, floor: None, of_rows: 0, shed: 0 };
     let mut needed = 0;
     if !memory.allowances.is_endless() {
         let mut census = Census::new();
-        count_all(&mut census, found, meshes, pairs, contacts, input, memory);
+        count_all(&mut census, waiting, meshes, pairs, contacts, input, memory);
         let ContactMemory { allowances, space } = &*memory;
         let reserved = space.slab.bytes(0).1 + space.cost.reserved;
         let (held, of_rows) = (contacts.capacity(), allowances.own(Category::Rows));
@@ -56,10 +55,11 @@ pub(super) fn make_way(
         way.of_rows = cut.rows.saturating_sub(reserved).min(of_rows);
         // Rows have more memory than they will need, because there were fewer contacts, or these had more
         // points.
-        needed = cut.rows.saturating_sub(space.cost.reserved).max(place * FRESH_BYTES);
+        needed = cut.rows.saturating_sub(space.cost.reserved).max(waiting * FRESH_BYTES);
     }
     let mut floor = way.floor;
-    let more = found.all(memory.space.slab.alone(place)).filter_map(|found| {
+    let fresh: &[Fresh] = memory.space.slab.alone(waiting);
+    let more = fresh.iter().filter_map(|found| {
         let pair = &pairs[found.pair as usize];
         let bounded = floor.is_some();
         let stays = floor.as_mut().is_none_or(|floor| floor.keeps(found.weight(pair, input)));
@@ -76,7 +76,7 @@ pub(super) fn make_way(
 /// Counts the existing contacts and the new ones by weight.
 fn count_all(
     census: &mut Census,
-    found: FoundBy<'_>,
+    waiting: usize,
     meshes: &[MeshBlock],
     pairs: &[Pair],
     contacts: &Contacts,
@@ -98,7 +98,7 @@ fn count_all(
         let taken = |raw: &RawManifold| Taken::of_new(raw, 0, input.is_static(pair), touch);
         many.iter().for_each(|found| census.add(None, taken(&found.raw), &cost));
     }
-    for found in found.all(space.slab.alone(found.place)) {
+    for found in &*space.slab.alone::<Fresh>(waiting) {
         let pair = &pairs[found.pair as usize];
         let taken = Taken::of_new(&found.raw, input.room(pair, true), input.is_static(pair), touch);
         census.add(Some(found.weight(pair, input)), taken, &cost);

@@ -109,6 +109,20 @@ impl Threshold {
         Threshold { weight: Weight(index as u16), left }
     }
 
+    /// So many, the heaviest of some weights.
+    pub(crate) fn of_heaviest(most: usize, weights: impl Iterator<Item = Weight>) -> Threshold {
+        let mut counts = [0; Weight::COUNT];
+        weights.for_each(|weight| counts[weight.index()] += 1);
+        let mut left = most as u32;
+        for (index, &count) in counts.iter().enumerate().rev() {
+            if count > left {
+                return Threshold::new(index, left);
+            }
+            left -= count;
+        }
+        Threshold::ALL
+    }
+
     /// Whether the next contact, of this weight, stays. To be called for each in the same order.
     pub(crate) fn keeps(&mut self, weight: Weight) -> bool {
         if weight == self.weight {
