@@ -22,14 +22,13 @@ pub(crate) use contact::rows::{Rows, Views, with_batch};
 pub(crate) use contact::soft::bodies::move_by_mean;
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
 pub(crate) use joint::arrange::{JointRows, arranged_alike};
-pub(crate) use joint::batch::JointInput;
 #[cfg(feature = "observe")]
 pub(crate) use joint::batch::RowImpulse;
 pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointStage, JointType, WIDEST_JOINT_BATCH};
 pub(crate) use joint::nets::{NetInput, Nets};
 pub(crate) use joint::run::{JointViews, TouchInput};
-pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
+pub(crate) use restitution::{Bodies as Struck, Restitution, find};
 pub(crate) use schedule::arrange::{PrepareScratch, Prepared};
 pub(crate) use schedule::order::{Group, Stage};
 pub(crate) use schedule::part::Part;

@@ -163,7 +163,7 @@ impl<const P: usize> Columns<P> {
         for (place, &part) in parts.iter().enumerate() {
             let contact = input.contacts.at(part.slot() as u32);
             let (shape_a, shape_b) =
-                (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
+                (&input.colliders.all[contact.a as usize], &input.colliders.all[contact.b as usize]);
             let swap = shape_a.body >= dynamic;
             let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
             let lane =
@@ -177,11 +177,11 @@ impl<const P: usize> Columns<P> {
             out.put_points(&entry, input);
             if touching {
                 out.put_friction_impulse(&entry, input);
-                if input.rolling && (shape_a.flags | shape_b.flags) & ROLLS != 0 {
+                if input.beside.rolling && (shape_a.flags | shape_b.flags) & ROLLS != 0 {
                     out.put_rolling(&entry, input);
                 }
             }
-            if input.surfaces {
+            if input.beside.surfaces {
                 out.put_surface(&entry, input);
             }
             if let Some(springs) = &mut springs {
@@ -211,16 +211,17 @@ impl<const P: usize> Columns<P> {
     #[inline(always)]
     fn put_frame(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, contact, shape_a, shape_b, swap, .. } = entry;
-        let pose = &input.poses[contact.a as usize];
+        let pose = &input.colliders.poses[contact.a as usize];
         let at = |body: u32| &input.bodies.pose[body as usize].position;
         let own = (pose.position - *at(shape_a.body)).as_vec3();
         let between = if contact.fraction > 0.0 {
-            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
+            let moved =
+                |body: u32| input.forces.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
             (*at(shape_a.body) - *at(shape_b.body)).as_vec3()
                 + (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction
         } else {
             // As the shapes stood when the contact was found.
-            let own_b = (input.poses[contact.b as usize].position - *at(shape_b.body)).as_vec3();
+            let own_b = (input.colliders.poses[contact.b as usize].position - *at(shape_b.body)).as_vec3();
             own_b - own - contact.frame * contact.found_at.position
         };
         put3(&mut self.origin, lane, if swap { own + between } else { own });
@@ -243,7 +244,7 @@ impl<const P: usize> Columns<P> {
         // A static body has no record: its velocity is never used.
         (self.a[lane], self.b[lane]) = (a, if b < movers { b } else { a });
         for (side, body) in [a, b].into_iter().enumerate() {
-            if let Some(i) = input.inverse_inertia.get(body as usize) {
+            if let Some(i) = input.forces.inverse_inertia.get(body as usize) {
                 self.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
                 if input.bodies.locked > 0 {
                     self.locks[side] |= lock_bits(input.bodies.traits[body as usize].locks, lane);
@@ -310,7 +311,7 @@ impl<const P: usize> Columns<P> {
             if shape.flags & BELT == 0 {
                 return glam::Vec3::ZERO;
             }
-            input.poses[c as usize].rotation * input.rare_of(c, part).surface_velocity
+            input.colliders.poses[c as usize].rotation * input.rare_of(c, part).surface_velocity
         };
         let of_materials = moves(contact.b, shape_b, contact.material) - moves(contact.a, shape_a, 0);
         let past = tweak_of(input.tweaks, part.slot()).surface + of_materials;
@@ -351,7 +352,7 @@ impl SpringColumns {
         self.start_share[lane] = if mean { 0.5 } else { 0.0 };
         let pull = |body: u32| {
             let moves = (body as usize) < dynamic;
-            input.acceleration.get(body as usize).copied().filter(|_| moves).unwrap_or_default()
+            input.forces.acceleration.get(body as usize).copied().filter(|_| moves).unwrap_or_default()
         };
         let (on_a, on_b) = (pull(a), pull(b));
         put3(&mut self.pull[0], lane, on_b.linear - on_a.linear);

@@ -1,28 +1,23 @@
-//! What rows of contacts are prepared from.
+//! What rows are prepared from.
 
 use super::step_lengths::StepLengths;
-use crate::body::{Bodies, Pose};
+use crate::body::{Bodies, Colliders};
 use crate::broad_phase::Pair;
 use crate::config::{Measures, Order};
 use crate::constraint::Tweak;
 use crate::constraint::articulation::slots::TreeSlots;
+use crate::forces::Forces;
 use crate::joint::Joints;
-use crate::lanes::{Record, Sym3};
 use crate::narrow_phase::{Contacts, Scale};
-use crate::shape::{Collider, ColliderSummary, Material, RareMaterial};
+use crate::shape::{Material, RareMaterial};
 
 /// Input of preparation.
 pub(crate) struct PrepareInput<'a> {
     pub(crate) bodies: &'a Bodies,
-    pub(crate) colliders: &'a [Collider],
-    pub(crate) summaries: &'a [ColliderSummary],
-    pub(crate) poses: &'a [Pose],
+    pub(crate) colliders: &'a Colliders,
     pub(crate) contacts: &'a Contacts,
     pub(crate) pairs: &'a [Pair],
-    /// Predicted displacement of each body that can move.
-    pub(crate) motion: &'a [Record],
-    /// World inverse inertia of each dynamic body.
-    pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    pub(crate) forces: &'a Forces,
     pub(crate) measures: Measures,
     /// Maximum bytes of contacts further apart than discrete collision detection looks, with their rows.
     pub(crate) ahead: usize,
@@ -38,19 +33,10 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
-    /// Whether any surface moves, by its material or by a hook.
-    pub(crate) surfaces: bool,
-    /// Whether any shape resists rolling or spinning.
-    pub(crate) rolling: bool,
-    /// Whether any shape is soft.
-    pub(crate) soft: bool,
+    pub(crate) beside: Beside,
     pub(crate) joints: &'a Joints,
-    /// Acceleration of each body that can move; may be empty.
-    pub(crate) acceleration: &'a [Record],
     /// Marks of what holds dynamic bodies, for soft contacts; empty before they are made.
     pub(crate) marks: &'a [u8],
-    /// What few shapes have of a material, as far as the column goes.
-    pub(crate) rare: &'a [RareMaterial],
     /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
 }
@@ -58,20 +44,15 @@ pub(crate) struct PrepareInput<'a> {
 impl PrepareInput<'_> {
     /// What few materials have, of a part of a shape: zero for the shape's own.
     pub(super) fn rare_of(&self, collider: u32, part: u8) -> RareMaterial {
-        let own = self.rare.get(collider as usize).copied();
-        let of_part = self.colliders[collider as usize].part_material(part).map(Material::rare);
-        of_part.or(own).unwrap_or_default()
-    }
-
-    pub(crate) fn beside(&self) -> Beside {
-        Beside { surfaces: self.surfaces, rolling: self.rolling, soft: self.soft }
+        let of_part = self.colliders.all[collider as usize].part_material(part).map(Material::rare);
+        of_part.unwrap_or_else(|| self.colliders.rare(collider))
     }
 }
 
 /// What each batch of the schedule has besides its rows and friction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beside {
-    /// Whether any surface moves.
+    /// Whether any surface moves, by its material or by a hook.
     pub(crate) surfaces: bool,
     /// Whether any shape resists rolling or spinning.
     pub(crate) rolling: bool,

@@ -33,14 +33,18 @@ pub(crate) fn prepare(
     surfaces.clear();
     rolling.clear();
     // Without memory for them they are left out.
-    if input.surfaces && allowances.within(Category::Rows, |allowance| allowance.fit(surfaces, all)) == all {
+    if input.beside.surfaces
+        && allowances.within(Category::Rows, |allowance| allowance.fit(surfaces, all)) == all
+    {
         surfaces.resize(all, [[0.0; 8]; 2]);
     }
-    if input.rolling && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all {
+    if input.beside.rolling
+        && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all
+    {
         rolling.resize(all, RollingRow::default());
     }
     rows.soft.rows.clear();
-    if input.soft
+    if input.beside.soft
         && allowances.within(Category::Rows, |allowance| allowance.fit(&mut rows.soft.rows, all)) == all
     {
         rows.soft.rows.resize(all, SoftRow::default());
@@ -56,10 +60,10 @@ pub(crate) fn prepare(
 fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) -> bool {
     let marks = &mut rows.soft.marks;
     marks.clear();
-    if input.soft {
+    if input.beside.soft {
         allowances.within(Category::Rows, |allowance| mark(marks, input, allowance));
     }
-    !input.soft || marks.len() == input.bodies.dynamic()
+    !input.beside.soft || marks.len() == input.bodies.dynamic()
 }
 
 /// [`Beside`] of the batch at a place of the schedule.
@@ -185,7 +189,7 @@ kernel! {
         input: &'a PrepareInput<'a>,
     ) {
         let touching = matches!(friction, FrictionToFill::Touching(_));
-        let mut springs = input.soft.then(SpringColumns::default);
+        let mut springs = input.beside.soft.then(SpringColumns::default);
         let columns = gather_columns::<L, P>(parts, touching, tree_slots, springs.as_mut(), input);
         (batch.a, batch.contact) = (columns.a, columns.contact);
         (batch.surface, batch.rolling, batch.soft) = (u32::MAX, u32::MAX, u32::MAX);

@@ -1,7 +1,6 @@
 //! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
 //! filled in in every step.
 
-use super::batch::JointInput;
 use super::coupling::block::CouplingBlock;
 use super::coupling::plan::{Plan, PlanInput};
 use super::ends::NONE;
@@ -14,9 +13,10 @@ use crate::body::Bodies;
 use crate::config::{Order, RowGroup};
 use crate::constraint::articulation::cut::{Extra, Motor};
 use crate::constraint::articulation::node::Node;
-use crate::constraint::articulation::slots::{TreeRef, TreeSlot, TreeSlots};
+use crate::constraint::articulation::slots::{TreeContacts, TreeRef, TreeSlot, TreeSlots};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::articulation::trees::{Found, Tree, find};
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::Place;
 use crate::joint::{Joints, Row, RowKind};
@@ -260,7 +260,7 @@ impl JointRows {
     pub(crate) fn fill_trees(
         &mut self,
         workers: &Workers<'_>,
-        input: &JointInput<'_>,
+        input: &PrepareInput<'_>,
         inverse_inertia: &mut [Sym3<f32>],
     ) {
         self.tree_slots.clear();
@@ -271,7 +271,7 @@ impl JointRows {
         self.touching.resize(input.bodies.dynamic(), false);
         for pair in input.pairs.iter().filter(|pair| pair.contact != NO_CONTACT) {
             for c in [pair.a, pair.b] {
-                let body = input.summaries[c as usize].body as usize;
+                let body = input.colliders.summaries[c as usize].body as usize;
                 self.touching.get_mut(body).into_iter().for_each(|touches| *touches = true);
             }
         }
@@ -298,16 +298,14 @@ impl JointRows {
         single.for_each(|(i, batch)| each_body(batch, TreeRef::new(i, true), &mut put));
     }
 
-    /// Fills all batches.
-    pub(crate) fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>) {
+    /// Fills all batches. `along`: the contacts that are solved along with trees.
+    pub(crate) fn fill(&mut self, workers: &Workers<'_>, input: &PrepareInput<'_>, along: &[TreeContacts]) {
         for table in self.tables.all_mut() {
             table.fill(workers, input);
         }
         self.couplings.iter_mut().for_each(|block| block.fill(input));
         let range = |tree: TreeRef| {
-            let end = |before: &dyn Fn(TreeRef) -> bool| {
-                input.tree_contacts.partition_point(|s| before(s.tree)) as u32
-            };
+            let end = |before: &dyn Fn(TreeRef) -> bool| along.partition_point(|s| before(s.tree)) as u32;
             (end(&|other| other < tree), end(&|other| other <= tree))
         };
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));

@@ -2,40 +2,14 @@
 //! what they report.
 
 use super::ends::{Ends, JointPass, Recovery};
-use crate::body::Bodies;
-use crate::broad_phase::Pair;
-use crate::config::Order;
-use crate::constraint::articulation::slots::TreeContacts;
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::{BodyPair, Motion};
-use crate::joint::Joints;
-use crate::lanes::{GatherLanes, Record, Sym3};
-use crate::shape::ColliderSummary;
+use crate::lanes::GatherLanes;
 use glam::Vec3;
-
-/// Input of the preparation of joints.
-pub(crate) struct JointInput<'a> {
-    pub(crate) bodies: &'a Bodies,
-    pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// Acceleration of bodies; empty if there is none.
-    pub(crate) acceleration: &'a [Record],
-    pub(crate) joints: &'a Joints,
-    pub(crate) pairs: &'a [Pair],
-    pub(crate) summaries: &'a [ColliderSummary],
-    /// Contacts that are solved along with trees.
-    pub(crate) tree_contacts: &'a [TreeContacts],
-    /// The order in which groups of rows are solved.
-    pub(crate) order: Order,
-    /// Factor on the impulses of the last step.
-    pub(crate) warm: f32,
-    /// Substep [s].
-    pub(crate) h: f32,
-    /// The length unit [m].
-    pub(crate) unit: f32,
-}
 
 /// Makes the batch of the locks or rows `owners` of this step's joints.
 pub(crate) trait Filled {
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>);
+    fn fill(&mut self, owners: &[u32], input: &PrepareInput<'_>);
 }
 
 /// A batch of one row type: the same lock or row of up to eight joints, a lane each.

@@ -1,7 +1,7 @@
 //! Fills the batches of joints in a step: positions and masses of the bodies, and the impulses of the step
 //! before.
 
-use super::batch::{Filled, JointInput};
+use super::batch::Filled;
 use super::ends::{Ends, Lever, NONE, across, inverse};
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch, mobility};
@@ -14,6 +14,7 @@ use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::node::TreeWidth;
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::batch::lock_bits;
+use crate::constraint::contact::input::PrepareInput;
 use crate::joint::{Axes, Axis, Joint, Joints, LockKind, Motion, Placed, Row, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
@@ -23,7 +24,7 @@ pub(super) fn place<L: Lanes>(
     lane: usize,
     owner: u32,
     joint: &Joint,
-    input: &JointInput<'_>,
+    input: &PrepareInput<'_>,
 ) -> Placed {
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
@@ -37,7 +38,7 @@ pub(super) fn place<L: Lanes>(
         if pushed && bodies.locked > 0 {
             ends.locks[side] |= lock_bits(bodies.traits[i].locks, lane);
         }
-        let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
+        let inertia = if pushed { input.forces.inverse_inertia[i] } else { Sym3::default() };
         ends.inverse_inertia[side].set_lane(lane, &inertia);
     }
     ends.owner[lane] = owner;
@@ -56,7 +57,7 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
 }
 
 impl<L: GatherLanes> Filled for PointBatch<L> {
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+    fn fill(&mut self, owners: &[u32], input: &PrepareInput<'_>) {
         *self = Self::default();
         for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
             place_point(self, lane, owner, input);
@@ -69,7 +70,7 @@ impl<L: GatherLanes> Filled for PointBatch<L> {
 }
 
 impl<L: GatherLanes> Filled for LineBatch<L> {
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+    fn fill(&mut self, owners: &[u32], input: &PrepareInput<'_>) {
         *self = Self::default();
         for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
             let LockKind::Line(axis) = input.joints.locks[owner as usize].kind else { continue };
@@ -82,7 +83,7 @@ impl<L: GatherLanes> Filled for LineBatch<L> {
 }
 
 impl<L: GatherLanes, const HINGE: bool> Filled for TurnBatch<L, HINGE> {
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+    fn fill(&mut self, owners: &[u32], input: &PrepareInput<'_>) {
         *self = Self::default();
         for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
             let lock = &input.joints.locks[owner as usize];
@@ -98,8 +99,9 @@ impl<L: GatherLanes, const HINGE: bool> Filled for TurnBatch<L, HINGE> {
             } else {
                 at.turn()
             };
-            self.impulse.set_lane(lane, impulse * input.warm);
-            self.lasting.set_lane(lane, impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+            self.impulse.set_lane(lane, impulse * input.lengths.ratio());
+            self.lasting
+                .set_lane(lane, impulse.normalize_or_zero() * (lock.lasting_impulse * input.lengths.ratio()));
             self.error.set_lane(lane, error);
         }
         close(&mut self.ends);
@@ -110,9 +112,9 @@ impl<L: GatherLanes, const HINGE: bool> Filled for TurnBatch<L, HINGE> {
 }
 
 impl<L: GatherLanes, M: Measure<L>> Filled for RowBatch<L, M> {
-    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+    fn fill(&mut self, owners: &[u32], input: &PrepareInput<'_>) {
         *self = Self::default();
-        let h = input.h;
+        let h = input.lengths.now();
         let mut placed = [None; 8];
         for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
             let row = &input.joints.rows[owner as usize];
@@ -173,9 +175,9 @@ impl<L: GatherLanes, M: Measure<L>> Filled for RowBatch<L, M> {
             self.drives |= u32::from(drive) << lane;
             self.springs |= u32::from(spring.is_some() && !drive) << lane;
             self.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
-            self.lasting.set_lane(lane, row.lasting_impulse * input.warm);
+            self.lasting.set_lane(lane, row.lasting_impulse * input.lengths.ratio());
             for (impulse, old) in self.impulse.iter_mut().zip(row.impulse) {
-                impulse.set_lane(lane, old * input.warm);
+                impulse.set_lane(lane, old * input.lengths.ratio());
             }
         }
         self.resume();
@@ -187,12 +189,14 @@ fn place_point<L: GatherLanes>(
     batch: &mut PointBatch<L>,
     lane: usize,
     owner: u32,
-    input: &JointInput<'_>,
+    input: &PrepareInput<'_>,
 ) -> Placed {
     let lock = &input.joints.locks[owner as usize];
     let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-    batch.impulse.set_lane(lane, lock.impulse * input.warm);
-    batch.lasting.set_lane(lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.warm));
+    batch.impulse.set_lane(lane, lock.impulse * input.lengths.ratio());
+    batch
+        .lasting
+        .set_lane(lane, lock.impulse.normalize_or_zero() * (lock.lasting_impulse * input.lengths.ratio()));
     batch.arm[0].set_lane(lane, at.arm[0]);
     batch.arm[1].set_lane(lane, at.arm[1]);
     batch.apart.set_lane(lane, at.apart);
@@ -207,7 +211,7 @@ fn with_turns(row: &Row, angle: f32, joints: &Joints) -> f32 {
 }
 
 /// Where rigid ends of a range of its joint stop a motor that does not yield, beside its own displacement.
-fn stops(row: &Row, value: f32, input: &JointInput<'_>) -> Option<[f32; 2]> {
+fn stops(row: &Row, value: f32, input: &PrepareInput<'_>) -> Option<[f32; 2]> {
     let RowKind::Drive { velocity, spring, .. } = row.kind else { return None };
     // Friction goes nowhere.
     if velocity == 0.0 || spring.coefficients().damping != f32::INFINITY {
@@ -302,7 +306,7 @@ const GONE: f32 = 1e-4;
 /// Fills a batch of trees. `touching`: dynamic bodies that have contacts.
 pub(crate) fn fill_tree<L: TreeWidth>(
     batch: &mut TreeBatch<L>,
-    input: &JointInput<'_>,
+    input: &PrepareInput<'_>,
     inverse_inertia: &[Sym3<f32>],
     touching: &[bool],
 ) {
@@ -336,7 +340,7 @@ pub(crate) fn fill_tree<L: TreeWidth>(
             own_inverse.set_lane(lane, &inverse_inertia[own]);
             let (mass, drift) = (&bodies.mass[own], &mut node.drift);
             drift.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
-            let pull = input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
+            let pull = input.forces.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
             drift.pull.set_lane(lane, pull);
             node.velocity.angular.set_lane(lane, bodies.velocity[own].angular);
             if node.jointed {
@@ -345,11 +349,11 @@ pub(crate) fn fill_tree<L: TreeWidth>(
                 node.arm[0].set_lane(lane, at.arm[side]);
                 node.arm[1].set_lane(lane, at.arm[1 - side]);
                 node.apart.set_lane(lane, at.apart * sign);
-                node.impulse.set_lane(lane, lock.impulse * (sign * input.warm));
-                node.steady.set_lane(lane, lock.steady * input.warm);
+                node.impulse.set_lane(lane, lock.impulse * (sign * input.lengths.ratio()));
+                node.steady.set_lane(lane, lock.steady * input.lengths.ratio());
                 if node.turn_owner[lane] != NONE {
                     let lock = &input.joints.locks[node.turn_owner[lane] as usize];
-                    node.twist.set_lane(lane, lock.impulse * (sign * input.warm));
+                    node.twist.set_lane(lane, lock.impulse * (sign * input.lengths.ratio()));
                     if let LockKind::Hinge(axis) = lock.kind {
                         let axes = [at.axis(side, axis), at.axis(1 - side, axis)];
                         node.axis[0].set_lane(lane, axes[0]);
@@ -366,12 +370,12 @@ pub(crate) fn fill_tree<L: TreeWidth>(
     let nodes = &batch.nodes;
     batch.extra.motors.iter_mut().for_each(|motor| fill_motor(motor, &nodes[motor.node as usize], input));
     batch.share = L::load(&share);
-    batch.begin(input.h, input.unit);
+    batch.begin(input.lengths.now(), input.measures.unit);
     batch.look_back(&input.joints.locks);
 }
 
 /// Fills the motor of a hinge, as seen from the body of its node.
-fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput<'_>) {
+fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &PrepareInput<'_>) {
     let sign = if node.side == 1 { 1.0 } else { -1.0 };
     for lane in (0..L::N).filter(|&lane| motor.owner[lane] != NONE) {
         let row = &input.joints.rows[motor.owner[lane] as usize];
@@ -388,14 +392,14 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
             motor.stops[1].set_lane(lane, low.max(high));
         }
         // Without spring and damper it does nothing.
-        let some = implicit(&spring.coefficients(), velocity, input.h);
+        let some = implicit(&spring.coefficients(), velocity, input.lengths.now());
         let [pull, give, speed] = some.unwrap_or_default();
         let max_force = if some.is_some() { max_force } else { 0.0 };
         motor.off.set_lane(lane, off * sign);
         motor.pull.set_lane(lane, pull);
         motor.give.set_lane(lane, give);
         motor.speed.set_lane(lane, speed * sign);
-        motor.most.set_lane(lane, max_force * input.h);
-        motor.impulse.set_lane(lane, row.impulse[0] * (input.warm * sign));
+        motor.most.set_lane(lane, max_force * input.lengths.now());
+        motor.impulse.set_lane(lane, row.impulse[0] * (input.lengths.ratio() * sign));
     }
 }

@@ -1,7 +1,8 @@
 //! The batches of one row type, and what batches of all types do alike.
 
-use super::batch::{JointBatch, JointInput, Report, Watched};
+use super::batch::{JointBatch, Report, Watched};
 use super::ends::{JointPass, NONE, Recovery};
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, f32x8, kernel};
 use crate::memory::{bytes_of, sum_bytes};
@@ -89,7 +90,7 @@ pub(crate) trait AnyTable {
     /// Makes as many batches as there are owners.
     fn resize(&mut self);
     /// Fills all batches.
-    fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>);
+    fn fill(&mut self, workers: &Workers<'_>, input: &PrepareInput<'_>);
     /// How many locks or rows there are.
     fn len(&self) -> u32;
     /// Live and reserved bytes.
@@ -126,7 +127,7 @@ impl<B8: JointBatch<f32x8> + Send, B1: JointBatch<f32>> AnyTable for Table<B8, B
         }
     }
 
-    fn fill(&mut self, workers: &Workers<'_>, input: &JointInput<'_>) {
+    fn fill(&mut self, workers: &Workers<'_>, input: &PrepareInput<'_>) {
         let (lanes, owners) = (Shared::new(&mut self.lanes), &self.owners.lanes);
         workers.run(owners.len().div_ceil(BLOCK), &|block| {
             let first = block * BLOCK;

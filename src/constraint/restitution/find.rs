@@ -1,39 +1,18 @@
 //! Finds the sites of possible impacts among the contacts of a step.
 
 use super::{Link, NONE, Restitution, Site, Spot, Struck};
-use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::config::Measures;
-use crate::constraint::{Tweak, tweak_of};
-use crate::joint::Joints;
+use crate::constraint::contact::input::PrepareInput;
+use crate::constraint::tweak_of;
 use crate::lanes::Record;
 use crate::memory::Allowance;
-use crate::narrow_phase::{Contacts, NO_CONTACT};
-use crate::shape::Collider;
+use crate::narrow_phase::NO_CONTACT;
 use glam::Vec3;
-
-/// Input of the search for impacts.
-pub(crate) struct FindInput<'a> {
-    pub(crate) bodies: &'a Bodies,
-    pub(crate) colliders: &'a [Collider],
-    pub(crate) poses: &'a [Pose],
-    pub(crate) pairs: &'a [Pair],
-    pub(crate) contacts: &'a Contacts,
-    pub(crate) joints: &'a Joints,
-    /// Predicted motion of each body that can move.
-    pub(crate) motion: &'a [Record],
-    /// Acceleration of each body that can move; may be empty.
-    pub(crate) acceleration: &'a [Record],
-    /// What hooks changed about each contact; empty if there are none.
-    pub(crate) tweaks: &'a [Tweak],
-    pub(crate) measures: Measures,
-    /// Length of the step [s].
-    pub(crate) dt: f32,
-}
 
 /// Lists the points with restitution, if any of them closes within the step. Returns for how many there was
 /// no room.
-pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, allowance: &mut Allowance) -> u32 {
+pub(crate) fn find(input: &PrepareInput<'_>, impacts: &mut Restitution, allowance: &mut Allowance) -> u32 {
     impacts.clear();
     let (mut any, mut count) = (false, 0);
     for pair in input.pairs {
@@ -81,7 +60,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, allowance: 
 }
 
 /// Lists all dynamic bodies.
-fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
+fn list_bodies(input: &PrepareInput<'_>, impacts: &mut Restitution) {
     let struck = |i: u32| Struck {
         first: Link::NONE,
         joined: input.joints.has_any(input.bodies.slot[i as usize]),
@@ -97,7 +76,7 @@ fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
 }
 
 /// Makes a site of all points of the same bodies, and links it to these.
-fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution) {
+fn list_sites(input: &PrepareInput<'_>, impacts: &mut Restitution) {
     let pushed = |spot: &Spot| spot.pushed(input.bodies.dynamic() as u32);
     let mut first = 0;
     let spots = std::mem::take(&mut impacts.spots);
@@ -132,12 +111,12 @@ fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution) {
 }
 
 /// Calls `f` with the points of a pair that have restitution, until it returns false.
-fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
-    let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
+fn each_spot(input: &PrepareInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
+    let pushed = |c: u32| (input.colliders.all[c as usize].body as usize) < input.bodies.dynamic();
     if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
-    let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize]);
+    let [x, y] = [pair.a, pair.b].map(|c| &input.colliders.all[c as usize]);
     let law = |part: u8| {
         let (x, y) = (&x.material, &y.surface(part));
         (x.restitution_with(y), x.friction_with(y))
@@ -154,8 +133,8 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         let tweak = tweak_of(input.tweaks, slot as usize);
         let (restitution, friction) = if contact.material == 0 { own } else { law(contact.material) };
         let (restitution, friction) = (tweak.restitution_or(restitution), tweak.friction_or(friction).1);
-        let shape = &input.poses[contact.a as usize];
-        let bodies = [contact.a, contact.b].map(|c| input.colliders[c as usize].body);
+        let shape = &input.colliders.poses[contact.a as usize];
+        let bodies = [contact.a, contact.b].map(|c| input.colliders.all[c as usize].body);
         let [at_a, at_b] = bodies.map(|body| input.bodies.pose[body as usize].position);
         let normal = shape.rotation * contact.normal;
         let from_centre = (shape.position - at_a).as_vec3();
@@ -163,7 +142,7 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         if contact.fraction > 0.0 {
             // The contact was found at the time of touch, and so are the arms.
             let [moved_a, moved_b] =
-                bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
+                bodies.map(|body| input.forces.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
             apart += (moved_a - moved_b) * contact.fraction;
         }
         for point in contact.points() {
@@ -188,15 +167,15 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
     }
 }
 
-impl FindInput<'_> {
+impl PrepareInput<'_> {
     /// Whether a point may close within the step, fast enough to bounce; or within the next, if others of its
     /// manifold touch in this one: rows of a touching manifold come to rest as a whole.
     fn closes(&self, spot: &Spot) -> bool {
-        let pull = spot.speed(|body| self.acceleration.get(body).copied().unwrap_or_default());
+        let (dt, Measures { bounce_speed, touch, .. }) = (self.lengths.dt(), self.measures);
+        let pull = spot.speed(|body| self.forces.acceleration.get(body).copied().unwrap_or_default());
         let speed = spot.speed(|body| self.bodies.velocity.get(body).copied().unwrap_or_default());
-        let approach = -speed + (-pull * self.dt).max(0.0);
-        let Measures { bounce_speed, touch, .. } = self.measures;
-        approach > bounce_speed && spot.separation - 2.0 * approach * self.dt <= touch
+        let approach = -speed + (-pull * dt).max(0.0);
+        approach > bounce_speed && spot.separation - 2.0 * approach * dt <= touch
     }
 }
 

@@ -17,7 +17,7 @@ mod strike;
 use crate::lanes::Record;
 use crate::math::Quat;
 use crate::memory::buffers;
-pub(crate) use find::{FindInput, find};
+pub(crate) use find::find;
 use glam::Vec3;
 pub(crate) use meet::Bodies;
 

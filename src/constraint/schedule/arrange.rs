@@ -148,7 +148,7 @@ fn arrange_within(
 ) -> (Prepared, Tally) {
     // Maximum number of stages.
     scratch.keys.reset(input.order, input.bodies.solved_after_groups());
-    let (ahead, beside) = (Ahead::new(input), input.beside());
+    let (ahead, beside) = (Ahead::new(input), input.beside);
     let mut parts = 0;
     each_contact(input, |_, contact| parts += if input.per_point { contact.count.into() } else { 1 });
     let place = scratch.reserve(parts, !input.tree_slots.is_empty(), rows, allowances);
@@ -181,7 +181,7 @@ fn arrange_within(
 /// All contacts by weight.
 fn weigh(input: &PrepareInput<'_>) -> Census {
     let model = if input.per_point { FrictionModel::Point } else { FrictionModel::default() };
-    let cost = row_cost(input.friction, model, input.beside());
+    let cost = row_cost(input.friction, model, input.beside);
     let mut census = Census::new();
     each_contact(input, |slot, contact| {
         let is_static = Fact::of(input, slot, contact).group().is_static();
@@ -383,7 +383,7 @@ fn note_crowd(input: &PrepareInput<'_>, crowd: &mut Crowd, bounded: bool) {
     }
     let movers = input.bodies.movers();
     each_contact(input, |_, contact| {
-        let body = |c: u32| input.summaries[c as usize].body as usize;
+        let body = |c: u32| input.colliders.summaries[c as usize].body as usize;
         crowd.touch(body(contact.a), body(contact.b), &input.bodies.velocity, movers);
     });
 }
@@ -397,7 +397,7 @@ pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
 /// The tree slot of the body of a contact with static geometry.
 fn tree_slot_of(input: &PrepareInput<'_>, part: Part) -> Option<TreeSlot> {
     let contact = input.contacts.at(part.slot() as u32);
-    let body = |c: u32| input.summaries[c as usize].body as usize;
+    let body = |c: u32| input.colliders.summaries[c as usize].body as usize;
     input.tree_slots.of(body(contact.a).min(body(contact.b)))
 }
 
@@ -438,7 +438,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
             // The points of the first part, which has the most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
             let count = (width as u32).min(tree_start - at);
-            let worth = || Rows::worth(points, layer.group, input.friction, input.beside());
+            let worth = || Rows::worth(points, layer.group, input.friction, input.beside);
             // A single row has place for four points, with which one point comes to other bits than alone.
             if thin && !serial && points > 1 && (count as usize) < worth() {
                 for at in at..at + count {

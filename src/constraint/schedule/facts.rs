@@ -30,7 +30,7 @@ const STATIC: u8 = 8;
 impl Fact {
     #[inline]
     pub(super) fn of(input: &PrepareInput<'_>, slot: u32, contact: ContactRef<'_>) -> Fact {
-        let body = |c: u32| input.summaries[c as usize].body;
+        let body = |c: u32| input.colliders.summaries[c as usize].body;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u8::from(p.separation <= input.measures.touch)).sum();
         let deep = |p: &Point| p.separation < -CROWD_OVERLAP * input.measures.slop;
@@ -133,8 +133,8 @@ impl Facts {
 
 /// Whether springs act between the two shapes.
 fn is_soft(input: &PrepareInput<'_>, contact: ContactRef<'_>) -> bool {
-    let soft = |c: u32, part: u8| input.colliders[c as usize].is_soft(part);
-    input.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
+    let soft = |c: u32, part: u8| input.colliders.all[c as usize].is_soft(part);
+    input.beside.soft && (soft(contact.a, 0) || soft(contact.b, contact.material))
 }
 
 /// Calls `f` with each contact that has rows.
@@ -147,7 +147,7 @@ pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, f: impl FnMut(u32, Cont
 fn each_of<'a>(input: &PrepareInput<'a>, pairs: Range<usize>, mut f: impl FnMut(u32, ContactRef<'a>)) {
     let dynamic = input.bodies.dynamic();
     for pair in &input.pairs[pairs] {
-        if pair.contact == NO_CONTACT || pair.is_idle(input.summaries, dynamic) {
+        if pair.contact == NO_CONTACT || pair.is_idle(&input.colliders.summaries, dynamic) {
             continue;
         }
         for (slot, contact) in input.contacts.chain(pair.contact).filter(|(_, contact)| contact.count > 0) {

@@ -6,8 +6,7 @@ use crate::broad_phase::PairMemory;
 use crate::config::tuning::{CAST_MOTION, JOINT_HOLD_TIME, RECYCLE_DISTANCE};
 use crate::config::{ContinuousMethod, FrictionModel, Measures, Settings};
 use crate::constraint::{
-    FindInput, JointInput, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend, prepare,
-    row_cost,
+    Beside, PrepareInput, Prepared, StepLengths, WIDEST_JOINT_BATCH, find, lend, prepare, row_cost,
 };
 use crate::finish::Counts;
 use crate::forces::{Forces, cap, damp};
@@ -124,7 +123,7 @@ impl World {
     /// Makes the rows of the step.
     pub(crate) fn prepare(&mut self, workers: &Workers<'_>, lengths: StepLengths) -> Prepared {
         let mut allowances = self.allowances();
-        let lost = self.part(Part::Restitution, |world| world.find_impacts(lengths.dt(), &mut allowances));
+        let lost = self.part(Part::Restitution, |world| world.find_impacts(lengths, &mut allowances));
         self.part(Part::Joints, |world| world.arrange_joints(workers, lengths));
         let prepared = self.prepare_contacts(workers, lengths, &mut allowances);
         self.part(Part::Joints, |world| world.fill_joints(workers, lengths));
@@ -132,31 +131,22 @@ impl World {
     }
 
     /// Finds the points that may bounce. Returns the number beyond the allowance.
-    fn find_impacts(&mut self, dt: f32, allowances: &mut Allowances) -> u32 {
-        let Buffers { forces, restitution, .. } = &mut self.buffers;
-        if self.needs.restitution == 0 {
-            restitution.clear();
-            return 0;
-        }
-        let input = FindInput {
-            bodies: &self.bodies,
-            colliders: &self.colliders.all,
-            poses: &self.colliders.poses,
-            pairs: &self.broad.pairs,
-            contacts: &self.contacts,
-            joints: &self.joints,
-            motion: &forces.motion,
-            acceleration: &forces.acceleration,
-            tweaks: &self.events.tweaks,
-            measures: self.settings.measures(),
-            dt,
+    fn find_impacts(&mut self, lengths: StepLengths, allowances: &mut Allowances) -> u32 {
+        let mut impacts = std::mem::take(&mut self.buffers.restitution);
+        let lost = if self.needs.restitution == 0 {
+            impacts.clear();
+            0
+        } else {
+            let input = self.prepare_input(lengths, 0);
+            allowances.within(Category::Scratch, |allowance| find(&input, &mut impacts, allowance))
         };
-        allowances.within(Category::Scratch, |allowance| find(&input, restitution, allowance))
+        self.buffers.restitution = impacts;
+        lost
     }
 
     /// Arranges joints in trees and batches, if they changed, and fills the trees.
     fn arrange_joints(&mut self, workers: &Workers<'_>, lengths: StepLengths) {
-        let Buffers { joints: rows, forces, .. } = &mut self.buffers;
+        let mut rows = std::mem::take(&mut self.buffers.joints);
         if self.joints.changed {
             let (joints, bodies) = (&mut self.joints, &self.bodies);
             let held = rows.arranged_bytes() + joints.promised(WIDEST_JOINT_BATCH);
@@ -168,21 +158,11 @@ impl World {
             joints.note_resting(left, WIDEST_JOINT_BATCH, bodies);
         }
         if self.joints.count > 0 || !rows.tree_slots.is_empty() {
-            let input = JointInput {
-                bodies: &self.bodies,
-                inverse_inertia: &[],
-                acceleration: &forces.acceleration,
-                joints: &self.joints,
-                pairs: &self.broad.pairs,
-                summaries: &self.colliders.summaries,
-                tree_contacts: &[],
-                order: self.settings.order,
-                warm: lengths.ratio(),
-                h: lengths.now(),
-                unit: self.settings.length_unit,
-            };
-            rows.fill_trees(workers, &input, &mut forces.inverse_inertia);
+            let mut inertia = std::mem::take(&mut self.buffers.forces.inverse_inertia);
+            rows.fill_trees(workers, &self.prepare_input(lengths, 0), &mut inertia);
+            self.buffers.forces.inverse_inertia = inertia;
         }
+        self.buffers.joints = rows;
     }
 
     fn prepare_contacts(
@@ -203,18 +183,16 @@ impl World {
         prepared
     }
 
-    /// What the rows of contacts are made from. `ahead`: bytes that those of continuous collision may take.
+    /// What rows are made from. `ahead`: bytes that those of contacts by continuous collision may take.
     pub(crate) fn prepare_input(&self, lengths: StepLengths, ahead: usize) -> PrepareInput<'_> {
-        let forces = &self.buffers.forces;
+        let (forces, beside) = (&self.buffers.forces, self.needs.beside());
+        let tweaked = self.events.tweaks.iter().any(|tweak| tweak.surface != Vec3::ZERO);
         PrepareInput {
             bodies: &self.bodies,
-            colliders: &self.colliders.all,
-            summaries: &self.colliders.summaries,
-            poses: &self.colliders.poses,
+            colliders: &self.colliders,
             contacts: &self.contacts,
             pairs: &self.broad.pairs,
-            motion: &forces.motion,
-            inverse_inertia: &forces.inverse_inertia,
+            forces,
             measures: self.settings.measures(),
             ahead,
             lengths,
@@ -223,14 +201,9 @@ impl World {
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
-            surfaces: self.needs.belts > 0
-                || self.events.tweaks.iter().any(|tweak| tweak.surface != Vec3::ZERO),
-            rolling: self.needs.rolling > 0,
-            soft: self.needs.soft > 0,
+            beside: Beside { surfaces: beside.surfaces || tweaked, ..beside },
             joints: &self.joints,
-            acceleration: &forces.acceleration,
             marks: &[],
-            rare: &self.colliders.rare,
             scale: scale(&self.colliders, &self.bodies, forces, &self.settings, lengths.dt()),
         }
     }
@@ -240,22 +213,11 @@ impl World {
             return;
         }
         let (joints, slots) = (&self.joints, &self.bodies.slot);
-        let Buffers { joints: batches, forces, rows, prepare, .. } = &mut self.buffers;
-        prepare.crowd.leave_out(|body: usize| joints.of_body(slots[body]).next().is_some());
-        let input = JointInput {
-            bodies: &self.bodies,
-            inverse_inertia: &forces.inverse_inertia,
-            acceleration: &forces.acceleration,
-            joints,
-            pairs: &self.broad.pairs,
-            summaries: &self.colliders.summaries,
-            tree_contacts: &rows.tree_contacts,
-            order: self.settings.order,
-            warm: lengths.ratio(),
-            h: lengths.now(),
-            unit: self.settings.length_unit,
-        };
-        batches.fill(workers, &input);
+        let crowd = &mut self.buffers.prepare.crowd;
+        crowd.leave_out(|body: usize| joints.of_body(slots[body]).next().is_some());
+        let mut batches = std::mem::take(&mut self.buffers.joints);
+        batches.fill(workers, &self.prepare_input(lengths, 0), &self.buffers.rows.tree_contacts);
+        self.buffers.joints = batches;
     }
 
     /// The rows of the step for the solver, and the bodies that they act on.

@@ -24,7 +24,7 @@ pub(crate) fn mark(marks: &mut Vec<u8>, input: &PrepareInput<'_>, allowance: &mu
     marks.resize(dynamic, 0);
     for pair in pairs {
         for (_, contact) in contacts.chain(pair.contact) {
-            let [a, b] = [contact.a, contact.b].map(|c| &colliders[c as usize]);
+            let [a, b] = [contact.a, contact.b].map(|c| &colliders.all[c as usize]);
             let is_soft = a.is_soft(0) || b.is_soft(contact.material);
             let mark = if is_soft { YIELDS } else { HELD };
             for body in [a.body, b.body].into_iter().filter(|_| contact.count > 0) {

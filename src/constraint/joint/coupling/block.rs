@@ -6,8 +6,9 @@
 //! exact. A drive at its bound is fixed there, and the others are solved again.
 
 use super::{CouplingRow, Owner};
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::Motion;
-use crate::constraint::joint::batch::{JointInput, Link, Report, RowImpulse, Watched};
+use crate::constraint::joint::batch::{Link, Report, RowImpulse, Watched};
 use crate::constraint::joint::ends::JointPass;
 use crate::constraint::joint::spring::Spring;
 use crate::lanes::Record;
@@ -43,7 +44,7 @@ impl CouplingBlock {
     }
 
     /// Rows of a step.
-    pub(in crate::constraint::joint) fn fill(&mut self, input: &JointInput<'_>) {
+    pub(in crate::constraint::joint) fn fill(&mut self, input: &PrepareInput<'_>) {
         self.rows.clear();
         self.rows.extend(self.owners.iter().map(|&owner| CouplingRow::new(owner, input)));
         self.couple();

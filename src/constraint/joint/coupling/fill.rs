@@ -2,7 +2,7 @@
 
 use super::{Coupled, CouplingRow, Gauge, Owner, Pull};
 use crate::config::tuning::LOCK_AWRY;
-use crate::constraint::joint::batch::JointInput;
+use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::joint::ends::{Ends, Lever};
 use crate::constraint::joint::fill::{borne, place};
 use crate::constraint::joint::measure::Measure;
@@ -13,7 +13,7 @@ use std::f32::consts::TAU;
 
 impl CouplingRow {
     /// The row of a coupling or a drive: where its bodies are, and with what it bore.
-    pub(super) fn new(owner: Owner, input: &JointInput<'_>) -> CouplingRow {
+    pub(super) fn new(owner: Owner, input: &PrepareInput<'_>) -> CouplingRow {
         let mut row = match owner {
             Owner::Coupling(slot) => of_coupling(slot, input),
             Owner::Drive(index) => of_drive(index, input),
@@ -26,7 +26,7 @@ impl CouplingRow {
     }
 }
 
-fn of_coupling(slot: u32, input: &JointInput<'_>) -> CouplingRow {
+fn of_coupling(slot: u32, input: &PrepareInput<'_>) -> CouplingRow {
     let coupling = &input.joints.couplings.all[slot as usize];
     let (factors, mut displacements) = (coupling.scaled(), coupling.displacements);
     let motions = [0, 1].map(|i| {
@@ -45,8 +45,8 @@ fn of_coupling(slot: u32, input: &JointInput<'_>) -> CouplingRow {
         gap: room,
         equality: coupling.is_equality(),
         mobility: 0.0,
-        impulse: coupling.impulse.map(|impulse| impulse * input.warm),
-        lasting: coupling.lasting_impulse * input.warm,
+        impulse: coupling.impulse.map(|impulse| impulse * input.lengths.ratio()),
+        lasting: coupling.lasting_impulse * input.lengths.ratio(),
     };
     row.measure();
     if row.mobility <= 0.0 {
@@ -55,7 +55,7 @@ fn of_coupling(slot: u32, input: &JointInput<'_>) -> CouplingRow {
     row
 }
 
-fn of_drive(index: u32, input: &JointInput<'_>) -> CouplingRow {
+fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     let row = &input.joints.rows[index as usize];
     let term = Term { joint: row.joint, motion: row.motion, axes: row.axes };
     let (motion, value) = coupled(index, &term, 1.0, input);
@@ -77,16 +77,16 @@ fn of_drive(index: u32, input: &JointInput<'_>) -> CouplingRow {
         gap: [off, 0.0],
         equality: false,
         mobility: 0.0,
-        impulse: [row.impulse[0] * input.warm, 0.0],
+        impulse: [row.impulse[0] * input.lengths.ratio(), 0.0],
         lasting: 0.0,
     };
     made.measure();
     let spring = spring.coefficients();
     // Without spring and damper it does nothing.
     let numbers = (made.mobility > 0.0).then(|| spring.with_mobility(made.mobility));
-    match numbers.and_then(|spring| implicit(&spring, velocity, input.h)) {
+    match numbers.and_then(|spring| implicit(&spring, velocity, input.lengths.now())) {
         Some([pull, give, speed]) => {
-            made.drive = Some(Pull { pull, speed, give, most: max_force * input.h });
+            made.drive = Some(Pull { pull, speed, give, most: max_force * input.lengths.now() });
         }
         None => made.impulse = [0.0; 2],
     }
@@ -97,7 +97,7 @@ fn of_drive(index: u32, input: &JointInput<'_>) -> CouplingRow {
 const RIGID: Spring = Spring::Coefficients { stiffness: 0.0, damping: 0.0 };
 
 /// A motion, and its displacement without whole turns.
-fn coupled(owner: u32, term: &Term, factor: f32, input: &JointInput<'_>) -> (Coupled, f32) {
+fn coupled(owner: u32, term: &Term, factor: f32, input: &PrepareInput<'_>) -> (Coupled, f32) {
     let mut ends = Ends::default();
     let joint = &input.joints.all[term.joint as usize];
     let at = place(&mut ends, 0, owner, joint, input);
