@@ -7,7 +7,7 @@
 //! must not be crossed; where a joint can't be closed without crossing one, it stays open.
 
 use super::contacts::{Request, TreeBody};
-use super::node::{TreeWidth, on_nodes};
+use super::node::{TreeWidth, gather_up, on_nodes};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
@@ -52,7 +52,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.nodes.iter_mut().for_each(|node| node.velocity = Twist::zero());
             self.factor();
             self.request_closing();
-            self.gather_up();
+            gather_up(&mut self.nodes[..self.real]);
             if !own.is_empty() {
                 self.traverse(own, |batch, body| touch(batch, Request::Push(closing), body));
             }

@@ -8,10 +8,9 @@
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{Closing, crosses, keep_out};
-use super::node::{Node, TreeWidth, on_nodes, with_parent};
+use super::node::{Node, TreeWidth, gather_again, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
-use super::sweep::gather_again;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;

@@ -10,7 +10,7 @@
 //!
 //! A cut joint is a node after those of the bodies. It has its body a second time, and follows it.
 
-use super::node::{TreeWidth, Turns};
+use super::node::{TreeWidth, Turns, gather_up, pass_down};
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::config::tuning::JOINT_PUSH_SPEED;
@@ -196,8 +196,8 @@ impl<L: TreeWidth> TreeBatch<L> {
             }
         }
         self.nodes[..self.real].iter_mut().for_each(|node| node.requested = Twist::zero());
-        self.gather_up();
-        self.answer_bodies();
+        gather_up(&mut self.nodes[..self.real]);
+        pass_down(&mut self.nodes[..self.real]);
     }
 
     /// Change of the speed along a row in the last solution.

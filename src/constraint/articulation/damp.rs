@@ -15,8 +15,9 @@
 
 use super::close::Closing;
 use super::free_rotation::{exp, log};
-use super::node::{Node, TreeWidth};
+use super::node::{Node, TreeWidth, gather_up, on_nodes, with_parent};
 use super::spatial::Twist;
+use super::transfer::{read_displacements, read_velocities};
 use super::tree::TreeBatch;
 use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
@@ -36,8 +37,8 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// No other thread works on the bodies of the trees.
     pub(crate) unsafe fn strained(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
         // SAFETY: by the contract.
-        unsafe { self.load(motion) };
-        self.sum_impulses();
+        unsafe { read_velocities(&mut self.nodes, motion) };
+        sum_impulses(&mut self.nodes, self.real);
         let watched = L::Mask::from_bits(self.watched);
         for node in &mut self.nodes {
             let (mut own, start) = (node.velocity, &mut node.start);
@@ -58,7 +59,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             }
         }
         // SAFETY: by the contract.
-        unsafe { self.fetch(motion, self.exact) };
+        unsafe { read_displacements(&mut self.nodes, motion, self.exact) };
         self.place(0.0);
         for node in self.nodes.iter().filter(|node| node.jointed) {
             let [a, b] = node.arm_now;
@@ -97,7 +98,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             Twist { linear, angular: angular + node.start.driven }
         });
         self.bound_energy(most, lanes);
-        self.sum_impulses();
+        sum_impulses(&mut self.nodes, self.real);
         self.add_motors(|node| &mut node.pushed.angular);
         self.add_geometric_stiffness();
         for node in &mut self.nodes {
@@ -144,7 +145,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 }
                 node.requested.add(node.open());
             }
-            self.gather_up();
+            gather_up(&mut self.nodes[..self.real]);
             self.extra.shifts = true;
             self.answer_all();
             self.extra.shifts = false;
@@ -286,19 +287,24 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.velocity = Twist::select(over, slower, node.velocity);
         }
     }
+}
 
-    /// Sums the impulses of joints on each body.
-    fn sum_impulses(&mut self) {
-        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
+on_nodes! {
+    /// Sums the impulses of joints on each body, at the current arms.
+    pub(super) fn sum_impulses<'a, L>(nodes, real: usize) {
+        for node in &mut *nodes {
+            node.pushed = Twist::zero();
+        }
+        for i in 0..nodes.len() {
+            let (parent, node) = with_parent(nodes, i);
             let force = Twist { linear: node.impulse, angular: node.twist };
-            let [own, other] = node.arm_now.map(|arm| force.moved(arm));
+            let [arm, above] = node.arm_now;
+            let own = force.moved(arm);
             if let Some(parent) = parent {
-                parent.pushed.subtract(other);
+                parent.pushed.subtract(force.moved(above));
             }
-            let body = self.body_of(i);
-            self.nodes[body].pushed.add(own);
+            let body = if i < real { i } else { node.own as usize };
+            nodes[body].pushed.add(own);
         }
     }
 }

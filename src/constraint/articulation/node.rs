@@ -403,6 +403,51 @@ impl<L: Lanes> Node<L> {
 }
 
 on_nodes! {
+    /// Collects from the leaves to the root, without cut joints, what is requested of each joint, less what
+    /// the joints below it do.
+    pub(super) fn gather_up<'a, L>(bodies) {
+        for node in &mut *bodies {
+            node.carried = Twist::zero();
+        }
+        for i in (0..bodies.len()).rev() {
+            let (parent, node) = with_parent(bodies, i);
+            if !node.jointed {
+                continue;
+            }
+            let mut carried = node.carried;
+            carried.add(node.pushed);
+            let mut all = node.free.mul(&carried).seen_at(node.arm_now[0]);
+            all.add(node.requested);
+            node.requested = node.unspun(all);
+            if let Some(parent) = parent {
+                node.beside = parent.carried;
+                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
+            }
+        }
+    }
+}
+
+on_nodes! {
+    /// The same after requests have changed: what each joint passes on.
+    pub(super) fn gather_again<'a, L>(bodies) {
+        for node in &mut *bodies {
+            node.carried = Twist::zero();
+        }
+        for i in (0..bodies.len()).rev() {
+            let (parent, node) = with_parent(bodies, i);
+            if !node.jointed {
+                continue;
+            }
+            node.requested = node.unspun(node.requested);
+            if let Some(parent) = parent {
+                node.beside = parent.carried;
+                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
+            }
+        }
+    }
+}
+
+on_nodes! {
     /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
     /// velocity by them and by other impulses, of nodes that are bodies.
     ///

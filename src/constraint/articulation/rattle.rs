@@ -12,10 +12,12 @@
 
 use super::close::{Closing, squares};
 use super::contacts::{Request, TreeBody};
+use super::damp::sum_impulses;
 use super::free_rotation::{exp, log, log_near, moved_by};
-use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
+use super::node::{Node, TreeWidth, Turns, gather_up, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
+use super::transfer::{read_displacements, read_velocities, save};
 use super::tree::TreeBatch;
 use crate::config::tuning::{
     RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
@@ -152,8 +154,8 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         let free = unsafe {
-            self.load(motion);
-            self.is_free(motion)
+            read_velocities(&mut self.nodes, motion);
+            L::Mask::from_bits(is_free(&mut self.nodes, motion))
         };
         let (exact, zero) = (self.exact(), Vec3::zero());
         let alone = exact & free;
@@ -181,7 +183,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         let (known, lost) = self.close_ahead(pass, exact, alone);
         (self.known, self.lost, self.astray) = (known, lost.bits(), 0);
         // SAFETY: by the contract.
-        unsafe { self.save(motion, self.exact) };
+        unsafe { save(&mut self.nodes[..self.real], motion, self.exact, self.exact) };
     }
 
     /// First guess of the angular velocities at the start of the substep. Where nothing else acts, those that
@@ -192,8 +194,8 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn guess(&mut self, motion: &Motion<'_, '_>, alone: L::Mask) {
-        sum_last_moments(&mut self.nodes, self.real);
-        self.add_motors(|node| &mut node.carried.angular);
+        sum_impulses(&mut self.nodes, self.real);
+        self.add_motors(|node| &mut node.pushed.angular);
         // SAFETY: by the contract.
         unsafe { guess(&mut self.nodes, motion, alone.bits()) };
         self.repeat_bodies();
@@ -235,16 +237,6 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.twist = Vec3::select(lanes, zero, node.twist);
         }
         self.sweep(&JointPass::relaxing(1.0 / self.h), lanes, &[], |_, _| {});
-    }
-
-    /// Whether only joints and external forces act on the trees: then they fall as free bodies do, along
-    /// parabolas.
-    ///
-    /// # Safety
-    /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn is_free(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
-        // SAFETY: by the contract.
-        L::Mask::from_bits(unsafe { is_free(&mut self.nodes, motion) })
     }
 
     /// Predicts where the velocities take the bodies in the substep, with free rotation.
@@ -325,8 +317,8 @@ impl<L: TreeWidth> TreeBatch<L> {
     unsafe fn advance(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
-            self.load(motion);
-            self.fetch(motion, self.exact);
+            read_velocities(&mut self.nodes, motion);
+            read_displacements(&mut self.nodes, motion, self.exact);
         }
         let parts = self.parts();
         if parts > 1.0 {
@@ -335,7 +327,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.drift(self.lag);
         }
         // SAFETY: by the contract.
-        unsafe { self.save(motion, self.exact) };
+        unsafe { save(&mut self.nodes[..self.real], motion, self.exact, self.exact) };
         self.place(0.0);
     }
 
@@ -390,7 +382,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     fn settle(&mut self) {
         let exact = self.exact();
         self.request_closing();
-        self.gather_up();
+        gather_up(&mut self.nodes[..self.real]);
         self.extra.shifts = true;
         self.answer_all();
         self.extra.shifts = false;
@@ -398,25 +390,6 @@ impl<L: TreeWidth> TreeBatch<L> {
             node.shift(Twist::select(exact, node.change, Twist::zero()));
         }
         self.place(0.0);
-    }
-}
-
-on_nodes! {
-    /// Sums the angular impulses of joints on each body in the last substep.
-    fn sum_last_moments<'a, L>(nodes, real: usize) {
-        for node in &mut *nodes {
-            node.carried.angular = Vec3::zero();
-        }
-        for i in 0..nodes.len() {
-            let (parent, node) = with_parent(nodes, i);
-            let [arm, above] = node.arm_now;
-            let own = arm.cross(node.impulse) + node.twist;
-            if let Some(parent) = parent {
-                parent.carried.angular -= above.cross(node.impulse) + node.twist;
-            }
-            let body = if i < real { i } else { node.own as usize };
-            nodes[body].carried.angular += own;
-        }
     }
 }
 
@@ -431,18 +404,19 @@ on_nodes! {
             // SAFETY: by the contract.
             let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
             let mut own = node.velocity;
-            own.angular += node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
+            own.angular += node.stiffened_inverse.mul(node.pushed.angular * L::splat(0.5));
             node.velocity = Twist::select(alone, own, Twist { linear, angular });
         }
     }
 }
 
 on_nodes! {
-    /// See [`TreeBatch::is_free`].
+    /// Lanes in which only joints and external forces act on the trees: these fall as free bodies do, along
+    /// parabolas.
     ///
     /// # Safety
-    /// As there.
-    unsafe fn is_free<'a, L>(nodes, motion: &'a Motion<'a, 'a>) -> u32 {
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(super) unsafe fn is_free<'a, L>(nodes, motion: &'a Motion<'a, 'a>) -> u32 {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.base.read(i) };
         let mut same = L::zero().eq(L::zero());

@@ -2,7 +2,7 @@
 
 use super::contacts::TreeBody;
 use super::cut::Drives;
-use super::node::{TreeWidth, factor, on_nodes, pass_down, with_parent};
+use super::node::{TreeWidth, factor, gather_up, on_nodes, pass_down, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
@@ -33,7 +33,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         };
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         request_velocities(&mut self.nodes, pass, &rate.eight());
-        self.gather_up();
+        gather_up(&mut self.nodes[..self.real]);
         if !contacts.is_empty() {
             self.traverse(contacts, touch);
         }
@@ -48,21 +48,10 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// The impulses of joints that meet what was requested, and the changes of velocity by them and by other
     /// impulses.
     pub(crate) fn answer_all(&mut self) {
-        self.answer_bodies();
+        pass_down(&mut self.nodes[..self.real]);
         if self.has_extra() {
             self.answer_extra();
         }
-    }
-
-    /// The same without cut joints.
-    pub(crate) fn answer_bodies(&mut self) {
-        pass_down(&mut self.nodes[..self.real]);
-    }
-
-    /// Collects from the leaves to the root, without cut joints, what is requested of each joint, less what
-    /// the joints below it do.
-    pub(crate) fn gather_up(&mut self) {
-        gather_up(&mut self.nodes[..self.real]);
     }
 
     /// Requests that all joints close what is open. Nothing else pushes.
@@ -93,50 +82,6 @@ on_nodes! {
                 requested.add(node.bend);
             }
             node.requested = requested;
-        }
-    }
-}
-
-on_nodes! {
-    /// See [`TreeBatch::gather_up`].
-    fn gather_up<'a, L>(bodies) {
-        for node in &mut *bodies {
-            node.carried = Twist::zero();
-        }
-        for i in (0..bodies.len()).rev() {
-            let (parent, node) = with_parent(bodies, i);
-            if !node.jointed {
-                continue;
-            }
-            let mut carried = node.carried;
-            carried.add(node.pushed);
-            let mut all = node.free.mul(&carried).seen_at(node.arm_now[0]);
-            all.add(node.requested);
-            node.requested = node.unspun(all);
-            if let Some(parent) = parent {
-                node.beside = parent.carried;
-                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
-            }
-        }
-    }
-}
-
-on_nodes! {
-    /// The same after requests have changed: what each joint passes on.
-    pub(super) fn gather_again<'a, L>(bodies) {
-        for node in &mut *bodies {
-            node.carried = Twist::zero();
-        }
-        for i in (0..bodies.len()).rev() {
-            let (parent, node) = with_parent(bodies, i);
-            if !node.jointed {
-                continue;
-            }
-            node.requested = node.unspun(node.requested);
-            if let Some(parent) = parent {
-                node.beside = parent.carried;
-                parent.carried.add(node.push(&node.stiff, &node.requested).moved(node.arm_now[1]));
-            }
         }
     }
 }

@@ -19,26 +19,8 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// No thread writes displacements of the trees.
     pub(crate) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
-        unsafe { self.fetch(motion, 0) };
+        unsafe { read_displacements(&mut self.nodes, motion, 0) };
         self.place(0.0);
-    }
-
-    /// Reads displacements, except in lanes that know theirs.
-    ///
-    /// # Safety
-    /// No thread writes displacements of the trees.
-    pub(crate) unsafe fn fetch(&mut self, motion: &Motion<'_, '_>, known: u32) {
-        // SAFETY: by the contract.
-        unsafe { read_displacements(&mut self.nodes, motion, known) };
-    }
-
-    /// Reads velocities.
-    ///
-    /// # Safety
-    /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe { read_velocities(&mut self.nodes, motion) };
     }
 
     /// Arms and separations after displacements, `left` seconds before the anchors reach the ends of theirs.
@@ -73,17 +55,6 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         let (bodies, cuts) = self.nodes.split_at_mut(self.real);
         cuts.iter_mut().for_each(|cut| cut.moved = bodies[cut.own as usize].moved);
-    }
-
-    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
-    /// start for the next substep: it is added to the velocities before rows acted too.
-    ///
-    /// # Safety
-    /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn save(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
-        let real = self.real;
-        // SAFETY: by the contract.
-        unsafe { save(&mut self.nodes[..real], motion, lanes, self.exact) };
     }
 }
 
@@ -123,11 +94,11 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// See [`TreeBatch::fetch`].
+    /// Reads displacements, except in lanes that know theirs.
     ///
     /// # Safety
-    /// As there.
-    unsafe fn read_displacements<'a, L>(nodes, motion: &'a Motion<'a, 'a>, known: u32) {
+    /// No thread writes displacements of the trees.
+    pub(super) unsafe fn read_displacements<'a, L>(nodes, motion: &'a Motion<'a, 'a>, known: u32) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
         let known = L::Mask::from_bits(known);
@@ -178,11 +149,11 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// See [`TreeBatch::load`].
+    /// Reads velocities.
     ///
     /// # Safety
-    /// As there.
-    unsafe fn read_velocities<'a, L>(nodes, motion: &'a Motion<'a, 'a>) {
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(super) unsafe fn read_velocities<'a, L>(nodes, motion: &'a Motion<'a, 'a>) {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let read = |i| unsafe { motion.velocity.read(i) };
         for node in nodes {
@@ -198,11 +169,12 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// See [`TreeBatch::save`].
+    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
+    /// start for the next substep: it is added to the velocities before rows acted too.
     ///
     /// # Safety
-    /// As there.
-    unsafe fn save<'a, L>(bodies, motion: &'a Motion<'a, 'a>, lanes: u32, exact: u32) {
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(super) unsafe fn save<'a, L>(bodies, motion: &'a Motion<'a, 'a>, lanes: u32, exact: u32) {
         for node in bodies {
             let before = &node.drift.before;
             let all = scatter(node.velocity.linear, node.velocity.angular);

@@ -11,10 +11,12 @@
 mod batch;
 
 use super::contacts::TreeBody;
-use super::node::{Node, TreeWidth, Turns, on_nodes, with_parent};
+use super::damp::sum_impulses;
+use super::node::{Node, TreeWidth, Turns, on_nodes};
+use super::rattle::is_free;
 use super::slots::TreeContacts;
 use super::spatial::Twist;
-use super::transfer::predict_bend;
+use super::transfer::{predict_bend, read_velocities, save};
 use crate::config::tuning::LIGHTEST_LINK;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
@@ -78,7 +80,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         // SAFETY: by the contract; what velocities were is not written while rows are solved.
         unsafe {
             predict_bend(&mut self.nodes, motion, self.h, self.exact);
-            self.load(motion);
+            read_velocities(&mut self.nodes, motion);
         }
         let exact = self.exact();
         for i in 0..self.nodes.len() {
@@ -94,14 +96,15 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.turn_along();
         self.fresh = false;
         // SAFETY: by the contract.
-        unsafe { self.save(motion, !self.exact) };
+        unsafe { save(&mut self.nodes[..self.real], motion, !self.exact, self.exact) };
     }
 
     /// Recomputes the angular velocities that bodies get from impulses and external forces, at the current
     /// arms: warm starting adds impulses as if bodies had not turned, and a pendulum would gain energy.
     fn turn_along(&mut self) {
-        sum_moments(&mut self.nodes, self.real);
-        self.add_motors(|node| &mut node.requested.angular);
+        clear_hinges(&mut self.nodes);
+        sum_impulses(&mut self.nodes, self.real);
+        self.add_motors(|node| &mut node.pushed.angular);
         turn_along(&mut self.nodes, self.exact);
         self.repeat_bodies();
     }
@@ -155,12 +158,13 @@ impl<L: TreeWidth> TreeBatch<L> {
             unsafe { predict_bend(&mut self.nodes, motion, 1.0 / pass.inverse_h, self.exact) };
         }
         // SAFETY: by the contract.
-        unsafe { self.load(motion) };
+        unsafe { read_velocities(&mut self.nodes, motion) };
         let mut lanes = L::zero().eq(L::zero());
         if self.exact != 0 && !pass.relax {
             // Where nothing has acted since the joints did, they are solved already.
             // SAFETY: by the contract.
-            lanes = !(self.exact() & unsafe { self.is_free(motion) });
+            let free = unsafe { is_free(&mut self.nodes, motion) };
+            lanes = !(self.exact() & L::Mask::from_bits(free));
             self.calm &= !lanes.bits();
             if !warm && lanes.bits() & self.exact == 0 {
                 return;
@@ -176,29 +180,17 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.keep_energy();
         }
         // SAFETY: by the contract.
-        unsafe { self.save(motion, lanes.bits()) };
+        unsafe { save(&mut self.nodes[..self.real], motion, lanes.bits(), self.exact) };
     }
 }
 
 on_nodes! {
-    /// Sums the angular impulses of joints on each body, at the current arms.
-    fn sum_moments<'a, L>(nodes, real: usize) {
-        for node in &mut *nodes {
+    /// Takes from hinges what they do not transmit: impulses about their axes, which have turned.
+    fn clear_hinges<'a, L>(nodes) {
+        for node in nodes {
             if node.turns == Turns::AboutAxis {
-                // A hinge transmits nothing about its axis, which has turned.
                 node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
             }
-            node.requested.angular = Vec3::zero();
-        }
-        for i in 0..nodes.len() {
-            let (parent, node) = with_parent(nodes, i);
-            let [arm, above] = node.arm_now;
-            let own = arm.cross(node.impulse) + node.twist;
-            if let Some(parent) = parent {
-                parent.requested.angular -= above.cross(node.impulse) + node.twist;
-            }
-            let body = if i < real { i } else { node.own as usize };
-            nodes[body].requested.angular += own;
         }
     }
 }
@@ -209,7 +201,7 @@ on_nodes! {
         let exact = L::Mask::from_bits(exact);
         for node in nodes {
             let own = node.velocity.angular - node.gained;
-            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.requested.angular);
+            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.pushed.angular);
             node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
             node.gained = now - own;
         }
