@@ -7,7 +7,6 @@ mod restitution;
 pub(crate) mod schedule;
 mod tweak;
 
-pub(crate) use articulation::close::Closing;
 pub(crate) use articulation::contacts::guard;
 pub(crate) use articulation::slots::{TreeRef, TreeSlot, TreeSlots};
 pub(crate) use contact::batch::Batch;

@@ -35,7 +35,6 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Made, bytes_of, sum_bytes};
 use crate::narrow_phase::Scratch;
-use crate::solver::closing;
 use crate::threads::{Shared, Workers};
 use std::sync::{Mutex, PoisonError};
 
@@ -259,8 +258,8 @@ fn mend_all(guard: &Guard<'_>, input: &mut Input<'_>, buffers: &mut Buffers, mov
         moved.held.cut += guard.hold_movers(&broad.pairs, &mut movers);
     }
     if !cut.is_empty() {
-        let closing = closing(settings);
-        Trees { bodies, delta, rows, joints: joint_rows, closing }.mend(guard, cut, &mut stack);
+        let slop = settings.measures().slop;
+        Trees { bodies, delta, rows, joints: joint_rows, slop }.mend(guard, cut, &mut stack);
         cut.clear();
     }
     if movers > dynamic && guard.cuts {

@@ -9,7 +9,7 @@ use super::guard::Guard;
 use crate::body::{Bodies, Pose, exp_map};
 use crate::config::tuning::{CENTRE_ASIDE, STUCK_TREE, STUCK_TREE_SPEED};
 use crate::constraint::contact::row::Motion;
-use crate::constraint::{Closing, JointRows, Rows, TreeSlot};
+use crate::constraint::{JointRows, Rows, TreeSlot};
 use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
@@ -20,7 +20,8 @@ pub(super) struct Trees<'a> {
     pub(super) delta: &'a mut [Record],
     pub(super) rows: &'a mut Rows,
     pub(super) joints: &'a mut JointRows,
-    pub(super) closing: Closing,
+    /// Overlap that contacts leave alone [m].
+    pub(super) slop: f32,
 }
 
 impl Trees<'_> {
@@ -75,7 +76,7 @@ impl Trees<'_> {
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         let views = self.joints.views();
         // SAFETY: there is no other thread.
-        unsafe { views.close(slot.place().0, &motion, &self.closing, &along) };
+        unsafe { views.close(slot.place().0, &motion, self.slop, &along) };
     }
 }
 

@@ -2,11 +2,7 @@
 
 use super::parameters::PassParameters;
 use super::{BLOCK, PassKind, Passes, share_out};
-use crate::config::Settings;
-use crate::config::tuning::JOINT_OPEN;
-use crate::constraint::{
-    Closing, JointPass, JointStage, JointType, JointViews, Recovery, TouchInput, TreeRef,
-};
+use crate::constraint::{JointPass, JointStage, JointType, JointViews, Recovery, TouchInput, TreeRef};
 
 /// Batches of joint rows, in the order in which they are solved.
 pub(super) struct JointBatches<'a> {
@@ -76,8 +72,8 @@ impl Passes<'_> {
     }
 
     /// Closes locks outside trees, moves the bodies of trees that conserve energy, and closes the joints of
-    /// trees.
-    pub(super) fn close_joints(&self, closing: &Closing) {
+    /// trees. `slop`: overlap that contacts leave alone [m].
+    pub(super) fn close_joints(&self, slop: f32) {
         let Recovery { linear, angular } = self.parameters.recovery;
         let inverse_h = self.parameters.inverse_h;
         let most = Recovery { linear: linear / inverse_h, angular: angular / inverse_h };
@@ -92,7 +88,7 @@ impl Passes<'_> {
             // SAFETY: each batch is in one stage, and no dynamic body is in two.
             let one = |i: usize| unsafe {
                 let tree = TreeRef::new(i, stage.single);
-                views.go(tree, self.motion, closing, &self.contacts);
+                views.go(tree, self.motion, slop, &self.contacts);
             };
             share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
         }
@@ -102,9 +98,4 @@ impl Passes<'_> {
         let PassParameters { inverse_h, joint, recovery, .. } = self.parameters;
         JointPass { inverse_h, softness: joint, recovery, moved: false, fresh: false, relax: false }
     }
-}
-
-/// How far the joints of trees may be open.
-pub(crate) fn closing(settings: &Settings) -> Closing {
-    Closing { tolerance: JOINT_OPEN, slop: settings.measures().slop }
 }

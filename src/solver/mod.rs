@@ -30,7 +30,6 @@ use crate::threads::{Shared, Workers, per_block};
 pub(crate) use impact_body::ImpactBody;
 use integrate::{FastLimit, Integrator};
 use joint_passes::JointBatches;
-pub(crate) use joint_passes::closing;
 use parameters::PassParameters;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,7 +2,7 @@
 
 use super::integrate::{Integrator, WarmStart};
 use super::store::{add_impulses, disable};
-use super::{PassKind, Passes, Witness, closing};
+use super::{PassKind, Passes, Witness};
 use crate::body::{BySlot, ColliderList, Mass, Pose, SpeedCap, Traits};
 use crate::config::Settings;
 use crate::config::tuning::BOUNCE_TOGETHER;
@@ -226,7 +226,7 @@ impl Substeps<'_> {
                 this.restitution.go_on(*h, [velocity, base, delta], &this.forces.acceleration);
             }
             if passes.joints.exist() {
-                passes.close_joints(&closing(settings));
+                passes.close_joints(settings.measures().slop);
             }
         });
     }

@@ -11,6 +11,7 @@ use super::node::{TreeWidth, gather_up, on_nodes};
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
+use crate::config::tuning::JOINT_OPEN;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::row::{BodyPair, Motion, Response, relative, row};
 use crate::lanes::{GatherLanes, Mask, Vec3};
@@ -21,24 +22,15 @@ const ROUNDS: u32 = 8;
 /// A displacement [m] above this is no solution.
 const FURTHEST: f32 = 1e6;
 
-/// Tolerances for closing trees.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Closing {
-    /// Errors up to this are left to the velocities [length units] or [rad].
-    pub(crate) tolerance: f32,
-    /// Overlap that contacts leave alone [m].
-    pub(crate) slop: f32,
-}
-
 impl<L: TreeWidth> TreeBatch<L> {
-    /// Closes the joints that are open.
+    /// Closes the joints that are open. `slop`: overlap that contacts leave alone [m].
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees, and none writes their displacements.
     pub(crate) unsafe fn close(
         &mut self,
         motion: &Motion<'_, '_>,
-        closing: &Closing,
+        slop: f32,
         contacts: &[TreeContacts],
         mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
@@ -46,7 +38,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         // SAFETY: by the contract.
         unsafe { self.follow(motion) };
         for _ in 0..ROUNDS {
-            if !self.is_open(closing.tolerance) {
+            if !self.is_open(JOINT_OPEN) {
                 return;
             }
             self.nodes.iter_mut().for_each(|node| node.velocity = Twist::zero());
@@ -54,7 +46,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             self.request_closing();
             gather_up(&mut self.nodes[..self.real]);
             if !own.is_empty() {
-                self.traverse(own, |batch, body| touch(batch, Request::Push(closing), body));
+                self.traverse(own, |batch, body| touch(batch, Request::Push(slop), body));
             }
             self.extra.shifts = true;
             self.answer_all();
@@ -63,7 +55,7 @@ impl<L: TreeWidth> TreeBatch<L> {
             for batch in own {
                 let node = &mut self.nodes[batch.node as usize];
                 let mut body = TreeBody::new(node.change, &node.whole);
-                touch(batch, Request::Stop(closing), &mut body);
+                touch(batch, Request::Stop(slop), &mut body);
                 node.change = body.velocity();
             }
             let sound = shift(&mut self.nodes);
@@ -144,10 +136,10 @@ fn room<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
     i: usize,
     moved: &BodyPair<L>,
-    closing: &Closing,
+    slop: f32,
 ) -> L {
     let point = &batch.points[i];
-    let allowance = (point.now + L::splat(closing.slop)).max(L::zero());
+    let allowance = (point.now + L::splat(slop)).max(L::zero());
     relative::<L, 0>(batch.normal, moved) + row(moved, point) + allowance
 }
 
@@ -156,12 +148,12 @@ fn room<L: GatherLanes, const P: usize>(
 pub(crate) fn crosses<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
     moved: &BodyPair<L>,
-    closing: &Closing,
+    slop: f32,
 ) -> bool {
     let mut crosses = L::zero().gt(L::zero());
     for i in 0..P {
         let stands = batch.points[i].mass.gt(L::zero());
-        crosses = crosses | (stands & room(batch, i, moved, closing).lt(L::zero()));
+        crosses = crosses | (stands & room(batch, i, moved, slop).lt(L::zero()));
     }
     crosses.any()
 }
@@ -172,11 +164,11 @@ pub(crate) fn crosses<L: GatherLanes, const P: usize>(
 pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
     moved: &mut BodyPair<L>,
-    closing: &Closing,
+    slop: f32,
     response: &mut impl Response<L, P, 0>,
 ) {
     for i in 0..P {
-        let (over, mass) = (room(batch, i, moved, closing), response.mass(batch, i));
+        let (over, mass) = (room(batch, i, moved, slop), response.mass(batch, i));
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
         response.apply(batch, moved, batch.normal * p, batch.points[i].arm_a * p, Vec3::zero());
     }

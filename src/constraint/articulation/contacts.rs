@@ -7,7 +7,7 @@
 //! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
-use super::close::{Closing, crosses, keep_out};
+use super::close::{crosses, keep_out};
 use super::node::{Node, TreeWidth, gather_again, on_nodes, with_parent};
 use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
@@ -31,10 +31,10 @@ const TRAVERSALS: u32 = 2;
 pub(crate) enum Request<'a> {
     /// One Gauss-Seidel step.
     Solve(&'a Pass<'a>),
-    /// Push back a displacement that would cross them.
-    Push(&'a Closing),
+    /// Push back a displacement that would cross them by more than an overlap [m].
+    Push(f32),
     /// The same for each body alone, without the tree.
-    Stop(&'a Closing),
+    Stop(f32),
 }
 
 /// Widths in which trees are solved, with the contacts of their bodies.
@@ -325,13 +325,13 @@ kernel! {
                 sweep::<L, P, 0, true, _>(batch, Some(friction), rolling, &mut pair, pass, &mut whole);
                 *push = whole.push;
             }
-            (Request::Push(closing), _) if !crosses(batch, &pair, closing) => {}
-            (Request::Push(closing), _) => {
+            (Request::Push(slop), _) if !crosses(batch, &pair, slop) => {}
+            (Request::Push(slop), _) => {
                 let mut whole = Whole::new(whole, batch, None);
-                keep_out(batch, &mut pair, closing, &mut whole);
+                keep_out(batch, &mut pair, slop, &mut whole);
                 *push = whole.push;
             }
-            (Request::Stop(closing), _) => keep_out(batch, &mut pair, closing, &mut Free),
+            (Request::Stop(slop), _) => keep_out(batch, &mut pair, slop, &mut Free),
         }
         *v = Twist { linear: pair.va, angular: pair.wa };
     }

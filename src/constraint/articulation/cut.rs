@@ -15,7 +15,7 @@ use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::config::tuning::JOINT_PUSH_SPEED;
 use crate::constraint::joint::ends::NONE;
-use crate::constraint::joint::spring::{ENDLESS, before_stops};
+use crate::constraint::joint::spring::{ENDLESS, Spring, before_stops};
 use crate::lanes::{Lanes, Mask, Vec3};
 
 /// Maximum number of rows beside a tree: each is coupled to all others.
@@ -37,11 +37,7 @@ pub(crate) struct Motor<L> {
     pub(crate) off: L,
     /// Where the joint's own range stops it, beside `off` [rad].
     pub(crate) stops: [L; 2],
-    /// As in [`RowBatch`](crate::constraint::joint::row::RowBatch).
-    pub(crate) pull: L,
-    pub(crate) speed: L,
-    pub(crate) give: L,
-    pub(crate) most: L,
+    pub(crate) spring: Spring<L>,
     /// Angular impulse on the body in the last substep [N m s].
     pub(crate) impulse: L,
     /// What the last solution subtracts from it.
@@ -51,6 +47,11 @@ pub(crate) struct Motor<L> {
 impl<L: Lanes> Motor<L> {
     pub(crate) fn new(node: u32) -> Self {
         Motor { owner: [NONE; 8], node, stops: ENDLESS.map(L::splat), ..Motor::default() }
+    }
+
+    #[inline(always)]
+    fn bounded(&self, impulse: L) -> L {
+        impulse.max(-self.spring.most).min(self.spring.most)
     }
 }
 
@@ -256,9 +257,10 @@ impl<L: TreeWidth> TreeBatch<L> {
                 let speed = axis.dot(node.velocity.angular - turns) + self.change_along(direction);
                 let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
                 let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
+                let Spring { pull, speed: target, give, .. } = motor.spring;
                 let requested =
-                    before_stops(motor.speed, off, &motor.stops, over, [rate, L::splat(JOINT_PUSH_SPEED)]);
-                rest[row] = speed - (requested - off * motor.pull) + motor.give * motor.impulse;
+                    before_stops(target, off, &motor.stops, over, [rate, L::splat(JOINT_PUSH_SPEED)]);
+                rest[row] = speed - (requested - off * pull) + give * motor.impulse;
             }
         }
         let push = extra.solve(&rest, cut);
@@ -315,7 +317,7 @@ impl<L: Lanes> Extra<L> {
         for (motor, fixed) in self.motors.iter().zip(&mut fixed[cut..]) {
             *fixed = match self.drives {
                 Drives::None => zero.eq(zero),
-                Drives::Rigid => motor.give.gt(zero),
+                Drives::Rigid => motor.spring.give.gt(zero),
                 Drives::All => zero.gt(zero),
             };
         }
@@ -335,7 +337,7 @@ impl<L: Lanes> Extra<L> {
                     sum -= L::select(fixed[k], answer * push[k], zero);
                     matrix[i][k] = L::select(fixed[i] | fixed[k], zero, answer);
                 }
-                let own = if i >= cut { self.motors[i - cut].give } else { zero };
+                let own = if i >= cut { self.motors[i - cut].spring.give } else { zero };
                 // A fixed row keeps its impulse below.
                 matrix[i][i] = L::select(fixed[i], self.alone[i][0], matrix[i][i] + own);
                 right[i] = L::select(fixed[i], zero, sum);
@@ -348,10 +350,10 @@ impl<L: Lanes> Extra<L> {
             let mut changed = zero.gt(zero);
             for (motor, i) in self.motors.iter().zip(cut..) {
                 let new = motor.impulse - push[i];
-                let bounded = new.max(-motor.most).min(motor.most);
+                let bounded = motor.bounded(new);
                 let over = !(new.eq(bounded) | fixed[i]);
                 // A row stays at its bound as long as it would exceed it.
-                let mut more = rest[i] - motor.give * push[i];
+                let mut more = rest[i] - motor.spring.give * push[i];
                 for k in 0..count {
                     more -= self.answers[i * count + k] * push[k];
                 }
@@ -365,7 +367,7 @@ impl<L: Lanes> Extra<L> {
             }
         }
         for (motor, i) in self.motors.iter().zip(cut..) {
-            let bounded = (motor.impulse - push[i]).max(-motor.most).min(motor.most);
+            let bounded = motor.bounded(motor.impulse - push[i]);
             push[i] = L::select(idle[i], zero, motor.impulse - bounded);
         }
         push

@@ -13,13 +13,12 @@
 //! ([`TreeBatch::add_geometric_stiffness`]), which keeps light bodies from overshooting. If it is not found,
 //! the tree moves on as one rigid piece without rotation, closed as it was.
 
-use super::close::Closing;
 use super::free_rotation::{exp, log};
 use super::node::{Node, TreeWidth, gather_up, on_nodes, with_parent};
 use super::spatial::Twist;
 use super::transfer::{read_displacements, read_velocities};
 use super::tree::TreeBatch;
-use crate::config::tuning::{TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
+use crate::config::tuning::{JOINT_OPEN, TREE_CLOSED, TREE_ENERGY_BAND, TREE_STRAIN};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{Mask, Vec3, scatter};
@@ -76,15 +75,15 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// No other thread works on the bodies of the trees.
     #[cold]
     #[inline(never)]
-    pub(crate) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, closing: &Closing, lanes: L::Mask) {
+    pub(crate) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, lanes: L::Mask) {
         self.damped |= lanes.bits();
         let inverse_h = L::splat(1.0 / self.h);
         for node in &mut self.nodes {
             node.moved = Twist::select(lanes, node.start.moved, node.moved);
         }
         self.place(0.0);
-        self.find_closed(closing, lanes);
-        let held = self.open_by(closing.tolerance) & lanes;
+        self.find_closed(lanes);
+        let held = self.open_by(JOINT_OPEN) & lanes;
         if held.any() {
             self.hold(held);
         }
@@ -118,7 +117,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     }
 
     /// Moves the bodies of some lanes to where all joints are closed, by Newton's method.
-    fn find_closed(&mut self, closing: &Closing, lanes: L::Mask) {
+    fn find_closed(&mut self, lanes: L::Mask) {
         let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
         let mut left = lanes;
         for _ in 0..ROUNDS {
@@ -162,7 +161,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 node.twist = Vec3::select(left, force.angular, node.twist);
             }
             self.place(0.0);
-            left = left & (self.open_by(TREE_CLOSED * closing.tolerance) | most.gt(L::one()));
+            left = left & (self.open_by(TREE_CLOSED * JOINT_OPEN) | most.gt(L::one()));
             if !left.any() {
                 break;
             }

@@ -10,7 +10,7 @@
 //! frequency is too high for the substep ([`choose`](TreeBatch::choose)). Other trees are linearised at the
 //! start of the substep, warm-started and stiffened.
 
-use super::close::{Closing, squares};
+use super::close::squares;
 use super::contacts::{Request, TreeBody};
 use super::damp::sum_impulses;
 use super::free_rotation::{exp, log, log_near, moved_by};
@@ -20,7 +20,7 @@ use super::spatial::Twist;
 use super::transfer::{read_displacements, read_velocities, save};
 use super::tree::TreeBatch;
 use crate::config::tuning::{
-    RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
+    JOINT_OPEN, RATTLE_HEAVY, RATTLE_LADEN, RATTLE_PARTS, RATTLE_SWING, RATTLE_TAUT, RATTLE_TURN,
 };
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
@@ -35,7 +35,7 @@ const MISS: f32 = 5e-8;
 /// With a larger error no solution was found, and the substep is solved in parts.
 const LOST: f32 = 1e-5;
 // Rounding: of closed joints.
-/// Share of [`Closing::tolerance`] that is no more than rounding.
+/// Share of [`JOINT_OPEN`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 
 impl<L: TreeWidth> TreeBatch<L> {
@@ -257,21 +257,21 @@ impl<L: TreeWidth> TreeBatch<L> {
     pub(crate) unsafe fn go(
         &mut self,
         motion: &Motion<'_, '_>,
-        closing: &Closing,
+        slop: f32,
         contacts: &[TreeContacts],
         touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.watched == 0 {
             // SAFETY: by the contract.
-            return unsafe { self.go_on(motion, closing, contacts, touch) };
+            return unsafe { self.go_on(motion, slop, contacts, touch) };
         }
         // SAFETY: by the contract.
         unsafe {
             let strained = self.strained(motion);
-            self.go_on(motion, closing, contacts, touch);
-            let open = self.open_by(closing.tolerance) & L::Mask::from_bits(self.watched);
+            self.go_on(motion, slop, contacts, touch);
+            let open = self.open_by(JOINT_OPEN) & L::Mask::from_bits(self.watched);
             if (strained | open).any() {
-                self.damp(motion, closing, strained | open);
+                self.damp(motion, strained | open);
             }
         }
     }
@@ -283,25 +283,25 @@ impl<L: TreeWidth> TreeBatch<L> {
     unsafe fn go_on(
         &mut self,
         motion: &Motion<'_, '_>,
-        closing: &Closing,
+        slop: f32,
         contacts: &[TreeContacts],
         touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.exact == 0 {
             // SAFETY: by the contract.
-            return unsafe { self.close(motion, closing, contacts, touch) };
+            return unsafe { self.close(motion, slop, contacts, touch) };
         }
         // SAFETY: by the contract.
         unsafe { self.advance(motion) };
-        if self.is_open(closing.tolerance) {
+        if self.is_open(JOINT_OPEN) {
             // SAFETY: by the contract.
             unsafe {
                 self.shift(motion, self.exact);
-                self.close(motion, closing, contacts, touch);
+                self.close(motion, slop, contacts, touch);
             }
         }
         self.factor();
-        if self.is_open(MISSED * closing.tolerance) {
+        if self.is_open(MISSED * JOINT_OPEN) {
             // Velocities need not correct what is left.
             self.settle();
         }

@@ -10,8 +10,10 @@ use crate::constraint::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, kernel, ones};
 use crate::narrow_phase::{ContactRef, Point, most_points};
 use crate::shape::{BELT, Collider, EVENTS, Kind, ROLLS};
+use bytemuck::Zeroable;
 
 /// A column of eight lanes for each number. Inert lanes are zero.
+#[derive(Zeroable)]
 pub(super) struct Columns<const P: usize> {
     /// Bodies, contacts and bits of the lanes: see [`Batch`](super::batch::Batch).
     pub(super) a: [u32; 8],
@@ -116,40 +118,6 @@ kernel! {
 
 impl<const P: usize> Columns<P> {
     #[inline(always)]
-    fn inert() -> Self {
-        Columns {
-            a: [0; 8],
-            b: [0; 8],
-            contact: [Part::NONE; 8],
-            write: [0; 2],
-            swapped: 0,
-            heard: 0,
-            rotation: [[0.0; 8]; 4],
-            normal: [[0.0; 8]; 3],
-            origin: [[0.0; 8]; 3],
-            to_b: [[0.0; 8]; 3],
-            sign: [0.0; 8],
-            inverse_mass: [[0.0; 8]; 2],
-            locks: [0; 2],
-            inverse_inertia: [[[0.0; 8]; 6]; 2],
-            position: [[[0.0; 8]; 3]; P],
-            separation: [[f32::INFINITY; 8]; P],
-            impulse: [[0.0; 8]; P],
-            lasting: [[0.0; 8]; P],
-            rest: [0.0; 8],
-            reach: [0.0; 8],
-            present: [[0.0; 8]; P],
-            friction: [[0.0; 8]; 3],
-            twist: [0.0; 8],
-            coefficient: [[0.0; 8]; 2],
-            past: [[0.0; 8]; 3],
-            roll_arms: [[0.0; 8]; 2],
-            rolling: [[0.0; 8]; 3],
-            rolls: false,
-        }
-    }
-
-    #[inline(always)]
     fn of(
         parts: &[Part],
         touching: bool,
@@ -157,7 +125,8 @@ impl<const P: usize> Columns<P> {
         mut springs: Option<&mut SpringColumns>,
         input: &PrepareInput<'_>,
     ) -> Columns<P> {
-        let mut out = Columns::inert();
+        let mut out: Self =
+            Columns { contact: [Part::NONE; 8], separation: [[f32::INFINITY; 8]; P], ..Zeroable::zeroed() };
         let dynamic = input.bodies.dynamic() as u32;
         let mut first = 0;
         for (place, &part) in parts.iter().enumerate() {

@@ -7,7 +7,7 @@ use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch, mobility};
 use super::measure::Measure;
 use super::row::RowBatch;
-use super::spring::{ENDLESS, implicit};
+use super::spring::{ENDLESS, Spring};
 use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
 use crate::constraint::articulation::cut::Motor;
 use crate::constraint::articulation::node::Node;
@@ -162,14 +162,12 @@ impl<L: GatherLanes, M: Measure<L>> Filled for RowBatch<L, M> {
                 self.stops[0].set_lane(lane, low);
                 self.stops[1].set_lane(lane, high);
             }
-            if let Some(spring) = spring {
-                let spring = spring.coefficients().with_mobility(mobility);
-                let Some([pull, give, speed]) = implicit(&spring, target, h) else { continue };
-                self.pull.set_lane(lane, pull);
-                self.give.set_lane(lane, give);
-                self.speed.set_lane(lane, speed);
-            }
-            self.most.set_lane(lane, most);
+            let own = match spring {
+                Some(spring) => Spring::new(&spring.coefficients().with_mobility(mobility), target, most, h),
+                None => Some(Spring { most, ..Spring::default() }),
+            };
+            let Some(own) = own else { continue };
+            self.spring.set_lane(lane, &own);
             self.min.set_lane(lane, min);
             self.max.set_lane(lane, max);
             self.drives |= u32::from(drive) << lane;
@@ -392,14 +390,10 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &PrepareInp
             motor.stops[1].set_lane(lane, low.max(high));
         }
         // Without spring and damper it does nothing.
-        let some = implicit(&spring.coefficients(), velocity, input.lengths.now());
-        let [pull, give, speed] = some.unwrap_or_default();
-        let max_force = if some.is_some() { max_force } else { 0.0 };
+        let h = input.lengths.now();
+        let own = Spring::new(&spring.coefficients(), velocity, max_force * h, h).unwrap_or_default();
         motor.off.set_lane(lane, off * sign);
-        motor.pull.set_lane(lane, pull);
-        motor.give.set_lane(lane, give);
-        motor.speed.set_lane(lane, speed * sign);
-        motor.most.set_lane(lane, max_force * input.lengths.now());
+        motor.spring.set_lane(lane, &Spring { speed: own.speed * sign, ..own });
         motor.impulse.set_lane(lane, row.impulse[0] * (input.lengths.ratio() * sign));
     }
 }

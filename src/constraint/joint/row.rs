@@ -8,7 +8,7 @@
 use super::batch::{JointBatch, Report, RowImpulse};
 use super::ends::{Ends, JointPass, Lever};
 use super::measure::Measure;
-use super::spring::{ENDLESS, before_stops};
+use super::spring::{ENDLESS, Spring, before_stops};
 use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, turned};
 use bytemuck::Zeroable;
@@ -36,13 +36,7 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) max: L,
     /// Where rigid ends of the joint's own range stop a motor; infinite for all other rows.
     pub(crate) stops: [L; 2],
-    /// Requested speed per displacement beyond the range [1/s], requested speed beside that, and yield per
-    /// impulse; all zero for rigid rows.
-    pub(crate) pull: L,
-    pub(crate) speed: L,
-    pub(crate) give: L,
-    /// Maximum impulse in a substep [N s] or [N m s].
-    pub(crate) most: L,
+    pub(crate) spring: Spring<L>,
     /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
     pub(crate) impulse: [L; 2],
     /// The impulse as it was applied, part by part, while directions turned: its force, and the moments [N
@@ -122,9 +116,10 @@ impl<L: Lanes> End<L> {
         let open = gap.gt(L::zero()) & !both;
         // Away from a rigid end, only the speed that would pass it within the substep is removed.
         let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
-        let soft = requested - gap * row.pull;
+        let soft = requested - gap * row.spring.pull;
         let target = L::select(drives | springs, soft, rigid);
-        let change = (target - speed - row.give * old) / (row.mobility + row.give);
+        let give = row.spring.give;
+        let change = (target - speed - give * old) / (row.mobility + give);
         let change = L::select(drives | springs | open, change, change * scale - (old - lasting) * yields);
         let mut new = (old + change).max(low).min(high);
         // A spring at the end of a range does not act inside of it.
@@ -192,15 +187,15 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
         let end = End { drives, springs, both, waits, inverse_h, rate, scale, yields, push };
-        let lowest = L::select(drives, -self.most, L::select(both, none, zero));
-        let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
+        let lowest = L::select(drives, -self.spring.most, L::select(both, none, zero));
+        let highest = L::select(drives, self.spring.most, L::splat(f32::INFINITY));
         // A range has one loaded end; one without width may bear either way.
         let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
         let requested = if self.drives == 0 {
-            self.speed
+            self.spring.speed
         } else {
-            before_stops(self.speed, self.now, &self.stops, inverse_h, [rate, push])
+            before_stops(self.spring.speed, self.now, &self.stops, inverse_h, [rate, push])
         };
         let gap = finite(self.now - self.min);
         let new = end.solve(self, gap, speed, requested, (self.impulse[0], lower), (lowest, highest));

@@ -5,7 +5,6 @@ use super::batch::Report;
 use super::coupling::block::CouplingBlock;
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointStage, JointType, TableViews};
-use crate::constraint::articulation::close::Closing;
 use crate::constraint::articulation::contacts::{Request, TreeLanes};
 use crate::constraint::articulation::slots::TreeRef;
 use crate::constraint::articulation::tree::TreeBatch;
@@ -124,17 +123,11 @@ impl JointViews<'_> {
     ///
     /// # Safety
     /// No other thread works on them.
-    pub(crate) unsafe fn go(
-        &self,
-        tree: TreeRef,
-        motion: &Motion<'_, '_>,
-        closing: &Closing,
-        contacts: &Views<'_>,
-    ) {
+    pub(crate) unsafe fn go(&self, tree: TreeRef, motion: &Motion<'_, '_>, slop: f32, contacts: &Views<'_>) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
             on_trees!(self, tree.is_single(), tree.index(), trees => {
-                trees.go(motion, closing, contacts.tree_contacts, |batch, request, body| {
+                trees.go(motion, slop, contacts.tree_contacts, |batch, request, body| {
                     TreeLanes::solve_contacts(contacts, batch, request, body, motion)
                 })
             });
@@ -149,13 +142,13 @@ impl JointViews<'_> {
         &self,
         tree: TreeRef,
         motion: &Motion<'_, '_>,
-        closing: &Closing,
+        slop: f32,
         contacts: &Views<'_>,
     ) {
         // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
             on_trees!(self, tree.is_single(), tree.index(), trees => {
-                trees.close(motion, closing, contacts.tree_contacts, |batch, request, body| {
+                trees.close(motion, slop, contacts.tree_contacts, |batch, request, body| {
                     TreeLanes::solve_contacts(contacts, batch, request, body, motion)
                 })
             });

@@ -2,6 +2,7 @@
 
 use crate::joint::SpringCoefficients;
 use crate::lanes::Lanes;
+use bytemuck::Zeroable;
 
 /// The stops of a motor that has none.
 pub(crate) const ENDLESS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
@@ -24,32 +25,49 @@ pub(crate) fn before_stops<L: Lanes>(
     speed.max(low).min(high)
 }
 
-/// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
-/// impulse, and the requested speed beside that; none if there is neither.
-pub(super) fn implicit(spring: &SpringCoefficients, target: f32, h: f32) -> Option<[f32; 3]> {
-    let (k, c) = (spring.stiffness, spring.damping);
-    let d = h * k + c;
-    if d == f32::INFINITY {
-        return Some([0.0, 0.0, target]);
+/// A spring or a motor as a row has it: a damped spring, solved implicitly over a substep.
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
+#[repr(C)]
+pub(crate) struct Spring<L> {
+    /// Requested speed per displacement beyond the range [1/s], requested speed beside that, and yield per
+    /// impulse; all zero for rigid rows.
+    pub(crate) pull: L,
+    pub(crate) speed: L,
+    pub(crate) give: L,
+    /// Maximum impulse in a substep [N s] or [N m s].
+    pub(crate) most: L,
+}
+
+impl<L: Lanes> Spring<L> {
+    pub(super) fn set_lane(&mut self, lane: usize, one: &Spring<f32>) {
+        self.pull.set_lane(lane, one.pull);
+        self.speed.set_lane(lane, one.speed);
+        self.give.set_lane(lane, one.give);
+        self.most.set_lane(lane, one.most);
     }
-    (d > 0.0).then(|| [k / d, 1.0 / (h * d), c / d * target])
+
+    pub(super) fn lane(&self, lane: usize) -> Spring<f32> {
+        let [pull, speed, give, most] = [self.pull, self.speed, self.give, self.most].map(|x| x.lane(lane));
+        Spring { pull, speed, give, most }
+    }
 }
 
-/// A spring or a motor as a row has it: see [`RowBatch`](super::row::RowBatch).
-pub(super) struct Spring {
-    pub(super) pull: f32,
-    pub(super) give: f32,
-    pub(super) speed: f32,
-    pub(super) most: f32,
-    /// Speed per impulse of what it acts on.
-    pub(super) mobility: f32,
-}
+impl Spring<f32> {
+    /// With a target speed and a maximum impulse, for substeps of `h` seconds; none if there is neither
+    /// stiffness nor damping.
+    pub(super) fn new(of: &SpringCoefficients, target: f32, most: f32, h: f32) -> Option<Spring<f32>> {
+        let (k, c) = (of.stiffness, of.damping);
+        let d = h * k + c;
+        if d == f32::INFINITY {
+            return Some(Spring { pull: 0.0, speed: target, give: 0.0, most });
+        }
+        (d > 0.0).then(|| Spring { pull: k / d, speed: c / d * target, give: 1.0 / (h * d), most })
+    }
 
-impl Spring {
     /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
-    /// `impulse`: of the last substep of `h` seconds.
-    pub(super) fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
-        let &Spring { pull, give, speed, most, mobility } = self;
+    /// `impulse`: of the last substep of `h` seconds; `mobility`: speed per impulse of what it acts on.
+    pub(super) fn energy(&self, over: f32, impulse: f32, h: f32, mobility: f32) -> [f32; 2] {
+        let &Spring { pull, speed, give, most } = self;
         if give <= 0.0 {
             // A motor that does not yield.
             return [0.0, (impulse * speed).max(0.0)];

@@ -1,9 +1,10 @@
 //! The unit of scheduling: a contact, or some of its points, in a lane of a batch.
 
 use crate::narrow_phase::ContactRef;
+use bytemuck::Zeroable;
 
 /// A contact, or some of its points, in a lane of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Zeroable)]
 pub(crate) struct Part(pub(crate) u32);
 
 impl Part {

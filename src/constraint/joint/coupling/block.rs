@@ -10,7 +10,6 @@ use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::batch::{Link, Report, RowImpulse, Watched};
 use crate::constraint::joint::ends::JointPass;
-use crate::constraint::joint::spring::Spring;
 use crate::lanes::Record;
 
 /// The most rows of a block: beyond, trains are cut in pieces that are solved one after another.
@@ -287,14 +286,8 @@ impl Watched for CouplingBlock {
     fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
         for row in &self.rows {
             if let Some(drive) = &row.drive {
-                let spring = Spring {
-                    pull: drive.pull,
-                    give: drive.give,
-                    speed: drive.speed,
-                    most: drive.most,
-                    mobility: row.mobility,
-                };
-                f(row.motions[0].ends.one(0), spring.energy(row.gap[0].abs(), row.impulse[0], h));
+                let energy = drive.energy(row.gap[0].abs(), row.impulse[0], h, row.mobility);
+                f(row.motions[0].ends.one(0), energy);
             }
         }
     }

@@ -1,13 +1,13 @@
 //! Fills the rows of couplings and of drives in a step.
 
-use super::{Coupled, CouplingRow, Gauge, Owner, Pull};
+use super::{Coupled, CouplingRow, Gauge, Owner};
 use crate::config::tuning::LOCK_AWRY;
 use crate::constraint::contact::input::PrepareInput;
 use crate::constraint::joint::ends::{Ends, Lever};
 use crate::constraint::joint::fill::{borne, place};
 use crate::constraint::joint::measure::Measure;
-use crate::constraint::joint::spring::implicit;
-use crate::joint::{Axes, Motion, Placed, RowKind, Spring, Term, is_guided};
+use crate::constraint::joint::spring::Spring;
+use crate::joint::{Axes, Motion, Placed, RowKind, Spring as Coefficients, Term, is_guided};
 use crate::lanes::Vec3;
 use std::f32::consts::TAU;
 
@@ -71,7 +71,7 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     let mut made = CouplingRow {
         owner: Owner::Drive(index),
         motions: [motion; 2],
-        drive: Some(Pull { pull: 0.0, speed: 0.0, give: 0.0, most: 0.0 }),
+        drive: Some(Spring::default()),
         displacements: [0.0; 2],
         room: [off, 0.0],
         gap: [off, 0.0],
@@ -84,17 +84,16 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     let spring = spring.coefficients();
     // Without spring and damper it does nothing.
     let numbers = (made.mobility > 0.0).then(|| spring.with_mobility(made.mobility));
-    match numbers.and_then(|spring| implicit(&spring, velocity, input.lengths.now())) {
-        Some([pull, give, speed]) => {
-            made.drive = Some(Pull { pull, speed, give, most: max_force * input.lengths.now() });
-        }
+    let h = input.lengths.now();
+    match numbers.and_then(|spring| Spring::new(&spring, velocity, max_force * h, h)) {
+        Some(spring) => made.drive = Some(spring),
         None => made.impulse = [0.0; 2],
     }
     made
 }
 
 /// Marks a row that is no drive.
-const RIGID: Spring = Spring::Coefficients { stiffness: 0.0, damping: 0.0 };
+const RIGID: Coefficients = Coefficients::Coefficients { stiffness: 0.0, damping: 0.0 };
 
 /// A motion, and its displacement without whole turns.
 fn coupled(owner: u32, term: &Term, factor: f32, input: &PrepareInput<'_>) -> (Coupled, f32) {

@@ -19,6 +19,7 @@ pub(super) mod plan;
 
 use super::ends::{Ends, JointPass, Lever, Recovery};
 use super::measure::{Distance, Measure, Slide, Twist};
+use super::spring::Spring;
 use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::joint::MAX_DISPLACEMENT;
 use crate::lanes::{Record, Vec3, turned};
@@ -154,22 +155,13 @@ pub(crate) enum Owner {
     Drive(u32),
 }
 
-/// The numbers of a drive, as [`RowBatch`](super::row::RowBatch) has them.
-#[derive(Clone, Copy, Debug)]
-struct Pull {
-    pull: f32,
-    speed: f32,
-    give: f32,
-    most: f32,
-}
-
 /// The row of a coupling, or of a drive of what it couples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CouplingRow {
     pub(super) owner: Owner,
     /// A drive has the first only.
     motions: [Coupled; 2],
-    drive: Option<Pull>,
+    drive: Option<Spring<f32>>,
     /// The displacements at the start of the step, with whole turns.
     displacements: [f64; 2],
     /// How far the sum is above the lower end of its range, and below the upper one, at the start of the

@@ -13,7 +13,6 @@ use crate::constraint::joint::lock::{PointBatch, TurnBatch};
 use crate::constraint::joint::measure::Measure;
 use crate::constraint::joint::row::RowBatch;
 use crate::constraint::joint::run::JointViews;
-use crate::constraint::joint::spring::Spring;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, gather, ones};
 use glam::Vec3;
 
@@ -208,11 +207,8 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
             let [now, min, max] = [self.now, self.min, self.max].map(|x| x.lane(lane));
             let drive = self.drives >> lane & 1 != 0;
             let over = if drive { (now - min).abs() } else { (now - max).max(min - now).max(0.0) };
-            let numbers = [self.pull, self.give, self.speed, self.most].map(|x| x.lane(lane));
-            let most = if drive { numbers[3] } else { f32::INFINITY };
-            let [pull, give, speed, _] = numbers;
-            let spring = Spring { pull, give, speed, most, mobility: self.mobility.lane(lane) };
-            f(self.ends.one(lane), spring.energy(over, self.impulse[0].lane(lane), h));
+            let (impulse, mobility) = (self.impulse[0].lane(lane), self.mobility.lane(lane));
+            f(self.ends.one(lane), self.spring.lane(lane).energy(over, impulse, h, mobility));
         }
     }
 }
@@ -266,10 +262,8 @@ impl<L: TreeWidth> Watched for TreeBatch<L> {
             let gives = |of: &Node<L>| axis.dot(of.stiffened_inverse.mul(axis));
             let mobility = gives(own) + above.map_or(L::zero(), gives);
             for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
-                let [pull, give, speed, most] =
-                    [motor.pull, motor.give, motor.speed, motor.most].map(|x| x.lane(lane));
-                let spring = Spring { pull, give, speed, most, mobility: mobility.lane(lane) };
-                f(own.body[lane], spring.energy(off.lane(lane).abs(), motor.impulse.lane(lane), h));
+                let [off, impulse, mobility] = [off, motor.impulse, mobility].map(|x| x.lane(lane));
+                f(own.body[lane], motor.spring.lane(lane).energy(off.abs(), impulse, h, mobility));
             }
         }
     }
