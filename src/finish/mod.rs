@@ -19,7 +19,7 @@ pub(crate) use free::Clear;
 pub(crate) use guard::Counts;
 use guard::Guard;
 pub(crate) use moving::is_in_range;
-use moving::{FAR, Moving, Prediction};
+use moving::{FAR, Moving};
 use passing::Movers;
 use settle::{Tools, settle_off_path};
 use trees::Trees;
@@ -201,13 +201,6 @@ fn move_all(workers: &Workers<'_>, guard: &Guard<'_>, input: &mut Input<'_>, buf
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), measures.touch)
     });
     let Bodies { mass, traits, colliders, velocity, pose, uneven, .. } = &mut **bodies;
-    let prediction = Prediction {
-        motion: &forces.motion,
-        start: &forces.start,
-        summaries,
-        least: STRAY_DISTANCE * measures.unit,
-        dt: input.dt,
-    };
     let moving = Moving {
         guard,
         velocity: Shared::new(velocity),
@@ -217,13 +210,13 @@ fn move_all(workers: &Workers<'_>, guard: &Guard<'_>, input: &mut Input<'_>, buf
         mass,
         traits,
         colliders,
-        inverse_inertia: &forces.inverse_inertia,
+        forces,
         impacts,
         tree_slots: &joint_rows.tree_slots,
         beside,
         stacks,
         cut,
-        prediction,
+        least: STRAY_DISTANCE * measures.unit,
         uneven: *uneven > 0,
         movers,
         dynamic,

@@ -8,11 +8,10 @@ use super::turned::{BLOCK, Turned};
 use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, carry_spin, exp_map};
 use crate::config::tuning::FREE_SPIN_IN_TOUCH;
 use crate::constraint::{Restitution, TreeSlot, TreeSlots};
-use crate::forces::spins_freely;
+use crate::forces::{Forces, spins_freely};
 use crate::lanes::{self, Record, Sym3};
 use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
 use crate::math::Quat;
-use crate::shape::ColliderSummary;
 use crate::threads::Shared;
 use glam::Vec3;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -28,14 +27,15 @@ pub(super) struct Moving<'a> {
     pub(super) mass: &'a [Mass],
     pub(super) traits: &'a [Traits],
     pub(super) colliders: &'a [ColliderList],
-    pub(super) inverse_inertia: &'a [Sym3<f32>],
+    pub(super) forces: &'a Forces,
     pub(super) impacts: &'a Restitution,
     pub(super) tree_slots: &'a TreeSlots,
     pub(super) beside: &'a [Beside],
     pub(super) stacks: &'a [Mutex<Vec<u32>>],
     /// Bodies of trees whose paths were cut.
     pub(super) cut: &'a Mutex<Vec<(TreeSlot, f32)>>,
-    pub(super) prediction: Prediction<'a>,
+    /// A body that ends nearer to its predicted place than this is not off its path [m].
+    pub(super) least: f32,
     /// Whether the axis of rotation of any body may change by itself.
     pub(super) uneven: bool,
     pub(super) movers: usize,
@@ -72,7 +72,7 @@ impl Moving<'_> {
             // SAFETY: each body is in one block.
             let (pose, d) = unsafe { (self.pose.get(i), self.delta.get(i)) };
             let (rotation, spin, inertia) =
-                (pose.rotation, self.prediction.start[i].angular, self.mass[i].inertia);
+                (pose.rotation, self.forces.start[i].angular, self.mass[i].inertia);
             (!d.is_touched()).then_some((i - first, FreeTurn { rotation, spin, inertia, time: self.dt }))
         }));
         for i in first..end {
@@ -87,7 +87,7 @@ impl Moving<'_> {
     fn turns_freely(&self, i: usize) -> bool {
         self.uneven
             && i < self.dynamic
-            && spins_freely(&self.mass[i], &self.traits[i], self.prediction.start[i].angular, self.dt)
+            && spins_freely(&self.mass[i], &self.traits[i], self.forces.start[i].angular, self.dt)
     }
 
     /// `turned`: rotations of the bodies in the block that turn freely.
@@ -114,7 +114,7 @@ impl Moving<'_> {
             && let Some(crossing) = self.guard.crossing(stack, body.own, &start, body.pose)
         {
             self.cuts.fetch_add(1, Ordering::Relaxed);
-            stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.inverse_inertia[i]);
+            stop_end(body.velocity, &crossing, self.mass[i].inverse, &self.forces.inverse_inertia[i]);
             self.note_cut(slot, crossing.share);
         }
         if !is_in_range(body.pose) || !body.velocity.is_within(MAX_LEFT_SPEED) {
@@ -134,8 +134,8 @@ impl Moving<'_> {
             let before = pose.rotation;
             (pose.rotation, velocity.angular) = turned.of_place(i % BLOCK);
             return self.beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                && self.prediction.turned(i, before, pose.rotation, own)
-                && !self.guard.is_free(stack, own, pose.position, d.linear, self.prediction.reach(own));
+                && self.strays(i, before, pose.rotation, own)
+                && !self.guard.is_free(stack, own, pose.position, d.linear, self.reach(own));
         }
         // Looked up only if needed: most bodies don't need it.
         let inertia = || self.mass[i].inertia;
@@ -199,7 +199,7 @@ impl Moving<'_> {
         let never_settled = bounced || guard.is_elastic(own) || guard.joints.has_any(guard.slots[i]);
         // SAFETY: each body is in one block.
         let clear = unsafe { self.clear.get(i) };
-        let mut off_path = !never_settled && (precesses || touched && self.prediction.is_left(i, d, own));
+        let mut off_path = !never_settled && (precesses || touched && self.is_left(i, d, own));
         if !off_path && (guard.cuts || !never_settled) && !guard.is_clear(stack, own, clear, from, moved) {
             let mut cut_velocity = **velocity;
             match guard.hold(stack, own, from, &mut moved, &mut cut_velocity) {
@@ -221,6 +221,35 @@ impl Moving<'_> {
         (!off_path).then_some(moved)
     }
 
+    /// Whether any point of a body ended far from where it was predicted, both with the acceleration of the
+    /// step and without.
+    fn is_left(&self, i: usize, went: &Record, own: &[u32]) -> bool {
+        let reach = self.reach(own);
+        let is_far = |linear: Vec3, angular: Vec3| {
+            let swing = reach * (went.angular - angular).length().min(2.0);
+            (went.linear - linear).length() + swing > self.least
+        };
+        let (meant, start) = (&self.forces.motion[i], &self.forces.start[i]);
+        is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
+    }
+
+    /// Whether the rotation of a freely turning body differs from the predicted one by so much that a point
+    /// of it is far off.
+    fn strays(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
+        let meant = exp_map(self.forces.motion[i].angular) * before;
+        // The chord of the angle between them.
+        let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
+        self.reach(own) * chord > self.least
+    }
+
+    /// Maximum distance of a point of a body from its centre [m].
+    fn reach(&self, own: &[u32]) -> f32 {
+        own.iter().fold(0.0, |reach, &c| {
+            let summaries = &self.guard.summaries[c as usize];
+            reach.max(summaries.lever + summaries.radius)
+        })
+    }
+
     /// Records that a body of a tree went only a share of its path.
     fn note_cut(&self, slot: Option<TreeSlot>, share: f32) {
         if let (Some(slot), Ok(mut cut)) = (slot, self.cut.lock()) {
@@ -233,47 +262,6 @@ impl Moving<'_> {
     fn stop(&self, body: &mut Body<'_>, start: Pose) {
         stop_body(body.pose, body.velocity, start, body.index < self.dynamic);
         self.stopped.lock().unwrap_or_else(PoisonError::into_inner).push(body.index as u32);
-    }
-}
-
-/// Decides which bodies are off their predicted path.
-pub(super) struct Prediction<'a> {
-    pub(super) motion: &'a [Record],
-    pub(super) start: &'a [Record],
-    pub(super) summaries: &'a [ColliderSummary],
-    /// A body that ends nearer to its predicted place than this is not off its path [m].
-    pub(super) least: f32,
-    pub(super) dt: f32,
-}
-
-impl Prediction<'_> {
-    /// Whether any point of a body ended far from where it was predicted, both with the acceleration of the
-    /// step and without.
-    fn is_left(&self, i: usize, went: &Record, own: &[u32]) -> bool {
-        let reach = self.reach(own);
-        let is_far = |linear: Vec3, angular: Vec3| {
-            let swing = reach * (went.angular - angular).length().min(2.0);
-            (went.linear - linear).length() + swing > self.least
-        };
-        let (meant, start) = (&self.motion[i], &self.start[i]);
-        is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
-    }
-
-    /// Whether the rotation of a freely turning body differs from the predicted one by so much that a point
-    /// of it is far off.
-    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
-        let meant = exp_map(self.motion[i].angular) * before;
-        // The chord of the angle between them.
-        let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
-        self.reach(own) * chord > self.least
-    }
-
-    /// Maximum distance of a point of a body from its centre [m].
-    fn reach(&self, own: &[u32]) -> f32 {
-        own.iter().fold(0.0, |reach, &c| {
-            let summaries = &self.summaries[c as usize];
-            reach.max(summaries.lever + summaries.radius)
-        })
     }
 }
 

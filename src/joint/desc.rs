@@ -247,14 +247,9 @@ impl Limit {
             let value = self.max.into();
             return Err(Error::OutOfRange { what: "joint limit max", expected: "at least min", value });
         }
-        if self.axes != Axes::One(Axis::X)
-            && self.axes != Axes::One(Axis::Y)
-            && self.axes != Axes::One(Axis::Z)
-        {
+        if !matches!(self.axes, Axes::One(_)) && self.max < 0.0 {
             let value = self.max.into();
-            if self.max < 0.0 {
-                return Err(Error::OutOfRange { what: "joint limit max", expected: "at least zero", value });
-            }
+            return Err(Error::OutOfRange { what: "joint limit max", expected: "at least zero", value });
         }
         self.spring.map_or(Ok(()), Spring::validate)
     }

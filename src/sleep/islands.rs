@@ -5,7 +5,7 @@
 //! depends on the order of unions). They are searched for only when some body has been at rest for long
 //! enough, and then not in every step.
 
-use super::{Islands, Sleep};
+use super::{Islands, NONE, Sleep};
 use crate::body::{Bodies, BodyKind};
 use crate::broad_phase::Pair;
 use crate::config::Settings;
@@ -192,7 +192,7 @@ impl Sleep {
             }
             // A sleeping island is named by the first of its bodies.
             let sleeper = bodies.asleep().contains(&i);
-            sleeper.then(|| self.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
+            sleeper.then(|| self.first_of(bodies.slot[i])).flatten().unwrap_or(NONE)
         };
         (0..bodies.len()).map(slot_of).collect()
     }
@@ -262,7 +262,7 @@ impl Islands<'_> {
             }
         }
         sleep.groups.island.clear();
-        sleep.groups.island.resize(dynamic as usize, NOWHERE);
+        sleep.groups.island.resize(dynamic as usize, NONE);
         for root in 0..dynamic {
             if sleep.groups.of(root) == root && is_tired(sleep, root) {
                 sleep.groups.island[root as usize] = sleep.open();
@@ -289,7 +289,7 @@ impl Islands<'_> {
         // From the end, so that the body that moves to a freed place is one that stays awake.
         for i in (0..dynamic).rev() {
             let island = sleep.groups.island[sleep.groups.of(i) as usize];
-            if island == NOWHERE {
+            if island == NONE {
                 continue;
             }
             let slot = bodies.slot[i as usize];
@@ -315,6 +315,3 @@ enum Fate {
     /// It is dropped: its two islands don't touch, and the next one that wakes finds it again.
     Dropped,
 }
-
-/// No island.
-const NOWHERE: u32 = u32::MAX;

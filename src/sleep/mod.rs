@@ -20,7 +20,7 @@ use crate::joint::Joints;
 use crate::memory::{Buffer, buffers, bytes_of};
 use crate::narrow_phase::Contacts;
 
-/// End of a list.
+/// End of a list, or no island.
 const NONE: u32 = u32::MAX;
 
 /// Sleeping islands, and the pairs that they keep.

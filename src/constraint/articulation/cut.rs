@@ -297,14 +297,11 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 impl<L: Lanes> Extra<L> {
-    /// Keeps its motors and its memory, and nothing else.
+    /// Forgets what its motors did: the rest is made anew in each substep.
     pub(in crate::constraint::articulation) fn forget(&mut self) {
-        let Extra { mut motors, mut directions, mut answers, mut alone, .. } = std::mem::take(self);
-        motors.iter_mut().for_each(|motor| *motor = Motor { owner: motor.owner, ..Motor::new(motor.node) });
-        directions.clear();
-        answers.clear();
-        alone.clear();
-        *self = Extra { motors, directions, answers, alone, ..Extra::default() };
+        for motor in &mut self.motors {
+            *motor = Motor { owner: motor.owner, ..Motor::new(motor.node) };
+        }
     }
 
     /// The impulses that cancel `rest`. Rows from `cut` on are bounded: those that would exceed their bounds
