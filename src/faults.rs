@@ -48,9 +48,7 @@ impl Faults {
     ) {
         for &slot in slots {
             let dense = bodies.slots.dense(slot);
-            let index = bodies.send_to_sleep(dense, |own, index| colliders.follow_all(own, index)) as usize;
-            bodies.velocity[index] = Record::default();
-            bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
+            let index = bodies.send_to_sleep(dense, colliders);
             if let Some(force) = bodies.force.get_mut(index) {
                 *force = Record::default();
             }
@@ -75,7 +73,7 @@ impl Faults {
         self.stopped.sort_unstable();
         for &slot in &self.frozen {
             let dense = bodies.slots.dense(slot);
-            let index = bodies.wake(dense, |own, index| colliders.follow_all(own, index)) as usize;
+            let index = bodies.wake(dense, colliders) as usize;
             bodies.colliders[index].as_slice().iter().for_each(|&c| look_again(c));
         }
         joints.changed |= joints.count > 0 && !self.frozen.is_empty();

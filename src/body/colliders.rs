@@ -68,15 +68,12 @@ impl Colliders {
         ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
     }
 
-    /// The collider's body has a new index.
-    pub(crate) fn follow(&mut self, collider: u32, body: u32) {
-        self.all[collider as usize].body = body;
-        self.summaries[collider as usize].body = body;
-    }
-
     /// The colliders of a body whose index is new.
-    pub(crate) fn follow_all(&mut self, own: &ColliderList, body: u32) {
-        own.as_slice().iter().for_each(|&collider| self.follow(collider, body));
+    pub(super) fn follow_all(&mut self, own: &ColliderList, body: u32) {
+        for &collider in own.as_slice() {
+            self.all[collider as usize].body = body;
+            self.summaries[collider as usize].body = body;
+        }
     }
 
     /// Sets the world pose of a collider from that of its body, outside of the stage that does so in a step.

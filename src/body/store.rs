@@ -3,7 +3,7 @@
 //! static ones. Disabled movable bodies share the range of sleeping ones.
 
 use super::rare::{Damping, KeptMass, RareColumns, SpeedCap};
-use super::{BodyKind, ColliderList, Pose};
+use super::{BodyKind, ColliderList, Colliders, Pose};
 use crate::config::Continuous;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
@@ -292,9 +292,9 @@ impl Bodies {
         }
     }
 
-    /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its
-    /// index.
-    pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&ColliderList, u32)) -> (u32, u32) {
+    /// Adds a row and returns its slot and generation. Here and below `colliders` learn which bodies changed
+    /// their index.
+    pub(crate) fn insert(&mut self, body: NewBody, colliders: &mut Colliders) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
         let handle = self.slots.insert(last);
@@ -305,7 +305,7 @@ impl Bodies {
         if self.rests {
             self.rest.push(0.0);
         }
-        self.travel(last, (Part::Static, Part::of(body.kind)), &mut moved);
+        self.travel(last, (Part::Static, Part::of(body.kind)), colliders);
         handle
     }
 
@@ -326,11 +326,11 @@ impl Bodies {
     }
 
     /// Removes the body at `index`.
-    pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) {
+    pub(crate) fn remove(&mut self, index: u32, colliders: &mut Colliders) {
         self.count_traits(index as usize, -1);
         self.disabled -= u32::from(self.is_set_aside(index));
-        let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
-        self.swap(hole, self.len() as u32 - 1, &mut moved);
+        let hole = self.travel(index, (self.part_of(index), Part::Static), colliders);
+        self.swap(hole, self.len() as u32 - 1, colliders);
         if let Some(&slot) = self.slot.last() {
             self.slots.remove(slot);
             self.rare.forget(slot);
@@ -340,23 +340,22 @@ impl Bodies {
         self.rest.pop();
     }
 
-    /// Takes an awake body out of all that steps look at; returns its new index.
-    pub(crate) fn send_to_sleep(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) -> u32 {
-        self.travel(index, (Part::Awake, Part::Asleep), &mut moved)
+    /// Takes an awake body out of all that steps look at, at rest and with its colliders where it is: these
+    /// are not updated until it wakes. Returns its new index.
+    pub(crate) fn send_to_sleep(&mut self, index: u32, colliders: &mut Colliders) -> usize {
+        let index = self.travel(index, (Part::Awake, Part::Asleep), colliders) as usize;
+        self.velocity[index] = Record::default();
+        self.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &self.pose[index]));
+        index
     }
 
     /// Takes a sleeping body back; returns its new index.
-    pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&ColliderList, u32)) -> u32 {
-        self.travel(index, (Part::Asleep, Part::Awake), &mut moved)
+    pub(crate) fn wake(&mut self, index: u32, colliders: &mut Colliders) -> u32 {
+        self.travel(index, (Part::Asleep, Part::Awake), colliders)
     }
 
     /// Takes a body out of the world, or puts it back, awake; returns its new index.
-    pub(crate) fn set_enabled(
-        &mut self,
-        index: u32,
-        enabled: bool,
-        mut moved: impl FnMut(&ColliderList, u32),
-    ) -> u32 {
+    pub(crate) fn set_enabled(&mut self, index: u32, enabled: bool, colliders: &mut Colliders) -> u32 {
         let part = Part::of(self.kind[index as usize]);
         if part == Part::Static {
             self.traits[index as usize].disabled = !enabled;
@@ -365,28 +364,23 @@ impl Bodies {
         if enabled {
             self.disabled -= 1;
             self.traits[index as usize].disabled = false;
-            return self.travel(index, (Part::Asleep, part), &mut moved);
+            return self.travel(index, (Part::Asleep, part), colliders);
         }
         self.disabled += 1;
         let part = self.part_of(index);
         self.traits[index as usize].disabled = true;
-        self.travel(index, (part, Part::Asleep), &mut moved)
+        self.travel(index, (part, Part::Asleep), colliders)
     }
 
     /// Makes a body one of another kind, awake; returns its new index. Its mass and its velocity stay what
     /// they are.
-    pub(crate) fn set_kind(
-        &mut self,
-        index: u32,
-        kind: BodyKind,
-        mut moved: impl FnMut(&ColliderList, u32),
-    ) -> u32 {
+    pub(crate) fn set_kind(&mut self, index: u32, kind: BodyKind, colliders: &mut Colliders) -> u32 {
         let from = self.part_of(index);
         self.disabled -= u32::from(self.is_set_aside(index));
         self.recount(index as usize, |bodies| bodies.kind[index as usize] = kind);
         self.disabled += u32::from(self.is_set_aside(index));
         let to = if self.is_set_aside(index) { Part::Asleep } else { Part::of(kind) };
-        self.travel(index, (from, to), &mut moved)
+        self.travel(index, (from, to), colliders)
     }
 
     /// Whether a body could move, but is disabled.
@@ -396,12 +390,7 @@ impl Bodies {
 
     /// Moves a body from one part of the columns to another: of each part that it passes one body moves from
     /// one end of it to the other. Returns the new index.
-    fn travel(
-        &mut self,
-        mut index: u32,
-        (from, to): (Part, Part),
-        moved: &mut impl FnMut(&ColliderList, u32),
-    ) -> u32 {
+    fn travel(&mut self, mut index: u32, (from, to): (Part, Part), colliders: &mut Colliders) -> u32 {
         self.rearranged += 1;
         self.count(from, -1);
         let (first, last) = (from.min(to) as usize, from.max(to) as usize);
@@ -409,7 +398,7 @@ impl Bodies {
             // Without the body, a part ends where it is to go.
             let part = Part::ALL[if from < to { first + step } else { last - 1 - step }];
             let border = self.end(part);
-            self.swap(index, border, moved);
+            self.swap(index, border, colliders);
             index = border;
         }
         self.count(to, 1);
@@ -480,7 +469,7 @@ impl Bodies {
         Order::default().0.into_iter().filter(|&above| self.solved_after[above as usize] > 0)
     }
 
-    fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&ColliderList, u32)) {
+    fn swap(&mut self, i: u32, k: u32, colliders: &mut Colliders) {
         if i == k {
             return;
         }
@@ -494,7 +483,7 @@ impl Bodies {
         }
         for index in [i, k] {
             self.slots.moved(self.slot[index as usize], index);
-            moved(&self.colliders[index as usize], index);
+            colliders.follow_all(&self.colliders[index as usize], index);
         }
     }
 
@@ -509,10 +498,10 @@ impl Bodies {
     }
 
     /// Brings the first bodies in the order of these slots.
-    pub(crate) fn line_up(&mut self, slots: &[u32], mut moved: impl FnMut(&ColliderList, u32)) {
+    pub(crate) fn line_up(&mut self, slots: &[u32], colliders: &mut Colliders) {
         for (i, &slot) in slots.iter().enumerate() {
             if self.slot[i] != slot {
-                self.swap(i as u32, self.slots.dense(slot), &mut moved);
+                self.swap(i as u32, self.slots.dense(slot), colliders);
             }
         }
     }

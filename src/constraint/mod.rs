@@ -2,6 +2,7 @@
 
 pub(crate) mod articulation;
 pub(crate) mod contact;
+mod impact_body;
 pub(crate) mod joint;
 mod restitution;
 pub(crate) mod schedule;
@@ -20,6 +21,7 @@ pub(crate) use contact::readout::{ContactLane, FrictionLane};
 pub(crate) use contact::rows::{Rows, Views, with_batch};
 pub(crate) use contact::soft::bodies::move_by_mean;
 pub(crate) use contact::step_lengths::{StepLengths, evenness, usual_substep};
+pub(crate) use impact_body::ImpactBody;
 pub(crate) use joint::arrange::{JointRows, arranged_alike};
 #[cfg(feature = "observe")]
 pub(crate) use joint::batch::RowImpulse;

@@ -13,10 +13,9 @@ use super::guard::{Guard, stop};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::config::tuning::{GUARD_DISTANCE, PASSING_STEEPNESS};
-use crate::constraint::{Restitution, TreeSlot, TreeSlots};
+use crate::constraint::{ImpactBody, Restitution, TreeSlot, TreeSlots};
 use crate::lanes::Record;
 use crate::narrow_phase::segment_hits;
-use crate::solver::ImpactBody;
 use glam::Vec3;
 
 /// Number of passes over fast pairs: a body that is moved aside may get in the way of another.

@@ -297,11 +297,7 @@ impl Islands<'_> {
             joints.changed |= joints.has_any(slot);
             sleep.slept += 1;
             sleep.fell_asleep.push(bodies.handle(i as usize));
-            let index = bodies.send_to_sleep(i, |own, index| colliders.follow_all(own, index)) as usize;
-            // At its current pose: its shapes are not updated again until it wakes.
-            bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
-            let v = &mut bodies.velocity[index];
-            (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
+            let index = bodies.send_to_sleep(i, colliders);
             bodies.rest[index] = 0.0;
         }
     }

@@ -162,7 +162,7 @@ impl Islands<'_> {
         let Islands { bodies, colliders, broad, sleep, joints, .. } = self;
         let mut woke = 0;
         let body = |slot: u32| {
-            let index = bodies.wake(bodies.slots.dense(slot), |own, index| colliders.follow_all(own, index));
+            let index = bodies.wake(bodies.slots.dense(slot), colliders);
             bodies.rest[index as usize] = 0.0;
             woke += 1;
             joints.changed |= joints.has_any(slot);

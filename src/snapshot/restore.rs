@@ -266,7 +266,7 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
     // The rows of a step that never was, for those who draw them.
     buffers.rows.stages.clear();
 
-    bodies.line_up(slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
+    bodies.line_up(slots, colliders);
     restore_bodies(bodies, view);
     restore_targets(bodies, targets);
     restore_clear(&mut buffers.finish.clear, counts.guarded as usize, is_clear, clear);

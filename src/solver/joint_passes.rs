@@ -20,16 +20,6 @@ impl JointBatches<'_> {
 /// stretches by 1.75 m with one sweep, by 0.84 m with two, which cost a fifth more, and by 0.78 m with three.
 const JOINT_SWEEPS: u32 = 2;
 
-/// Batches in a block of work. A batch of trees takes as long as hundreds of others.
-fn block_of(stage: &JointStage) -> usize {
-    match stage.kind {
-        JointType::Tree => 1,
-        // What found no colour has to be solved in order.
-        _ if stage.single => usize::MAX,
-        _ => BLOCK,
-    }
-}
-
 impl Passes<'_> {
     /// A pass over some types of joint rows.
     pub(super) fn run_joints(&self, kind: PassKind, stages: &[JointStage], contacts: &TouchInput<'_>) {
@@ -54,8 +44,7 @@ impl Passes<'_> {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
             // colour, and then one thread has all of it.
             let one = |i: usize| unsafe { self.joints.views.step(stage, i, self.motion, pass, contacts) };
-            let batches = stage.start as usize..stage.end as usize;
-            share_out(self.workers, batches, block_of(stage), &one);
+            self.share(stage, &one);
         }
     }
 
@@ -67,7 +56,7 @@ impl Passes<'_> {
             let one = |i: usize| unsafe {
                 self.joints.views.predict(TreeRef::new(i, stage.single), self.motion, &pass);
             };
-            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
+            self.share(stage, &one);
         }
     }
 
@@ -82,7 +71,7 @@ impl Passes<'_> {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless its rows found no
             // colour, and then one thread has all of it.
             let one = |i: usize| unsafe { views.close_locks(stage, i, self.motion, most) };
-            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
+            self.share(stage, &one);
         }
         for stage in stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no dynamic body is in two.
@@ -90,8 +79,20 @@ impl Passes<'_> {
                 let tree = TreeRef::new(i, stage.single);
                 views.go(tree, self.motion, slop, &self.contacts);
             };
-            share_out(self.workers, stage.start as usize..stage.end as usize, block_of(stage), &one);
+            self.share(stage, &one);
         }
+    }
+
+    #[inline(always)]
+    fn share(&self, stage: &JointStage, one: &(impl Fn(usize) + Sync)) {
+        // A batch of trees takes as long as hundreds of others.
+        let block = match stage.kind {
+            JointType::Tree => 1,
+            // What found no colour has to be solved in order.
+            _ if stage.single => usize::MAX,
+            _ => BLOCK,
+        };
+        share_out(self.workers, stage.start as usize..stage.end as usize, block, one);
     }
 
     fn joint_pass(&self) -> JointPass {

@@ -4,7 +4,6 @@
 //! (Macklin et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One
 //! substep and several iterations make it plain sequential impulses: the kernels are the same.
 
-mod impact_body;
 mod integrate;
 mod joint_passes;
 mod parameters;
@@ -27,7 +26,6 @@ use crate::lanes::{GatherLanes, Record, kernel, with_best};
 use crate::memory::buffers;
 use crate::shape::Collider;
 use crate::threads::{Shared, Workers, per_block};
-pub(crate) use impact_body::ImpactBody;
 use integrate::{FastLimit, Integrator};
 use joint_passes::JointBatches;
 use parameters::PassParameters;

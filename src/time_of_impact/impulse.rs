@@ -1,6 +1,6 @@
 //! An impact of two bodies, solved on its own at the moment it happens.
 
-use crate::solver::ImpactBody;
+use crate::constraint::ImpactBody;
 use glam::Vec3;
 
 /// Maximum number of points of an impact: four manifolds.

@@ -5,12 +5,12 @@ use super::queue::Hit;
 use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
+use crate::constraint::ImpactBody;
 use crate::finish::is_in_range;
 use crate::forces::spins_freely;
-use crate::lanes::{Record, Sym3};
+use crate::lanes::Record;
 use crate::limits::MAX_LEFT_SPEED;
 use crate::narrow_phase::{RawManifold, Reach, Relative, collide_convex, collide_mesh};
-use crate::solver::ImpactBody;
 use glam::Vec3;
 
 impl Run<'_, '_> {
@@ -78,16 +78,9 @@ impl Run<'_, '_> {
     /// State of a body in an impact, at its current pose; `end`: its pose at the end of the step.
     fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> ImpactBody {
         let bodies = &self.on.bodies;
-        let Some(track) = track else {
-            return ImpactBody {
-                velocity: Record::default(),
-                inverse_mass: Vec3::ZERO,
-                inverse_inertia: Sym3::default(),
-            };
-        };
+        let Some(track) = track else { return ImpactBody::default() };
         if body >= bodies.dynamic() {
-            let velocity = bodies.velocity[body];
-            return ImpactBody { velocity, inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() };
+            return ImpactBody { velocity: bodies.velocity[body], ..ImpactBody::default() };
         }
         let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
         velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);

@@ -19,7 +19,6 @@ pub(crate) fn find(input: &PrepareInput<'_>, impacts: &mut Restitution, allowanc
         each_spot(input, pair, &mut |spot| {
             any |= input.closes(&spot);
             count += 1;
-            true
         });
     }
     let dynamic = input.bodies.dynamic();
@@ -48,7 +47,6 @@ pub(crate) fn find(input: &PrepareInput<'_>, impacts: &mut Restitution, allowanc
             if impacts.spots.len() < place {
                 impacts.spots.push(Spot { order: impacts.spots.len() as u32, ..spot });
             }
-            true
         });
     }
     // By bodies, and then in the order of the list, which is unique.
@@ -110,8 +108,8 @@ fn list_sites(input: &PrepareInput<'_>, impacts: &mut Restitution) {
     impacts.spots = spots;
 }
 
-/// Calls `f` with the points of a pair that have restitution, until it returns false.
-fn each_spot(input: &PrepareInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
+/// Calls `f` with the points of a pair that have restitution.
+fn each_spot(input: &PrepareInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot)) {
     let pushed = |c: u32| (input.colliders.all[c as usize].body as usize) < input.bodies.dynamic();
     if pair.contact == NO_CONTACT || !(pushed(pair.a) || pushed(pair.b)) {
         return;
@@ -160,8 +158,8 @@ fn each_spot(input: &PrepareInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> b
                 slot,
                 order: 0,
             };
-            if restitution > 0.0 && !f(spot) {
-                return;
+            if restitution > 0.0 {
+                f(spot);
             }
         }
     }

@@ -14,9 +14,10 @@
 use super::meet::{Bodies, add};
 use super::{NONE, Spot, Struck};
 use crate::body::{FreeTurn, Traits, is_uneven};
+use crate::constraint::ImpactBody;
 use crate::constraint::contact::batch::GONE;
 use crate::forces::turned_inertia;
-use crate::lanes::{self, Record, Sym3};
+use crate::lanes::Record;
 use crate::math::Quat;
 use glam::{Vec2, Vec3};
 
@@ -270,13 +271,11 @@ fn axes(moving: &[Moving; 2], spot: &Spot) -> ([Vec3; 2], Vec2) {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving {
     pub(super) body: u32,
-    /// At the time of the impact.
-    velocity: Record,
+    /// At the time of the impact; nothing moves what is no body.
+    own: ImpactBody,
     before: Record,
-    /// Inverse mass [1/kg], and by world axis: locked ones have none.
+    /// Inverse mass, whatever is locked [1/kg].
     whole: f32,
-    inverse_mass: Vec3,
-    inverse_inertia: Sym3<f32>,
     /// If its principal moments differ.
     pub(super) rotation: Option<Quat>,
 }
@@ -285,15 +284,8 @@ impl Moving {
     pub(super) fn new(bodies: &Bodies<'_>, body: u32, struck: Option<&Struck>, time: f32) -> Moving {
         let i = body as usize;
         let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
-            return Moving {
-                body: NONE,
-                velocity: Record::default(),
-                before: Record::default(),
-                whole: 0.0,
-                inverse_mass: Vec3::ZERO,
-                inverse_inertia: Sym3::default(),
-                rotation: None,
-            };
+            let (own, before) = Default::default();
+            return Moving { body: NONE, own, before, whole: 0.0, rotation: None };
         };
         let mut before = bodies.velocity_at(i, time);
         add(&mut before, &struck.map_or(Record::default(), |struck| struck.velocity_after), 1.0);
@@ -308,37 +300,24 @@ impl Moving {
             let (to, spin) = turn.one();
             (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
         }
-        let inverse = mass.inverse;
-        let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
-        bodies.traits[i].lock(&mut free);
-        Moving {
-            body,
-            velocity,
-            before,
-            whole: inverse,
-            inverse_mass: free.linear,
-            inverse_inertia,
-            rotation,
-        }
+        let inverse_mass = bodies.traits[i].free(Vec3::splat(mass.inverse));
+        let own = ImpactBody { velocity, inverse_mass, inverse_inertia };
+        Moving { body, own, before, whole: mass.inverse, rotation }
     }
 
     /// Change of its velocity.
     pub(super) fn change(&self, traits: &Traits) -> Record {
-        let mut change = self.velocity;
+        let mut change = self.own.velocity;
         add(&mut change, &self.before, -1.0);
         traits.lock(&mut change);
         change
-    }
-
-    fn turned(&self, torque: Vec3) -> Vec3 {
-        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
     }
 }
 
 /// The velocity of any body in an impact.
 pub(super) fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -> Record {
     match moving.iter().find(|moving| moving.body as usize == body) {
-        Some(moving) => moving.velocity,
+        Some(moving) => moving.own.velocity,
         // It is neither pushed nor accelerated.
         None => bodies.velocity.get(body).copied().unwrap_or_default(),
     }
@@ -350,7 +329,8 @@ fn answer(moving: &[Moving; 2], spot: &Spot, impulse: Vec3) -> Vec3 {
     for moving in moving {
         for (body, arm) in spot.bodies.into_iter().zip(spot.arms) {
             if body == moving.body {
-                sum += impulse * moving.inverse_mass + moving.turned(arm.cross(impulse)).cross(arm);
+                let turned = moving.own.turned(arm.cross(impulse));
+                sum += impulse * moving.own.inverse_mass + turned.cross(arm);
             }
         }
     }
@@ -367,8 +347,7 @@ fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
     for moving in moving {
         for (side, impulse) in [-impulse, impulse].into_iter().enumerate() {
             if spot.bodies[side] == moving.body {
-                moving.velocity.linear += impulse * moving.inverse_mass;
-                moving.velocity.angular += moving.turned(spot.arms[side].cross(impulse));
+                moving.own.push(spot.arms[side], impulse);
             }
         }
     }

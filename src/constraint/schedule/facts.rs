@@ -4,7 +4,7 @@
 use super::order::Group;
 use crate::config::tuning::CROWD_OVERLAP;
 use crate::constraint::contact::input::PrepareInput;
-use crate::memory::{Allowance, bytes_of, sum_bytes};
+use crate::memory::{Allowance, buffers};
 use crate::narrow_phase::{ContactRef, NO_CONTACT, Point};
 use crate::threads::{Shared, Workers, per_block};
 use std::ops::Range;
@@ -74,6 +74,8 @@ pub(super) struct Facts {
     wave: Vec<Fact>,
 }
 
+buffers! { Facts { bytes { starts, wave } } }
+
 /// Pairs a block.
 const BLOCK: usize = per_block(256, 4);
 /// Contacts of a wave: they stay in the cache.
@@ -117,10 +119,6 @@ impl Facts {
             wave.iter().copied().for_each(&mut f);
             first = end;
         }
-    }
-
-    pub(super) fn bytes(&self) -> (usize, usize) {
-        sum_bytes([bytes_of(&self.starts), bytes_of(&self.wave)])
     }
 
     #[cfg(debug_assertions)]

@@ -52,10 +52,7 @@ impl World {
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
         }
-        let shapes = &mut self.colliders;
-        self.bodies.remove(index as u32, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
-        });
+        self.bodies.remove(index as u32, &mut self.colliders);
         Ok(())
     }
 
@@ -97,10 +94,7 @@ impl World {
                 self.leave_broad(collider);
             }
         }
-        let World { bodies, colliders, .. } = self;
-        let index = bodies.set_enabled(index as u32, enabled, |own, index| {
-            own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
-        });
+        let index = self.bodies.set_enabled(index as u32, enabled, &mut self.colliders);
         if enabled {
             for place in 0..self.bodies.colliders[index as usize].as_slice().len() {
                 let collider = self.bodies.colliders[index as usize].as_slice()[place];
@@ -176,10 +170,7 @@ impl World {
             cap: SpeedCap::new(desc.max_linear_speed, desc.max_angular_speed),
             kept_mass: kept,
         };
-        let shapes = &mut self.colliders;
-        let (slot, generation) = self.bodies.insert(new, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
-        });
+        let (slot, generation) = self.bodies.insert(new, &mut self.colliders);
         let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
         self.revise(index);
         for shape in &desc.shapes {

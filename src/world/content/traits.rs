@@ -72,7 +72,7 @@ impl World {
         if let Some(rest) = bodies.rest.get_mut(index) {
             *rest = 0.0;
         }
-        bodies.set_kind(index as u32, kind, |own, index| colliders.follow_all(own, index)) as usize
+        bodies.set_kind(index as u32, kind, colliders) as usize
     }
 
     /// Calls `f` with each collider of a body.

@@ -6,7 +6,7 @@ use crate::lanes::{self, Record, Sym3};
 use glam::Vec3;
 
 /// One of the two bodies of an impact, at the time of the impact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ImpactBody {
     pub(crate) velocity: Record,
     /// Along each axis of the world; zero for a body that can't be pushed, and along locked axes.
@@ -29,7 +29,7 @@ impl ImpactBody {
         self.velocity.linear + self.velocity.angular.cross(arm)
     }
 
-    fn turned(&self, torque: Vec3) -> Vec3 {
+    pub(crate) fn turned(&self, torque: Vec3) -> Vec3 {
         self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
     }
 
