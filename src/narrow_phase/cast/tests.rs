@@ -267,39 +267,3 @@ fn the_pose_of_the_touch_is_the_kernels_pose() {
         assert!((found.upper - expected).abs() < 3e-6, "{} {expected}", found.upper);
     }
 }
-
-/// `cargo test --release --lib cast -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement"]
-fn time_of_a_cast() {
-    for (name, kind, spin) in [
-        ("box", Kind::Box, 0.0),
-        ("box, spinning", Kind::Box, 0.3),
-        ("box, 200 rad/s", Kind::Box, 3.3),
-        ("hull", Kind::Hull, 0.0),
-        ("cylinder", Kind::Cylinder, 0.0),
-    ] {
-        let mut random = Random(15);
-        let pairs: Vec<_> = (0..256)
-            .map(|_| {
-                let (a, b) = (random.shape(kind, 1.0), random.shape(kind, 1.0));
-                let from = random.direction() * 4.0;
-                let mut pa = path(from.as_dvec3(), (random.cube() - from) * 2.0);
-                pa.spin = random.direction() * spin;
-                pa.rotation = random.turn();
-                let motion = Motion::new(&a, &pa, &b, &still(DVec3::ZERO));
-                (a, b, motion)
-            })
-            .collect();
-        let (mut best, mut hits) = (u128::MAX, 0);
-        for _ in 0..200 {
-            let start = std::time::Instant::now();
-            for (a, b, motion) in &pairs {
-                hits += u32::from(cast_convex(a, b, std::hint::black_box(motion), 1e-4).is_some());
-            }
-            best = best.min(start.elapsed().as_nanos());
-        }
-        let each = best as f64 / 256.0;
-        println!("{name}: {each:.0} ns, {} of 256 hit", hits / 200);
-    }
-}

@@ -1,8 +1,9 @@
 //! What the tests of this folder share: shapes, and a slow reference in f64.
 
 use super::*;
+use crate::math::Quat;
 pub(crate) use crate::narrow_phase::fixtures::collider;
-use crate::narrow_phase::fixtures::furthest;
+use crate::narrow_phase::fixtures::{depth, furthest, gap_along};
 pub(crate) use crate::random::Random;
 use crate::shape::{ConvexHull, Geometry};
 use glam::{DQuat, DVec3};
@@ -53,7 +54,7 @@ impl Pair<'_> {
     /// Distance of the two along a unit vector from a to b.
     pub(crate) fn along(&self, n: DVec3) -> f64 {
         let rotation: DQuat = self.rel.rotation.as_dquat().normalize();
-        n.dot(self.rel.position.as_dvec3()) - extent(self.a, n) - extent(self.b, rotation.conjugate() * -n)
+        gap_along(self.a, self.b, rotation, self.rel.position.as_dvec3(), n)
     }
 
     /// A lower bound of [`Self::signed_distance`] out of 400 directions.
@@ -92,6 +93,24 @@ impl Pair<'_> {
         best
     }
 
+    /// Compares a manifold with what is true of the two, and checks that its points are nearer than a margin
+    /// [m] and have keys of their own.
+    pub(crate) fn compare(&self, manifold: &RawManifold, margin: f32) -> Compared {
+        let n = manifold.normal.as_dvec3().normalize_or_zero();
+        let back = self.rel.rotation.as_dquat().normalize().conjugate();
+        let mut off = 0.0f64;
+        for (i, point) in manifold.points().iter().enumerate() {
+            assert!(point.separation <= margin, "{manifold:?}");
+            assert!(manifold.points()[..i].iter().all(|p| p.key != point.key), "equal keys: {manifold:?}");
+            let half = n * (0.5 * f64::from(point.separation));
+            let (on_a, on_b) = (point.position.as_dvec3() - half, point.position.as_dvec3() + half);
+            let in_b = back * (on_b - self.rel.position.as_dvec3());
+            off = off.max(-depth(self.a, on_a)).max(-depth(self.b, in_b));
+        }
+        let (distance, least) = (self.signed_distance(), manifold.least().into());
+        Compared { distance, along: self.along(n), least, outside: off }
+    }
+
     /// All face normals, in a's frame.
     fn normals(&self, rotation: DQuat) -> Vec<DVec3> {
         let of = |shape: &Collider| match Solid::of(shape) {
@@ -105,6 +124,29 @@ impl Pair<'_> {
     }
 }
 
+/// A manifold of two shapes, and what is true of them [m].
+#[derive(Debug)]
+pub(crate) struct Compared {
+    /// Of the two shapes; negative in overlap.
+    pub(crate) distance: f64,
+    /// Distance along the manifold's normal.
+    pub(crate) along: f64,
+    /// Least separation of its points.
+    pub(crate) least: f64,
+    /// How far points are outside of the shapes.
+    pub(crate) outside: f64,
+}
+
+/// The pose of `b` where it is about so far from `a` [m], brought near along a direction.
+pub(crate) fn brought(a: &Collider, b: &Collider, direction: Vec3, rotation: Quat, at: f32) -> Relative {
+    let mut far = a.radius + b.radius + 0.5;
+    let pair = |t: f32| Pair { a, b, rel: Relative { position: direction * t, rotation } };
+    for _ in 0..12 {
+        far -= (pair(far).about() as f32 - at).max(-0.3) * 0.9;
+    }
+    pair(far).rel
+}
+
 /// Evenly spread unit vectors.
 fn spiral(count: i32) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |i| {
@@ -113,22 +155,4 @@ fn spiral(count: i32) -> impl Iterator<Item = DVec3> {
         let r = (1.0 - y * y).sqrt();
         DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle))
     })
-}
-
-/// At most how far a point is outside of a shape, by its planes; negative inside.
-pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
-    let excess = |n: DVec3| n.dot(p) - extent(shape, n);
-    if let Geometry::Cylinder { half_height, radius_bottom, radius_top } = shape.geometry {
-        let slope = f64::from(radius_bottom - radius_top);
-        let along = f64::from(2.0 * half_height);
-        let across = DVec3::new(p.x, 0.0, p.z).normalize_or(DVec3::X);
-        let side = (across * along + DVec3::Y * slope).normalize();
-        return [DVec3::Y, DVec3::NEG_Y, side].map(excess).into_iter().fold(f64::MIN, f64::max);
-    }
-    match Solid::of(shape) {
-        Some(solid) => {
-            solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max)
-        }
-        None => spiral(1000).map(excess).fold(f64::MIN, f64::max),
-    }
 }

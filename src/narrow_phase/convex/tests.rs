@@ -1,10 +1,10 @@
 use super::testing::*;
 use super::*;
 use crate::math::Quat;
+use crate::narrow_phase::fixtures::CONVEX;
 use crate::shape::{ConvexHull, Geometry};
 use std::sync::Arc;
 
-const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
 const MARGIN: f32 = 0.05;
 
 /// How far normal and points may be from the reference [m]: faces are preferred by 5 % of the overlap and
@@ -16,7 +16,7 @@ fn tolerance(pair: &Pair, distance: f64) -> f64 {
 
 fn check(pair: &Pair) -> RawManifold {
     let manifold = collide_convex(pair.a, pair.b, &pair.rel, MARGIN);
-    let distance = pair.signed_distance();
+    let Compared { distance, along, least, outside } = pair.compare(&manifold, MARGIN);
     let tolerance = tolerance(pair, distance);
     let margin = f64::from(MARGIN);
     let kinds = (pair.a.kind, pair.a.size, pair.b.kind, pair.b.size);
@@ -30,10 +30,7 @@ fn check(pair: &Pair) -> RawManifold {
         return manifold;
     }
     assert!(distance < margin + tolerance, "too far: {what}");
-    let n = manifold.normal.as_dvec3();
-    assert!((n.length() - 1.0).abs() < 1e-5, "normal: {what}");
-    let along = pair.along(n);
-    let least = f64::from(manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min));
+    assert!((manifold.normal.length() - 1.0).abs() < 1e-5, "normal: {what}");
     // A nearly flat face may stand for edges: parts beside it reach below it, but it is as deep as they are,
     // and moved out along its normal by that depth the shapes are apart.
     let solid = |kind| matches!(kind, Kind::Box | Kind::Hull);
@@ -49,18 +46,7 @@ fn check(pair: &Pair) -> RawManifold {
     };
     assert!(depth > distance - tolerance, "not the way out, {along}: {what}");
     assert!((least - depth).abs() < tolerance, "depth {least} but {along} along the normal: {what}");
-    let rotation = pair.rel.rotation.as_dquat().normalize();
-    for point in manifold.points() {
-        assert!(point.separation <= MARGIN);
-        let half = n * (0.5 * f64::from(point.separation));
-        let (on_a, on_b) = (point.position.as_dvec3() - half, point.position.as_dvec3() + half);
-        let in_b = rotation.conjugate() * (on_b - pair.rel.position.as_dvec3());
-        assert!(outside(pair.a, on_a) < 2.0 * tolerance, "off a by {}: {what}", outside(pair.a, on_a));
-        assert!(outside(pair.b, in_b) < 2.0 * tolerance, "off b by {}: {what}", outside(pair.b, in_b));
-    }
-    for (i, p) in manifold.points().iter().enumerate() {
-        assert!(manifold.points()[..i].iter().all(|q| q.key != p.key), "equal keys: {what}");
-    }
+    assert!(outside < 2.0 * tolerance, "off by {outside}: {what}");
     manifold
 }
 
@@ -72,21 +58,14 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize) {
         let (direction, rotation) = (random.direction(), random.turn());
         let rotation = if round % 5 == 4 { Quat::IDENTITY } else { rotation };
         let at = [-0.1, -0.02, -0.001, 0.002, 0.03][random.below(5)];
-        // Bring them together until they are about that far apart.
-        let mut far = one.radius + two.radius + 0.5;
-        let at_distance =
-            |t: f32| Pair { a: &one, b: &two, rel: Relative { position: direction * t, rotation } };
-        for _ in 0..12 {
-            far -= (at_distance(far).about() as f32 - at).max(-0.3) * 0.9;
-        }
-        check(&at_distance(far));
+        check(&Pair { a: &one, b: &two, rel: brought(&one, &two, direction, rotation, at) });
     }
 }
 
 #[test]
 fn round_pairs_agree_with_the_slow_reference() {
-    for (i, a) in KINDS[..2].iter().enumerate() {
-        for (j, b) in KINDS.iter().enumerate().skip(i) {
+    for (i, a) in CONVEX[..2].iter().enumerate() {
+        for (j, b) in CONVEX.iter().enumerate().skip(i) {
             sweep(*a, *b, (10 * i + j) as u64, 20);
         }
     }
@@ -111,8 +90,8 @@ fn cylinders_agree_with_the_slow_reference() {
 #[ignore = "long"]
 fn many_more_poses_agree_with_the_slow_reference() {
     let mut failed = vec![];
-    for (i, a) in KINDS.into_iter().enumerate() {
-        for b in KINDS.into_iter().skip(i) {
+    for (i, a) in CONVEX.into_iter().enumerate() {
+        for b in CONVEX.into_iter().skip(i) {
             for seed in 0..150 {
                 if std::panic::catch_unwind(|| sweep(a, b, 1000 + seed, 2)).is_err() {
                     failed.push((a, b, seed));
@@ -172,8 +151,8 @@ fn equal_boxes_on_top_of_each_other_meet_in_four_corners() {
 #[test]
 fn identical_hulls_at_one_place_and_other_degenerate_poses_give_numbers() {
     let mut random = Random(11);
-    for a in KINDS {
-        for b in KINDS {
+    for a in CONVEX {
+        for b in CONVEX {
             let (one, two) = (shape(&mut random, a.min(b)), shape(&mut random, a.max(b)));
             let same = if a == b { &one } else { &two };
             for position in [Vec3::ZERO, Vec3::Y * 1e-20, Vec3::X * 1e10] {
@@ -290,55 +269,6 @@ fn a_pair_in_the_wrong_order_is_the_same_contact_seen_from_the_other() {
     let (forth, other) =
         (collide_convex(&one, &two, &rel, 2.0), collide_convex(&two, &one, &rel.inverse(), 2.0));
     assert!(forth.count > 0 && (other.normal + rotation.conjugate() * forth.normal).length() < 1e-5);
-}
-
-/// Times a call; run with `--release -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn time_of_a_pair_in_shallow_contact() {
-    let mut random = Random(2);
-    let spiral = |n: i32| {
-        let points: Vec<Vec3> = (0..n)
-            .map(|i| {
-                let y = 1.0 - (2.0 * i as f32 + 1.0) / n as f32;
-                let (angle, r) = (i as f32 * 2.399_963_2, (1.0 - y * y).sqrt());
-                Vec3::new(r * libm::cosf(angle), y, r * libm::sinf(angle))
-            })
-            .collect();
-        collider(Geometry::Hull(std::sync::Arc::new(crate::shape::ConvexHull::new(&points).unwrap())))
-    };
-    let shapes = [
-        ("sphere", collider(Geometry::Sphere { radius: 0.5 })),
-        ("capsule", collider(Geometry::capsule(0.5, 0.3))),
-        ("box", collider(Geometry::cuboid(0.5, 0.6, 0.7))),
-        ("cylinder", collider(Geometry::cylinder(0.5, 0.5))),
-        ("hull 16", spiral(16)),
-        ("hull 64", spiral(64)),
-    ];
-    for (i, (name_a, a)) in shapes.iter().enumerate() {
-        for (name_b, b) in &shapes[i..] {
-            let poses: Vec<Relative> = (0..64)
-                .map(|_| {
-                    let (direction, rotation) = (random.direction(), random.turn());
-                    let mut far = a.radius + b.radius + 0.1;
-                    for _ in 0..12 {
-                        let rel = Relative { position: direction * far, rotation };
-                        far -= (Pair { a, b, rel }.about() as f32 + 0.01).max(-0.3) * 0.9;
-                    }
-                    Relative { position: direction * far, rotation }
-                })
-                .collect();
-            let mut best = f64::MAX;
-            for _ in 0..10 {
-                let start = std::time::Instant::now();
-                for rel in poses.iter().cycle().take(6400) {
-                    std::hint::black_box(collide_convex(a, b, std::hint::black_box(rel), 0.02));
-                }
-                best = best.min(start.elapsed().as_nanos() as f64 / 6400.0);
-            }
-            println!("{name_a:>8} {name_b:>8} {best:8.0} ns");
-        }
-    }
 }
 
 /// A hull of the corners of a box.

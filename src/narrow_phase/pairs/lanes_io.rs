@@ -135,6 +135,7 @@ pub(crate) mod testing {
     use super::*;
     use crate::lanes::{f32x4, f32x8};
     pub(crate) use crate::random::Random;
+    use glam::DVec3;
 
     pub(crate) type Pair = (Relative, [f32; 4], [f32; 4], f32);
 
@@ -175,6 +176,48 @@ pub(crate) mod testing {
                 )
             })
             .collect()
+    }
+
+    /// Least distance of balls of two tapered capsules: nested golden section over a convex function.
+    pub(crate) fn between_capsules(relative: &Relative, a: &[f32; 4], b: &[f32; 4]) -> f64 {
+        let (p, v) = (relative.position.as_dvec3(), relative.rotation.as_dquat() * DVec3::Y);
+        let ball = |size: &[f32; 4], s: f64| {
+            let (h, r0, r1) = (size[0] as f64, size[1] as f64, size[2] as f64);
+            (h * (2.0 * s - 1.0), r0 + (r1 - r0) * s)
+        };
+        let least = |f: &dyn Fn(f64) -> f64| {
+            let (mut low, mut high) = (0.0, 1.0);
+            let golden = 0.381_966_011_250_105;
+            let (mut x, mut y) = (golden, 1.0 - golden);
+            let (mut fx, mut fy) = (f(x), f(y));
+            for _ in 0..45 {
+                if fx < fy {
+                    (high, y, fy) = (y, x, fx);
+                    x = low + golden * (high - low);
+                    fx = f(x);
+                } else {
+                    (low, x, fx) = (x, y, fy);
+                    y = high - golden * (high - low);
+                    fy = f(y);
+                }
+            }
+            fx.min(fy)
+        };
+        least(&|s| {
+            let (y, ra) = ball(a, s);
+            least(&|t| {
+                let (z, rb) = ball(b, t);
+                (p + v * z - DVec3::Y * y).length() - ra - rb
+            })
+        })
+    }
+
+    /// The same with capsules that are not tapered; of a box the third size changes.
+    pub(crate) fn uniform(mut pairs: Vec<Pair>) -> Vec<Pair> {
+        for (_, a, b, _) in &mut pairs {
+            (a[2], b[2]) = (a[1], b[1]);
+        }
+        pairs
     }
 
     pub(crate) fn run<L: Lanes>(
@@ -219,6 +262,17 @@ pub(crate) mod testing {
             assert!(m.points().iter().all(|p| p.position.is_finite() && p.separation.is_finite()));
         }
         one
+    }
+
+    /// Asserts that two kernels find the same depth.
+    pub(crate) fn agree(
+        pairs: &[Pair],
+        one: fn(&PairLanes<f32>) -> ManifoldLanes<f32>,
+        other: fn(&PairLanes<f32>) -> ManifoldLanes<f32>,
+    ) {
+        for (x, y) in run(pairs, one).iter().zip(&run(pairs, other)) {
+            assert!(x.count == 0 || y.count == 0 || (deepest(x) - deepest(y)).abs() < 2e-5);
+        }
     }
 
     pub(crate) fn deepest(m: &RawManifold) -> f32 {

@@ -175,31 +175,3 @@ fn odd_input_gives_finite_answers() {
         }
     }
 }
-
-/// `cargo test --release --lib gjk -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement"]
-fn time_of_a_distance() {
-    for (name, kind) in [("box", Kind::Box), ("cylinder", Kind::Cylinder), ("hull", Kind::Hull)] {
-        let mut random = Random(3);
-        let pairs: Vec<_> = (0..256)
-            .map(|_| {
-                let (a, b) = (random.shape(kind, 1.0), random.shape(kind, 1.0));
-                let position = random.direction() * random.range(1.0, 1.5) * (a.radius + b.radius);
-                (a, b, Relative { position, rotation: random.turn() })
-            })
-            .collect();
-        // The best of many rounds: the machine may have other things to do.
-        let (mut best, mut sum) = (u128::MAX, 0.0);
-        for _ in 0..1000 {
-            let start = std::time::Instant::now();
-            for (a, b, rel) in &pairs {
-                let (a, b) = (a.geometry.support().unwrap(), b.geometry.support().unwrap());
-                sum += distance(&a, &b, std::hint::black_box(rel), Vec3::ZERO).distance;
-            }
-            best = best.min(start.elapsed().as_nanos());
-        }
-        let each = best as f64 / 256.0;
-        println!("{name}: {each:.0} ns ({sum})");
-    }
-}

@@ -102,10 +102,7 @@ fn check(found: &[RawManifold], pairs: &[Pair]) {
 
 #[test]
 fn uniform_capsules_keep_their_true_distance_or_least_overlap_at_any_width() {
-    let mut pairs = pairs(7, 2000, 1.8);
-    for (_, a, _, _) in &mut pairs {
-        a[2] = a[1];
-    }
+    let mut pairs = uniform(pairs(7, 2000, 1.8));
     pairs[0].0.position = Vec3::ZERO;
     pairs[1].0 = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
     pairs[2].1[0] = 0.0;
@@ -121,14 +118,7 @@ fn tapered_capsules_keep_their_true_distance_or_least_overlap_at_any_width() {
 
 #[test]
 fn the_tapered_kernel_agrees_with_the_uniform_one() {
-    let mut pairs = pairs(9, 1000, 1.8);
-    for (_, a, _, _) in &mut pairs {
-        a[2] = a[1];
-    }
-    let (x, y) = (run(&pairs, capsule_box::<f32>), run(&pairs, tapered_capsule_box::<f32>));
-    for (x, y) in x.iter().zip(&y) {
-        assert!(x.count == 0 || y.count == 0 || (deepest(x) - deepest(y)).abs() < 2e-5);
-    }
+    agree(&uniform(pairs(9, 1000, 1.8)), capsule_box, tapered_capsule_box);
 }
 
 /// A capsule of half height 0.5 and radius 0.1 that lies along z at `lift` over a box, turned by `tilt`

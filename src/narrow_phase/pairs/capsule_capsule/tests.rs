@@ -2,45 +2,11 @@ use super::*;
 use crate::math::Quat;
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::pairs::lanes_io::testing::*;
-use glam::{DVec3, Vec3, vec3};
-
-/// Least distance of balls of two tapered capsules: nested golden section over a convex function.
-fn slow(relative: &Relative, a: &[f32; 4], b: &[f32; 4]) -> f64 {
-    let (p, v) = (relative.position.as_dvec3(), relative.rotation.as_dquat() * DVec3::Y);
-    let ball = |size: &[f32; 4], s: f64| {
-        let (h, r0, r1) = (size[0] as f64, size[1] as f64, size[2] as f64);
-        (h * (2.0 * s - 1.0), r0 + (r1 - r0) * s)
-    };
-    let least = |f: &dyn Fn(f64) -> f64| {
-        let (mut low, mut high) = (0.0, 1.0);
-        let golden = 0.381_966_011_250_105;
-        let (mut x, mut y) = (golden, 1.0 - golden);
-        let (mut fx, mut fy) = (f(x), f(y));
-        for _ in 0..45 {
-            if fx < fy {
-                (high, y, fy) = (y, x, fx);
-                x = low + golden * (high - low);
-                fx = f(x);
-            } else {
-                (low, x, fx) = (x, y, fy);
-                y = high - golden * (high - low);
-                fy = f(y);
-            }
-        }
-        fx.min(fy)
-    };
-    least(&|s| {
-        let (y, ra) = ball(a, s);
-        least(&|t| {
-            let (z, rb) = ball(b, t);
-            (p + v * z - DVec3::Y * y).length() - ra - rb
-        })
-    })
-}
+use glam::{Vec3, vec3};
 
 fn check(found: &[crate::narrow_phase::RawManifold], pairs: &[Pair]) {
     for (m, (relative, a, b, margin)) in found.iter().zip(pairs) {
-        let truth = slow(relative, a, b);
+        let truth = between_capsules(relative, a, b);
         if truth < *margin as f64 - 1e-5 {
             let deepest = deepest(m) as f64;
             assert!((deepest - truth).abs() < 5e-5, "{deepest} {truth} {relative:?} {a:?} {b:?}");
@@ -49,13 +15,6 @@ fn check(found: &[crate::narrow_phase::RawManifold], pairs: &[Pair]) {
             assert!(m.gap() as f64 <= truth + 5e-5, "{} {truth} {relative:?}", m.gap());
         }
     }
-}
-
-fn uniform(mut pairs: Vec<Pair>) -> Vec<Pair> {
-    for (_, a, b, _) in &mut pairs {
-        (a[2], b[2]) = (a[1], b[1]);
-    }
-    pairs
 }
 
 #[test]
@@ -85,10 +44,7 @@ fn tapered_capsules_are_as_far_apart_as_their_nearest_balls_at_any_width() {
 #[test]
 fn the_tapered_kernel_agrees_with_the_uniform_one() {
     let pairs = uniform(pairs(6, 500, 2.0));
-    let (x, y) = (run(&pairs, capsule_capsule::<f32>), run(&pairs, tapered_capsule_capsule::<f32>));
-    for (x, y) in x.iter().zip(&y) {
-        assert!(x.count == 0 || y.count == 0 || (deepest(x) - deepest(y)).abs() < 2e-5);
-    }
+    agree(&pairs, capsule_capsule, tapered_capsule_capsule);
 }
 
 #[test]
