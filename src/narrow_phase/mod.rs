@@ -23,7 +23,7 @@ pub(crate) use cast::ahead::out_by_the_centre;
 pub(crate) use cast::mesh::{CastResult, cast_mesh, touches_mesh};
 pub(crate) use cast::mesh_cast::MeshCast;
 pub(crate) use cast::motion::{BodyPath, Motion};
-pub(crate) use cast::{cast_convex, tolerance};
+pub(crate) use cast::{Touch, cast_convex, tolerance};
 pub(crate) use collide::{NarrowStats, Scratch, collide};
 pub(crate) use contacts::admit::{Census, ContactMemory, Cut, Kind as RowKind, RowCost, RowSpace};
 pub(crate) use contacts::contact::{

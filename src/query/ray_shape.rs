@@ -2,7 +2,7 @@
 
 use super::candidates::{Candidate, turn_back};
 use super::ray::Ray;
-use crate::shape::Ground;
+use crate::shape::{Ground, path_in_box};
 use glam::{DVec3, Vec3};
 
 /// Where a ray meets a shape.
@@ -75,7 +75,7 @@ impl Way {
         let size = min.abs().max(max.abs()).length();
         let (mut enter, mut leave) = (0.0, 1.0);
         if start.length() > FAR * size || path.length() > FAR * size {
-            (enter, leave) = within(start, path, min - 1e-3 * size, max + 1e-3 * size)?;
+            (enter, leave) = path_in_box(start, path, min - 1e-3 * size, max + 1e-3 * size)?;
         }
         let share = leave - enter;
         let refined = REFINED * size;
@@ -103,20 +103,4 @@ impl Way {
         let normal = if slope > 0.0 { -normal } else { normal };
         Met { fraction: exact as f32, exact, normal, triangle: Some(index), inside: false }
     }
-}
-
-/// The part of a path within a box.
-fn within(start: DVec3, path: DVec3, min: DVec3, max: DVec3) -> Option<(f64, f64)> {
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    for k in 0..3 {
-        if path[k] == 0.0 {
-            if start[k] < min[k] || start[k] > max[k] {
-                return None;
-            }
-            continue;
-        }
-        let (s, t) = ((min[k] - start[k]) / path[k], (max[k] - start[k]) / path[k]);
-        (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
-    }
-    (enter <= leave).then_some((enter, leave))
 }

@@ -67,8 +67,8 @@ impl Ground<'_> {
     }
 
     /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners
-    /// and a fraction before which it does not; nearer ones first, as far as boxes tell, in an order that
-    /// depends on the mesh and the path alone. `f` returns the largest fraction that still matters.
+    /// and the largest fraction that still matters; nearer ones first, as far as boxes tell, in an order that
+    /// depends on the mesh and the path alone. `f` returns the largest fraction that matters from then on.
     pub(crate) fn visit_segment(
         &self,
         from: Vec3,

@@ -28,7 +28,7 @@ mod surfaces;
 pub(crate) use collider::{Collider, ColliderSummary};
 pub(crate) use corners::Corners;
 pub(crate) use flags::{BELT, EVENTS, HOOKS, IDLE_DAMPING, RARE, ROLLS, SENSOR, SOFT, STATICS};
-pub(crate) use forms::{Kind, NearPoint, Symmetry, outline, support};
+pub(crate) use forms::{Frustum, Kind, NearPoint, Symmetry, outline, support};
 pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use geometry::{Geometry, GeometryKey};
 pub(crate) use ground::Ground;
@@ -42,7 +42,7 @@ pub use material::{Combine, Material};
 pub use mesh::TriangleMesh;
 pub(crate) use mesh::edges::{Edges, Fold};
 pub(crate) use mesh::rays::TriangleRays;
-pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
+pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes, path_in_box};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{RAYS, Stream, Walk};

@@ -138,6 +138,22 @@ impl<L: Lanes> Near<L> {
     }
 }
 
+/// The part of a path within a box, in `f64`.
+pub(crate) fn path_in_box(start: DVec3, path: DVec3, min: DVec3, max: DVec3) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for k in 0..3 {
+        if path[k] == 0.0 {
+            if start[k] < min[k] || start[k] > max[k] {
+                return None;
+            }
+            continue;
+        }
+        let (s, t) = ((min[k] - start[k]) / path[k], (max[k] - start[k]) / path[k]);
+        (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
+    }
+    (enter <= leave).then_some((enter, leave))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,23 +162,11 @@ mod tests {
     use crate::random::Random;
     use glam::{dvec3, vec3};
 
-    /// The slabs in f64, of boxes that are grown by `grow`.
+    /// The slabs of bounds that are grown by half extents and by `grow`.
     fn exact(from: DVec3, path: glam::Vec3, bounds: &Aabb, half: glam::Vec3, grow: f64) -> Option<f64> {
-        let (mut enter, mut leave) = (0.0f64, 1.0f64);
-        for k in 0..3 {
-            let grow = f64::from(half[k]) + grow;
-            let (low, high) = (f64::from(bounds.min[k]) - grow, f64::from(bounds.max[k]) + grow);
-            let d = f64::from(path[k]);
-            if d == 0.0 {
-                if from[k] < low || from[k] > high {
-                    return None;
-                }
-                continue;
-            }
-            let (s, t) = ((low - from[k]) / d, (high - from[k]) / d);
-            (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
-        }
-        (enter <= leave).then_some(enter)
+        let grow = half.as_dvec3() + grow;
+        let (low, high) = (bounds.min.as_dvec3() - grow, bounds.max.as_dvec3() + grow);
+        path_in_box(from, path.as_dvec3(), low, high).map(|(enter, _)| enter)
     }
 
     #[test]

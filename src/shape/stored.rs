@@ -6,7 +6,6 @@
 
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
-use super::material::Material;
 use super::mesh::{TriangleMesh, VERTEX_BITS, VERTEX_MASK, has_area};
 use super::surfaces::Surfaces;
 use crate::error::{Error, finite, within};
@@ -41,15 +40,7 @@ pub(crate) struct StoredMesh {
     nodes: Vec<StoredNode>,
     slack: f32,
     #[serde(default)]
-    materials: Option<StoredMaterials>,
-}
-
-/// One for each triangle or cell, by its number, and the table.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StoredMaterials {
-    parts: Vec<u8>,
-    table: Vec<Material>,
+    materials: Option<Surfaces>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -71,21 +62,15 @@ pub(crate) struct StoredField {
     #[serde(default)]
     folds: Vec<u8>,
     #[serde(default)]
-    materials: Option<StoredMaterials>,
+    materials: Option<Surfaces>,
 }
 
-impl StoredMaterials {
-    fn of(surfaces: &Option<Box<Surfaces>>) -> Option<StoredMaterials> {
-        surfaces.as_ref().map(|own| StoredMaterials { parts: own.parts.clone(), table: own.table.clone() })
-    }
-
-    /// For so many triangles or cells.
-    fn surfaces(this: Option<StoredMaterials>, count: usize) -> Result<Option<Box<Surfaces>>, Error> {
-        let Some(StoredMaterials { mut parts, mut table }) = this else { return Ok(None) };
-        parts.shrink_to_fit();
-        table.shrink_to_fit();
-        Surfaces::new(count, parts, table).map(Some)
-    }
+/// Materials of so many triangles or cells, checked.
+fn restored(surfaces: Option<Surfaces>, count: usize) -> Result<Option<Box<Surfaces>>, Error> {
+    let Some(Surfaces { mut parts, mut table }) = surfaces else { return Ok(None) };
+    parts.shrink_to_fit();
+    table.shrink_to_fit();
+    Surfaces::new(count, parts, table).map(Some)
 }
 
 #[cfg(feature = "replay")]
@@ -188,7 +173,7 @@ impl TriangleMesh {
             folds: (0..self.triangles.len() as u32).map(|i| self.edges(i).0).collect(),
             nodes: self.tree.nodes.iter().map(StoredNode::new).collect(),
             slack: self.tree.slack,
-            materials: StoredMaterials::of(&self.surfaces),
+            materials: self.surfaces.as_deref().cloned(),
         }
     }
 
@@ -220,7 +205,7 @@ impl TriangleMesh {
         let nodes: Vec<Node> = nodes.iter().map(StoredNode::node).collect();
         let min = vertices.iter().fold(Vec3::INFINITY, |m, v| m.min(*v));
         let max = vertices.iter().fold(Vec3::NEG_INFINITY, |m, v| m.max(*v));
-        let surfaces = StoredMaterials::surfaces(materials, triangles.len())?;
+        let surfaces = restored(materials, triangles.len())?;
         let tree = MeshBvh { nodes, slack };
         let mesh = TriangleMesh { vertices, triangles, tree, min, max, surfaces };
         check_tree(&mesh)?;
@@ -312,14 +297,14 @@ impl HeightField {
             cell: self.cell,
             heights: self.heights.clone(),
             folds: self.folds.clone(),
-            materials: StoredMaterials::of(&self.surfaces),
+            materials: self.surfaces.as_deref().cloned(),
         }
     }
 
     pub(crate) fn from_stored(stored: StoredField) -> Result<HeightField, Error> {
         let StoredField { columns, rows, cell, heights, folds, materials } = stored;
         let mut field = HeightField::with_folds(columns as usize, rows as usize, cell, heights, folds)?;
-        field.surfaces = StoredMaterials::surfaces(materials, field.triangle_count() / 2)?;
+        field.surfaces = restored(materials, field.triangle_count() / 2)?;
         Ok(field)
     }
 }

@@ -9,6 +9,7 @@ pub(super) const MAX_MATERIALS: usize = u8::MAX as usize;
 
 /// The materials of parts of a shape. There is none of it where all parts have the shape's own.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub(crate) struct Surfaces {
     /// For each triangle or cell: zero for the shape's own material, `i` for the table's `i - 1`.
     pub(super) parts: Vec<u8>,

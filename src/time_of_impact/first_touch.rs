@@ -1,22 +1,12 @@
 //! First touch of two colliders on the rest of their paths.
 
 use crate::config::Measures;
-use crate::narrow_phase::{BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, tolerance};
+use crate::narrow_phase::{BodyPath, CastResult, MeshCast, Motion, Touch, cast_convex, cast_mesh, tolerance};
 use crate::shape::Collider;
 use glam::Vec3;
 
-/// A touch of two colliders.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Touch {
-    /// Fraction of the step, 0..=1; greater if there is none.
-    pub(super) time: f32,
-    /// Unit, from a to b.
-    pub(super) normal: Vec3,
-}
-
-impl Touch {
-    pub(super) const NEVER: Touch = Touch { time: 2.0, normal: Vec3::Y };
-}
+/// No touch: beyond the step.
+pub(super) const NEVER: Touch = Touch { fraction: 2.0, normal: Vec3::Y };
 
 /// When the shapes first touch, as a fraction of the paths. What touches at their beginning doesn't count,
 /// nor does a triangle in whose plane a shape slides: the contacts of the start of the step have handled
@@ -41,6 +31,5 @@ pub(super) fn first_touch(
         }
         _ => cast_convex(a, b, &motion, close),
     };
-    let touch = touch.filter(|touch| touch.fraction > 0.0 && touch.fraction <= 1.0)?;
-    Some(Touch { time: touch.fraction, normal: touch.normal })
+    touch.filter(|touch| touch.fraction > 0.0 && touch.fraction <= 1.0)
 }

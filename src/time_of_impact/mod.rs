@@ -30,9 +30,9 @@ use crate::forces::Forces;
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Allowance, buffers};
-use crate::narrow_phase::{MeshScratch, RawManifold};
+use crate::narrow_phase::{MeshScratch, RawManifold, Touch};
 use crate::threads::{Shared, Workers, per_block};
-use first_touch::{Touch, first_touch};
+use first_touch::{NEVER, first_touch};
 use glam::Vec3;
 use queue::{Hit, Queue};
 use track::Track;
@@ -182,7 +182,7 @@ impl Run<'_, '_> {
         let mut times = std::mem::take(&mut self.buffers.times);
         let place = self.allowance.fit(&mut times, count).min(count);
         self.impacts.shed += (count - place) as u32;
-        times.resize(place, Touch::NEVER);
+        times.resize(place, NEVER);
         {
             let (out, this) = (Shared::new(&mut times), self.view());
             workers.run(place.div_ceil(BLOCK), &|block| {
@@ -195,7 +195,7 @@ impl Run<'_, '_> {
                 }
             });
         }
-        for (i, touch) in times.iter().enumerate().filter(|(_, touch)| touch.time <= 1.0) {
+        for (i, touch) in times.iter().enumerate().filter(|(_, touch)| touch.fraction <= 1.0) {
             let Pair { a, b, .. } = self.on.broad.pairs[i];
             self.push(Hit { touch: *touch, a, b, turns: [0; 2] });
         }
@@ -302,7 +302,7 @@ impl Run<'_, '_> {
         let (a, b) = if key(one) <= key(other) { (one, other) } else { (other, one) };
         let touch = view.touch(a, b, since);
         let turns = [a, b].map(|c| view.turns(c));
-        if touch.time <= 1.0 {
+        if touch.fraction <= 1.0 {
             self.push(Hit { touch, a, b, turns });
         }
     }
@@ -389,7 +389,7 @@ impl View<'_> {
         let share = if self.rules.linear { IMPACT_TOLERANCE } else { tightness(turns) };
         let measures = self.on.settings.measures();
         let touch = first_touch(shape(a), &path(a), shape(b), &path(b), share, measures);
-        touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
+        touch.map_or(NEVER, |touch| Touch { fraction: since + touch.fraction * (1.0 - since), ..touch })
     }
 
     /// Bounds of a collider on the rest of a path.

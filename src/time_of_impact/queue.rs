@@ -1,7 +1,7 @@
 //! Touches in the order of their times.
 
-use super::first_touch::Touch;
 use crate::memory::Allowance;
+use crate::narrow_phase::Touch;
 
 /// Two colliders that touch if neither is redirected before.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ impl Hit {
     /// The earliest first, then the lower indices: an order in which no two of one moment are equal.
     fn key(&self) -> (u32, u32, u32) {
         // The bits of non-negative numbers have the same order.
-        (self.touch.time.to_bits(), self.a, self.b)
+        (self.touch.fraction.to_bits(), self.a, self.b)
     }
 }
 
@@ -74,6 +74,7 @@ impl Queue {
 
 #[cfg(test)]
 mod tests {
+    use super::super::first_touch::NEVER;
     use super::*;
 
     #[test]
@@ -84,7 +85,7 @@ mod tests {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let time = (seed >> 28) as f32 / 16.0;
             assert!(queue.push(
-                Hit { touch: Touch { time, ..Touch::NEVER }, a: i % 7, b: i, turns: [0; 2] },
+                Hit { touch: Touch { fraction: time, ..NEVER }, a: i % 7, b: i, turns: [0; 2] },
                 &mut Allowance::default()
             ));
         }
@@ -99,7 +100,7 @@ mod tests {
 
     #[test]
     fn without_room_nothing_is_added() {
-        let hit = Hit { touch: Touch::NEVER, a: 0, b: 1, turns: [0; 2] };
+        let hit = Hit { touch: NEVER, a: 0, b: 1, turns: [0; 2] };
         assert!(!Queue::default().push(hit, &mut Allowance::new(8)));
     }
 }

@@ -33,7 +33,7 @@ impl Run<'_, '_> {
             return;
         }
         self.impacts.struck += 1;
-        let time = hit.touch.time;
+        let time = hit.touch.fraction;
         let ends = [i, k].map(|body| self.on.bodies.pose[body]);
         for (body, track) in [i, k].into_iter().zip(tracks) {
             if let Some(track) = track {

@@ -259,7 +259,7 @@ pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32)
         normal: None,
     };
     let mut seen = Eight::default();
-    let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| {
+    let mut visit = |index: u32, corners: [Vec3; 3], _: f32| {
         seen.push(index, corners);
         if seen.is_full() {
             first.look(&seen);

@@ -14,8 +14,8 @@ use crate::shape::Collider;
 use crate::shape::support::Support;
 use glam::{DVec3, Vec3};
 
-/// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
-/// largest fraction that still matters.
+/// Called with a triangle, its corners and the largest fraction that still matters; returns the largest that
+/// matters from then on.
 pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
 
 /// What a cast found.
@@ -151,11 +151,7 @@ impl<'a> Search<'a> {
             self.filter = Some(MeshSweep::new(a, rel, motion, tolerance));
             return path.in_box();
         }
-        let path = self.exact().sweep.path_in_b(motion);
-        // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
-        let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
-        let inflate = (path.inflate + DVec3::splat(slack)).as_vec3();
-        BoxPath { from: path.from.as_vec3(), to: path.to.as_vec3(), inflate }
+        self.exact().sweep.path_in_b(motion)
     }
 
     fn exact(&mut self) -> &mut Exact<'a> {
@@ -170,7 +166,7 @@ impl<'a> Search<'a> {
     /// Examines the triangles along a path, nearer ones first. `along`: calls what it is given with each.
     fn go_along(&mut self, along: impl FnOnce(&mut Visit<'_>)) {
         let mut seen = Eight::default();
-        let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
+        let mut visit = |index: u32, corners: [Vec3; 3], _: f32| -> f32 {
             seen.push(index, corners);
             if seen.is_full() {
                 self.look(&seen, seen.lanes());

@@ -20,7 +20,7 @@ use glam::{Vec3, Vec3Swizzles as _};
 pub(crate) const MAX_MANIFOLDS: usize = 8;
 
 /// Buffers.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Merge {
     pub(crate) points: Vec<RawPoint>,
     /// The manifold of each patch.

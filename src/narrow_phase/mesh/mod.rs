@@ -44,7 +44,7 @@ use triangles::Triangles;
 const DEEPEST: u32 = 0x7f;
 
 /// Buffers of [`collide_mesh`], kept from call to call.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct MeshScratch {
     pub(crate) nearby: Nearby,
     patches: Patches,
@@ -58,12 +58,6 @@ pub(crate) struct MeshScratch {
 impl Buffers for MeshScratch {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
         self.each_ready(0, &mut |buffer, _| f(buffer));
-    }
-}
-
-impl std::fmt::Debug for MeshScratch {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MeshScratch").finish_non_exhaustive()
     }
 }
 

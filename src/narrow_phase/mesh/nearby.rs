@@ -49,7 +49,7 @@ impl Eight {
 pub(crate) const CHUNK: usize = 16;
 
 /// See the module.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Nearby {
     eights: Vec<Eight>,
     used: usize,

@@ -142,7 +142,7 @@ struct Plane {
 }
 
 /// Patches of a pair. Triangles that were touched, patches and points each in one column.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub(crate) touches: Vec<Touch>,
     pub(crate) patches: Vec<Patch>,

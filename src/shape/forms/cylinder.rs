@@ -12,11 +12,11 @@ use crate::shape::mass::{Moments, frustum};
 use glam::{DVec3, Vec3};
 
 /// The hull of two discs around the y axis.
-#[derive(Clone, Copy)]
-pub(in crate::shape) struct Frustum {
-    pub(in crate::shape) half_height: f32,
-    pub(in crate::shape) bottom: f32,
-    pub(in crate::shape) top: f32,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frustum {
+    pub(crate) half_height: f32,
+    pub(crate) bottom: f32,
+    pub(crate) top: f32,
 }
 
 impl Frustum {

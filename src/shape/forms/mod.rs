@@ -16,7 +16,7 @@ pub(crate) mod support;
 
 pub(super) use capsule::Capsule;
 pub(super) use cuboid::Cuboid;
-pub(super) use cylinder::Frustum;
+pub(crate) use cylinder::Frustum;
 pub(crate) use kind::{Kind, Symmetry};
 pub(super) use plane::HalfSpace;
 pub(super) use solid::clip;

@@ -247,7 +247,7 @@ impl HeightField {
         (near[0].min(near[1]).min(far[0].min(far[1])), near[0].max(near[1]).max(far[0].max(far[1])))
     }
 
-    /// Calls `f` with every triangle whose bounding box meets a box.
+    /// See [`Ground::visit_box`](super::Ground::visit_box).
     #[inline]
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
         // The cells under the box are known; only their heights are to be looked at. A cell more on either
@@ -276,9 +276,7 @@ impl HeightField {
         }
     }
 
-    /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction
-    /// before which it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction
-    /// that still matters.
+    /// See [`Ground::visit_segment`](super::Ground::visit_segment).
     pub(crate) fn visit_segment(
         &self,
         from: Vec3,
@@ -286,8 +284,7 @@ impl HeightField {
         inflate: Vec3,
         f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
-        let path = self.path(from, to, inflate);
-        self.along(&path, 1.0, &mut |i, corners, entry, most| most.min(f(i, corners, entry)));
+        self.along(&self.path(from, to, inflate), 1.0, &mut |i, corners, _, most| f(i, corners, most));
     }
 
     /// A path to be walked along in this field.
@@ -420,28 +417,21 @@ impl HeightField {
         });
     }
 
-    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path,
-    /// up to the fraction `most`, about the nearest first; it returns the new `most`.
+    /// See [`Ground::visit_path`](super::Ground::visit_path).
     pub(crate) fn visit_path(
         &self,
         from: glam::DVec3,
         path: Vec3,
         half: Vec3,
-        mut most: f32,
+        most: f32,
         f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
     ) {
         let start = from.as_vec3();
-        let half = half + (from - start.as_dvec3()).abs().as_vec3();
-        self.visit_segment(start, start + path, half, &mut |i, corners, entry| {
-            if entry <= most {
-                most = f(i, corners, most);
-            }
-            most
-        });
+        let path = self.path(start, start + path, half + (from - start.as_dvec3()).abs().as_vec3());
+        self.along(&path, most, &mut |i, corners, _, most| f(i, corners, most));
     }
 
-    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²],
-    /// about the nearest first; it returns the new `most`.
+    /// See [`Ground::visit_near`](super::Ground::visit_near).
     pub(crate) fn visit_near(
         &self,
         at: glam::DVec3,
@@ -454,7 +444,7 @@ impl HeightField {
         self.nearest_first(most, &four, &one, &mut |i, corners, _, most| f(i, corners, most));
     }
 
-    /// Whether `f` says yes to any triangle whose bounding box meets a box.
+    /// See [`Ground::any_in_box`](super::Ground::any_in_box).
     pub(crate) fn any_in_box(
         &self,
         min: Vec3,
@@ -466,13 +456,11 @@ impl HeightField {
         any
     }
 
-    /// Whether any triangle may be within `reach` [m] of a segment, as far as boxes and planes tell.
+    /// See [`Ground::nears`](super::Ground::nears).
     pub(crate) fn nears(&self, from: Vec3, to: Vec3, reach: f32) -> bool {
-        let mut near = false;
-        self.visit_box(from.min(to) - reach, from.max(to) + reach, &mut |_, corners| {
-            near = near || !beyond::<f32>(corners.map(LaneVec3::splat), from, to, reach);
-        });
-        near
+        self.any_in_box(from.min(to) - reach, from.max(to) + reach, &mut |_, corners| {
+            !beyond::<f32>(corners.map(LaneVec3::splat), from, to, reach)
+        })
     }
 
     /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if

@@ -166,16 +166,8 @@ impl MeshBvh {
         index as u32
     }
 
-    /// Calls `leaf(first, count)` for every leaf whose box meets a box.
-    #[inline]
-    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, mut leaf: impl FnMut(u32, u32)) {
-        self.any_in_box(min, max, |first, count| {
-            leaf(first, count);
-            false
-        });
-    }
-
-    /// The same until one answers yes; says whether one did.
+    /// Calls `leaf(first, count)` for the leaves whose boxes meet a box until one answers yes; says whether
+    /// one did.
     #[inline]
     pub(crate) fn any_in_box(&self, min: Vec3, max: Vec3, mut leaf: impl FnMut(u32, u32) -> bool) -> bool {
         let around = (LaneVec3::<f32x4>::splat(min), LaneVec3::splat(max));
@@ -206,25 +198,6 @@ impl MeshBvh {
     /// A margin that covers the rounding of coordinates as large as those of the boxes [m].
     pub(crate) fn slack(&self) -> f32 {
         self.slack
-    }
-
-    /// A path to be walked along in this tree.
-    pub(crate) fn path(&self, from: Vec3, to: Vec3, inflate: Vec3) -> Path {
-        Path::new(from, to, inflate, self.slack)
-    }
-
-    /// Calls `leaf(first, count, most)` for the leaves whose inflated boxes the path meets before the
-    /// fraction `most`; nearer ones first, as far as boxes tell. `leaf` returns the new `most`.
-    #[inline]
-    pub(crate) fn visit_segment(&self, path: &Path, mut leaf: impl FnMut(u32, u32, f32) -> f32) {
-        let key = |low: &LaneVec3<f32x4>, high: &LaneVec3<f32x4>, _: f32| {
-            let (meets, entry) = path.meets::<f32x4>(*low, *high);
-            Lanes::select(meets, entry, f32x4::splat(f32::INFINITY))
-        };
-        self.visit_ordered(0, &key, 1.0, &mut |at, _, most| {
-            let (first, count) = triangles(at);
-            leaf(first, count, most)
-        });
     }
 }
 
@@ -293,6 +266,13 @@ impl Path {
         let entry = along(low.y, high.y, self.inverse.y).max(entry);
         let entry = along(low.z, high.z, self.inverse.z).max(entry);
         (meets, entry)
+    }
+
+    /// Where the path enters boxes, by their low and high corners, as a fraction; infinite where it misses.
+    #[inline(always)]
+    pub(crate) fn enter<L: Lanes>(&self, [low, high]: [&LaneVec3<L>; 2]) -> L {
+        let (meets, entry) = self.meets::<L>(*low, *high);
+        L::select(meets, entry, L::splat(f32::INFINITY))
     }
 
     /// The entry of one box, if the path meets it.

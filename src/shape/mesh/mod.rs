@@ -10,10 +10,10 @@ use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
 use super::{Material, Surfaces};
 use crate::error::{Error, each, index};
-use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4, f32x8, ones};
 use crate::limits;
 use crate::memory::{bytes_of, sum_bytes};
-use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
+use bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, Path, triangles};
 #[cfg(feature = "observe")]
 use edges::Fold;
 use edges::{Edges, find_edges};
@@ -183,21 +183,16 @@ impl TriangleMesh {
         Leaf { corners, lanes: (1 << triangles.len()) - 1 }
     }
 
-    /// Calls `f` with every triangle whose bounding box meets a box, and its corners.
+    /// See [`Ground::visit_box`](super::Ground::visit_box).
     #[inline]
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
-        self.tree.visit_box(min, max, |first, count| {
-            let leaf = self.leaf(first, count);
-            let mut bits = leaf.corners.meeting(min, max) & leaf.lanes;
-            while bits != 0 {
-                let lane = bits.trailing_zeros();
-                bits &= bits - 1;
-                f(first + lane, leaf.corners.triangle(lane as usize));
-            }
+        self.any_in_box(min, max, &mut |i, corners| {
+            f(i, corners);
+            false
         });
     }
 
-    /// Whether any triangle may be within `reach` [m] of a segment, as far as boxes and planes tell.
+    /// See [`Ground::nears`](super::Ground::nears).
     pub(crate) fn nears(&self, from: Vec3, to: Vec3, reach: f32) -> bool {
         let (min, max) = (from.min(to) - reach, from.max(to) + reach);
         self.tree.any_in_box(min, max, |first, count| {
@@ -207,9 +202,7 @@ impl TriangleMesh {
         })
     }
 
-    /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners
-    /// and a fraction before which it does not; nearer ones first, as far as boxes tell. `f` returns the
-    /// largest fraction that still matters.
+    /// See [`Ground::visit_segment`](super::Ground::visit_segment).
     #[inline]
     pub(crate) fn visit_segment(
         &self,
@@ -218,24 +211,36 @@ impl TriangleMesh {
         inflate: Vec3,
         f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
-        let path = self.tree.path(from, to, inflate);
-        let look = |first: u32, count: u32, mut most: f32| {
-            let leaf = self.leaf(first, count);
-            let (low, high) = leaf.corners.bounds();
-            let (meets, entry) = path.meets::<f32x8>(low, high);
-            let mut bits = meets.bits() & leaf.lanes;
-            let entry = entry.to_array();
-            while bits != 0 {
-                let lane = bits.trailing_zeros();
-                bits &= bits - 1;
-                let entry = entry[lane as usize];
-                if entry <= most {
-                    most = most.min(f(first + lane, leaf.corners.triangle(lane as usize), entry));
+        let path = Path::new(from, to, inflate, self.tree.slack());
+        self.visit_ordered(1.0, &|b, _| path.enter::<f32x4>(b), &|b, _| path.enter::<f32x8>(b), f);
+    }
+
+    /// Calls `f` with the triangles whose key is at most `most`, about the smallest first; it returns the new
+    /// `most`. `four` and `eight` say the keys of boxes ([`FourTree`]), given their low and high corners and
+    /// `most`.
+    #[inline(always)]
+    fn visit_ordered(
+        &self,
+        most: f32,
+        four: &impl Fn([&LaneVec3<f32x4>; 2], f32) -> f32x4,
+        eight: &impl Fn([&LaneVec3<f32x8>; 2], f32) -> f32x8,
+        f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
+    ) {
+        let mut look = |leaf: u32, _: f32, mut most: f32| {
+            let (first, count) = triangles(leaf);
+            let Leaf { corners, lanes } = self.leaf(first, count);
+            let (low, high) = corners.bounds();
+            let keys = eight([&low, &high], most);
+            let near = Lanes::le(keys, f32x8::splat(most)).bits() & lanes;
+            let keys = keys.to_array();
+            for lane in ones(near) {
+                if keys[lane % 8] <= most {
+                    most = f(first + lane as u32, corners.triangle(lane % 8), most);
                 }
             }
             most
         };
-        self.tree.visit_segment(&path, look);
+        self.tree.visit_ordered(0, &|low, high, most| four([low, high], most), most, &mut look);
     }
 
     /// The triangles of [`Ground::ray`](super::Ground::ray).
@@ -277,8 +282,7 @@ impl TriangleMesh {
         Slabs::new(from.as_dvec3(), path, Vec3::splat(self.tree.slack()))
     }
 
-    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path,
-    /// up to the fraction `most`, about the nearest first; it returns the new `most`.
+    /// See [`Ground::visit_path`](super::Ground::visit_path).
     pub(crate) fn visit_path(
         &self,
         from: glam::DVec3,
@@ -288,27 +292,11 @@ impl TriangleMesh {
         f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
     ) {
         let (four, eight) = (Slabs::<f32x4>::new(from, path, half), Slabs::<f32x8>::new(from, path, half));
-        self.tree.visit_ordered(
-            0,
-            &|low, high, most| four.enter(low, high, most),
-            most,
-            &mut |leaf, _, mut most| {
-                let (first, count) = triangles(leaf);
-                let leaf = self.leaf(first, count);
-                let (low, high) = leaf.corners.bounds();
-                let enter = eight.enter(&low, &high, most).to_array();
-                for (lane, &enter) in enter.iter().enumerate().take(count as usize) {
-                    if enter <= most {
-                        most = f(first + lane as u32, leaf.corners.triangle(lane), most);
-                    }
-                }
-                most
-            },
-        );
+        let four = |[low, high]: [&_; 2], most: f32| four.enter(low, high, most);
+        self.visit_ordered(most, &four, &|[low, high], most| eight.enter(low, high, most), f);
     }
 
-    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²],
-    /// about the nearest first; it returns the new `most`.
+    /// See [`Ground::visit_near`](super::Ground::visit_near).
     pub(crate) fn visit_near(
         &self,
         at: glam::DVec3,
@@ -316,26 +304,12 @@ impl TriangleMesh {
         f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
     ) {
         let (four, eight) = (Near::<f32x4>::new(at), Near::<f32x8>::new(at));
-        self.tree.visit_ordered(
-            0,
-            &|low, high, _| four.squared(low, high),
-            most,
-            &mut |leaf, _, mut most| {
-                let (first, count) = triangles(leaf);
-                let leaf = self.leaf(first, count);
-                let (low, high) = leaf.corners.bounds();
-                let far = eight.squared(&low, &high).to_array();
-                for (lane, &far) in far.iter().enumerate().take(count as usize) {
-                    if far <= most {
-                        most = f(first + lane as u32, leaf.corners.triangle(lane), most);
-                    }
-                }
-                most
-            },
-        );
+        let four = |[low, high]: [&_; 2], _: f32| four.squared(low, high);
+        self.visit_ordered(most, &four, &|[low, high], _| eight.squared(low, high), f);
     }
 
-    /// Whether `f` says yes to any triangle whose bounding box meets a box.
+    /// See [`Ground::any_in_box`](super::Ground::any_in_box).
+    #[inline]
     pub(crate) fn any_in_box(
         &self,
         min: Vec3,
@@ -343,10 +317,9 @@ impl TriangleMesh {
         f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
     ) -> bool {
         self.tree.any_in_box(min, max, |first, count| {
-            let leaf = self.leaf(first, count);
-            let bits = leaf.corners.meeting(min, max) & leaf.lanes;
-            (0..count)
-                .any(|lane| bits >> lane & 1 != 0 && f(first + lane, leaf.corners.triangle(lane as usize)))
+            let Leaf { corners, lanes } = self.leaf(first, count);
+            let meeting = corners.meeting(min, max) & lanes;
+            ones(meeting).any(|lane| f(first + lane as u32, corners.triangle(lane % 8)))
         })
     }
 

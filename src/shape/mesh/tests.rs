@@ -1,6 +1,7 @@
 use super::testing::*;
 use super::*;
 use crate::shape::Ground;
+use crate::shape::slabs::path_in_box;
 
 #[test]
 fn a_mesh_refuses_what_is_no_mesh_and_drops_what_is_no_triangle() {
@@ -39,22 +40,10 @@ fn boxes_find_the_triangles_that_a_search_of_all_finds() {
     }
 }
 
-/// Whether a path meets a box, by slabs in f64.
+/// Whether a path meets a box, and where.
 fn slabs(from: Vec3, to: Vec3, min: Vec3, max: Vec3) -> Option<f64> {
-    let (mut enter, mut exit) = (0.0f64, 1.0f64);
-    for k in 0..3 {
-        let (p, d) = (f64::from(from[k]), f64::from(to[k]) - f64::from(from[k]));
-        let (low, high) = (f64::from(min[k]), f64::from(max[k]));
-        if d == 0.0 {
-            if p < low || p > high {
-                return None;
-            }
-            continue;
-        }
-        let (a, b) = ((low - p) / d, (high - p) / d);
-        (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
-    }
-    (enter <= exit).then_some(enter)
+    let path = to.as_dvec3() - from.as_dvec3();
+    path_in_box(from.as_dvec3(), path, min.as_dvec3(), max.as_dvec3()).map(|(enter, _)| enter)
 }
 
 #[test]
@@ -68,10 +57,12 @@ fn paths_find_every_triangle_whose_inflated_box_they_meet() {
                 (to.x, to.z) = (from.x, from.z);
             }
             let inflate = random.cube().abs() * 0.5 * (round % 3) as f32;
+            let path = bvh::Path::new(from, to, inflate, mesh.tree.slack());
             let mut found = vec![None; mesh.triangle_count()];
-            mesh.visit_segment(from, to, inflate, &mut |t, _, entry| {
-                assert!(found[t as usize].replace(entry).is_none());
-                1.0
+            mesh.visit_segment(from, to, inflate, &mut |t, [a, b, c], most| {
+                let entry = path.meets_one(a.min(b).min(c), a.max(b).max(c));
+                assert!(std::mem::replace(&mut found[t as usize], entry).is_none() && entry.is_some());
+                most
             });
             for (t, found) in found.iter().enumerate() {
                 let [a, b, c] = mesh.triangle(t as u32);
@@ -180,16 +171,4 @@ fn a_triangle_of_a_terrain_takes_less_than_24_bytes() {
     let each = reserved as f64 / mesh.triangle_count() as f64;
     println!("{each:.2} bytes a triangle, of them {} of tree", mesh.tree.bytes().0 / mesh.triangle_count());
     assert!(live <= reserved && each < 24.0, "{each}");
-}
-
-#[test]
-#[ignore = "a measurement"]
-fn how_long_a_build_takes() {
-    let (vertices, triangles) = grid(224, 0.5, bumpy);
-    for _ in 0..5 {
-        let (vertices, triangles) = (vertices.clone(), triangles.clone());
-        let start = std::time::Instant::now();
-        let mesh = TriangleMesh::new(vertices, triangles).unwrap();
-        println!("{:.1} ms for {}", start.elapsed().as_secs_f64() * 1e3, mesh.triangle_count());
-    }
 }

@@ -6,7 +6,7 @@ use crate::narrow_phase::cast::tolerance;
 use crate::narrow_phase::distance;
 use crate::narrow_phase::fixtures::{CONVEX, collider};
 use crate::random::Random;
-use crate::shape::{Geometry, HeightField, TriangleMesh};
+use crate::shape::{Geometry, HeightField, TriangleMesh, path_in_box};
 
 /// Every triangle, in order, if its box is on the way.
 struct Soup(Vec<[Vec3; 3]>);
@@ -28,20 +28,10 @@ impl Soup {
         let mut largest = 1.0;
         for (i, [a, b, c]) in self.0.iter().enumerate() {
             let (low, high) = (a.min(*b).min(*c) - inflate, a.max(*b).max(*c) + inflate);
-            let (mut enter, mut leave) = (0.0_f32, 1.0_f32);
-            for k in 0..3 {
-                let (x, d) = (from[k], to[k] - from[k]);
-                if d == 0.0 {
-                    if x < low[k] || x > high[k] {
-                        leave = -1.0;
-                    }
-                    continue;
-                }
-                let (s, t) = ((low[k] - x) / d, (high[k] - x) / d);
-                (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
-            }
-            if enter <= leave && enter <= largest {
-                largest = f(i as u32, [*a, *b, *c], enter);
+            let (from, low, high) = (from.as_dvec3(), low.as_dvec3(), high.as_dvec3());
+            let part = path_in_box(from, to.as_dvec3() - from, low, high);
+            if part.is_some_and(|(enter, _)| enter as f32 <= largest) {
+                largest = f(i as u32, [*a, *b, *c], largest);
             }
         }
     }

@@ -5,16 +5,9 @@
 use crate::lanes::{Lanes, Vec3 as LaneVec3};
 use crate::narrow_phase::convex::clip::Segment;
 use crate::narrow_phase::convex::polytope::Pose;
+pub(crate) use crate::shape::Frustum;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
-
-/// Around the y axis: half height, radius at the bottom, radius at the top [m].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Frustum {
-    pub(super) half_height: f32,
-    pub(super) bottom: f32,
-    pub(super) top: f32,
-}
 
 impl Frustum {
     pub(crate) fn of(shape: &Collider) -> Option<Frustum> {
