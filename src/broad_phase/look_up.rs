@@ -1,14 +1,12 @@
 //! Look-ups from outside the step: who is in a box, who is on a path.
 //!
-//! They read the trees as the last [`BroadPhase::update`] or [`BroadPhase::refresh`] left them. After a step
-//! movers may be outside their boxes, because the solver changed what was predicted: refresh first, unless
-//! only statics matter.
+//! They read the trees as the last update left them. After a step movers may be outside their boxes, because
+//! the solver changed what was predicted.
 
 use super::{Aabb, BroadPhase, Path, Role};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::shape::boxes_meet;
 use glam::Vec3;
-use std::cell::Cell;
 
 /// The colliders that a look-up searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,37 +124,8 @@ impl BroadPhase {
         }
     }
 
-    /// Calls `f` with every collider whose box is touched by a box (`extent`: half extents) that moves
-    /// straight from one point to another. `f` returns the largest fraction of the path that is still of
-    /// interest; what lies beyond is left out from then on. Planes come first, then in no order along the
-    /// path.
-    pub(crate) fn on_path(
-        &self,
-        stack: &mut Vec<u32>,
-        whom: SearchSet,
-        (from, to): (Vec3, Vec3),
-        extent: Vec3,
-        mut f: impl FnMut(u32) -> f32,
-    ) {
-        let path =
-            |fraction: f32| Path::between(from, from + (to - from) * fraction, extent).lanes::<f32x4>();
-        let (mut fraction, lanes) = (1.0f32, Cell::new(Path::between(from, to, extent).lanes::<f32x4>()));
-        let mut found = |c: u32| {
-            let new = f(c);
-            if new < fraction {
-                fraction = new.max(0.0);
-                lanes.set(path(fraction));
-            }
-        };
-        self.unbounded_of(whom).for_each(|&c| found(c));
-        let test = |node: &super::bvh::Node| lanes.get().hits(node.min, node.max).bits();
-        self.statics.visit(stack, test, &mut found);
-        if whom == SearchSet::All {
-            self.movers.visit(stack, test, found);
-        }
-    }
-
-    /// [`BroadPhase::on_path`] for statics and the whole path.
+    /// Calls `f` with every static collider whose box is touched by a box (`extent`: half extents) that moves
+    /// straight from one point to another. Planes come first, then in no order along the path.
     pub(crate) fn statics_on_path(
         &self,
         stack: &mut Vec<u32>,
@@ -165,10 +134,9 @@ impl BroadPhase {
         extent: Vec3,
         mut f: impl FnMut(u32),
     ) {
-        self.on_path(stack, SearchSet::Statics, (from, to), extent, |c| {
-            f(c);
-            1.0
-        });
+        self.unbounded_of(SearchSet::Statics).for_each(|&c| f(c));
+        let path = Path::between(from, to, extent).lanes::<f32x4>();
+        self.statics.visit(stack, |node: &super::bvh::Node| path.hits(node.min, node.max).bits(), f);
     }
 
     fn unbounded_of(&self, whom: SearchSet) -> impl Iterator<Item = &u32> {
@@ -202,34 +170,12 @@ mod tests {
     }
 
     #[test]
-    fn a_path_finds_all_on_it_or_only_statics() {
-        let broad = scene();
-        let look_up = |whom| {
-            let mut found = Vec::new();
-            let ends = (Vec3::new(-5.0, 0.0, 0.0), Vec3::new(1005.0, 0.0, 0.0));
-            broad.on_path(&mut Vec::new(), whom, ends, Vec3::splat(0.4), |c| {
-                found.push(c);
-                1.0
-            });
-            found.sort_unstable();
-            found
-        };
-        let statics: Vec<u32> = (0..100).step_by(7).chain([200]).collect();
-        assert_eq!(look_up(SearchSet::Statics), statics);
-        assert_eq!(look_up(SearchSet::All), [statics, vec![300]].concat());
-    }
-
-    #[test]
-    fn a_path_that_was_cut_finds_nothing_beyond() {
-        let broad = scene();
-        let ends = (Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0));
+    fn a_path_finds_the_statics_on_it() {
+        let (from, to) = (Vec3::new(-5.0, 0.0, 0.0), Vec3::new(1005.0, 0.0, 0.0));
         let mut found = Vec::new();
-        broad.on_path(&mut Vec::new(), SearchSet::All, ends, Vec3::ZERO, |c| {
-            found.push(c);
-            if c == 200 { 0.1 } else { 1.0 }
-        });
+        scene().statics_on_path(&mut Vec::new(), from, to, Vec3::splat(0.4), |c| found.push(c));
         found.sort_unstable();
-        assert_eq!(found, [0, 7, 200, 300]);
+        assert_eq!(found, (0..100).step_by(7).chain([200]).collect::<Vec<u32>>());
     }
 
     #[test]

@@ -451,13 +451,7 @@ impl BroadPhase {
     }
 
     fn add_leaves(tree: &mut Tree, proxies: &mut [Proxy], new: &mut Vec<u32>, bad: bool) -> u32 {
-        // The tree reads boxes while it tells places; a cell lets it do both.
-        let cells = std::cell::Cell::from_mut(proxies).as_slice_of_cells();
-        let bounds = |c: u32| cells[c as usize].get().bounds;
-        let place = |c: u32, place: u32| {
-            let cell = &cells[c as usize];
-            cell.set(Proxy { place, ..cell.get() });
-        };
+        let (bounds, place) = Proxy::boxes_and_places(proxies);
         let built = if bad {
             tree.rebuild(new, bounds, place);
             true

@@ -36,6 +36,14 @@ pub(super) struct Proxy {
 
 impl Proxy {
     pub(super) const NONE: Proxy = Proxy { bounds: Aabb::EMPTY, place: NONE, path: NONE };
+
+    /// Reads boxes and sets places: a tree does both in turn, which cells allow.
+    #[inline]
+    pub(super) fn boxes_and_places(all: &mut [Proxy]) -> (impl Fn(u32) -> Aabb, impl FnMut(u32, u32)) {
+        let cells = std::cell::Cell::from_mut(all).as_slice_of_cells();
+        let place = |c: u32, place: u32| cells[c as usize].set(Proxy { place, ..cells[c as usize].get() });
+        (|c: u32| cells[c as usize].get().bounds, place)
+    }
 }
 
 // Rounding: of a sum.
@@ -118,14 +126,10 @@ mod tests {
 
     #[test]
     fn who_keeps_its_box_is_inside_it_and_not_fast() {
-        let mut seed = 3u32;
-        let mut next = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 / (1 << 23) as f32 - 1.0
-        };
+        let mut random = crate::random::Random(3);
         let mut kept = 0;
         for i in 0..20_000 {
-            let mut v = |size: f32| Vec3::new(next(), next(), next()) * size;
+            let mut v = |size: f32| random.cube() * size;
             let (at, half) = (v(100.0), v(1.0).abs());
             let mover = Mover {
                 collider: 0,

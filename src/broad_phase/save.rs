@@ -152,9 +152,8 @@ impl BroadPhase {
         }
         self.new_movers.clear();
         self.refreshed = saved.lists.refreshed != 0;
-        let cells = std::cell::Cell::from_mut(self.proxies.as_mut_slice()).as_slice_of_cells();
-        let place = |c: u32, place: u32| cells[c as usize].set(Proxy { place, ..cells[c as usize].get() });
-        self.movers.restore(saved.tree, |c| cells[c as usize].get().bounds, place);
+        let (bounds, place) = Proxy::boxes_and_places(&mut self.proxies);
+        self.movers.restore(saved.tree, bounds, place);
     }
 
     /// Exchanges the lists of pairs for others.
@@ -228,9 +227,8 @@ impl BroadPhase {
     pub(crate) fn restore_statics(&mut self, new: &[u32], tree: &[u32]) {
         self.new_statics.clear();
         self.new_statics.extend(new);
-        let cells = std::cell::Cell::from_mut(self.proxies.as_mut_slice()).as_slice_of_cells();
-        let place = |c: u32, place: u32| cells[c as usize].set(Proxy { place, ..cells[c as usize].get() });
-        self.statics.restore(tree, |c| cells[c as usize].get().bounds, place);
+        let (bounds, place) = Proxy::boxes_and_places(&mut self.proxies);
+        self.statics.restore(tree, bounds, place);
     }
 
     /// Puts into their tree what waits for that, as the next update would.

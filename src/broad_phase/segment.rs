@@ -175,4 +175,4 @@ impl<L: Lanes> PathLanes<L> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -1,5 +1,6 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
+use super::segment::tests::slabs;
 use super::*;
 use crate::random::Random;
 use crate::threads::{Helpers, with_workers};
@@ -134,21 +135,9 @@ fn touch_exactly(p: &Mover, q: &Mover, slack: f64) -> bool {
     let spin = |m: &Mover| if m.mode == Continuous::Discrete { 0.0 } else { f64::from(m.spin) };
     let relative = motion(p) - motion(q);
     let grow = spin(p) + spin(q) + slack;
-    let low = q.aabb.min.as_dvec3() - p.aabb.max.as_dvec3() - grow;
-    let high = q.aabb.max.as_dvec3() - p.aabb.min.as_dvec3() + grow;
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    for k in 0..3 {
-        if relative[k] == 0.0 {
-            if low[k] > 0.0 || high[k] < 0.0 {
-                return false;
-            }
-        } else {
-            let (t0, t1) = (low[k] / relative[k], high[k] / relative[k]);
-            enter = enter.max(t0.min(t1));
-            leave = leave.min(t0.max(t1));
-        }
-    }
-    enter <= leave
+    let low = q.aabb.min.as_dvec3() - p.aabb.max.as_dvec3();
+    let high = q.aabb.max.as_dvec3() - p.aabb.min.as_dvec3();
+    slabs(DVec3::ZERO, relative, DVec3::splat(grow), low, high, 0.0)
 }
 
 fn still(body: &Body) -> Mover {

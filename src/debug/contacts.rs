@@ -3,7 +3,6 @@
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::config::tuning::GHOST_GAP;
 use crate::narrow_phase::{ContactRef, Point, Relative, Support, distance};
-use crate::shape::{Collider, Geometry};
 use crate::world::{Place, World, place_of, relative_now};
 use glam::{DVec3, Vec3};
 
@@ -60,36 +59,15 @@ fn are_apart(world: &World, contact: ContactRef<'_>, now: &Relative, limit: f32)
         return distance(&convex, &other, now, hint).distance > limit;
     }
     let back = now.rotation.conjugate();
-    let from_b = Relative { position: back * -now.position, rotation: back };
-    match &b.geometry {
-        Geometry::Mesh(mesh) => {
-            let (min, max) = reach(a, &from_b, limit);
-            let mut near = false;
-            mesh.visit_box(min, max, &mut |_, t| near |= touches(&convex, t, now, limit));
-            !near
-        }
-        Geometry::HeightField(field) => {
-            let (min, max) = reach(a, &from_b, limit);
-            let mut near = false;
-            field.visit_box(min, max, &mut |_, t| near |= touches(&convex, t, now, limit));
-            !near
-        }
-        _ => {
-            // The half-space below: the height of the lowest point above it.
-            let up = now.rotation * Vec3::Y;
-            let lowest = convex.support(-up.as_dvec3()).as_vec3();
-            up.dot(lowest - now.position) - convex.radius as f32 > limit
-        }
+    if let Some(ground) = b.geometry.ground() {
+        // Around all that is within the limit of the shape.
+        let (at, reach) = (back * -now.position, Vec3::splat(a.radius + limit));
+        return !ground.any_in_box(at - reach, at + reach, &mut |_, corners| {
+            distance(&convex, &Support::triangle(corners), now, Vec3::ZERO).distance <= limit
+        });
     }
-}
-
-fn touches(convex: &Support<'_>, corners: [Vec3; 3], now: &Relative, limit: f32) -> bool {
-    let triangle = Support::triangle(corners);
-    distance(convex, &triangle, now, Vec3::ZERO).distance <= limit
-}
-
-/// A box, in the other's frame, around all that is within a limit of a shape.
-fn reach(a: &Collider, in_other: &Relative, limit: f32) -> (Vec3, Vec3) {
-    let reach = Vec3::splat(a.radius + limit);
-    (in_other.position - reach, in_other.position + reach)
+    // The half-space below: the height of the lowest point above it.
+    let up = now.rotation * Vec3::Y;
+    let lowest = convex.support(-up.as_dvec3()).as_vec3();
+    up.dot(lowest - now.position) - convex.radius as f32 > limit
 }

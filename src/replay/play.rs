@@ -347,7 +347,7 @@ impl<R: Read> Replay<R> {
                 self.parts.define(part.map_err(|_| Failed::Damaged("a part makes no sense"))?);
             }
             Call::Restore(state, hulls, parts) => self.restore(&state, &hulls, parts)?,
-            of_joint => self.play_on_joint(of_joint)?,
+            of_shape => self.play_on_shape(of_shape)?,
         }
         Ok(())
     }
@@ -383,26 +383,6 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one joint.
-    fn play_on_joint(&mut self, call: Call) -> Result<(), Failed> {
-        let world = &mut self.world;
-        match call {
-            Call::SetJointTarget(joint, motion, axis, [position, velocity]) => {
-                world.set_joint_target(joint, motion, axis, position, velocity)?;
-            }
-            Call::SetJointLimits(joint, limits) => world.set_joint_limits(joint, &limits)?,
-            Call::SetJointDrives(joint, drives) => world.set_joint_drives(joint, &drives)?,
-            Call::SetJointStrength(joint, [force, torque]) => {
-                world.set_joint_strength(joint, force, torque)?
-            }
-            Call::SetJointThresholds(joint, [force, torque]) => {
-                world.set_joint_thresholds(joint, force, torque)?;
-            }
-            of_shape => self.play_on_shape(of_shape)?,
-        }
-        Ok(())
-    }
-
     /// A character of a recording.
     fn character(&self, form: Option<Form>, words: &[u32]) -> Result<Character, Failed> {
         let geometry = form.map(|form| self.geometries.geometry(form)).transpose();
@@ -433,7 +413,7 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one shape, or adds one.
+    /// Plays a call that changes one shape, or adds one, or that changes all limits or drives of a joint.
     fn play_on_shape(&mut self, call: Call) -> Result<(), Failed> {
         let usual = |two: [u32; 2]| two.map(|n| n as usize);
         match call {
@@ -452,6 +432,8 @@ impl<R: Read> Replay<R> {
             Call::SetHoles(shape, first, size, holes) => {
                 self.world.set_holes(shape, usual(first), usual(size), &holes)?;
             }
+            Call::SetJointLimits(joint, limits) => self.world.set_joint_limits(joint, &limits)?,
+            Call::SetJointDrives(joint, drives) => self.world.set_joint_drives(joint, &drives)?,
             of_character => self.play_on_character(of_character)?,
         }
         Ok(())

@@ -63,7 +63,7 @@ impl Sink {
     }
 
     pub(crate) fn body(&mut self, desc: &BodyDesc) -> Body {
-        Body::new(desc, |shape| self.shape(shape))
+        Body::new(desc, desc.shapes.iter().map(|shape| self.shape(shape)).collect())
     }
     pub(crate) fn shape(&mut self, desc: &ShapeDesc) -> Shape {
         let form = self.form(&desc.geometry);

@@ -49,27 +49,38 @@ fn run() -> (BodyHandle, Vec<u8>) {
     (bodies[9], buffer.bytes())
 }
 
-/// The recording with its calls changed, and right checksums.
-fn tampered(bytes: &[u8], mut change: impl FnMut(u64, &mut Call)) -> Vec<u8> {
+/// The recording with its blocks changed, or others before them, and right checksums.
+fn rewritten(bytes: &[u8], mut change: impl FnMut(Block, &mut Vec<u8>, &mut Vec<u8>)) -> Vec<u8> {
     let (mut from, mut to) = (bytes, Vec::new());
     read_header(&mut from).unwrap();
     write_header(&mut to).unwrap();
-    let mut step = 1;
     loop {
-        let (kind, payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
+        let (kind, mut payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
+        change(kind, &mut payload, &mut to);
+        write_block(&mut to, kind, &payload).unwrap();
+        if kind == Block::End {
+            return to;
+        }
+    }
+}
+
+/// The recording with its calls changed.
+fn tampered(bytes: &[u8], mut change: impl FnMut(u64, &mut Call)) -> Vec<u8> {
+    let mut step = 1;
+    rewritten(bytes, |kind, payload, _| {
+        if kind != Block::Calls {
+            return;
+        }
         let (mut rest, mut changed) = (&payload[..], Vec::new());
-        while kind == Block::Calls && !rest.is_empty() {
+        while !rest.is_empty() {
             let (mut call, next) = postcard::take_from_bytes::<Call>(rest).unwrap();
             change(step, &mut call);
             step += u64::from(matches!(call, Call::Step(_)));
             changed = postcard::to_extend(&call, changed).unwrap();
             rest = next;
         }
-        write_block(&mut to, kind, if kind == Block::Calls { &changed } else { &payload }).unwrap();
-        if kind == Block::End {
-            return to;
-        }
-    }
+        *payload = changed;
+    })
 }
 
 fn divergence(bytes: &[u8]) -> Option<Divergence> {
@@ -230,11 +241,7 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
     let mut random = crate::random::Random(1);
     let (mut refused, mut diverged, mut same) = (0, 0, 0);
     for _ in 0..1500 {
-        let (mut from, mut to) = (&bytes[..], Vec::new());
-        read_header(&mut from).unwrap();
-        write_header(&mut to).unwrap();
-        loop {
-            let (kind, mut payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
+        let nonsense = rewritten(&bytes, |kind, payload, _| {
             if kind != Block::End {
                 for _ in 0..random.below(3) {
                     let bit = random.below(8 * payload.len());
@@ -244,12 +251,8 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
                     payload.truncate(random.below(payload.len()));
                 }
             }
-            write_block(&mut to, kind, &payload).unwrap();
-            if kind == Block::End {
-                break;
-            }
-        }
-        match Replay::open(&to[..]).and_then(|mut replay| replay.run()) {
+        });
+        match Replay::open(&nonsense[..]).and_then(|mut replay| replay.run()) {
             Ok(played) if played.divergence.is_some() => diverged += 1,
             Ok(_) => same += 1,
             Err(ReplayError::Io(error)) => panic!("{error}"),
@@ -295,21 +298,12 @@ fn copies_of_geometry_are_bounded_by_their_bytes() {
     let bytes = run_with_shapes();
     let (vertices, triangles) = crate::random::bumps(8, 1.0);
     let mesh = TriangleMesh::new(vertices, triangles).unwrap().bytes().1;
-    let mut copied = Vec::new();
-    let mut from = &bytes[..];
-    read_header(&mut from).unwrap();
-    write_header(&mut copied).unwrap();
     let again = postcard::to_stdvec(&Call::Again(0)).unwrap();
-    loop {
-        let (kind, payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
+    let copied = rewritten(&bytes, |kind, _, to| {
         if kind == Block::End {
-            write_block(&mut copied, Block::Calls, &again.repeat(100_000)).unwrap();
+            write_block(to, Block::Calls, &again.repeat(100_000)).unwrap();
         }
-        write_block(&mut copied, kind, &payload).unwrap();
-        if kind == Block::End {
-            break;
-        }
-    }
+    });
     let limits = LoadLimits { memory: 64 << 20, ..LoadLimits::default() };
     let mut replay = Replay::open_limited(&copied[..], &limits, |_| {}).unwrap();
     match replay.run() {

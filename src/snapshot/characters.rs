@@ -1,6 +1,6 @@
 //! Characters: for each slot its generation, what is there, its geometry, and its words.
 
-use super::geometry::{Known, code_in, geometry_of, resolve};
+use super::geometry::{Known, code_in, geometry_of};
 use crate::character::checked_character;
 use crate::error::Error;
 use crate::shape::Geometry;
@@ -41,14 +41,6 @@ fn code_of(form: &Geometry, forms: &mut Vec<Known>) -> (u32, [u32; 4]) {
         forms.push(Known::Here(form.clone()));
     }
     code_in(form, forms.len().saturating_sub(1) as u32)
-}
-
-/// The hulls of a snapshot from bytes, of which it has fingerprints.
-///
-/// # Errors
-/// If the world lacks one of them.
-pub(super) fn found_forms(forms: &[Known], world: &World) -> Result<Vec<Known>, Error> {
-    Ok(resolve(forms, world)?.into_iter().map(Known::Here).collect())
 }
 
 /// A slot: its generation, and who is there. Words from outside are `checked`.

@@ -65,6 +65,22 @@ fn print_of(geometry: &Geometry) -> u64 {
     hash(&all).wrapping_add(geometry.code().into())
 }
 
+/// The geometry of a table that is here.
+pub(super) fn here(table: &[Known]) -> impl Iterator<Item = &Geometry> {
+    table.iter().filter_map(|known| match known {
+        Known::Here(geometry) => Some(geometry),
+        Known::Print(_) => None,
+    })
+}
+
+/// A table with geometry in the place of fingerprints, which the world has to have.
+///
+/// # Errors
+/// If it lacks some.
+pub(super) fn found(table: &[Known], world: &World) -> Result<Vec<Known>, Error> {
+    Ok(resolve(table, world)?.into_iter().map(Known::Here).collect())
+}
+
 /// The geometry of a table; fingerprints are looked up in the world.
 pub(super) fn resolve(table: &[Known], world: &World) -> Result<Vec<Geometry>, Error> {
     let mut own: Option<Vec<(u64, Geometry)>> = None;

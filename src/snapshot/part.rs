@@ -5,7 +5,7 @@
 //! static bodies, with their tree; *moving* has everything else, with joints and the lists of free handles.
 
 use super::checksum::hash;
-use super::geometry::{Known, Table, code_of, geometry_of};
+use super::geometry::{Known, Table, code_of, geometry_of, resolve};
 use super::settings::mode_of;
 use crate::body::{BodyDetails, BodyKind, Damping, KeptMass, Mass, NewBody, Pose, SpeedCap, Traits};
 use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
@@ -67,25 +67,19 @@ impl Part {
         let (mut out, mut table) = (vec![0, 0], Table::default());
         let bodies = &world.bodies;
         let first_static = bodies.asleep().end;
+        let own = if which == Which::Fixed { first_static..bodies.len() } else { 0..first_static };
         // In the order of slots, which nothing changes.
-        if which == Which::Fixed {
-            for slot in 0..bodies.slots.count() as u32 {
-                let index = bodies.slots.dense(slot) as usize;
-                if (first_static..bodies.len()).contains(&index) {
-                    save_body(world, index, &mut table, &mut out);
-                    out[1] += 1;
-                }
-            }
-            out[0] = out.len() as u32;
-            world.broad.save_statics(&mut out);
-            return Part::new(out, table.known);
-        }
         for slot in 0..bodies.slots.count() as u32 {
             let index = bodies.slots.dense(slot) as usize;
-            if index < first_static {
+            if own.contains(&index) {
                 save_body(world, index, &mut table, &mut out);
                 out[1] += 1;
             }
+        }
+        if which == Which::Fixed {
+            out[0] = out.len() as u32;
+            world.broad.save_statics(&mut out);
+            return Part::new(out, table.known);
         }
         for slots in [&bodies.slots, &world.colliders.slots] {
             out.push(slots.count() as u32);
@@ -255,7 +249,7 @@ pub(super) struct Records {
 impl Records {
     /// Reads both parts, and checks that they fit together.
     pub(super) fn read([fixed, moving]: [&Part; 2], world: &World) -> Result<Records, Error> {
-        let geometry = [fixed, moving].map(|part| super::geometry::resolve(&part.geometry, world));
+        let geometry = [fixed, moving].map(|part| resolve(&part.geometry, world));
         let [of_fixed, of_moving] = geometry;
         let (of_fixed, of_moving) = (of_fixed?, of_moving?);
         let mut from = Reader(&fixed.words);

@@ -1,6 +1,6 @@
 //! Snapshots in recordings: the state of each, and the parts that they share, which are written once.
 
-use super::geometry::{Known, resolve};
+use super::geometry::{Known, found, here};
 use super::part::Part;
 use super::{Snapshot, weak};
 use crate::error::Error;
@@ -35,13 +35,10 @@ impl Snapshot {
         if self.foreign.is_none() {
             return Ok(Cow::Borrowed(self));
         }
-        let here = |table: &[Known]| -> Result<Vec<Known>, Error> {
-            Ok(resolve(table, world)?.into_iter().map(Known::Here).collect())
-        };
         let mut own = self.clone();
-        own.forms = here(&self.forms)?;
+        own.forms = found(&self.forms, world)?;
         for part in own.parts.iter_mut().flatten() {
-            *part = Arc::new(Part::new(part.words.clone(), here(&part.geometry)?));
+            *part = Arc::new(Part::new(part.words.clone(), found(&part.geometry, world)?));
         }
         Ok(Cow::Owned(own))
     }
@@ -55,12 +52,12 @@ impl Snapshot {
     /// The bytes of one of its parts, and the geometry that they refer to.
     pub(crate) fn part(&self, which: usize) -> (Vec<u8>, Vec<&Geometry>) {
         let Some(part) = &self.parts[which] else { return Default::default() };
-        (part.words.iter().flat_map(|word| word.to_le_bytes()).collect(), here(&part.geometry))
+        (part.words.iter().flat_map(|word| word.to_le_bytes()).collect(), here(&part.geometry).collect())
     }
 
     /// The hulls of its characters.
     pub(crate) fn hulls(&self) -> Vec<&Geometry> {
-        here(&self.forms)
+        here(&self.forms).collect()
     }
 
     /// One out of a recording: from the bytes of its state, the hulls of its characters, and its parts unless
@@ -80,12 +77,4 @@ impl Snapshot {
         }
         Ok(snapshot)
     }
-}
-
-fn here(table: &[Known]) -> Vec<&Geometry> {
-    let geometry = table.iter().map(|known| match known {
-        Known::Here(geometry) => Some(geometry),
-        Known::Print(_) => None,
-    });
-    geometry.flatten().collect()
 }

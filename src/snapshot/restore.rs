@@ -2,9 +2,9 @@
 //! fail.
 
 use super::Snapshot;
-use super::characters::{check_characters, found_forms, restore_characters};
+use super::characters::{check_characters, restore_characters};
 use super::check::check;
-use super::geometry::Known;
+use super::geometry::{Known, found, here};
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, PUSHED, REST, RESTS, TARGET, View};
 use crate::body::{AfterTarget, Bodies, Pose, Target};
@@ -14,7 +14,7 @@ use crate::lanes::Record;
 use crate::math::Quat;
 use crate::memory::Amounts;
 use crate::narrow_phase::{ContactCount, most_points};
-use crate::shape::{Geometry, Kind, ROLLS};
+use crate::shape::{Kind, ROLLS};
 use crate::words::record;
 use crate::world::{Brings, Replacement, World};
 use glam::{DVec3, Vec3};
@@ -34,11 +34,11 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
-    let found;
+    let own;
     let forms = if snapshot.foreign.is_some() {
-        found = found_forms(&snapshot.forms, world)?;
-        check_characters(view.characters, &found)?;
-        &found
+        own = found(&snapshot.forms, world)?;
+        check_characters(view.characters, &own)?;
+        &own
     } else {
         &snapshot.forms
     };
@@ -100,14 +100,6 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
-/// The hulls among them.
-fn geometries_of(forms: &[Known]) -> impl Iterator<Item = &Geometry> {
-    forms.iter().filter_map(|known| match known {
-        Known::Here(geometry) => Some(geometry),
-        Known::Print(_) => None,
-    })
-}
-
 /// The memory that the snapshot needs; that of contacts only if the world has a budget.
 fn brought<'a>(
     world: &World,
@@ -121,7 +113,7 @@ fn brought<'a>(
         let all = || records.moving.iter().chain(&records.fixed);
         let shapes = all().flat_map(|record| &record.colliders);
         let (bodies, colliders) = (records.bodies.count, records.colliders.count);
-        let geometries = shapes.map(|c| &c.collider.geometry).chain(geometries_of(forms));
+        let geometries = shapes.map(|c| &c.collider.geometry).chain(here(forms));
         let mut new = Replacement::new(bodies, colliders, &records.joints, snapshot.joint_rows, geometries);
         for record in all() {
             let kinds = record.colliders.iter().map(|c| (c.collider.kind, c.collider.flags));
@@ -150,7 +142,7 @@ fn brought<'a>(
         targets: counts.targets as usize,
         guarded: counts.guarded as usize,
         characters: counts.characters as usize,
-        forms: if new.is_some() { Amounts::default() } else { world.cost_of(geometries_of(forms)) },
+        forms: if new.is_some() { Amounts::default() } else { world.cost_of(here(forms)) },
         over_budget: snapshot.over_budget,
         // Not by the number of sleepers: disabled bodies share their part of the columns.
         rests: counts.has(RESTS),

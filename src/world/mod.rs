@@ -47,11 +47,11 @@ pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use revisions::{Revisions, SharedPart};
 pub(crate) use state::State;
-#[cfg(feature = "replay")]
-pub(crate) use step::Recorder;
 #[cfg(feature = "observe")]
 pub(crate) use step::StepMeter;
 pub(crate) use step::{Buffers, Change, Part, PartTimes, Stage};
+#[cfg(feature = "replay")]
+pub(crate) use step::{Recorder, each_call};
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, Pair, QueryIndex};

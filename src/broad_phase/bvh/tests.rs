@@ -3,19 +3,14 @@ use crate::random::Random;
 use crate::shape::Slabs;
 use glam::vec3;
 
-fn boxes(count: u32, seed: u32) -> Vec<Aabb> {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 24) as f32
+/// In a cube of 100 m.
+fn boxes(count: u32, seed: u64) -> Vec<Aabb> {
+    let mut random = Random(seed);
+    let mut one = || {
+        let (at, half) = (random.cube() * 50.0, random.cube().abs());
+        Aabb { min: at - half, max: at + half }
     };
-    (0..count)
-        .map(|_| {
-            let centre = vec3(next(), next(), next()) * 100.0;
-            let half = vec3(next(), next(), next()) * 3.0;
-            Aabb { min: centre - half, max: centre + half }
-        })
-        .collect()
+    (0..count).map(|_| one()).collect()
 }
 
 fn found(tree: &Tree, bounds: &Aabb) -> Vec<u32> {
@@ -72,12 +67,7 @@ fn boxes_that_are_all_the_same_still_make_a_shallow_tree() {
 #[test]
 fn an_ordered_walk_finds_the_same_as_a_list() {
     let mut random = Random(9);
-    let boxes: Vec<Aabb> = (0..3000)
-        .map(|_| {
-            let (at, half) = (random.cube() * 50.0, random.cube().abs());
-            Aabb { min: at - half, max: at + half }
-        })
-        .collect();
+    let boxes = boxes(3000, 17);
     let ids: Vec<u32> = (0..3000).collect();
     let mut tree = Tree::default();
     tree.add(&ids, |c| boxes[c as usize], |_, _| {});

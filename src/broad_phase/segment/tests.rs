@@ -56,7 +56,14 @@ fn a_path_hits_the_same_boxes_at_any_width() {
 }
 
 /// The slab test in f64: another method than the one under test. Boxes are grown by `slack` [m].
-fn slabs(start: DVec3, motion: DVec3, extent: DVec3, min: DVec3, max: DVec3, slack: f64) -> bool {
+pub(in crate::broad_phase) fn slabs(
+    start: DVec3,
+    motion: DVec3,
+    extent: DVec3,
+    min: DVec3,
+    max: DVec3,
+    slack: f64,
+) -> bool {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     for k in 0..3 {
         let (low, high) = (min[k] - extent[k] - slack, max[k] + extent[k] + slack);

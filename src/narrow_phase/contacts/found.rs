@@ -161,7 +161,8 @@ pub(crate) struct Wave<'a> {
 pub(crate) struct FoundContacts {
     /// Without a budget new contacts have memory of their own.
     own: Slab,
-    /// New contacts that wait for a slot: under a budget until all are found, so that all are weighed at once.
+    /// New contacts that wait for a slot: under a budget until all are found, and then all are weighed at
+    /// once.
     waiting: usize,
     /// Places for these and for the new contacts of the wave.
     place: usize,
@@ -289,8 +290,8 @@ impl FoundContacts {
         Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
-    /// Takes over what some blocks found. Without a budget it gets slots at once. Returns the number of points
-    /// that got none.
+    /// Takes over what some blocks found. Without a budget it gets slots at once. Returns the number of
+    /// points that got none.
     pub(crate) fn commit(
         &mut self,
         wave: &mut Wave<'_>,
@@ -431,8 +432,8 @@ impl Fresh {
     }
 }
 
-/// Spreads places over blocks, from `start` to `most`; returns the end of those that have enough, and of their
-/// places. The first takes what there is.
+/// Spreads places over blocks, from `start` to `most`; returns the end of those that have enough, and of
+/// their places. The first takes what there is.
 fn spread(blocks: &mut [Block], first: usize, start: usize, most: usize) -> (usize, usize) {
     let (mut end, mut total) = (first, start);
     let fits = |block: &Block, total: usize| most == 0 || total + block.place as usize <= most;

@@ -89,18 +89,12 @@ impl World {
         let index = self.disturb(index);
         self.revise(index);
         if !enabled {
-            for place in 0..self.bodies.colliders[index].as_slice().len() {
-                let collider = self.bodies.colliders[index].as_slice()[place];
-                self.leave_broad(collider);
-            }
+            self.each_collider_of(index, World::leave_broad);
         }
-        let index = self.bodies.set_enabled(index as u32, enabled, &mut self.colliders);
+        let index = self.bodies.set_enabled(index as u32, enabled, &mut self.colliders) as usize;
         if enabled {
-            for place in 0..self.bodies.colliders[index as usize].as_slice().len() {
-                let collider = self.bodies.colliders[index as usize].as_slice()[place];
-                self.colliders.place(collider, &self.bodies.pose[index as usize]);
-                self.enter_broad(collider);
-            }
+            self.place_colliders(index);
+            self.each_collider_of(index, World::enter_broad);
         }
         self.joints.changed = true;
         Ok(())

@@ -91,11 +91,10 @@ impl World {
         self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
             self.revise(index);
-            for c in 0..self.bodies.colliders[index].as_slice().len() {
-                let collider = self.bodies.colliders[index].as_slice()[c];
-                self.leave_broad(collider);
-                self.enter_broad(collider);
-            }
+            self.each_collider_of(index, |world, collider| {
+                world.leave_broad(collider);
+                world.enter_broad(collider);
+            });
         }
         Ok(())
     }

@@ -4,7 +4,9 @@ use super::mass::movable;
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, STATICS, ShapeDesc};
+use crate::shape::{
+    Collider, EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, STATICS, ShapeDesc,
+};
 use crate::world::{Addition, Change, World};
 
 impl World {
@@ -118,11 +120,7 @@ impl World {
         self.note(Change::SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);
-        let collider = &mut self.colliders.all[index];
-        self.needs.count(collider, -1);
-        collider.set_material(&material);
-        self.needs.count(collider, 1);
-        self.colliders.summaries[index].flags = collider.flags;
+        self.change_flags(index as u32, |collider| collider.set_material(&material));
         self.colliders.set_rare(index as u32, rare);
         Ok(())
     }
@@ -184,13 +182,11 @@ impl World {
             // The pairs that it touches must be in the list.
             body = self.disturb(body);
         }
-        let collider = &mut self.colliders.all[index];
-        self.needs.count(collider, -1);
-        collider.flags = collider.flags & !(EVENTS | HOOKS)
-            | if events { EVENTS } else { 0 }
-            | if hooks { HOOKS } else { 0 };
-        self.needs.count(collider, 1);
-        self.colliders.summaries[index].flags = collider.flags;
+        self.change_flags(index as u32, |collider| {
+            collider.flags = collider.flags & !(EVENTS | HOOKS)
+                | if events { EVENTS } else { 0 }
+                | if hooks { HOOKS } else { 0 };
+        });
         if stops {
             self.forget_touches(index as u32);
         }
@@ -253,12 +249,19 @@ impl World {
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.leave_broad(index);
+        self.change_flags(index, |collider| {
+            collider.flags = collider.flags & !flag | if set { flag } else { 0 };
+        });
+        self.enter_broad(index);
+    }
+
+    /// Changes flags of a shape, or what they follow from, and what is counted by them.
+    fn change_flags(&mut self, index: u32, change: impl FnOnce(&mut Collider)) {
         let collider = &mut self.colliders.all[index as usize];
         self.needs.count(collider, -1);
-        collider.flags = collider.flags & !flag | if set { flag } else { 0 };
+        change(collider);
         self.needs.count(collider, 1);
         self.colliders.summaries[index as usize].flags = collider.flags;
-        self.enter_broad(index);
     }
 
     /// The caller's number of a shape.

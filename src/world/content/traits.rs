@@ -76,7 +76,7 @@ impl World {
     }
 
     /// Calls `f` with each collider of a body.
-    fn each_collider_of(&mut self, index: usize, f: impl Fn(&mut World, u32)) {
+    pub(super) fn each_collider_of(&mut self, index: usize, f: impl Fn(&mut World, u32)) {
         for place in 0..self.bodies.colliders[index].as_slice().len() {
             let collider = self.bodies.colliders[index].as_slice()[place];
             f(self, collider);

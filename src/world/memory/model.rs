@@ -5,167 +5,121 @@ use crate::body::BodyKind;
 use crate::lanes::Record;
 use crate::memory::bytes_of;
 use crate::shape::Kind;
-use crate::world::World;
+use crate::world::{Part, World};
 use glam::Vec3;
 use std::fmt;
 
-/// A part of the engine that not every scene needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-#[non_exhaustive]
-pub enum Feature {
-    /// Friction rows of contacts, and friction of impacts.
-    Friction,
-    /// Moving surfaces, such as belts.
-    SurfaceVelocities,
-    /// Rows against rolling, and spinning friction.
-    RollingFriction,
-    /// Springs of soft contacts.
-    SoftContacts,
-    /// Velocities and displacements of the previous step, and sweeps over impacts.
-    Restitution,
-    /// Swept paths, casts, potential contacts, and the guard.
-    ContinuousCollision,
-    /// Gravity and forces.
-    Acceleration,
-    /// The column of applied forces.
-    Forces,
-    /// Locked axes of bodies.
-    LockedAxes,
-    /// Torque-free rotation of bodies with unequal moments of inertia, whose axes change.
-    GyroscopicTurning,
-    /// Kinematic bodies.
-    KinematicBodies,
-    /// Lists of bodies with more than one shape.
-    Compounds,
-    /// Convex hulls.
-    ConvexHulls,
-    /// Triangle meshes with their trees.
-    Meshes,
-    /// Height fields.
-    HeightFields,
-    /// Joints of any kind.
-    Joints,
-    /// Joints in trees, solved exactly.
-    JointTrees,
-    /// Locks in loops: points, lines, hinges and welds that are in no tree.
-    JointLocks,
-    /// Limits with a width.
-    JointLimits,
-    /// Drives: motors, and friction of joints.
-    JointDrives,
-    /// Springs, of limits and of drives.
-    JointSprings,
-    /// Couplings of two motions of joints: gears, racks, screws, pulleys.
-    Couplings,
-    /// Joints that break.
-    BreakableJoints,
-    /// Rest times of bodies, islands, and the pairs of sleeping ones.
-    Sleeping,
-    /// Events of contacts: begin, end and hit.
-    ContactEvents,
-    /// Events of sensors.
-    Sensors,
-    /// Changes of contacts by hooks.
-    ContactHooks,
-    /// The tree that queries traverse.
-    Queries,
-    /// The order of contacts and joints that are solved after a group.
-    SolvedAfter,
+/// Makes the enum of features from one list: for each its name in reports and JSON, the objects that need it,
+/// and the stage that includes its time.
+macro_rules! features {
+    ($(#[$meta:meta])* pub enum Feature { $(
+        $(#[$doc:meta])*
+        $feature:ident $name:literal $asked_by:literal $stage:literal,
+    )+ }) => {
+        $(#[$meta])*
+        pub enum Feature {
+            $($(#[$doc])* $feature,)+
+        }
+
+        impl Feature {
+            /// Every feature, in the order of reports.
+            pub const ALL: [Feature; [$($name),+].len()] = [$(Feature::$feature),+];
+
+            fn words(self) -> [&'static str; 3] {
+                match self {
+                    $(Feature::$feature => [$name, $asked_by, $stage],)+
+                }
+            }
+        }
+    };
+}
+
+features! {
+    /// A part of the engine that not every scene needs.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    #[cfg_attr(
+        feature = "serde",
+        derive(serde::Serialize, serde::Deserialize),
+        serde(rename_all = "snake_case")
+    )]
+    #[non_exhaustive]
+    pub enum Feature {
+        /// Friction rows of contacts, and friction of impacts.
+        Friction "friction" "shapes with friction or contact hooks" "solve",
+        /// Moving surfaces, such as belts.
+        SurfaceVelocities "surface_velocities" "shapes and contacts with a moving surface" "solve",
+        /// Rows against rolling, and spinning friction.
+        RollingFriction "rolling_friction" "shapes that resist rolling or spinning" "solve",
+        /// Springs of soft contacts.
+        SoftContacts "soft_contacts" "shapes whose contacts are soft" "solve",
+        /// Velocities and displacements of the previous step, and sweeps over impacts.
+        Restitution "restitution" "shapes with restitution or contact hooks" "prepare",
+        /// Swept paths, casts, potential contacts, and the guard.
+        ContinuousCollision "continuous_collision" "bodies that are not discrete" "narrow",
+        /// Gravity and forces.
+        Acceleration "acceleration" "dynamic bodies under gravity or forces" "broad",
+        /// The column of applied forces.
+        Forces "forces" "forces since the column was made" "broad",
+        /// Locked axes of bodies.
+        LockedAxes "locked_axes" "bodies with a locked axis" "broad",
+        /// Torque-free rotation of bodies with unequal moments of inertia, whose axes change.
+        GyroscopicTurning "gyroscopic_turning" "bodies with unequal moments of inertia" "finish",
+        /// Kinematic bodies.
+        KinematicBodies "kinematic_bodies" "kinematic bodies" "broad",
+        /// Lists of bodies with more than one shape.
+        Compounds "compounds" "bodies with more than one shape" "broad",
+        /// Convex hulls.
+        ConvexHulls "convex_hulls" "shapes" "narrow",
+        /// Triangle meshes with their trees.
+        Meshes "meshes" "shapes" "narrow",
+        /// Height fields.
+        HeightFields "height_fields" "shapes" "narrow",
+        /// Joints of any kind.
+        Joints "joints" "joints" "prepare",
+        /// Joints in trees, solved exactly.
+        JointTrees "joint_trees" "bodies in trees" "solve",
+        /// Locks in loops: points, lines, hinges and welds that are in no tree.
+        JointLocks "joint_locks" "locks outside of trees" "solve",
+        /// Limits with a width.
+        JointLimits "joint_limits" "limits with a width" "solve",
+        /// Drives: motors, and friction of joints.
+        JointDrives "joint_drives" "drives" "solve",
+        /// Springs, of limits and of drives.
+        JointSprings "joint_springs" "springs of limits and drives" "solve",
+        /// Couplings of two motions of joints: gears, racks, screws, pulleys.
+        Couplings "couplings" "couplings" "solve",
+        /// Joints that break.
+        BreakableJoints "breakable_joints" "joints that can break" "solve",
+        /// Rest times of bodies, islands, and the pairs of sleeping ones.
+        Sleeping "sleeping" "dynamic bodies where sleeping is switched on" "finish",
+        /// Events of contacts: begin, end and hit.
+        ContactEvents "contact_events" "shapes that are listened to" "solve",
+        /// Events of sensors.
+        Sensors "sensors" "sensors" "finish",
+        /// Changes of contacts by hooks.
+        ContactHooks "contact_hooks" "shapes with contact hooks" "narrow",
+        /// The tree that queries traverse.
+        Queries "queries" "1 while queries are asked" "",
+        /// The order of contacts and joints that are solved after a group.
+        SolvedAfter "solved_after" "bodies and joints that are solved after a group" "prepare",
+    }
 }
 
 impl Feature {
-    /// Every feature, in the order of reports.
-    pub const ALL: [Feature; 29] = [
-        Feature::Friction,
-        Feature::SurfaceVelocities,
-        Feature::RollingFriction,
-        Feature::SoftContacts,
-        Feature::Restitution,
-        Feature::ContinuousCollision,
-        Feature::Acceleration,
-        Feature::Forces,
-        Feature::LockedAxes,
-        Feature::GyroscopicTurning,
-        Feature::KinematicBodies,
-        Feature::Compounds,
-        Feature::ConvexHulls,
-        Feature::Meshes,
-        Feature::HeightFields,
-        Feature::Joints,
-        Feature::JointTrees,
-        Feature::JointLocks,
-        Feature::JointLimits,
-        Feature::JointDrives,
-        Feature::JointSprings,
-        Feature::Couplings,
-        Feature::BreakableJoints,
-        Feature::Sleeping,
-        Feature::ContactEvents,
-        Feature::Sensors,
-        Feature::ContactHooks,
-        Feature::Queries,
-        Feature::SolvedAfter,
-    ];
-
     /// The name in reports and JSON.
     pub fn name(self) -> &'static str {
-        self.words().0
+        self.words()[0]
     }
 
     /// The objects that need it, which [`ModelPart::count`] counts.
     pub fn asked_by(self) -> &'static str {
-        self.words().1
+        self.words()[1]
     }
 
     /// The stage of [`StageTimes`](crate::StageTimes) that includes its time; `None` if it takes none in a
     /// step.
     pub fn stage(self) -> Option<&'static str> {
-        Some(self.words().2).filter(|stage| !stage.is_empty())
-    }
-
-    fn words(self) -> (&'static str, &'static str, &'static str) {
-        match self {
-            Feature::Friction => ("friction", "shapes with friction or contact hooks", "solve"),
-            Feature::SurfaceVelocities => {
-                ("surface_velocities", "shapes and contacts with a moving surface", "solve")
-            }
-            Feature::RollingFriction => {
-                ("rolling_friction", "shapes that resist rolling or spinning", "solve")
-            }
-            Feature::SoftContacts => ("soft_contacts", "shapes whose contacts are soft", "solve"),
-            Feature::Restitution => ("restitution", "shapes with restitution or contact hooks", "prepare"),
-            Feature::ContinuousCollision => {
-                ("continuous_collision", "bodies that are not discrete", "narrow")
-            }
-            Feature::Acceleration => ("acceleration", "dynamic bodies under gravity or forces", "broad"),
-            Feature::Forces => ("forces", "forces since the column was made", "broad"),
-            Feature::LockedAxes => ("locked_axes", "bodies with a locked axis", "broad"),
-            Feature::GyroscopicTurning => {
-                ("gyroscopic_turning", "bodies with unequal moments of inertia", "finish")
-            }
-            Feature::KinematicBodies => ("kinematic_bodies", "kinematic bodies", "broad"),
-            Feature::Compounds => ("compounds", "bodies with more than one shape", "broad"),
-            Feature::ConvexHulls => ("convex_hulls", "shapes", "narrow"),
-            Feature::Meshes => ("meshes", "shapes", "narrow"),
-            Feature::HeightFields => ("height_fields", "shapes", "narrow"),
-            Feature::Joints => ("joints", "joints", "prepare"),
-            Feature::JointTrees => ("joint_trees", "bodies in trees", "solve"),
-            Feature::JointLocks => ("joint_locks", "locks outside of trees", "solve"),
-            Feature::JointLimits => ("joint_limits", "limits with a width", "solve"),
-            Feature::JointDrives => ("joint_drives", "drives", "solve"),
-            Feature::JointSprings => ("joint_springs", "springs of limits and drives", "solve"),
-            Feature::Couplings => ("couplings", "couplings", "solve"),
-            Feature::BreakableJoints => ("breakable_joints", "joints that can break", "solve"),
-            Feature::Sleeping => ("sleeping", "dynamic bodies where sleeping is switched on", "finish"),
-            Feature::ContactEvents => ("contact_events", "shapes that are listened to", "solve"),
-            Feature::Sensors => ("sensors", "sensors", "finish"),
-            Feature::ContactHooks => ("contact_hooks", "shapes with contact hooks", "narrow"),
-            Feature::Queries => ("queries", "1 while queries are asked", ""),
-            Feature::SolvedAfter => {
-                ("solved_after", "bodies and joints that are solved after a group", "prepare")
-            }
-        }
+        Some(self.words()[2]).filter(|stage| !stage.is_empty())
     }
 }
 
@@ -257,7 +211,8 @@ impl World {
     }
 
     fn model_part(&self, feature: Feature) -> ModelPart {
-        let World { bodies, needs, joints, buffers, spent, events, .. } = self;
+        let World { bodies, needs, joints, buffers, events, .. } = self;
+        let spent = |part: Part| Some(self.spent[part as usize]);
         let dynamic = || bodies.all_dynamic().count() as u32;
         let events = || events.parts(needs.events > 0);
         let [beside, trees, locks, rows] = buffers.joints.parts();
@@ -281,7 +236,7 @@ impl World {
                 (needs.soft, bytes_of(&rows.soft).1 + bytes_of(&rows.marks).1, None)
             }
             Feature::Restitution => {
-                (needs.restitution, buffers.restitution.bytes().1, Some(spent.restitution))
+                (needs.restitution, buffers.restitution.bytes().1, spent(Part::Restitution))
             }
             Feature::ContinuousCollision => {
                 let count = if self.is_continuous() { bodies.continuous } else { 0 };
@@ -304,7 +259,7 @@ impl World {
             Feature::ConvexHulls => (needs.hulls, self.assets.bytes_of(Kind::Hull), None),
             Feature::Meshes => (needs.meshes, self.assets.bytes_of(Kind::Mesh), None),
             Feature::HeightFields => (needs.height_fields, self.assets.bytes_of(Kind::HeightField), None),
-            Feature::Joints => (joints.count as u32, own + beside, Some(spent.joints)),
+            Feature::Joints => (joints.count as u32, own + beside, spent(Part::Joints)),
             Feature::JointTrees => (in_trees, trees, None),
             Feature::JointLocks => (alone, of_locks + locks, None),
             Feature::JointLimits => (kinds[0], shares[0], None),
@@ -318,11 +273,11 @@ impl World {
             Feature::Sleeping => {
                 let (islands, kept) = (self.sleep.bytes(), self.sleep.kept_bytes());
                 let count = if self.settings.sleeping { dynamic() } else { 0 };
-                (count, bytes_of(&bodies.rest).1 + islands.1 + kept.1, Some(spent.sleeping))
+                (count, bytes_of(&bodies.rest).1 + islands.1 + kept.1, spent(Part::Sleeping))
             }
-            Feature::ContactEvents => (needs.events, events()[0], Some(spent.events)),
-            Feature::Sensors => (needs.sensors, events()[1], Some(spent.sensors)),
-            Feature::ContactHooks => (needs.hooks, events()[2], Some(spent.hooks)),
+            Feature::ContactEvents => (needs.events, events()[0], spent(Part::Events)),
+            Feature::Sensors => (needs.sensors, events()[1], spent(Part::Sensors)),
+            Feature::ContactHooks => (needs.hooks, events()[2], spent(Part::Hooks)),
             Feature::Queries => (u32::from(self.now.is_kept()), self.now.bytes().1, None),
             Feature::SolvedAfter => (
                 bodies.solved_after_count() + joints.solved_after(),

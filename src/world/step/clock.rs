@@ -51,15 +51,7 @@ impl World {
         let start = needed.then(Instant::now);
         let done = work(self);
         if let Some(start) = start {
-            let spent = &mut self.spent;
-            *match part {
-                Part::Restitution => &mut spent.restitution,
-                Part::Joints => &mut spent.joints,
-                Part::Sleeping => &mut spent.sleeping,
-                Part::Events => &mut spent.events,
-                Part::Sensors => &mut spent.sensors,
-                Part::Hooks => &mut spent.hooks,
-            } += microseconds(start.elapsed());
+            self.spent[part as usize] += microseconds(start.elapsed());
         }
         done
     }

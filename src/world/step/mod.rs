@@ -10,8 +10,8 @@ mod stage;
 
 pub(crate) use buffers::Buffers;
 pub(crate) use observers::Change;
-#[cfg(feature = "replay")]
-pub(crate) use observers::Recorder;
 #[cfg(feature = "observe")]
 pub(crate) use observers::StepMeter;
+#[cfg(feature = "replay")]
+pub(crate) use observers::{Recorder, each_call};
 pub(crate) use stage::{Part, PartTimes, Stage};

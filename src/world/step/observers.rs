@@ -11,80 +11,140 @@ use crate::shape::{Filter, Geometry, HolePatch, MassProperties, Material, Patch,
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
 
-/// A change that a call is about to make, named after the methods of [`World`].
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(feature = "replay"), allow(dead_code, reason = "nobody records it"))]
-pub(crate) enum Change<'a> {
-    SetSettings(&'a Settings),
-    SetOrigin(DVec3),
-    AddBody(&'a BodyDesc),
-    AddBodies(&'a [BodyDesc]),
-    RemoveBody(BodyHandle),
-    AddShape(BodyHandle, &'a ShapeDesc),
-    RemoveShape(ShapeHandle),
-    SetMaterial(ShapeHandle, Material),
-    SetFilter(ShapeHandle, Filter),
-    SetListening(ShapeHandle, bool, bool),
-    SetSensor(ShapeHandle, bool),
-    SetSensesStatic(ShapeHandle, bool),
-    SetPose(BodyHandle, DVec3, glam::Quat),
-    SetVelocity(BodyHandle, Vec3, Vec3),
-    AddForce(BodyHandle, Vec3, Vec3),
-    ApplyImpulse(BodyHandle, Vec3, DVec3),
-    SetGravityScale(BodyHandle, f32),
-    SetContinuous(BodyHandle, Continuous),
-    SolveBodyAfter(BodyHandle, Option<RowGroup>),
-    SetMass(BodyHandle, MassProperties),
-    AddJoint(&'a JointDesc),
-    AddJoints(&'a [JointDesc]),
-    RemoveJoint(JointHandle),
-    SetJointDrive(JointHandle, Drive),
-    RemoveJointDrive(JointHandle, Motion, Axis),
-    SetJointTarget(JointHandle, Motion, Axis, [f32; 2]),
-    SetJointLimit(JointHandle, Limit),
-    RemoveJointLimit(JointHandle, Motion, Axes),
-    SetJointLimits(JointHandle, &'a [Limit]),
-    SetJointDrives(JointHandle, &'a [Drive]),
-    SetJointFrames(JointHandle, [Frame; 2]),
-    SetJointCollide(JointHandle, bool),
-    SetJointStrength(JointHandle, [f32; 2]),
-    SetJointThresholds(JointHandle, [f32; 2]),
-    SetJointUserData(JointHandle, u64),
-    SolveJointAfter(JointHandle, Option<RowGroup>),
-    AddCoupling(&'a CouplingDesc),
-    RemoveCoupling(CouplingHandle),
-    SetCouplingFactors(CouplingHandle, [f64; 2]),
-    SetCouplingRange(CouplingHandle, Option<[f64; 2]>),
-    SetCouplingStrength(CouplingHandle, [f32; 2]),
-    SetCouplingUserData(CouplingHandle, u64),
-    Wake(BodyHandle),
-    SendToSleep(BodyHandle),
-    SetCanSleep(BodyHandle, bool),
-    SetEnabled(BodyHandle, bool),
-    SetKind(BodyHandle, BodyKind),
-    SetUserData(BodyHandle, u64),
-    SetDamping(BodyHandle, f32, f32),
-    SetMaxSpeeds(BodyHandle, Option<f32>, Option<f32>),
-    SetLocks(BodyHandle, [bool; 3], [bool; 3]),
-    SetLinearVelocity(BodyHandle, Vec3),
-    SetAngularVelocity(BodyHandle, Vec3),
-    MoveKinematic(BodyHandle, DVec3, glam::Quat, f32),
-    MoveKinematicAndStop(BodyHandle, DVec3, glam::Quat, f32),
-    ApplyAngularImpulse(BodyHandle, Vec3),
-    SetShapeUserData(ShapeHandle, u64),
-    SetGeometry(ShapeHandle, &'a Geometry),
-    SetShapePose(ShapeHandle, Vec3, glam::Quat),
-    SetDensity(ShapeHandle, f32),
-    SetHeights(ShapeHandle, &'a Patch<'a>),
-    SetHoles(ShapeHandle, &'a HolePatch<'a>),
-    AddCharacter(&'a Resident),
-    RemoveCharacter(CharacterHandle),
-    SetCharacter(CharacterHandle, &'a Resident),
-    /// The state of a character after a walk.
-    WalkCharacter(CharacterHandle, &'a [u32]),
-    /// A snapshot, of which a world knows no more.
-    Restore(&'a dyn std::any::Any),
+/// Hands the list of all calls that a recording has to a macro, after what else that is given: each with the
+/// method that makes it, and with its arguments. The first argument of `body` is the handle of the body that
+/// it changes. These, and those of others that are the `same` for the method, in a [`Change`] and in a
+/// recording, are all that it takes to play a call; `as` has them where the method wants them otherwise. What
+/// a recording has `apart` it makes `of` a change, if it is one, and plays by itself.
+///
+/// New ones go to the end: their numbers are those of recordings.
+macro_rules! each_call {
+    ($list:ident { $($more:tt)* }) => {
+        $list! {
+            $($more)*
+
+            Step step apart(StepRecord),
+            /// Geometry that shapes share, written before the first call that uses it; numbered in this
+            /// order.
+            Hull hull apart(StoredHull),
+            Mesh mesh apart(StoredMesh),
+            Field height_field apart(StoredField),
+            /// Another one of the same content as that of this number.
+            Again again apart(u32),
+            SetSettings set_settings apart(Settings) of(&'a Settings),
+            SetOrigin set_origin same(origin: DVec3),
+            AddBody add_body apart(Body) of(&'a BodyDesc),
+            AddBodies add_bodies apart(Vec<Body>) of(&'a [BodyDesc]),
+            RemoveBody remove_body same(body: BodyHandle),
+            AddShape add_shape apart(BodyHandle, Shape) of(BodyHandle, &'a ShapeDesc),
+            RemoveShape remove_shape same(shape: ShapeHandle),
+            SetMaterial set_material same(shape: ShapeHandle, material: Material),
+            SetFilter set_filter same(shape: ShapeHandle, filter: Filter),
+            SetListening set_listening same(shape: ShapeHandle, events: bool, hooks: bool),
+            SetSensor set_sensor same(shape: ShapeHandle, sensor: bool),
+            SetPose set_pose body(position: DVec3, rotation: glam::Quat),
+            SetVelocity set_velocity body(linear: Vec3, angular: Vec3),
+            AddForce add_force body(force: Vec3, torque: Vec3),
+            ApplyImpulse apply_impulse body(impulse: Vec3, point: DVec3),
+            SetGravityScale set_gravity_scale body(scale: f32),
+            SetContinuous set_continuous body(mode: Continuous),
+            SolveBodyAfter solve_body_after body(above: Option<RowGroup>),
+            SetMass set_mass body(mass: MassProperties),
+            AddJoint add_joint apart(JointDesc) of(&'a JointDesc),
+            AddJoints add_joints apart(Vec<JointDesc>) of(&'a [JointDesc]),
+            RemoveJoint remove_joint same(joint: JointHandle),
+            SetJointDrive set_joint_drive same(joint: JointHandle, drive: Drive),
+            RemoveJointDrive remove_joint_drive same(joint: JointHandle, motion: Motion, axis: Axis),
+            SetJointTarget set_joint_target same(joint: JointHandle, motion: Motion, axis: Axis, to: [f32; 2])
+                as (joint, motion, axis, to[0], to[1]),
+            SetJointLimit set_joint_limit same(joint: JointHandle, limit: Limit),
+            RemoveJointLimit remove_joint_limit same(joint: JointHandle, motion: Motion, axes: Axes),
+            SetJointLimits set_joint_limits apart(JointHandle, Vec<Limit>) of(JointHandle, &'a [Limit]),
+            SetJointDrives set_joint_drives apart(JointHandle, Vec<Drive>) of(JointHandle, &'a [Drive]),
+            SetJointFrames set_joint_frames same(joint: JointHandle, frames: [Frame; 2]),
+            SetJointCollide set_joint_collide same(joint: JointHandle, collide: bool),
+            SetJointStrength set_joint_strength same(joint: JointHandle, most: [f32; 2])
+                as (joint, most[0], most[1]),
+            SetJointThresholds set_joint_thresholds same(joint: JointHandle, most: [f32; 2])
+                as (joint, most[0], most[1]),
+            SetJointUserData set_joint_user_data same(joint: JointHandle, user_data: u64),
+            SolveJointAfter solve_joint_after same(joint: JointHandle, above: Option<RowGroup>),
+            Wake wake body(),
+            SendToSleep send_to_sleep body(),
+            SetCanSleep set_can_sleep body(can_sleep: bool),
+            SetEnabled set_enabled body(enabled: bool),
+            /// What a body is called in what is said of the replay.
+            NameRecorded name_recorded apart(BodyHandle, String),
+            /// A query was asked. It changes nothing but the memory that the world holds, which a budget
+            /// counts.
+            Asked asked apart(),
+            SetKind set_kind body(kind: BodyKind),
+            SetUserData set_user_data body(user_data: u64),
+            SetDamping set_damping body(linear: f32, angular: f32),
+            SetMaxSpeeds set_max_speeds body(linear: Option<f32>, angular: Option<f32>),
+            SetLocks set_locks body(translation: [bool; 3], rotation: [bool; 3]),
+            SetLinearVelocity set_linear_velocity body(linear: Vec3),
+            SetAngularVelocity set_angular_velocity body(angular: Vec3),
+            MoveKinematic move_kinematic body(at: DVec3, turned: glam::Quat, dt: f32),
+            ApplyAngularImpulse apply_angular_impulse body(impulse: Vec3),
+            SetShapeUserData set_shape_user_data same(shape: ShapeHandle, user_data: u64),
+            SetGeometry set_geometry apart(ShapeHandle, Form) of(ShapeHandle, &'a Geometry),
+            SetShapePose set_shape_pose same(shape: ShapeHandle, position: Vec3, rotation: glam::Quat),
+            SetDensity set_density same(shape: ShapeHandle, density: f32),
+            AddCharacter add_character apart(Option<Form>, Vec<u32>) of(&'a Resident),
+            RemoveCharacter remove_character same(character: CharacterHandle),
+            SetCharacter set_character apart(CharacterHandle, Option<Form>, Vec<u32>)
+                of(CharacterHandle, &'a Resident),
+            /// The state after the walk, which a filter of the caller's may decide.
+            WalkCharacter walk_character apart(CharacterHandle, Vec<u32>) of(CharacterHandle, &'a [u32]),
+            AddCoupling add_coupling apart(CouplingDesc) of(&'a CouplingDesc),
+            RemoveCoupling remove_coupling same(coupling: CouplingHandle),
+            SetCouplingFactors set_coupling_factors same(coupling: CouplingHandle, factors: [f64; 2]),
+            SetCouplingRange set_coupling_range same(coupling: CouplingHandle, range: Option<[f64; 2]>),
+            SetCouplingStrength set_coupling_strength same(coupling: CouplingHandle, most: [f32; 2]),
+            SetCouplingUserData set_coupling_user_data same(coupling: CouplingHandle, data: u64),
+            /// Column and row of the first sample, columns and rows, heights.
+            SetHeights set_heights apart(ShapeHandle, [u32; 2], [u32; 2], Vec<f32>)
+                of(ShapeHandle, &'a Patch<'a>),
+            /// Column and row of the first cell, columns and rows, which are holes.
+            SetHoles set_holes apart(ShapeHandle, [u32; 2], [u32; 2], Vec<bool>)
+                of(ShapeHandle, &'a HolePatch<'a>),
+            SetSensesStatic set_senses_static same(shape: ShapeHandle, senses: bool),
+            /// A part that snapshots share, and the geometry in it, before the first call that uses it;
+            /// numbered in this order. Only the last [`PARTS`](super::geometry::PARTS) are kept.
+            Part part apart(Vec<u8>, Vec<Form>),
+            /// The state of a snapshot, the hulls of its characters, and its parts unless they are those of
+            /// the world. A recording that begins in the middle of a run begins with it.
+            Restore restore apart(Vec<u8>, Vec<Form>, Option<[u32; 2]>) of(&'a dyn std::any::Any),
+            MoveKinematicAndStop move_kinematic_and_stop body(at: DVec3, turned: glam::Quat, dt: f32),
+        }
+    };
 }
+#[cfg(feature = "replay")]
+pub(crate) use each_call;
+
+macro_rules! changes {
+    ($(
+        $(#[$doc:meta])*
+        $call:ident $method:ident
+        $(body($($of_body:ident: $body:ty),*))?
+        $(same($($argument:ident: $same:ty),*) $(as ($($given:expr),*))?)?
+        $(apart($($apart:ty),*) $(of($($of:ty),*))?)?,
+    )*) => {
+        /// A change that a call is about to make, named after the methods of [`World`].
+        #[derive(Clone, Copy, Debug)]
+        #[cfg_attr(not(feature = "replay"), allow(dead_code, reason = "nobody records it"))]
+        pub(crate) enum Change<'a> {
+            $(
+                $($call(BodyHandle $(, $body)*),)?
+                $($call($($same),*),)?
+                $($($call($($of),*),)?)?
+            )*
+        }
+    };
+}
+
+each_call! { changes {} }
 
 /// Records the changes and the steps of a world.
 #[cfg(feature = "replay")]

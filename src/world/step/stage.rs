@@ -23,13 +23,5 @@ pub(crate) enum Part {
     Hooks,
 }
 
-/// Times of parts in the last step [us]; zero for parts that were not needed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PartTimes {
-    pub(crate) restitution: f32,
-    pub(crate) joints: f32,
-    pub(crate) sleeping: f32,
-    pub(crate) events: f32,
-    pub(crate) sensors: f32,
-    pub(crate) hooks: f32,
-}
+/// Time of each part in the last step [us]; zero for parts that were not needed.
+pub(crate) type PartTimes = [f32; Part::Hooks as usize + 1];
