@@ -1,8 +1,9 @@
 //! The new contacts that blocks of pairs find, and how they get a slot.
 //!
 //! Blocks run at the same time, so each has its own part of what all share: a range of the new contacts, and,
-//! if its pairs are of a mesh, buffers of its own. They run in waves, whose new contacts lie, under a budget,
-//! in the memory of the last step's rows; one thread then commits them in the order of the blocks.
+//! if its pairs are of a mesh, buffers of its own. They run in waves, and one thread takes over what a wave
+//! found, in the order of the blocks. Under a budget new contacts lie in the memory of the last step's rows
+//! and wait there until all blocks ran.
 
 use super::admit::ContactMemory;
 use super::contact::{Contact, FoundAt, NO_CONTACT};
