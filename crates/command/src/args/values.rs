@@ -25,7 +25,15 @@ pub(crate) fn hertz(text: &str) -> Result<f32, String> {
 
 /// What a setting may be, by the names that its type has in JSON.
 pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(Value::from(text)).map_err(|error| error.to_string())
+    serde_json::from_value(Value::from(text)).map_err(|error| {
+        // "unknown variant `x`, expected one of `a`, `b`, `c`"
+        let error = error.to_string();
+        let names: Vec<&str> = error.split('`').skip(3).step_by(2).collect();
+        match names.split_last() {
+            Some((last, others)) if !others.is_empty() => format!("must be {} or {last}", others.join(", ")),
+            _ => error,
+        }
+    })
 }
 
 /// A setting by its name: its value in JSON, without the quotes of names.
