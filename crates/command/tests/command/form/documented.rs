@@ -1,4 +1,4 @@
-//! docs/json.md names the fields that there are, README the examples and commands, and no other.
+//! docs/json.md names the fields that there are, two other pages the examples and commands, and no other.
 
 use super::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -89,18 +89,17 @@ fn a_cause_is_told_once_and_one_is_no_plural() {
     assert!(text.contains("2 of 1/60 s (0.03 s), 4 substeps, 1 iteration, 1 thread, segment"), "{text}");
 }
 
-/// Names in backquotes at the start of a README line that `starts` with this.
-fn named(starts: &str) -> BTreeSet<String> {
-    let readme = include_str!("../../../../../README.md");
+/// Names in backquotes at the start of a page's line that `starts` with this.
+fn named(page: &str, starts: &str) -> BTreeSet<String> {
     let names = |line: &str| Some(line.strip_prefix(starts)?.split(['|', ':']).next()?.to_owned());
-    let cells = readme.lines().filter_map(names);
+    let cells = page.lines().filter_map(names);
     let name = |part: &str| part.split([' ', '`']).next().map(str::to_owned);
     cells.flat_map(|cell| cell.split("`, `").filter_map(name).collect::<Vec<_>>()).collect()
 }
 
 #[test]
-fn readme_names_every_example() {
-    let named = named("| `");
+fn a_page_names_every_example() {
+    let named = named(include_str!("../../../../../docs/features.md"), "| `");
     for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples")).expect("examples") {
         let path = file.expect("a file").path();
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
@@ -109,8 +108,8 @@ fn readme_names_every_example() {
 }
 
 #[test]
-fn readme_names_every_command() {
-    let named = named("`");
+fn a_page_names_every_command() {
+    let named = named(include_str!("../../../../../docs/command.md"), "`");
     let help = String::from_utf8(backstop(&["--help"]).stdout).expect("UTF-8");
     let commands = help.split("Commands:\n").nth(1).and_then(|text| text.split("\n\n").next());
     for line in commands
