@@ -29,7 +29,7 @@ pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::kinds::{JOINT_BYTES, JointStage, JointType, WIDEST_JOINT_BATCH};
 pub(crate) use joint::nets::{NetInput, Nets};
 pub(crate) use joint::run::{JointViews, TouchInput};
-pub(crate) use restitution::{Bodies as Struck, BodyData, MotionSlices, Restitution, find};
+pub(crate) use restitution::{Bodies as Struck, Restitution, find};
 pub(crate) use schedule::arrange::{PrepareScratch, Prepared};
 pub(crate) use schedule::order::{Group, Stage};
 pub(crate) use schedule::part::Part;

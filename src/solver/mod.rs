@@ -18,7 +18,7 @@ use crate::constraint::contact::friction::FrictionView;
 use crate::constraint::contact::row::{Motion, Pass, carry, solve as solve_batch, warm_start};
 use crate::constraint::schedule::order::Stage;
 use crate::constraint::{
-    Batch, BodyData, Group, JointRows, JointViews, Restitution, Rows, StepLengths, TouchInput, Views, guard,
+    Batch, Group, JointRows, JointViews, Restitution, Rows, StepLengths, TouchInput, Views, guard,
     solve_impact_friction, usual_substep, with_batch,
 };
 use crate::forces::Forces;
@@ -32,7 +32,7 @@ use parameters::PassParameters;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) use store::store;
-use substep::{Context, Substeps};
+use substep::{BodyData, Context, Substeps};
 
 /// Solver state of the movable bodies.
 #[derive(Debug, Default)]

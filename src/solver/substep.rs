@@ -3,12 +3,27 @@
 use super::integrate::{Integrator, WarmStart};
 use super::store::{add_impulses, disable};
 use super::{PassKind, Passes, Witness};
+use crate::body::{BySlot, ColliderList, Mass, Pose, SpeedCap, Traits};
 use crate::config::Settings;
 use crate::config::tuning::BOUNCE_TOGETHER;
 use crate::constraint::contact::crowd::Crowd;
-use crate::constraint::{BodyData, MotionSlices, NetInput, Nets, Restitution, Struck, move_by_mean};
+use crate::constraint::{NetInput, Nets, Restitution, Struck, move_by_mean};
 use crate::forces::Forces;
+use crate::handle::Slots;
 use crate::lanes::Record;
+use crate::shape::Collider;
+
+/// Properties of bodies that the solver does not change.
+pub(super) struct BodyData<'a> {
+    pub(super) pose: &'a [Pose],
+    pub(super) mass: &'a [Mass],
+    pub(super) traits: &'a [Traits],
+    /// Greatest speeds by slot, and where bodies are by theirs.
+    pub(super) caps: &'a BySlot<SpeedCap>,
+    pub(super) slots: &'a Slots,
+    pub(super) collider_lists: &'a [ColliderList],
+    pub(super) colliders: &'a [Collider],
+}
 
 /// Input that all substeps share.
 pub(super) struct Context<'a> {
@@ -22,6 +37,14 @@ pub(super) struct Context<'a> {
     pub(super) velocities: usize,
     pub(super) bodies: BodyData<'a>,
     pub(super) crowd: &'a Crowd,
+}
+
+/// State of the bodies for a single thread.
+struct MotionSlices<'a> {
+    /// Also of static bodies.
+    velocity: &'a mut [Record],
+    base: &'a mut [Record],
+    delta: &'a mut [Record],
 }
 
 impl Context<'_> {
@@ -96,11 +119,18 @@ impl Substeps<'_> {
     fn meet_impacts(&mut self, substep: u32) {
         let Context { settings, h, bodies, .. } = &self.context;
         // SAFETY: between stages this thread is alone.
-        let motion = unsafe { self.context.slices() };
+        let MotionSlices { velocity, base, delta } = unsafe { self.context.slices() };
         let mut struck = Struck {
-            motion,
-            forces: self.forces,
-            data: bodies,
+            velocity,
+            base,
+            delta,
+            acceleration: &mut self.forces.acceleration,
+            inverse_inertia: &self.forces.inverse_inertia,
+            mass: bodies.mass,
+            traits: bodies.traits,
+            pose: bodies.pose,
+            collider_lists: bodies.collider_lists,
+            colliders: bodies.colliders,
             done: h * substep as f32,
             h: *h,
             left: h * (settings.substeps - substep) as f32,
@@ -110,7 +140,7 @@ impl Substeps<'_> {
         let Some(witness) = self.witness.as_deref_mut() else {
             return self.restitution.meet(&mut struck, self.impulses);
         };
-        witness.before(struck.motion.velocity);
+        witness.before(struck.velocity);
         let mut own = self.impulses.to_vec();
         own.resize(witness.contacts(), 0.0);
         self.restitution.meet(&mut struck, &mut own);
@@ -118,7 +148,7 @@ impl Substeps<'_> {
         witness.impacts(&mut own.iter().enumerate().map(|(i, new)| new - old(i)));
         let recorded = self.impulses.len();
         self.impulses.copy_from_slice(&own[..recorded]);
-        witness.after(struck.motion.velocity);
+        witness.after(struck.velocity);
     }
 
     /// Adds gravity, forces and, from the second substep on, the warm start to velocities. If bodies are
@@ -192,8 +222,8 @@ impl Substeps<'_> {
             let Context { passes, settings, h, .. } = &this.context;
             if !this.restitution.is_empty() {
                 // SAFETY: between stages this thread is alone.
-                let motion = unsafe { this.context.slices() };
-                this.restitution.go_on(*h, motion, &this.forces.acceleration);
+                let MotionSlices { velocity, base, delta } = unsafe { this.context.slices() };
+                this.restitution.go_on(*h, [velocity, base, delta], &this.forces.acceleration);
             }
             if passes.joints.exist() {
                 passes.close_joints(settings.measures().slop);

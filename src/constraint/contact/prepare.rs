@@ -3,7 +3,7 @@
 use super::batch::{Batch, GONE, unlocked};
 use super::columns::{Columns, SpringColumns, gather as gather_columns, sym3, vec3};
 use super::friction::{FrictionRow, FrictionToFill, RollingRow, carry};
-use super::input::{Beside, PrepareInput};
+use super::input::PrepareInput;
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::soft::{SoftRow, bodies::mark, fill_soft};
 use crate::config::tuning::LOCKED_YIELD;
@@ -29,28 +29,36 @@ pub(crate) fn prepare(
     let marked = mark_soft(input, rows, allowances);
     let mut prepared = arrange(workers, input, rows, scratch, allowances);
     prepared.shed += u32::from(!marked);
-    let (all, Beside { surfaces, rolling, soft }) = (rows.schedule.len(), input.beside);
-    make(&mut rows.surfaces, surfaces, all, [[0.0; 8]; 2], allowances);
-    make(&mut rows.rolling, rolling, all, RollingRow::default(), allowances);
-    make(&mut rows.soft, soft, all, SoftRow::default(), allowances);
-    let (mut surfaces, marks) = (std::mem::take(&mut rows.surfaces), std::mem::take(&mut rows.marks));
+    let (all, Rows { surfaces, rolling, .. }) = (rows.schedule.len(), &mut *rows);
+    surfaces.clear();
+    rolling.clear();
+    // Without memory for them they are left out.
+    if input.beside.surfaces
+        && allowances.within(Category::Rows, |allowance| allowance.fit(surfaces, all)) == all
+    {
+        surfaces.resize(all, [[0.0; 8]; 2]);
+    }
+    if input.beside.rolling
+        && allowances.within(Category::Rows, |allowance| allowance.fit(rolling, all)) == all
+    {
+        rolling.resize(all, RollingRow::default());
+    }
+    rows.soft.rows.clear();
+    if input.beside.soft
+        && allowances.within(Category::Rows, |allowance| allowance.fit(&mut rows.soft.rows, all)) == all
+    {
+        rows.soft.rows.resize(all, SoftRow::default());
+    }
+    let (mut surfaces, marks) = (std::mem::take(&mut rows.surfaces), std::mem::take(&mut rows.soft.marks));
     let marked = PrepareInput { marks: &marks, ..*input };
     fill_all(workers, &marked, &rows.views(), &mut surfaces, scratch);
-    (rows.surfaces, rows.marks) = (surfaces, marks);
+    (rows.surfaces, rows.soft.marks) = (surfaces, marks);
     prepared
-}
-
-/// Makes one for each batch, if they are wanted. Without memory for them they are left out.
-fn make<T: Copy>(list: &mut Vec<T>, wanted: bool, all: usize, one: T, allowances: &mut Allowances) {
-    list.clear();
-    if wanted && allowances.within(Category::Rows, |allowance| allowance.fit(list, all)) == all {
-        list.resize(all, one);
-    }
 }
 
 /// Marks what holds the bodies, for soft lanes; says whether there was memory for that.
 fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) -> bool {
-    let marks = &mut rows.marks;
+    let marks = &mut rows.soft.marks;
     marks.clear();
     if input.beside.soft {
         allowances.within(Category::Rows, |allowance| mark(marks, input, allowance));

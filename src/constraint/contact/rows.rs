@@ -7,7 +7,7 @@ use super::soft::SoftRow;
 use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
-use crate::memory::{Allowance, Buffer, Cut, Slab, bytes_of, sum_bytes};
+use crate::memory::{Allowance, Buffer, Cut, Slab, buffers, bytes_of, sum_bytes};
 use crate::narrow_phase::LEAST_ROWS;
 use crate::threads::Shared;
 
@@ -49,10 +49,7 @@ pub(crate) struct Rows {
     pub(crate) surfaces: Vec<Surface>,
     /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
     pub(crate) rolling: Vec<RollingRow>,
-    /// One for each batch of the schedule; empty unless some shape is soft.
-    pub(crate) soft: Vec<SoftRow>,
-    /// What then holds each dynamic body: see [`mark`](super::soft::bodies::mark).
-    pub(crate) marks: Vec<u8>,
+    pub(crate) soft: SoftRows,
 }
 
 impl Beside {
@@ -64,6 +61,17 @@ impl Beside {
             + of(self.soft, size_of::<SoftRow>())
     }
 }
+
+/// What soft contacts need; empty unless some shape is soft.
+#[derive(Debug, Default)]
+pub(crate) struct SoftRows {
+    /// One for each batch of the schedule.
+    pub(crate) rows: Vec<SoftRow>,
+    /// What holds each dynamic body: see [`mark`](super::soft::bodies::mark).
+    pub(crate) marks: Vec<u8>,
+}
+
+buffers! { SoftRows { bytes { rows, marks } } }
 
 /// Velocity of the surfaces of each lane past each other, along the two tangents of friction [m/s].
 pub(crate) type Surface = [[f32; 8]; 2];
@@ -102,7 +110,7 @@ impl Rows {
             + self.friction.missing(friction)
             + self.surfaces.missing(surfaces)
             + self.rolling.missing(rolling)
-            + self.soft.missing(soft);
+            + self.soft.rows.missing(soft);
         let least = batches.max(LEAST_ROWS);
         let spare = self.batches.spare(least) + self.friction.spare(friction);
         if lacking > allowance.left().saturating_add(spare) {
@@ -119,7 +127,7 @@ impl Rows {
         self.friction.reserve_total(friction);
         self.surfaces.reserve_total(surfaces);
         self.rolling.reserve_total(rolling);
-        self.soft.reserve_total(soft);
+        self.soft.rows.reserve_total(soft);
         true
     }
 
@@ -175,8 +183,8 @@ impl Rows {
             tree_contacts: &self.tree_contacts,
             surfaces: &self.surfaces,
             rolling: Shared::new(&mut self.rolling),
-            soft: Shared::new(&mut self.soft),
-            marks: &self.marks,
+            soft: Shared::new(&mut self.soft.rows),
+            marks: &self.soft.marks,
         }
     }
 
@@ -208,8 +216,8 @@ impl Rows {
         self.tree_contacts.clear();
         self.surfaces.clear();
         self.rolling.clear();
-        self.soft.clear();
-        self.marks.clear();
+        self.soft.rows.clear();
+        self.soft.marks.clear();
     }
 
     /// The buffer of batches, of which bodies that can move bring a part ([`LEAST_ROWS`]).
@@ -244,7 +252,7 @@ impl Rows {
 
     /// Reserved bytes of what batches have beside them.
     pub(crate) fn beside_bytes(&self) -> usize {
-        bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1 + bytes_of(&self.soft).1
+        bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1 + bytes_of(&self.soft.rows).1
     }
 
     /// Live and reserved bytes.
@@ -258,8 +266,7 @@ impl Rows {
             bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
             bytes_of(&self.rolling),
-            bytes_of(&self.soft),
-            bytes_of(&self.marks),
+            self.soft.bytes(),
         ])
     }
 }
@@ -275,7 +282,7 @@ pub(crate) struct Views<'a> {
     pub(crate) surfaces: &'a [Surface],
     pub(crate) rolling: Shared<'a, RollingRow>,
     pub(crate) soft: Shared<'a, SoftRow>,
-    /// See [`Rows`].
+    /// See [`SoftRows`].
     pub(crate) marks: &'a [u8],
 }
 

@@ -49,9 +49,11 @@ pub(crate) trait Watched {
     fn links(&self, f: &mut dyn FnMut(Link));
     /// Calls `f` with a body of each joint with a direction that turns too far in a substep.
     fn turning(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
+    /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
+    fn lost(&mut self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
     /// Calls `f` with a body of each lock whose error still grows after velocities were relaxed: its rows did
-    /// not converge; and of each tree whose rotation was not followed in the substep.
-    fn unsolved(&mut self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
+    /// not converge.
+    fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
     /// Clears the impulses of the joints of some bodies.
     fn forget(&mut self, of: &dyn Fn(u32) -> bool);
     /// Calls `f` with a body of each spring or motor, the energy it can give back and the energy it gives in

@@ -366,7 +366,8 @@ impl Nets {
     #[inline(never)]
     pub(crate) fn end(&mut self, input: &NetInput<'_, '_>) {
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
-            batch.unsolved(input.motion, input.h, &mut |body| self.flag(body, FAST));
+            batch.lost(input.motion, input.h, &mut |body| self.flag(body, FAST));
+            batch.unsolved(input.motion, &mut |body| self.flag(body, FAST));
         });
         for root in 0..self.all.len() {
             if self.may_gain(input, root) {

@@ -18,42 +18,27 @@
 
 use super::strike::{Impact, Moving, velocity};
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{BySlot, ColliderList, Mass, Pose, SpeedCap, Traits};
+use crate::body::{ColliderList, Mass, Pose, Traits};
 use crate::config::tuning::{BOUNCE_REST_SHARE, CREEP_SHARE};
-use crate::forces::Forces;
-use crate::handle::Slots;
-use crate::lanes::Record;
+use crate::lanes::{Record, Sym3};
 use crate::shape::Collider;
 
-/// Properties of bodies that the solver does not change.
-pub(crate) struct BodyData<'a> {
-    pub(crate) pose: &'a [Pose],
-    pub(crate) mass: &'a [Mass],
-    pub(crate) traits: &'a [Traits],
-    /// Greatest speeds by slot, and where bodies are by theirs.
-    pub(crate) caps: &'a BySlot<SpeedCap>,
-    pub(crate) slots: &'a Slots,
-    pub(crate) collider_lists: &'a [ColliderList],
-    pub(crate) colliders: &'a [Collider],
-}
-
-/// State of the bodies for a single thread.
-pub(crate) struct MotionSlices<'a> {
-    /// Velocities, also of static bodies.
+/// The bodies in a substep.
+pub(crate) struct Bodies<'a> {
+    /// Velocities of all moving bodies, before acceleration is applied.
     pub(crate) velocity: &'a mut [Record],
     /// Velocities of the substep before any row acted, from which warm starting is counted.
     pub(crate) base: &'a mut [Record],
     /// Displacement since the start of the step.
     pub(crate) delta: &'a mut [Record],
-}
-
-/// The bodies in a substep.
-pub(crate) struct Bodies<'a> {
-    /// Before acceleration is applied.
-    pub(crate) motion: MotionSlices<'a>,
-    /// Bodies that are held until the end of the step lose their acceleration.
-    pub(crate) forces: &'a mut Forces,
-    pub(crate) data: &'a BodyData<'a>,
+    /// Bodies that are held until the end of the step lose it.
+    pub(crate) acceleration: &'a mut [Record],
+    pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    pub(crate) mass: &'a [Mass],
+    pub(crate) traits: &'a [Traits],
+    pub(crate) pose: &'a [Pose],
+    pub(crate) collider_lists: &'a [ColliderList],
+    pub(crate) colliders: &'a [Collider],
     /// Time of the step that has passed and that is left at the start of the substep, and length of the
     /// substep [s].
     pub(crate) done: f32,
@@ -108,18 +93,17 @@ impl Restitution {
         for &body in &self.moved {
             let (i, pull) = (body as usize, bodies.pull(body as usize));
             let moved = &mut self.struck[i].moved;
-            add(&mut bodies.motion.delta[i], moved, -1.0);
+            add(&mut bodies.delta[i], moved, -1.0);
             // Rows see velocities with all of the acceleration, but a body that bounced has fallen by half of
             // that.
             add(moved, &pull, -0.5 * bodies.h * bodies.h);
-            add(&mut bodies.motion.velocity[i], moved, share);
-            add(&mut bodies.motion.base[i], moved, share);
+            add(&mut bodies.velocity[i], moved, share);
+            add(&mut bodies.base[i], moved, share);
         }
     }
 
     /// Gives struck bodies their velocities of the end of the substep, after bodies have moved.
-    pub(crate) fn go_on(&self, h: f32, motion: MotionSlices<'_>, acceleration: &[Record]) {
-        let MotionSlices { velocity, base, delta } = motion;
+    pub(crate) fn go_on(&self, h: f32, [velocity, base, delta]: [&mut [Record]; 3], acceleration: &[Record]) {
         let share = -1.0 / h;
         for &body in &self.moved {
             let (i, moved) = (body as usize, &self.struck[body as usize].moved);
@@ -181,20 +165,19 @@ impl Restitution {
             }
         }
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
-            let (i, change) =
-                (moving.body as usize, moving.change(&bodies.data.traits[moving.body as usize]));
+            let (i, change) = (moving.body as usize, moving.change(&bodies.traits[moving.body as usize]));
             let struck = &mut self.struck[i];
             struck.bounced = true;
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }
-            bodies.motion.delta[i].set_touched();
+            bodies.delta[i].set_touched();
             if struck.stands {
                 add(&mut struck.velocity_after, &change, 1.0);
                 continue;
             }
-            add(&mut bodies.motion.velocity[i], &change, 1.0);
-            add(&mut bodies.motion.base[i], &change, 1.0);
+            add(&mut bodies.velocity[i], &change, 1.0);
+            add(&mut bodies.base[i], &change, 1.0);
             if !struck.joined {
                 self.shift(moving.body, bodies, &change, -time);
                 if bodies.goes_astray(i, &change, bodies.left - time) {
@@ -211,7 +194,7 @@ impl Restitution {
             self.moved.push(body);
         }
         add(&mut struck.moved, by, times);
-        add(&mut bodies.motion.delta[body as usize], by, times);
+        add(&mut bodies.delta[body as usize], by, times);
     }
 
     /// Holds a body from a time of the substep to the end of the step, and keeps its velocity for then.
@@ -220,19 +203,19 @@ impl Restitution {
         if struck.stands || struck.joined {
             return;
         }
-        let (velocity, pull) = (bodies.motion.velocity[i], bodies.pull(i));
+        let (velocity, pull) = (bodies.velocity[i], bodies.pull(i));
         (struck.stands, struck.velocity_after) = (true, bodies.velocity_at(i, time));
         self.standing.push(body);
         self.shift(body, bodies, &velocity, time);
         self.shift(body, bodies, &pull, 0.5 * time * time);
-        add(&mut bodies.motion.velocity[i], &velocity, -1.0);
-        add(&mut bodies.motion.base[i], &velocity, -1.0);
+        add(&mut bodies.velocity[i], &velocity, -1.0);
+        add(&mut bodies.base[i], &velocity, -1.0);
         // A held body is not accelerated; events read the acceleration after the step.
-        if let Some(own) = bodies.forces.acceleration.get_mut(i) {
+        if let Some(own) = bodies.acceleration.get_mut(i) {
             *own = Record::default();
             self.struck[i].pull = pull;
         }
-        bodies.motion.delta[i].set_touched();
+        bodies.delta[i].set_touched();
     }
 
     /// Gives held bodies their velocities back, at the end of the step.
@@ -251,14 +234,14 @@ impl Restitution {
 
 impl Bodies<'_> {
     pub(super) fn velocity_at(&self, body: usize, time: f32) -> Record {
-        let (mut v, pull) = (self.motion.velocity[body], self.pull(body));
+        let (mut v, pull) = (self.velocity[body], self.pull(body));
         v.linear += pull.linear * time;
         v.angular += pull.angular * time;
         v
     }
 
     fn pull(&self, body: usize) -> Record {
-        self.forces.acceleration.get(body).copied().unwrap_or_default()
+        self.acceleration.get(body).copied().unwrap_or_default()
     }
 
     /// Separation at a moment of the substep [m].
@@ -270,8 +253,8 @@ impl Bodies<'_> {
     /// Separation, and speed and acceleration of separating, as from the start of the substep.
     fn fall(&self, spot: &Spot) -> [f32; 3] {
         [
-            spot.separation + spot.speed(|body| self.motion.delta.get(body).copied().unwrap_or_default()),
-            spot.speed(|body| self.motion.velocity.get(body).copied().unwrap_or_default()),
+            spot.separation + spot.speed(|body| self.delta.get(body).copied().unwrap_or_default()),
+            spot.speed(|body| self.velocity.get(body).copied().unwrap_or_default()),
             spot.speed(|body| self.pull(body)),
         ]
     }
@@ -326,8 +309,8 @@ impl Bodies<'_> {
     /// Whether a change of velocity takes a body so far off its path in some seconds that it could pass
     /// through something: by half of its inner radius.
     fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
-        self.data.collider_lists[body].as_slice().iter().any(|&c| {
-            let shape = &self.data.colliders[c as usize];
+        self.collider_lists[body].as_slice().iter().any(|&c| {
+            let shape = &self.colliders[c as usize];
             let reach = shape.position.length() + shape.radius;
             (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
         })

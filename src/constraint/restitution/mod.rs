@@ -19,7 +19,7 @@ use crate::math::Quat;
 use crate::memory::buffers;
 pub(crate) use find::find;
 use glam::Vec3;
-pub(crate) use meet::{Bodies, BodyData, MotionSlices};
+pub(crate) use meet::Bodies;
 
 /// Instead of an index.
 const NONE: u32 = u32::MAX;

@@ -283,24 +283,24 @@ pub(super) struct Moving {
 impl Moving {
     pub(super) fn new(bodies: &Bodies<'_>, body: u32, struck: Option<&Struck>, time: f32) -> Moving {
         let i = body as usize;
-        let Some(&inverse_inertia) = bodies.forces.inverse_inertia.get(i) else {
+        let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
             let (own, before) = Default::default();
             return Moving { body: NONE, own, before, whole: 0.0, rotation: None };
         };
         let mut before = bodies.velocity_at(i, time);
         add(&mut before, &struck.map_or(Record::default(), |struck| struck.velocity_after), 1.0);
         let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
-        let mass = &bodies.data.mass[i];
-        if is_uneven(mass, &bodies.data.traits[i]) {
+        let mass = &bodies.mass[i];
+        if is_uneven(mass, &bodies.traits[i]) {
             // Inertia and spin are those at the time of the impact.
-            let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.data.pose[i].rotation, 0.0));
+            let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
             let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
             let time = bodies.done + time - since;
             let turn = FreeTurn { rotation: from, spin: velocity.angular, inertia: mass.inertia, time };
             let (to, spin) = turn.one();
             (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
         }
-        let inverse_mass = bodies.data.traits[i].free(Vec3::splat(mass.inverse));
+        let inverse_mass = bodies.traits[i].free(Vec3::splat(mass.inverse));
         let own = ImpactBody { velocity, inverse_mass, inverse_inertia };
         Moving { body, own, before, whole: mass.inverse, rotation }
     }
@@ -319,7 +319,7 @@ pub(super) fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -
     match moving.iter().find(|moving| moving.body as usize == body) {
         Some(moving) => moving.own.velocity,
         // It is neither pushed nor accelerated.
-        None => bodies.motion.velocity.get(body).copied().unwrap_or_default(),
+        None => bodies.velocity.get(body).copied().unwrap_or_default(),
     }
 }
 

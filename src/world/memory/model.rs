@@ -231,10 +231,7 @@ impl World {
                 let rows = bytes_of(&buffers.rows.rolling).1;
                 (needs.rolling, rows + self.contacts.rolling_bytes().1, None)
             }
-            Feature::SoftContacts => {
-                let rows = &buffers.rows;
-                (needs.soft, bytes_of(&rows.soft).1 + bytes_of(&rows.marks).1, None)
-            }
+            Feature::SoftContacts => (needs.soft, buffers.rows.soft.bytes().1, None),
             Feature::Restitution => {
                 (needs.restitution, buffers.restitution.bytes().1, spent(Part::Restitution))
             }

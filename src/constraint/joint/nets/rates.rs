@@ -110,7 +110,7 @@ impl<L: GatherLanes> Watched for PointBatch<L> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
         self.ends.each(&mut |_, link| f(link));
     }
-    fn unsolved(&mut self, motion: &Motion<'_, '_>, _: f32, f: &mut dyn FnMut(u32)) {
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
         self.ends.unsolved(motion, &|lane, v| slip(v, self.arm_now.map(|arm| arm.lane(lane))), f);
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
@@ -128,7 +128,7 @@ impl<L: GatherLanes> Watched for LineBatch<L> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
         self.point.links(f);
     }
-    fn unsolved(&mut self, motion: &Motion<'_, '_>, _: f32, f: &mut dyn FnMut(u32)) {
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
         let left = |lane: usize, v| {
             let (slip, of) = slip(v, self.point.arm_now.map(|arm| arm.lane(lane)));
             let axis = self.axis_now.lane(lane).normalize_or_zero();
@@ -152,7 +152,7 @@ impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
         self.ends.each(&mut |_, link| f(link));
     }
-    fn unsolved(&mut self, motion: &Motion<'_, '_>, _: f32, f: &mut dyn FnMut(u32)) {
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
         let left = |lane: usize, v| {
             let (turn, of) = turn_apart(v);
             let axis = self.axis_now.lane(lane).normalize_or_zero();
@@ -182,7 +182,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
     fn links(&self, f: &mut dyn FnMut(Link)) {
         self.ends.each(&mut |_, link| f(link));
     }
-    fn unsolved(&mut self, motion: &Motion<'_, '_>, _: f32, f: &mut dyn FnMut(u32)) {
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
         let left = |lane: usize, v: [Record; 2]| {
             let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
             let (along, turn) = (slip(v, self.lever.arm.map(|arm| arm.lane(lane))), turn_apart(v));
@@ -244,7 +244,7 @@ impl<L: TreeWidth> Watched for TreeBatch<L> {
         // [`damp`](crate::constraint::articulation::damp)).
         self.each_root((exact & self.exact | warm & !self.exact) & !self.watched, f);
     }
-    fn unsolved(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+    fn lost(&mut self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         if self.astray != 0 {
             // SAFETY: between stages this thread is alone.
             let [lost, _] = unsafe { turning(&mut self.nodes, motion, [FOLLOWED_TURN / h; 2]) };
