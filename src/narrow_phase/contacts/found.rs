@@ -229,6 +229,7 @@ impl FoundContacts {
             let new = order.iter().filter(|&&i| pairs[i as usize].contact == NO_CONTACT).count() as u32;
             block.place = new + block.growing(order.len() as u32 - new).div_ceil(GROWING);
         }
+        self.place = 0;
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
         self.meshes.iter_mut().for_each(|block| block.mesh.allowance = self.share);
@@ -245,12 +246,18 @@ impl FoundContacts {
         memory: &mut ContactMemory<'_>,
     ) -> usize {
         let ContactMemory { allowances, space } = &mut *memory;
-        let all_at_once = !allowances.is_endless();
-        let most = if all_at_once { usize::MAX } else { space.slab.holds::<Fresh>().max(WAVE) };
+        let (bounded, held) = (!allowances.is_endless(), space.slab.holds::<Fresh>());
+        let most = if bounded { usize::MAX } else { held.max(WAVE) };
         let (mut end, mut total) = spread(blocks, first, self.waiting, most);
-        self.place = allowances.within(Category::Rows, |allowance| {
-            allowance.within(4, |allowance| space.slab.reserve::<Fresh>(total, allowance))
-        });
+        // Under a budget for all blocks at once: wave by wave it would become ever more.
+        let asked = bounded && self.place > 0;
+        self.place = if asked {
+            held.min(total)
+        } else {
+            allowances.within(Category::Rows, |allowance| {
+                allowance.within(4, |allowance| space.slab.reserve::<Fresh>(total, allowance))
+            })
+        };
         if self.place < total {
             self.keep_heaviest(self.place / 2, pairs, input, memory);
             (end, total) = spread(blocks, first, self.waiting, self.place);
