@@ -9,6 +9,7 @@ use crate::solver;
 use crate::threads::{Workers, with_workers};
 use crate::world::{ContactHooks, NoHooks, Part, Stage, StepCounts, StepReport, World};
 
+/// # Steps
 impl World {
     /// Moves the world on by `dt` seconds. Returns the report of the step.
     ///

@@ -45,6 +45,20 @@ fields! {
     /// A body to be added.
     ///
     /// With the feature `serde` whatever is the default may be left out.
+    ///
+    /// ```
+    /// use backstop::{BodyDesc, Geometry, ShapeDesc, glam::Vec3};
+    ///
+    /// // A hammer that flies to the right and turns: a handle and a head.
+    /// let handle = ShapeDesc::new(Geometry::cuboid(0.02, 0.3, 0.02));
+    /// let head = ShapeDesc::new(Geometry::cuboid(0.1, 0.05, 0.05)).with_position(Vec3::Y * 0.3);
+    /// let hammer = BodyDesc::dynamic()
+    ///     .at(Vec3::new(0.0, 2.0, 0.0))
+    ///     .moving(Vec3::X * 5.0, Vec3::Z * -10.0)
+    ///     .with_shape(handle)
+    ///     .with_shape(head);
+    /// assert_eq!(hammer.shapes.len(), 2);
+    /// ```
     #[derive(Clone, Debug)]
     #[cfg_attr(
         feature = "serde",

@@ -3,6 +3,7 @@
 use super::{DebugDraw, DrawOptions, bounds, contacts, joints, shapes, solver};
 use crate::world::World;
 
+/// # Debug drawing
 impl World {
     /// Draws what the options ask for. Call it between steps, as often as there is something to see.
     ///

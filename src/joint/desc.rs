@@ -327,6 +327,29 @@ impl Drive {
 ///
 /// With the feature `serde` all but the bodies may be left out where it is the default. Where numbers are
 /// text an infinite one is `"infinity"` or `"-infinity"`.
+///
+/// ```
+/// use backstop::glam::{DVec3, Quat, Vec3};
+/// use backstop::{Axis, BodyDesc, Drive, Geometry, JointDesc, Motion, Settings, ShapeDesc, World};
+///
+/// # fn main() -> Result<(), backstop::Error> {
+/// let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
+/// let post = world.add_body(&BodyDesc::fixed())?;
+/// let door = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.05)).with_position(Vec3::X * 0.5);
+/// let door = world.add_body(&BodyDesc::dynamic().with_shape(door))?;
+/// // A hinge turns about the x axis of its frames, which is upright here; a motor opens it at 1 rad/s.
+/// let bodies = [post, door];
+/// let frames = world.frames_at(bodies, DVec3::ZERO, Quat::from_rotation_arc(Vec3::X, Vec3::Y))?;
+/// let motor = Drive::motor(Motion::Angular, Axis::X, 1.0, 500.0);
+/// let hinge = JointDesc::hinge(bodies, frames).with_drive(motor);
+/// world.add_joint(&hinge)?;
+/// for _ in 0..60 {
+///     world.step(1.0 / 60.0)?;
+/// }
+/// assert!((world.angular_velocity(door)?.y - 1.0).abs() < 0.01);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

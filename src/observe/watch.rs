@@ -103,6 +103,7 @@ struct Watch {
     observer: Box<dyn Observer>,
 }
 
+/// # Observers
 impl World {
     /// Lets an observer look at each step from now on, in the place of another one; none: nobody looks. It is
     /// not part of snapshots and recordings.

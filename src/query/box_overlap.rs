@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::world::{Aabb, World};
 use glam::Vec3;
 
+/// # Queries: boxes
 impl World {
     /// All shapes whose boxes ([`World::shape_aabb`]) meet a box along the axes of the world or touch it, by
     /// [`ShapeHandle`](crate::ShapeHandle): cheaper than [`World::overlap`] and a first choice of what may be

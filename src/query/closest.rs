@@ -29,6 +29,7 @@ pub struct ClosestPoint {
     pub inside: bool,
 }
 
+/// # Queries: nearest points
 impl World {
     /// The shape that is nearest to a point [m], within a distance [m].
     ///

@@ -21,6 +21,7 @@ pub struct Overlap {
     pub shape: ShapeHandle,
 }
 
+/// # Queries: overlaps
 impl World {
     /// All shapes that a convex one at a pose overlaps or touches, by [`ShapeHandle`]. They replace what is
     /// in `found`, which alone may grow.

@@ -80,6 +80,7 @@ pub struct RayHit {
     pub inside: bool,
 }
 
+/// # Queries: rays
 impl World {
     /// The first shape that a ray meets.
     ///
@@ -93,6 +94,21 @@ impl World {
     /// bits whatever the history of the world, on every build. Allocates nothing but, in the first query
     /// after a change, what the tree of moving shapes needs to grow ([`World::memory`]). Any number of
     /// threads may ask at the same time.
+    ///
+    /// ```
+    /// use backstop::glam::{DVec3, Vec3};
+    /// use backstop::{BodyDesc, Geometry, QueryFilter, Ray, Settings, ShapeDesc, World};
+    ///
+    /// # fn main() -> Result<(), backstop::Error> {
+    /// let mut world = World::new(Settings::default())?;
+    /// let floor = ShapeDesc::new(Geometry::cuboid(10.0, 0.5, 10.0));
+    /// let floor = world.add_body(&BodyDesc::fixed().with_shape(floor))?;
+    /// let down = Ray::new(DVec3::Y * 5.0, Vec3::Y * -100.0);
+    /// let hit = world.cast_ray(&down, &QueryFilter::new())?.expect("there is a floor");
+    /// assert_eq!((hit.body, hit.point.y, hit.normal), (floor, 0.5, Vec3::Y));
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
     /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves

@@ -146,6 +146,7 @@ impl Found {
     }
 }
 
+/// # Queries: moving shapes
 impl World {
     /// The first shape that a moving one touches.
     ///

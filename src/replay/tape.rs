@@ -172,6 +172,7 @@ impl Tape {
     }
 }
 
+/// # Recordings
 impl World {
     /// Records every call that changes the world, until [`World::stop_recording`] or until the world is
     /// dropped; what the world is when it begins, unless it is new, and each [`World::restore`] are recorded

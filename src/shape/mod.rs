@@ -88,6 +88,15 @@ impl Filter {
 ///
 /// With the feature `serde` all but the geometry may be left out where it is the default. Geometry that
 /// shapes share is written with each of them.
+///
+/// ```
+/// use backstop::{Geometry, Material, ShapeDesc};
+///
+/// // A rubber ball of a tenth of a metre.
+/// let rubber = Material::default().with_friction(0.9).with_restitution(0.8);
+/// let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 }).with_material(rubber).with_density(1100.0);
+/// assert_eq!(ball.material.restitution, 0.8);
+/// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

@@ -79,10 +79,30 @@ impl Snapshot {
     }
 }
 
+/// # Snapshots
 impl World {
     /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large
     /// enough, unless bodies, shapes or joints were added, removed or changed since the last one. A world
     /// that a panic left half stepped has no snapshot: it is empty, and can't be restored.
+    ///
+    /// ```
+    /// use backstop::{BodyDesc, Geometry, Settings, ShapeDesc, Snapshot, World};
+    ///
+    /// # fn main() -> Result<(), backstop::Error> {
+    /// let mut world = World::new(Settings::default())?;
+    /// let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+    /// world.add_body(&BodyDesc::dynamic().with_shape(ball))?;
+    /// let mut saved = Snapshot::default();
+    /// world.snapshot(&mut saved);
+    /// world.step(1.0 / 60.0)?;
+    /// let once = world.hash();
+    /// // Back, and the same step again: the same bits.
+    /// world.restore(&saved)?;
+    /// world.step(1.0 / 60.0)?;
+    /// assert_eq!(world.hash(), once);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn snapshot(&self, into: &mut Snapshot) {
         into.foreign = None;
         if self.stage.is_some() {

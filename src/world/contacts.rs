@@ -51,6 +51,7 @@ impl BodyContact {
     }
 }
 
+/// # Contacts, and who moved
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
     /// vetoed; those with static geometry among them. Sensors have none. In the order of the world's pairs,

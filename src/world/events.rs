@@ -6,6 +6,9 @@ use crate::error::Error;
 use crate::events::{ContactEnd, ContactEvent, Sensing, SensorEvent, StartOfStep, Touching};
 use crate::handle::ShapeHandle;
 
+/// # Events
+///
+/// Of the last step, for shapes that ask for them.
 impl World {
     /// Pairs that began to touch in the last step and of which one shape asks for
     /// [`events`](crate::ShapeDesc::events); sorted by their handles. Shapes that touched and separated again

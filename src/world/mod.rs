@@ -89,6 +89,23 @@ use memory::Assets;
 /// stale handle is an [`Error`], never another body. A handle does not know its world, so that it stays valid
 /// where a snapshot of the world is restored into another or in another process; in a world that has nothing
 /// to do with its own it may name any body. A call that returns an error has changed nothing.
+///
+/// ```
+/// use backstop::{BodyDesc, Geometry, Settings, ShapeDesc, World, glam::Vec3};
+///
+/// # fn main() -> Result<(), backstop::Error> {
+/// let mut world = World::new(Settings::default())?;
+/// world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::cuboid(10.0, 0.5, 10.0))))?;
+/// let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+/// let ball = world.add_body(&BodyDesc::dynamic().at(Vec3::Y * 4.0).with_shape(ball))?;
+/// for _ in 0..120 {
+///     world.step(1.0 / 60.0)?;
+/// }
+/// // It lies on the floor, whose upper face is half a metre up.
+/// assert!((world.position(ball)?.y - 1.0).abs() < 0.01);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Default)]
 pub struct World {
     pub(crate) settings: Settings,

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::limits;
 use glam::DVec3;
 
+/// # Settings and origin
 impl World {
     /// An empty world.
     ///

@@ -9,6 +9,7 @@ use crate::memory::{Allowance, Category};
 use crate::sleep::{Islands, RestTime, Ties, count_rest};
 use crate::threads::Workers;
 
+/// # Sleep
 impl World {
     /// Whether a body is asleep.
     ///

@@ -25,6 +25,7 @@ use stream::RayStream;
 /// costs more than it gains.
 const FEWEST: usize = 32;
 
+/// # Queries: many rays
 impl World {
     /// [`World::cast_ray`] for many rays: the answer to `rays[i]` goes to `hits[i]`, the same bits as one by
     /// one.

@@ -9,6 +9,7 @@ use crate::math::Quat;
 use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
+/// # Bodies
 impl World {
     /// Adds a body.
     ///

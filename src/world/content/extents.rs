@@ -56,6 +56,7 @@ impl ShapeDesc {
     }
 }
 
+/// # Bounds
 impl World {
     /// The box around a shape where it is now, to within rounding. That of a plane is infinite.
     ///

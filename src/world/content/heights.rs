@@ -9,6 +9,7 @@ use crate::world::{Addition, Change, World};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
+/// # Height fields that change
 impl World {
     /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
     /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Heights that

@@ -9,6 +9,7 @@ use crate::shape::{MassProperties, ShapeDesc};
 use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
+/// # Mass
 impl World {
     /// Mass of a body [kg]; zero for static and kinematic bodies.
     ///

@@ -10,6 +10,9 @@ use crate::limits::unit_quat;
 use crate::world::{Addition, Change, World};
 use glam::{DVec3, Vec3};
 
+/// # Poses, velocities, forces
+///
+/// Forces act over the next step, impulses at once.
 impl World {
     /// Position of a body's origin in the world [m].
     ///

@@ -19,6 +19,7 @@ struct Part<'a> {
     rotation: Quat,
 }
 
+/// # Forms of shapes
 impl World {
     /// Form of a shape.
     ///

@@ -9,6 +9,7 @@ use crate::shape::{
 };
 use crate::world::{Addition, Change, World};
 
+/// # Shapes of bodies
 impl World {
     /// Adds a shape to a body; the mass follows if it is that of the shapes.
     ///

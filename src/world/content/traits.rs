@@ -9,6 +9,9 @@ use crate::limits;
 use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
+/// # What a body may do
+///
+/// Its kind, damping, locked axes, mode of continuous collision.
 impl World {
     /// The kind of a body: static, kinematic or dynamic.
     ///

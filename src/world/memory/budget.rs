@@ -69,6 +69,7 @@ pub(crate) enum Addition<'a> {
     Force,
 }
 
+/// # Memory
 impl World {
     /// Bytes by category.
     pub fn memory(&self) -> MemoryReport {

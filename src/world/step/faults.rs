@@ -8,6 +8,7 @@ use crate::solver;
 use crate::threads::Workers;
 use crate::world::World;
 
+/// # Faults
 impl World {
     /// Bodies that the last step stopped, because their new position or velocity was not finite or out of
     /// range. Each is where it was before the step, or where the impact was that left it none, at rest, and

@@ -13,6 +13,7 @@ use crate::joint::{
 };
 use crate::world::{Addition, Change, World};
 
+/// # Joints: limits, drives, frames
 impl World {
     /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
     /// changes is cheaper set by [`World::set_joint_target`]; a drive that is no other wakes nobody.

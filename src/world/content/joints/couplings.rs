@@ -8,6 +8,7 @@ use crate::joint::{
 };
 use crate::world::{Addition, Change, World};
 
+/// # Couplings: gears, racks, screws, pulleys
 impl World {
     /// Adds a coupling.
     ///

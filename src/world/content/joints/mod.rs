@@ -12,6 +12,7 @@ use crate::math::Quat;
 use crate::world::{Addition, Change, World};
 use glam::DVec3;
 
+/// # Joints
 impl World {
     /// Adds a joint.
     ///

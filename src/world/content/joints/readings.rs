@@ -6,6 +6,7 @@ use crate::joint::{Axes, Axis, Drive, Frame, Joint, Limit, Motion, Placed};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
+/// # Joints: where they are and what they bear
 impl World {
     /// The two bodies of a joint.
     ///
