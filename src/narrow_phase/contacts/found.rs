@@ -229,7 +229,8 @@ impl FoundContacts {
             let new = order.iter().filter(|&&i| pairs[i as usize].contact == NO_CONTACT).count() as u32;
             block.place = new + block.growing(order.len() as u32 - new).div_ceil(GROWING);
         }
-        self.place = 0;
+        // Also what a step that panicked left.
+        (self.place, self.waiting, self.shed) = (0, 0, 0);
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
         self.meshes.iter_mut().for_each(|block| block.mesh.allowance = self.share);
