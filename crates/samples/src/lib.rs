@@ -1,0 +1,31 @@
+//! Small worlds that each show one thing that backstop does. A sample is one file of at most sixty lines
+//! against the public interface, with a test of what it shows: copy it into your own program and go on from
+//! there. `cargo backstop testbed` shows them all.
+
+mod sample;
+
+pub use sample::{Controls, Running, Sample, Tick};
+
+/// Declares the modules of all samples, and [`SAMPLES`] from them.
+macro_rules! samples {
+    ($($(#[$doc:meta])* $group:ident: $($name:ident),+;)*) => {
+        $($(#[$doc])* pub mod $group { $(pub mod $name;)+ })*
+
+        /// All samples, by group.
+        pub const SAMPLES: &[Sample] = &[$($(
+            Sample {
+                name: stringify!($name),
+                group: stringify!($group),
+                source: include_str!(concat!(stringify!($group), "/", stringify!($name), ".rs")),
+                start: || Ok(Box::new($group::$name::start()?)),
+            },
+        )+)*];
+    };
+}
+
+samples! {
+    /// Bodies on top of each other.
+    stacking: dominoes;
+    /// Bodies which joints and motors move.
+    machines: windmill;
+}

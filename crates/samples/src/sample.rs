@@ -1,0 +1,115 @@
+//! What a sample is, and how it is run.
+
+use backstop::{Error, World};
+
+/// A world to look at, and the file that makes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Name of its file, without the ending.
+    pub name: &'static str,
+    /// Name of its folder.
+    pub group: &'static str,
+    /// Its file. The first line is `//! Title: what it shows.`, and a line `//! Keys: ...` says what
+    /// [`Controls`] do.
+    pub source: &'static str,
+    /// Makes it.
+    pub start: fn() -> Result<Box<dyn Running>, Error>,
+}
+
+impl Sample {
+    /// The sample of a name.
+    pub fn named(name: &str) -> Option<&'static Sample> {
+        crate::SAMPLES.iter().find(|sample| sample.name == name)
+    }
+
+    /// Its title.
+    pub fn title(&self) -> &'static str {
+        self.heading().0
+    }
+
+    /// What it shows, in a sentence.
+    pub fn about(&self) -> &'static str {
+        self.heading().1
+    }
+
+    /// What its keys do; empty where it has none.
+    pub fn keys(&self) -> &'static str {
+        self.source.lines().find_map(|line| line.strip_prefix("//! Keys: ")).unwrap_or_default()
+    }
+
+    /// Its file in the repository.
+    pub fn path(&self) -> String {
+        format!("crates/samples/src/{}/{}.rs", self.group, self.name)
+    }
+
+    fn heading(&self) -> (&'static str, &'static str) {
+        let first = self.source.lines().next().unwrap_or_default();
+        first.trim_start_matches("//! ").split_once(": ").unwrap_or((first, ""))
+    }
+}
+
+/// What the keys, or the fingers, ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Controls {
+    /// Forwards, -1 to 1.
+    pub forward: f32,
+    /// To the right, -1 to 1.
+    pub right: f32,
+    /// Jumps, or brakes.
+    pub jump: bool,
+    /// What else the sample has to do.
+    pub action: bool,
+}
+
+/// A step to be taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Its length [s].
+    pub dt: f32,
+    /// Time at its beginning, since the start [s].
+    pub time: f64,
+    /// What the user asks for.
+    pub controls: Controls,
+}
+
+impl Tick {
+    /// Steps of 1/60 s that make up a time [s], without a user: for tests.
+    pub fn during(seconds: f64) -> impl Iterator<Item = Tick> {
+        let dt = 1.0 / 60.0;
+        let tick =
+            move |i: u32| Tick { dt, time: f64::from(i) * f64::from(dt), controls: Controls::default() };
+        (0..(seconds / f64::from(dt)).round() as u32).map(tick)
+    }
+}
+
+/// A sample while it runs.
+///
+/// What changes in it is in the world, so that a snapshot of the world is one of the sample: other fields are
+/// handles and constants.
+pub trait Running {
+    /// Its world.
+    fn world(&self) -> &World;
+
+    /// Its world, to be changed.
+    fn world_mut(&mut self) -> &mut World;
+
+    /// A step. A sample that has something to do before it does it here.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`World::step`].
+    fn step(&mut self, tick: &Tick) -> Result<(), Error> {
+        self.world_mut().step(tick.dt)?;
+        Ok(())
+    }
+}
+
+impl Running for World {
+    fn world(&self) -> &World {
+        self
+    }
+
+    fn world_mut(&mut self) -> &mut World {
+        self
+    }
+}
