@@ -29,7 +29,7 @@ fn world() -> Result<(World, ShapeHandle), Error> {
     for i in 0..1000 {
         let at = Vec3::new(20.0 + 6.0 * (i % 32) as f32, 1.0, 20.0 + 6.0 * (i / 32) as f32);
         let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube))?;
+        world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube))?;
     }
     for _ in 0..120 {
         world.step(1.0 / 60.0)?;

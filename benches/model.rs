@@ -7,7 +7,7 @@
 //! bytes.
 #![allow(missing_docs, reason = "not an interface")]
 
-use backstop::{Category, Continuous, Material, Settings, ShapeDesc, World};
+use backstop::{Category, ContinuousMode, Material, Settings, ShapeDesc, World};
 use backstop_scene::{Scene, builtin};
 use std::time::Instant;
 
@@ -37,7 +37,7 @@ const CASES: &[(&str, Change, Change)] = &[
     ),
     ("sleeping", |_, settings| (settings.sleeping, settings.sleep_time) = (true, f32::MAX), |_, _| {}),
     ("listening", |scene, _| each(scene, |shape| shape.events = true), |_, _| {}),
-    ("continuous", |_, _| {}, |_, settings| settings.continuous = Continuous::Discrete),
+    ("continuous", |_, _| {}, |_, settings| settings.continuous = ContinuousMode::Discrete),
     ("hooks", |scene, _| far(scene, |shape| shape.hooks = true), |scene, _| far(scene, |_| {})),
     ("sensors", |scene, _| far(scene, |shape| shape.sensor = true), |scene, _| far(scene, |_| {})),
 ];
@@ -48,7 +48,7 @@ fn each(scene: &mut Scene, change: fn(&mut ShapeDesc)) {
 
 /// A shape that nothing comes near to.
 fn far(scene: &mut Scene, change: fn(&mut ShapeDesc)) {
-    let mut body = backstop::BodyDesc::fixed().at(backstop::glam::DVec3::Y * -500.0);
+    let mut body = backstop::BodyDesc::fixed().with_position(backstop::glam::DVec3::Y * -500.0);
     let mut shape = ShapeDesc::new(backstop::Geometry::cuboid(1.0, 1.0, 1.0));
     shape.material = Material::default();
     change(&mut shape);

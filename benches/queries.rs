@@ -140,7 +140,7 @@ fn field() {
     let mut world = World::new(Settings::default()).expect("default settings");
     let shape = ShapeDesc::new(Geometry::HeightField(Arc::new(field)));
     let at = DVec3::new(-50.0, 0.0, -50.0);
-    world.add_body(&BodyDesc::fixed().at(at).with_shape(shape)).expect("a field may be static");
+    world.add_body(&BodyDesc::fixed().with_position(at).with_shape(shape)).expect("a field may be static");
     let over = |r: &mut Random| Vec3::new(r.range(-40.0, 40.0), 6.0, r.range(-40.0, 40.0));
     let eye = |r: &mut Random| (over(r), r.cube() * Vec3::new(1.0, 0.1, 1.0) - Vec3::Y * 0.3);
     batch("field, rays down", &world, &rays("down", 20_000));
@@ -290,7 +290,8 @@ fn crowd(
             _ => (Geometry::cylinder(size.x, size.y), SharedShape::cylinder(size.x, size.y)),
         };
         let (at, turned) = (random.cube() * extent, random.rotation());
-        let desc = kind().at(at.as_dvec3()).rotated(turned).with_shape(ShapeDesc::new(geometry));
+        let desc =
+            kind().with_position(at.as_dvec3()).with_rotation(turned).with_shape(ShapeDesc::new(geometry));
         world.add_body(&desc).expect("a good body");
         let rotation = Rotation::from_array(turned.to_array());
         theirs.push((Pose::from_parts(vector(at), rotation), shape));
@@ -372,7 +373,7 @@ fn after_a_step() {
     for _ in 0..10_000 {
         let shape = ShapeDesc::new(Geometry::cuboid(0.3, 0.2, 0.1));
         let at = (random.cube() * 200.0).as_dvec3();
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).expect("a good body");
+        world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape)).expect("a good body");
     }
     let (ray, filter) = (Ray::new(DVec3::ZERO, Vec3::Y), QueryFilter::new());
     let mut times: Vec<f64> = (0..40)

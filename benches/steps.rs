@@ -65,7 +65,7 @@ fn warm(scene: &Scene, case: &Case, threads: usize) -> World {
     advance(&mut world, case.warm);
     if case.asleep {
         for body in world.bodies().collect::<Vec<_>>() {
-            world.send_to_sleep(body).expect("the body is there");
+            world.sleep(body).expect("the body is there");
         }
     }
     world

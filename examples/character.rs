@@ -13,7 +13,7 @@ const DT: f32 = 1.0 / 60.0;
 
 fn cuboid(world: &mut World, kind: BodyDesc, at: [f64; 3], half: [f32; 3]) -> Result<BodyHandle, Error> {
     let shape = ShapeDesc::new(Geometry::cuboid(half[0], half[1], half[2]));
-    world.add_body(&kind.at(DVec3::from(at)).with_shape(shape))
+    world.add_body(&kind.with_position(DVec3::from(at)).with_shape(shape))
 }
 
 /// One frame: what the player wants, and what gravity has made of the fall so far.

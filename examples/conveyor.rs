@@ -38,17 +38,22 @@ impl ContactHooks for Rules {
 fn main() -> Result<(), Error> {
     let mut world = World::new(Settings::default())?;
     let belt = ShapeDesc::new(Geometry::cuboid(20.0, 0.5, 1.0)).with_hooks();
-    let belt = world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, -0.5, 0.0)).with_shape(belt))?;
+    let belt =
+        world.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, -0.5, 0.0)).with_shape(belt))?;
     let plate = ShapeDesc::new(Geometry::cuboid(2.0, 0.1, 2.0)).with_hooks();
-    let platform = world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, 3.0, 10.0)).with_shape(plate))?;
+    let platform =
+        world.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, 3.0, 10.0)).with_shape(plate))?;
     let (Some(belt), Some(platform)) = (world.shapes(belt)?.next(), world.shapes(platform)?.next()) else {
         return Ok(());
     };
     let rules = Rules { belt, platform };
 
     let cube = || ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
-    let parcel = world.add_body(&BodyDesc::dynamic().at(DVec3::new(-5.0, 0.5, 0.0)).with_shape(cube()))?;
-    let thrown = BodyDesc::dynamic().at(DVec3::new(0.0, 0.5, 10.0)).moving(Vec3::Y * 10.0, Vec3::ZERO);
+    let parcel =
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::new(-5.0, 0.5, 0.0)).with_shape(cube()))?;
+    let thrown = BodyDesc::dynamic()
+        .with_position(DVec3::new(0.0, 0.5, 10.0))
+        .with_velocity(Vec3::Y * 10.0, Vec3::ZERO);
     let thrown = world.add_body(&thrown.with_shape(cube()))?;
     for _ in 0..180 {
         world.step_with(1.0 / 60.0, &rules)?;

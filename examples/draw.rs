@@ -37,12 +37,18 @@ fn main() -> Result<(), backstop::Error> {
     world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::cuboid(2.5, 0.05, 1.0))))?;
     for i in 0..3 {
         let at = DVec3::new(0.1 * f64::from(i), 0.31 + 0.52 * f64::from(i), 0.0);
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape(Geometry::cuboid(0.4, 0.25, 0.4))))?;
+        world.add_body(
+            &BodyDesc::dynamic().with_position(at).with_shape(shape(Geometry::cuboid(0.4, 0.25, 0.4))),
+        )?;
     }
     // A ball on its way to the stack, and a capsule that falls.
-    let ball = BodyDesc::dynamic().at(DVec3::new(-2.0, 1.2, 0.0)).moving(Vec3::X * 60.0, Vec3::ZERO);
+    let ball = BodyDesc::dynamic()
+        .with_position(DVec3::new(-2.0, 1.2, 0.0))
+        .with_velocity(Vec3::X * 60.0, Vec3::ZERO);
     world.add_body(&ball.with_shape(shape(Geometry::Sphere { radius: 0.2 })))?;
-    let capsule = BodyDesc::dynamic().at(DVec3::new(1.6, 0.5, 0.0)).rotated(Quat::from_rotation_z(1.2));
+    let capsule = BodyDesc::dynamic()
+        .with_position(DVec3::new(1.6, 0.5, 0.0))
+        .with_rotation(Quat::from_rotation_z(1.2));
     world.add_body(&capsule.with_shape(shape(Geometry::capsule(0.4, 0.15))))?;
     (0..2).try_for_each(|_| world.step(1.0 / 60.0).map(drop))?;
 

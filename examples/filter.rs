@@ -31,7 +31,10 @@ fn ball(world: &mut World, x: f64, row: f64, filter: Filter, team: u64) -> Resul
     let shape = shape.clone().with_filter(filter).with_user_data(team);
     let towards = Vec3::X * if x < 0.0 { 4.0 } else { -4.0 };
     world.add_body(
-        &BodyDesc::dynamic().at(DVec3::new(x, 0.0, row)).moving(towards, Vec3::ZERO).with_shape(shape),
+        &BodyDesc::dynamic()
+            .with_position(DVec3::new(x, 0.0, row))
+            .with_velocity(towards, Vec3::ZERO)
+            .with_shape(shape),
     )
 }
 
@@ -56,9 +59,9 @@ fn main() -> Result<(), Error> {
     let ghosts = plain.with_category(GAZE).with_mask(GHOST);
     let alive = |body: BodyHandle, _: ShapeHandle| body != ghost;
     assert_eq!(seen(QueryFilter::new())?, Some(ghost));
-    assert_eq!(seen(QueryFilter::new().when(&alive))?, Some(wall));
-    assert_eq!(seen(QueryFilter::new().collides(ghosts))?, Some(ghost));
-    assert_eq!(seen(QueryFilter::only_static().collides(ghosts))?, None::<BodyHandle>);
+    assert_eq!(seen(QueryFilter::new().with_predicate(&alive))?, Some(wall));
+    assert_eq!(seen(QueryFilter::new().with_filter(ghosts))?, Some(ghost));
+    assert_eq!(seen(QueryFilter::only_static().with_filter(ghosts))?, None::<BodyHandle>);
 
     for _ in 0..120 {
         world.step_with(1.0 / 60.0, &Teams)?;

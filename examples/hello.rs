@@ -10,11 +10,12 @@ fn main() -> Result<(), backstop::Error> {
 
     // A floor of 20 m by 20 m, its top at y = 0.
     let floor = ShapeDesc::new(Geometry::cuboid(10.0, 0.5, 10.0));
-    world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, -0.5, 0.0)).with_shape(floor))?;
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, -0.5, 0.0)).with_shape(floor))?;
 
     // A ball of 0.5 m, 4 m above it.
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-    let ball = world.add_body(&BodyDesc::dynamic().at(DVec3::new(0.0, 4.5, 0.0)).with_shape(ball))?;
+    let ball =
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::new(0.0, 4.5, 0.0)).with_shape(ball))?;
 
     for step in 1..=120 {
         let report = world.step(1.0 / 60.0)?;

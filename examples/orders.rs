@@ -11,7 +11,7 @@ use backstop::RowGroup::{
 };
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, Drive, Error, Geometry, JointDesc, Limit, Motion, Order, Settings, ShapeDesc,
+    Axes, Axis, BodyDesc, Error, Geometry, JointDesc, Limit, Motion, Motor, Order, Settings, ShapeDesc,
     Skeleton, TriangleMesh, World,
 };
 use std::fmt::Write;
@@ -54,10 +54,10 @@ fn press(order: Order, (substeps, iterations): (u32, u32), force: f32) -> Result
     let figure = skeleton.add_to(&mut world, DVec3::NEG_X, Quat::IDENTITY, Vec3::ZERO)?;
     let hips = figure.bodies[0];
     let frames = world.frames_at([wall, hips], world.position(hips)?, Quat::IDENTITY)?;
-    let motor = Drive::motor(Motion::Linear, Axis::X, 1.0, force);
+    let motor = Motor::velocity(Motion::Linear, Axis::X, 1.0, force);
     // On a rail: neither up nor aside.
-    let rail = Limit::lock(Motion::Linear, Axes::Around(Axis::X));
-    let pusher = JointDesc::new([wall, hips], frames).with_drive(motor).with_limit(rail);
+    let rail = Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::X));
+    let pusher = JointDesc::new([wall, hips], frames).with_motor(motor).with_limit(rail);
     // Or the wall that holds the rail would not stop the hips.
     world.add_joint(&pusher.with_collide(true))?;
 

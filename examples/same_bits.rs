@@ -26,7 +26,7 @@ fn hash(name: &str, steps: usize) -> Result<u64, Error> {
     for _ in 0..steps {
         world.step(1.0 / 60.0)?;
     }
-    Ok(world.hash())
+    Ok(world.state_hash())
 }
 
 fn main() -> Result<(), Error> {

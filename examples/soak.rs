@@ -43,7 +43,7 @@ impl Soak {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for side in [-1.0, 1.0] {
                 let half_extents = (Vec3::ONE - axis) * (ROOM + 2.0 * WALL) + axis * WALL;
-                let wall = BodyDesc::fixed().at(axis * side * (ROOM + WALL));
+                let wall = BodyDesc::fixed().with_position(axis * side * (ROOM + WALL));
                 world.add_body(&wall.with_shape(ShapeDesc::new(Geometry::Box { half_extents })))?;
             }
         }
@@ -69,8 +69,8 @@ impl Soak {
         };
         let at = random.cube() * (0.8 * ROOM);
         let body = BodyDesc::dynamic()
-            .at(DVec3::new(at.x.into(), f64::from(at.y.abs()), at.z.into()))
-            .moving(random.cube() * 30.0, random.cube() * 20.0)
+            .with_position(DVec3::new(at.x.into(), f64::from(at.y.abs()), at.z.into()))
+            .with_velocity(random.cube() * 30.0, random.cube() * 20.0)
             .with_shape(ShapeDesc::new(geometry));
         self.bodies.push(self.world.add_body(&body)?);
         Ok(())
@@ -95,7 +95,7 @@ impl Soak {
                 self.joints.retain(|&joint| world.contains_joint(joint));
             }
             4 => self.world.wake(body)?,
-            5 => self.world.send_to_sleep(body)?,
+            5 => self.world.sleep(body)?,
             6 => self.explode(body)?,
             7 => {
                 let other = self.some();
@@ -140,7 +140,7 @@ impl Soak {
             let way = (self.world.position(body)? - at).as_vec3();
             if body != centre && way.length() < 3.0 && self.world.is_enabled(body)? {
                 let impulse = (way.normalize_or_zero() + Vec3::Y) * 500.0;
-                self.world.apply_impulse(body, impulse, self.world.position(body)?)?;
+                self.world.apply_impulse_at(body, impulse, self.world.position(body)?)?;
             }
         }
         Ok(())
@@ -197,7 +197,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let [one, two] = &soaks;
         if step % LOOK == 0 {
-            assert_eq!(one.world.hash(), two.world.hash(), "one and two threads part by step {step}");
+            assert_eq!(
+                one.world.state_hash(),
+                two.world.state_hash(),
+                "one and two threads part by step {step}"
+            );
             let bytes = one.world.memory().total();
             if step < steps / 5 { early = early.max(bytes) } else { late = late.max(bytes) }
         }
@@ -209,7 +213,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 one.world.report().asleep,
                 one.world.memory().total() / 1024,
                 one.lost,
-                one.world.hash()
+                one.world.state_hash()
             );
         }
     }

@@ -5,8 +5,8 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Error, Filter, Geometry, JointDesc, JointHandle, Limit,
-    MassProperties, Material, Motion, QueryFilter, Settings, ShapeDesc, Spring, TriangleMesh, World,
+    Axes, Axis, BodyDesc, BodyHandle, Error, Filter, Geometry, JointDesc, JointHandle, Limit, MassProperties,
+    Material, Motion, Motor, QueryFilter, Settings, ShapeDesc, Spring, TriangleMesh, World,
 };
 use backstop_scene::builtin;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl Car {
                 .with_rotation(rotation)
                 .with_filter(filter)
                 .with_material(material);
-            BodyDesc::dynamic().at(at).with_shape(shape).with_mass(Some(inertia))
+            BodyDesc::dynamic().with_position(at).with_shape(shape).with_mass(Some(inertia))
         };
         let body = Geometry::cuboid(0.7, 0.3, 1.9);
         let chassis = world.add_body(&part(body, Vec3::Y * 0.2, Quat::IDENTITY, MASS, at))?;
@@ -67,10 +67,10 @@ impl Car {
             // In front a knuckle between the two slides on the spring and turns about it; the wheel spins on
             // the knuckle.
             let mass = MassProperties::of(&Geometry::cuboid(0.1, 0.1, 0.1), 1.0).scaled_to(15.0);
-            let knuckle = world.add_body(&BodyDesc::dynamic().at(hub).with_mass(Some(mass)))?;
+            let knuckle = world.add_body(&BodyDesc::dynamic().with_position(hub).with_mass(Some(mass)))?;
             let frames = world.frames_at([chassis, knuckle], hub, Quat::IDENTITY)?;
             let mut strut = JointDesc::new([chassis, knuckle], frames);
-            (strut.limits, strut.drives) = steered(0.0);
+            (strut.limits, strut.motors) = steered(0.0);
             car.steering.push(world.add_joint(&strut)?);
             let frames = world.frames_at([knuckle, wheel], hub, Quat::IDENTITY)?;
             car.engine.push(world.add_joint(&JointDesc::hinge([knuckle, wheel], frames))?);
@@ -81,9 +81,9 @@ impl Car {
     /// Engine and steering: a speed to reach [m/s] with at most so much torque at each wheel [N m], and an
     /// angle to the left [rad].
     pub(crate) fn drive(&self, world: &mut World, speed: f32, torque: f32, angle: f32) -> Result<(), Error> {
-        let motor = Drive::motor(Motion::Angular, Axis::X, speed / RADIUS, torque);
+        let motor = Motor::velocity(Motion::Angular, Axis::X, speed / RADIUS, torque);
         for &joint in &self.engine {
-            world.set_joint_drive(joint, motor)?;
+            world.set_joint_motor(joint, motor)?;
         }
         for &joint in &self.steering {
             world.set_joint_target(joint, Motion::Angular, Axis::Y, angle, 0.0)?;
@@ -107,16 +107,16 @@ impl Car {
 }
 
 /// A strut: slides along y on a spring and turns about y to an angle [rad].
-fn steered(angle: f32) -> (Vec<Limit>, Vec<Drive>) {
+fn steered(angle: f32) -> (Vec<Limit>, Vec<Motor>) {
     let servo = Spring::Coefficients { stiffness: 30_000.0, damping: 1_000.0 };
     let limits = vec![
-        Limit::lock(Motion::Linear, Axes::Around(Axis::Y)),
-        Limit::lock(Motion::Angular, Axes::Around(Axis::Y)),
+        Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::Y)),
+        Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::Y)),
         Limit::new(Motion::Linear, Axes::One(Axis::Y), -TRAVEL, TRAVEL),
     ];
     let drives = vec![
-        Drive::spring(Motion::Linear, Axis::Y, 0.0, SPRING),
-        Drive::spring(Motion::Angular, Axis::Y, angle, servo),
+        Motor::position(Motion::Linear, Axis::Y, 0.0, SPRING),
+        Motor::position(Motion::Angular, Axis::Y, angle, servo),
     ];
     (limits, drives)
 }

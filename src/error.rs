@@ -36,10 +36,10 @@ pub enum Error {
     /// A joint between bodies that nothing moves.
     #[error("a joint needs a dynamic body")]
     JointOfStill,
-    /// A target for a drive that the joint does not have; see
-    /// [`World::set_joint_drive`](crate::World::set_joint_drive).
-    #[error("the joint has no drive of this motion along or about this axis")]
-    NoDrive,
+    /// A target for a motor which the joint does not have; see
+    /// [`World::set_joint_motor`](crate::World::set_joint_motor).
+    #[error("the joint has no motor of this motion along or about this axis")]
+    NoMotor,
     /// The coupling broke, or it or one of its joints was removed; see [`Error::StaleBody`] for those of
     /// another world.
     #[error("the coupling handle is stale: its coupling broke or was removed")]

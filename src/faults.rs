@@ -5,7 +5,7 @@
 //! everything that touches or is joined to the body where they arose. So a step that finds any starts again
 //! without it: the body stands still, as if it were static, and the rows of all others are made and solved
 //! anew. When the step ends it is at rest where it was at its start, takes part in the next one, and
-//! [`World::stopped_bodies`](crate::World::stopped_bodies) lists it.
+//! [`World::faulted_bodies`](crate::World::faulted_bodies) lists it.
 
 use crate::body::{Bodies, Colliders};
 use crate::forces::Forces;
@@ -48,7 +48,7 @@ impl Faults {
     ) {
         for &slot in slots {
             let dense = bodies.slots.dense(slot);
-            let index = bodies.send_to_sleep(dense, colliders);
+            let index = bodies.sleep(dense, colliders);
             if let Some(force) = bodies.force.get_mut(index) {
                 *force = Record::default();
             }

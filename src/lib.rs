@@ -18,8 +18,8 @@
 //! // A ball at 400 m/s: almost 7 m in each step.
 //! let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.05 });
 //! let ball = BodyDesc::dynamic()
-//!     .at(DVec3::new(0.0, 20.0, 0.0))
-//!     .moving(Vec3::new(0.0, -400.0, 0.0), Vec3::ZERO)
+//!     .with_position(DVec3::new(0.0, 20.0, 0.0))
+//!     .with_velocity(Vec3::new(0.0, -400.0, 0.0), Vec3::ZERO)
 //!     .with_shape(ball);
 //! let ball = world.add_body(&ball)?;
 //!
@@ -41,7 +41,7 @@
 //!   [`HeightField`] are built once and shared.
 //! - [`JointDesc`], [`CouplingDesc`], [`Skeleton`]: what joins bodies, from hinges to gears and ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
-//! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
+//! - [`Settings`], [`ContinuousMode`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
 //! - [`World::moved_bodies`], [`World::contacts_of`], [`World::aabb`]: what moved in the last step, what a
@@ -51,7 +51,7 @@
 //! - [`Character`]: a capsule or another convex shape that walks.
 //! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
 //!   [`Category`].
-//! - [`World::model`]: the parts of the engine that the world's content needs, and their cost, by
+//! - [`World::feature_report`]: the parts of the engine that the world's content needs, and their cost, by
 //!   [`Feature`].
 //! - [`debug`]: debug drawing as shapes, lines and points; [`World::draw`].
 //! - [`Snapshot`]: the state of a world, from which it continues to the same bits.
@@ -138,15 +138,15 @@ mod words;
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Character, CharacterHit, CharacterReport, CharacterSettings, Ground};
 pub use config::{
-    Continuous, ContinuousMethod, Field, FrictionCone, FrictionModel, Order, RowGroup, Settings,
+    ContinuousMethod, ContinuousMode, Field, FrictionCone, FrictionModel, Order, RowGroup, Settings,
 };
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
 pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{
-    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Drive, Frame, JointDesc, JointEvent, Limit,
-    Motion, Ragdoll, Skeleton, Spring, SpringCoefficients,
+    Axes, Axis, Bone, BoneJoint, CoupledMotion, CouplingDesc, Frame, JointDesc, JointEvent, Limit, Motion,
+    Motor, Ragdoll, Skeleton, Spring, SpringCoefficients,
 };
 pub use load_limits::{Count, LimitExceeded, LoadLimits, Tally};
 pub use memory::{Budget, Bytes, Category, MemoryReport};
@@ -157,6 +157,6 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, ContentForecast, Feature, Model, ModelPart,
-    NoHooks, Plan, StageTimes, StepReport, World,
+    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, ContentForecast, Feature, FeatureCost,
+    FeatureReport, NoHooks, Plan, StageTimes, StepReport, World,
 };

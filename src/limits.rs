@@ -229,6 +229,20 @@ pub fn unit_quat(what: &'static str, q: impl Into<Quat>) -> Result<Quat, Error> 
     Ok(q.normalize())
 }
 
+/// A direction of any length but zero, made a unit vector; or an error that names it.
+pub(crate) fn direction(what: &'static str, v: Vec3) -> Result<Vec3, Error> {
+    for value in v.to_array() {
+        finite(what, value)?;
+    }
+    // By its greatest part first: squares of what is very long or short leave the range.
+    let v = v / v.abs().max_element();
+    let unit = v / v.length();
+    if unit.is_finite() {
+        return Ok(unit);
+    }
+    Err(Error::OutOfRange { what, expected: "not zero", value: 0.0 })
+}
+
 /// The length of a step [s].
 ///
 /// # Errors

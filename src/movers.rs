@@ -5,7 +5,7 @@
 
 use crate::body::{Bodies, BodyKind, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, BroadStats, Mover, Pair, PairMemory, Rules, aabb_of};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::FAT_MARGIN;
 use crate::joint::Joints;
 use crate::lanes::Record;
@@ -61,7 +61,7 @@ pub(crate) struct Input<'a> {
     /// Predicted displacement [m] and rotation vector [rad] of each movable body.
     pub(crate) motion: &'a [Record],
     /// The world's mode; a body's own may be less.
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
     /// The length unit [m].
     pub(crate) unit: f32,
     /// Whether a sensor notices what is static.
@@ -90,7 +90,7 @@ pub(crate) fn place(
         aabb: Aabb { min: Vec3::ZERO, max: Vec3::ZERO },
         motion: Vec3::ZERO,
         spin: 0.0,
-        mode: Continuous::Discrete,
+        mode: ContinuousMode::Discrete,
     };
     // With a budget, capacity for all is reserved in advance.
     let wave = if allowances.is_endless() { WAVE } else { count.max(1) };
@@ -195,7 +195,7 @@ fn swing(shape: &ColliderSummary, rotation: Quat, motion: &Record) -> f32 {
     turn * shape.lever + (tilt * shape.radius).min(2.0 * shape.radius)
 }
 
-fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: Continuous) -> Mover {
+fn mover(c: u32, collider: &Collider, motion: &Record, aabb: Aabb, mode: ContinuousMode) -> Mover {
     let turn = motion.angular.length();
     // A point can't move further than the diameter of its circle.
     let swing = |arm: f32| (turn * arm).min(2.0 * arm);

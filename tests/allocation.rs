@@ -8,7 +8,7 @@ mod everything;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Budget, Character, CharacterReport, CharacterSettings,
-    ContinuousMethod, ConvexHull, CouplingDesc, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion,
+    ContinuousMethod, ConvexHull, CouplingDesc, Frame, Geometry, JointDesc, Limit, Material, Motion, Motor,
     QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use backstop_scene::{Scene, builtin};
@@ -108,7 +108,7 @@ fn moving(threads: usize) -> usize {
     world.add_body(&common::Floor::Mesh.desc(Material::default())).unwrap();
     let material = Material::default();
     let table = common::shape(Geometry::cuboid(4.0, 0.2, 4.0), material);
-    let table = world.add_body(&BodyDesc::kinematic().at(DVec3::Y).with_shape(table)).unwrap();
+    let table = world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y).with_shape(table)).unwrap();
     let mut add = |geometry: Geometry, at: Vec3, material: Material| -> BodyHandle {
         world.add_body(&common::dynamic(geometry, material, at)).unwrap()
     };
@@ -208,16 +208,16 @@ fn joined(threads: usize) -> usize {
             let body = world.add_body(&body).unwrap();
             let bodies = [last, body];
             let frames = world.frames_at(bodies, at + DVec3::Y * 0.25, Quat::IDENTITY).unwrap();
-            let cone = Limit::new(Motion::Angular, Axes::Around(Axis::Y), 0.0, 0.5);
+            let cone = Limit::new(Motion::Angular, Axes::Perpendicular(Axis::Y), 0.0, 0.5);
             let twist = Limit::new(Motion::Angular, Axes::One(Axis::X), -0.5, 0.5);
             let desc = match (chain + link) % 6 {
                 0 => JointDesc::ball(bodies, frames).with_limit(cone),
                 1 => JointDesc::hinge(bodies, frames).with_limit(twist),
-                2 => JointDesc::fixed(bodies, frames).with_strength(1e9, 1e9),
+                2 => JointDesc::fixed(bodies, frames).with_break_force(1e9, 1e9),
                 3 => JointDesc::distance(bodies, frames, 0.0, 0.1),
                 4 => JointDesc::wheel(bodies, frames, 0.1, spring),
                 _ => {
-                    JointDesc::ball(bodies, frames).with_drive(Drive::friction(Motion::Angular, Axis::Z, 0.1))
+                    JointDesc::ball(bodies, frames).with_motor(Motor::friction(Motion::Angular, Axis::Z, 0.1))
                 }
             };
             world.add_joint(&desc).unwrap();
@@ -251,8 +251,8 @@ fn couplings_allocate_nothing() {
         let joint = world.add_joint(&JointDesc::hinge([ground, body], frames)).unwrap();
         match last {
             None => {
-                let motor = Drive::motor(Motion::Angular, Axis::X, 3.0, 5.0);
-                world.set_joint_drive(joint, motor).unwrap();
+                let motor = Motor::velocity(Motion::Angular, Axis::X, 3.0, 5.0);
+                world.set_joint_motor(joint, motor).unwrap();
             }
             Some(last) => {
                 world.add_coupling(&CouplingDesc::gear([last, joint], [10.0, 11.0])).unwrap();
@@ -278,7 +278,7 @@ fn changes_of_joints_in_place_allocate_nothing() {
     let mut world = World::new(settings(1)).unwrap();
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let servo = Spring::Coefficients { stiffness: 2000.0, damping: 100.0 };
-    let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, servo);
+    let drive = Motor::position(Motion::Angular, Axis::X, 0.0, servo);
     let limit = Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 1.0);
     let joints: Vec<_> = (0..20)
         .map(|i| {
@@ -286,7 +286,7 @@ fn changes_of_joints_in_place_allocate_nothing() {
             let body = common::dynamic(Geometry::cuboid(0.5, 0.1, 0.1), Material::default(), at);
             let bodies = [ground, world.add_body(&body).unwrap()];
             let frames = world.frames_at(bodies, at.as_dvec3() - DVec3::X * 0.5, Quat::IDENTITY).unwrap();
-            let desc = JointDesc::hinge(bodies, frames).with_limit(limit).with_drive(drive);
+            let desc = JointDesc::hinge(bodies, frames).with_limit(limit).with_motor(drive);
             world.add_joint(&desc.with_thresholds(1.0, 1.0)).unwrap()
         })
         .collect();
@@ -304,7 +304,7 @@ fn changes_of_joints_in_place_allocate_nothing() {
     assert_eq!(with_snapshots, 0);
     let drives = count(&mut world, 10, |world, step| {
         for &joint in &joints {
-            world.set_joint_drive(joint, drive.with_max_force(100.0 + step as f32)).unwrap();
+            world.set_joint_motor(joint, drive.with_max_force(100.0 + step as f32)).unwrap();
             world.set_joint_frames(joint, world.joint_local_frames(joint).unwrap()).unwrap();
         }
     });
@@ -317,7 +317,7 @@ fn every_method_of_continuous_collision_allocates_nothing() {
     let _alone = one_at_a_time();
     use ContinuousMethod::{ConservativeAdvancement, LinearCast, Speculative, Talk};
     for method in [Speculative, LinearCast, ConservativeAdvancement, Talk] {
-        let settings = settings(1).with_method(method).with_gravity(Vec3::ZERO);
+        let settings = settings(1).with_continuous_method(method).with_gravity(Vec3::ZERO);
         let mut world = World::new(settings).unwrap();
         let material = Material::default().with_restitution(1.0).with_friction(0.0);
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -325,18 +325,18 @@ fn every_method_of_continuous_collision_allocates_nothing() {
                 let half = Vec3::splat(3.0) - axis * 2.99;
                 let wall = common::shape(Geometry::cuboid(half.x, half.y, half.z), material);
                 let at = (axis * side).as_dvec3();
-                world.add_body(&BodyDesc::fixed().at(at).with_shape(wall)).unwrap();
+                world.add_body(&BodyDesc::fixed().with_position(at).with_shape(wall)).unwrap();
             }
         }
         let ground = common::shape(common::flat_mesh(4, 1.0), material);
-        world.add_body(&BodyDesc::fixed().at(DVec3::Y * -2.5).with_shape(ground)).unwrap();
+        world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * -2.5).with_shape(ground)).unwrap();
         for i in 0..48 {
             let place = |i: i32| (i % 4) as f32 - 1.5;
             let at = Vec3::new(place(i), place(i / 4), place(i / 16));
             let turn = i as f32 * 2.4;
             let velocity = Vec3::new(turn.cos(), (3.0 * turn).sin(), turn.sin()) * 60.0;
             let ball = common::dynamic(Geometry::Sphere { radius: 0.1 }, material, at);
-            world.add_body(&ball.moving(velocity, Vec3::ONE)).unwrap();
+            world.add_body(&ball.with_velocity(velocity, Vec3::ONE)).unwrap();
         }
         let mut struck = 0;
         let allocations = count(&mut world, 1500, |world, _| struck += world.report().struck);
@@ -521,14 +521,14 @@ fn sleep_events_and_hooks_allocate_nothing() {
     let mut world = World::new(settings).unwrap();
     let shape = |geometry: Geometry| common::shape(geometry, Material::default());
     world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
-    let sensor = shape(Geometry::cuboid(50.0, 1.2, 50.0)).sensing();
+    let sensor = shape(Geometry::cuboid(50.0, 1.2, 50.0)).as_sensor();
     world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
     let stacks: Vec<BodyHandle> = (0..20)
         .map(|i| {
             let add = |world: &mut World, y: f64| {
                 let cube = shape(Geometry::cuboid(0.5, 0.5, 0.5)).with_events().with_hooks();
                 let at = DVec3::new(f64::from(i % 5) * 3.0, y, f64::from(i / 5) * 3.0);
-                world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube)).unwrap()
+                world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube)).unwrap()
             };
             add(&mut world, 0.5);
             add(&mut world, 1.5)
@@ -536,11 +536,11 @@ fn sleep_events_and_hooks_allocate_nothing() {
         .collect();
     let mut slept = 0;
     let allocations = count(&mut world, 400, |world, step| {
-        slept = slept.max(world.asleep());
+        slept = slept.max(world.sleeping_body_count());
         if step % 3 == 0 {
             // Up, and out of the sensor for a while.
             let body = stacks[(step / 3) as usize % stacks.len()];
-            world.apply_impulse(body, Vec3::Y * 4000.0, world.centre_of_mass(body).unwrap()).unwrap();
+            world.apply_impulse_at(body, Vec3::Y * 4000.0, world.centre_of_mass(body).unwrap()).unwrap();
         }
     });
     assert!(slept >= 10, "{slept}");

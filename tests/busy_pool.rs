@@ -79,13 +79,13 @@ fn a_step_ends_while_the_pool_is_taken() {
         let mut gone = world(2);
         common::steps(&mut gone, 60, 1.0 / 60.0);
     });
-    assert_eq!(world_of_two.hash(), alone.hash());
+    assert_eq!(world_of_two.state_hash(), alone.state_hash());
     // Those that were asked for come now, when there is nothing to do any more: for a world that is gone, and
     // for one that goes on.
     taken.release();
     common::steps(&mut world_of_two, 60, 1.0 / 60.0);
     common::steps(&mut alone, 60, 1.0 / 60.0);
-    assert_eq!(world_of_two.hash(), alone.hash());
+    assert_eq!(world_of_two.state_hash(), alone.state_hash());
 
     // On a thread of a pool of two, whose other thread is taken.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
@@ -94,8 +94,8 @@ fn a_step_ends_while_the_pool_is_taken() {
     let inside = || {
         let mut inside = world(2);
         common::steps(&mut inside, 120, 1.0 / 60.0);
-        inside.hash()
+        inside.state_hash()
     };
-    assert_eq!(without_the_pool(&taken, || pool.install(inside)), alone.hash());
+    assert_eq!(without_the_pool(&taken, || pool.install(inside)), alone.state_hash());
     taken.release();
 }

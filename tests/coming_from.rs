@@ -3,9 +3,9 @@
 use backstop::debug::{DebugDraw, DrawOptions};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, Continuous, CouplingDesc,
-    Drive, Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, NoHooks, Overlap,
-    QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
+    Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, ContinuousMode,
+    CouplingDesc, Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, Motor, NoHooks,
+    Overlap, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
 };
 
 /// What the rows of the table find at hand.
@@ -68,17 +68,17 @@ rows! {
     world.linear_velocity(body);
     world.set_linear_velocity(body, Vec3::X);
     world.velocity_at(body, DVec3::Y);
-    world.add_force(body, Vec3::X, Vec3::ZERO);
+    world.add_force(body, Vec3::X);
     world.add_force_at(body, Vec3::X, DVec3::Y);
-    world.apply_impulse(body, Vec3::X, DVec3::Y);
+    world.apply_impulse_at(body, Vec3::X, DVec3::Y);
     world.apply_angular_impulse(body, Vec3::Y);
     world.set_damping(body, 0.1, 0.1);
     world.set_max_speeds(body, Some(50.0), None);
     world.set_gravity_scale(body, 0.5);
-    world.set_locks(body, [false; 3], [true; 3]);
-    world.set_continuous(body, Continuous::Segment);
+    world.set_locked_axes(body, [false; 3], [true; 3]);
+    world.set_continuous(body, ContinuousMode::Segment);
     world.wake(body);
-    world.is_asleep(body);
+    world.is_sleeping(body);
     world.moved_bodies();
     Geometry::Sphere { radius: 0.5 };
     Geometry::cuboid(0.5, 0.5, 0.5);
@@ -106,13 +106,13 @@ rows! {
     world.add_coupling(&CouplingDesc::rack(joint, joint, 0.05));
     world.add_coupling(&CouplingDesc::pulley([joint; 2], 1.0, 4.0));
     world.add_joint(&joint_desc);
-    world.set_joint_drive(joint, Drive::motor(Motion::Angular, Axis::X, 1.0, 10.0));
+    world.set_joint_motor(joint, Motor::velocity(Motion::Angular, Axis::X, 1.0, 10.0));
     world.set_joint_limit(joint, Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 1.0));
-    world.joint_displacement(joint, Motion::Angular, Axes::One(Axis::X));
+    world.joint_position(joint, Motion::Angular, Axes::One(Axis::X));
     world.joints_of(body);
     world.cast_ray(&Ray::new(DVec3::Y, -Vec3::Y), &QueryFilter::default());
     world.cast_shape(&cast, &QueryFilter::default());
-    world.cast_shape(&cast.turning(Vec3::Y), &QueryFilter::default());
+    world.cast_shape(&cast.with_spin(Vec3::Y), &QueryFilter::default());
     world.overlap_aabb(&area, &QueryFilter::default(), &mut overlaps);
     world.cast_ray(&Ray::new(DVec3::Y, -Vec3::Y), &QueryFilter::only(body));
     world.overlap(&geometry, DVec3::Y, Quat::IDENTITY, &QueryFilter::default(), &mut overlaps);

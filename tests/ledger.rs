@@ -70,7 +70,7 @@ impl Ledger {
 }
 
 fn ball(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
 }
 
 #[test]
@@ -163,7 +163,8 @@ fn of_hulls_compounds_and_a_height_field() {
     let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
     drop(corners);
     for i in 0..40 {
-        let mut body = BodyDesc::dynamic().at(DVec3::new(f64::from(i % 7), 2.0 + f64::from(i / 7), 0.3));
+        let mut body =
+            BodyDesc::dynamic().with_position(DVec3::new(f64::from(i % 7), 2.0 + f64::from(i / 7), 0.3));
         for part in 0..1 + i % 5 {
             let mut shape =
                 ShapeDesc::new(if part == 0 { hull.clone() } else { Geometry::cuboid(0.2, 0.1, 0.2) });
@@ -232,14 +233,14 @@ fn of_all_that_a_world_can_do() {
     let (vertices, triangles) = Terrain::bumpy(20, 0.5).mesh();
     let mesh = backstop::TriangleMesh::new(vertices, triangles).unwrap();
     world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Mesh(Arc::new(mesh))))).unwrap();
-    let sensor = shape(Geometry::cuboid(3.0, 1.0, 3.0)).sensing();
+    let sensor = shape(Geometry::cuboid(3.0, 1.0, 3.0)).as_sensor();
     world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
     let mut bodies = Vec::with_capacity(40);
     ledger.start += (bodies.capacity() * size_of::<BodyHandle>()) as isize;
     for i in 0..40 {
         let cube = shape(Geometry::cuboid(0.3, 0.3, 0.3)).with_events().with_hooks();
         let at = DVec3::new(f64::from(i % 6) - 2.5, 2.0 + f64::from(i / 6), 0.0);
-        let mut body = BodyDesc::dynamic().at(at).with_shape(cube);
+        let mut body = BodyDesc::dynamic().with_position(at).with_shape(cube);
         if i % 9 == 0 {
             body.solved_after = Some(RowGroup::StaticContacts);
         }
@@ -252,8 +253,8 @@ fn of_all_that_a_world_can_do() {
         let world = &mut ledger.world;
         let body = bodies[step as usize % bodies.len()];
         if step % 40 == 3 {
-            world.add_force(body, Vec3::Y * 500.0, Vec3::ZERO).unwrap();
-            world.solve_body_after(body, Some(RowGroup::Contacts)).unwrap();
+            world.add_force(body, Vec3::Y * 500.0).unwrap();
+            world.set_body_solved_after(body, Some(RowGroup::Contacts)).unwrap();
         }
         if step > 100 && step % 10 == 0 {
             let ray = Ray::new(DVec3::new(0.1, 9.0, 0.0), Vec3::Y * -20.0);
@@ -262,7 +263,7 @@ fn of_all_that_a_world_can_do() {
         }
         let world = &mut ledger.world;
         world.step(DT).unwrap();
-        slept = slept.max(world.asleep());
+        slept = slept.max(world.sleeping_body_count());
         ledger.check(format_args!("step {step}"));
     }
     assert!(slept > 0, "nothing ever slept");

@@ -360,7 +360,7 @@ fn a_file_with_a_mesh_of_hardly_any_extent_is_loaded() {
         let mut world = World::new(Settings::default()).unwrap();
         scene.unwrap().add_to(&mut world).unwrap();
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
-        let ball = BodyDesc::dynamic().at(DVec3::new(0.25, 0.3, 0.25)).with_shape(ball);
+        let ball = BodyDesc::dynamic().with_position(DVec3::new(0.25, 0.3, 0.25)).with_shape(ball);
         let ball = world.add_body(&ball).unwrap();
         for _ in 0..60 {
             world.step(1.0 / 60.0).unwrap();

@@ -27,7 +27,8 @@ fn a_world_takes_them_and_gives_them_back() {
     let turned = mint::Quaternion { v: mint::Vector3 { x: 0.6_f32, y: 0.0, z: 0.0 }, s: 0.8 };
     let velocity = mint::Vector3 { x: 0.5_f32, y: 1.0, z: -1.0 };
     let unit = Geometry::cuboid(0.5, 0.5, 0.5);
-    let body = BodyDesc::dynamic().at(at).rotated(turned).with_shape(ShapeDesc::new(unit.clone()));
+    let body =
+        BodyDesc::dynamic().with_position(at).with_rotation(turned).with_shape(ShapeDesc::new(unit.clone()));
     let body = world.add_body(&body).unwrap();
     world.set_velocity(body, velocity.into(), Vec3::ZERO).unwrap();
     let position: mint::Vector3<f64> = world.position(body).unwrap().into();
@@ -41,6 +42,6 @@ fn a_world_takes_them_and_gives_them_back() {
     let hit = world.cast_ray(&Ray::between(above, at), &QueryFilter::only(body)).unwrap().unwrap();
     let point: mint::Vector3<f64> = hit.point.into();
     assert_eq!((point.x, point.z), (1.0, 3.0));
-    let cast = ShapeCast::new(&unit, above, Vec3::NEG_Y * 9.0).rotated(turned);
+    let cast = ShapeCast::new(&unit, above, Vec3::NEG_Y * 9.0).with_rotation(turned);
     assert!(world.cast_shape_any(&cast, &QueryFilter::new()).unwrap());
 }

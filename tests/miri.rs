@@ -8,8 +8,8 @@ mod common;
 
 use backstop::glam::{Vec2, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Continuous, ConvexHull, FrictionModel, Geometry, HeightField, Material, Settings,
-    ShapeDesc, World,
+    BodyDesc, BodyHandle, ContinuousMode, ConvexHull, FrictionModel, Geometry, HeightField, Material,
+    Settings, ShapeDesc, World,
 };
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ fn settings() -> Settings {
 /// Steps the copies of a scene by one thread and by two: no bit may differ.
 fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
     alone_and_shared_with(settings, &|world, beside| {
-        let moved = scene.iter().map(|desc| desc.clone().at(desc.position + beside.as_dvec3()));
+        let moved = scene.iter().map(|desc| desc.clone().with_position(desc.position + beside.as_dvec3()));
         world.add_bodies(&moved.collect::<Vec<_>>()).unwrap()
     });
 }
@@ -49,7 +49,7 @@ fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) ->
         }
         assert!(met > 0);
         assert!(common::all_finite(&world));
-        world.hash()
+        world.state_hash()
     };
     let shared = with_helper(|| run(2));
     // Alone a thread does nothing that it does not do beside another: Miri need not see it twice.
@@ -63,7 +63,7 @@ fn with_helper<R: Send>(f: impl FnOnce() -> R + Send) -> R {
 }
 
 fn fixed(geometry: Geometry, at: Vec3) -> BodyDesc {
-    BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry))
+    BodyDesc::fixed().with_position(at).with_shape(ShapeDesc::new(geometry))
 }
 
 fn dynamic(geometry: Geometry, at: Vec3) -> BodyDesc {
@@ -95,9 +95,9 @@ fn a_stack_of_boxes() {
     let mut scene = vec![fixed(Geometry::Plane, Vec3::ZERO)];
     scene.extend((0..3).map(|i| dynamic(cube(0.5), Vec3::Y * (0.499 + 0.998 * i as f32))));
     // What is moved by its velocity alone, and what may only turn about y.
-    let belt = BodyDesc::kinematic().at(Vec3::X * 1.5).moving(Vec3::X * -0.1, Vec3::ZERO);
+    let belt = BodyDesc::kinematic().with_position(Vec3::X * 1.5).with_velocity(Vec3::X * -0.1, Vec3::ZERO);
     scene.push(belt.with_shape(ShapeDesc::new(cube(1.0))));
-    let mut locked = dynamic(cube(0.5), Vec3::new(1.5, 1.499, 0.0)).moving(Vec3::ZERO, Vec3::Y);
+    let mut locked = dynamic(cube(0.5), Vec3::new(1.5, 1.499, 0.0)).with_velocity(Vec3::ZERO, Vec3::Y);
     (locked.lock_translation, locked.lock_rotation) = ([true, false, true], [true, false, true]);
     scene.push(locked);
     alone_and_shared(&settings(), &scene);
@@ -131,11 +131,11 @@ fn one_of_each_shape_on_triangles() {
 fn bullets() {
     let plate = fixed(Geometry::cuboid(1.0, 0.01, 1.0), Vec3::X * 4.0);
     let shot = |geometry: Geometry, at: Vec3| {
-        dynamic(geometry, at).moving(Vec3::new(1.0, -60.0, 0.5), Vec3::new(3.0, 5.0, 7.0))
+        dynamic(geometry, at).with_velocity(Vec3::new(1.0, -60.0, 0.5), Vec3::new(3.0, 5.0, 7.0))
     };
     let ball = Geometry::Sphere { radius: 0.05 };
     let mut far = shot(cube(0.05), Vec3::new(4.3, 0.5, 0.2));
-    far.continuous = Continuous::Volume;
+    far.continuous = ContinuousMode::Volume;
     let scene = [
         floor_of_triangles(),
         plate,
@@ -143,7 +143,7 @@ fn bullets() {
         shot(cube(0.05), Vec3::new(-0.3, 0.7, -0.4)),
         shot(ball.clone(), Vec3::new(4.0, 0.4, 0.0)),
         far,
-        dynamic(ball, Vec3::new(0.2, -0.4, 0.1)).moving(Vec3::Y * 80.0, Vec3::ZERO),
+        dynamic(ball, Vec3::new(0.2, -0.4, 0.1)).with_velocity(Vec3::Y * 80.0, Vec3::ZERO),
     ];
     alone_and_shared(&settings(), &scene);
 }
@@ -163,9 +163,9 @@ fn elastic_bodies() {
     let scene = [
         bouncy(floor_of_triangles()),
         cube_at(-0.4, 0.2),
-        dynamic(ball.clone(), Vec3::new(-0.4, 0.62, 0.1)).moving(down, Vec3::Z),
-        cube_at(0.4, 0.32).rotated(turn).moving(down, Vec3::new(3.0, 5.0, 7.0)),
-        dynamic(ball, Vec3::new(0.1, 0.25, -0.4)).moving(down, Vec3::Y),
+        dynamic(ball.clone(), Vec3::new(-0.4, 0.62, 0.1)).with_velocity(down, Vec3::Z),
+        cube_at(0.4, 0.32).with_rotation(turn).with_velocity(down, Vec3::new(3.0, 5.0, 7.0)),
+        dynamic(ball, Vec3::new(0.1, 0.25, -0.4)).with_velocity(down, Vec3::Y),
     ]
     .map(bouncy);
     alone_and_shared(&settings(), &scene);
@@ -177,7 +177,7 @@ fn a_slab_with_more_points_than_colours() {
     let mut scene = Vec::new();
     for i in 0..9 {
         let at = Vec3::new((i % 3) as f32 - 1.0, -0.5, (i / 3) as f32 - 1.0) * 1.2;
-        scene.push(BodyDesc::kinematic().at(at).with_shape(ShapeDesc::new(cube(0.5))));
+        scene.push(BodyDesc::kinematic().with_position(at).with_shape(ShapeDesc::new(cube(0.5))));
     }
     scene.push(dynamic(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::NEG_Y * 0.001));
     let per_point = settings().with_friction_model(FrictionModel::Point);

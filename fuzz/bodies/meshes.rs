@@ -25,7 +25,12 @@ pub fn run(bytes: &[u8]) {
         shape.density = 100.0;
         let at = middle + DVec3::new(f64::from(i), 1.0 + f64::from(i), 0.0);
         drop(
-            world.add_body(&BodyDesc::dynamic().at(at).moving(input.vector(), Vec3::ZERO).with_shape(shape)),
+            world.add_body(
+                &BodyDesc::dynamic()
+                    .with_position(at)
+                    .with_velocity(input.vector(), Vec3::ZERO)
+                    .with_shape(shape),
+            ),
         );
     }
     for _ in 0..4 {

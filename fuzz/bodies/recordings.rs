@@ -40,7 +40,7 @@ fn template(goes_back: bool) -> Vec<u8> {
     }
     let shapes = [Geometry::Hull(hull), Geometry::cuboid(0.3, 0.3, 0.3), Geometry::capsule(0.2, 0.2)];
     for (i, geometry) in shapes.into_iter().enumerate() {
-        let desc = BodyDesc::dynamic().at(DVec3::new(0.2, 1.0 + i as f64, 0.2));
+        let desc = BodyDesc::dynamic().with_position(DVec3::new(0.2, 1.0 + i as f64, 0.2));
         let body = world.add_body(&desc.with_shape(ShapeDesc::new(geometry))).expect("a body");
         world.set_velocity(body, Vec3::NEG_Y, Vec3::X).expect("a body");
     }
@@ -51,7 +51,9 @@ fn template(goes_back: bool) -> Vec<u8> {
         world.snapshot(&mut saved);
         steps(&mut world);
         world.restore(&saved).expect("its own state");
-        let ball = BodyDesc::dynamic().at(DVec3::Y * 5.0).with_shape(ShapeDesc::new(Geometry::sphere(0.2)));
+        let ball = BodyDesc::dynamic()
+            .with_position(DVec3::Y * 5.0)
+            .with_shape(ShapeDesc::new(Geometry::sphere(0.2)));
         world.add_body(&ball).expect("a body");
         steps(&mut world);
         world.restore(&saved).expect("its own state");

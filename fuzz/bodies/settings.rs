@@ -4,7 +4,7 @@ use super::check;
 use super::input::Input;
 use backstop::glam::DVec3;
 use backstop::{
-    BodyDesc, Budget, Continuous, ContinuousMethod, FrictionCone, FrictionModel, Geometry, Settings,
+    BodyDesc, Budget, ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Geometry, Settings,
     ShapeDesc, World,
 };
 
@@ -21,7 +21,7 @@ pub fn run(bytes: &[u8]) {
             if i % 2 == 0 { Geometry::cuboid(0.5, 0.5, 0.5) } else { Geometry::Sphere { radius: 0.5 } };
         let shape = ShapeDesc::new(shape).with_events();
         let at = DVec3::new(0.1 * f64::from(i), 0.4 + 0.9 * f64::from(i), 0.0);
-        drop(world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)));
+        drop(world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape)));
     }
     for _ in 0..8 {
         let dt = if input.byte() < 64 { input.number() } else { 1.0 / 60.0 };
@@ -58,12 +58,13 @@ fn change(settings: &mut Settings, input: &mut Input<'_>) {
         17 => settings.friction_model = input.pick(&[FrictionModel::Patch, FrictionModel::Point]),
         18 => {
             use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
-            settings.method = input.pick(&[OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk]);
+            settings.continuous_method =
+                input.pick(&[OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk]);
             settings.friction_cone = input.pick(&[FrictionCone::Cone, FrictionCone::Box]);
         }
         _ => {
             settings.continuous =
-                input.pick(&[Continuous::Discrete, Continuous::Segment, Continuous::Volume]);
+                input.pick(&[ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume]);
             settings.threads = input.below(3);
         }
     }

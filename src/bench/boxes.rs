@@ -3,7 +3,7 @@
 use super::Kernel;
 use crate::broad_phase::kernels::{Node, Path, Tree};
 use crate::broad_phase::{Aabb, Mover};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4, f32x8};
 use glam::vec3;
 use std::cell::Cell;
@@ -30,7 +30,7 @@ fn path(side: f32) -> Path {
             aabb: Aabb { min: at - half, max: at + half },
             motion: vec3(0.7, 0.01, 0.4) * side,
             spin: 0.0,
-            mode: Continuous::Segment,
+            mode: ContinuousMode::Segment,
         },
         0.01,
     )

@@ -3,7 +3,7 @@
 use super::Kernel;
 use crate::broad_phase::kernels::Tree;
 use crate::broad_phase::{Aabb, BroadPhase, Mover, Pair, PairMemory, Rules};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::FAT_MARGIN;
 use crate::memory::Allowances;
 use crate::threads::Workers;
@@ -54,7 +54,7 @@ impl Crowd {
 
     fn add(&mut self, collider: u32, at: Vec3, half: f32, motion: Vec3) {
         let aabb = Aabb { min: at - half, max: at + half };
-        self.movers.push(Mover { collider, aabb, motion, spin: 0.0, mode: Continuous::Segment });
+        self.movers.push(Mover { collider, aabb, motion, spin: 0.0, mode: ContinuousMode::Segment });
         self.broad.insert_mover(collider);
     }
 

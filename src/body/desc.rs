@@ -1,6 +1,6 @@
 //! The description of a body that a caller adds.
 
-use crate::config::{Continuous, RowGroup, fields};
+use crate::config::{ContinuousMode, RowGroup, fields};
 use crate::error::{Error, each};
 use crate::limits;
 use crate::limits::unit_quat;
@@ -19,16 +19,16 @@ use glam::{DVec3, Vec3};
 /// | [`add_force`], [`apply_impulse`] and the like | no effect | no effect | yes |
 /// | [`set_mass`] | kept for a change of kind | the same | yes |
 /// | damping, caps of speeds, gravity scale, locks | kept for a change of kind | the same | yes |
-/// | [`wake`], [`send_to_sleep`] | no effect | no effect | yes |
+/// | [`wake`], [`sleep`] | no effect | no effect | yes |
 ///
 /// [`set_velocity`]: crate::World::set_velocity
 /// [`move_kinematic`]: crate::World::move_kinematic
 /// [`move_kinematic_and_stop`]: crate::World::move_kinematic_and_stop
 /// [`add_force`]: crate::World::add_force
-/// [`apply_impulse`]: crate::World::apply_impulse
+/// [`apply_impulse`]: crate::World::apply_impulse_at
 /// [`set_mass`]: crate::World::set_mass
 /// [`wake`]: crate::World::wake
-/// [`send_to_sleep`]: crate::World::send_to_sleep
+/// [`sleep`]: crate::World::sleep
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum BodyKind {
@@ -53,8 +53,8 @@ fields! {
     /// let handle = ShapeDesc::new(Geometry::cuboid(0.02, 0.3, 0.02));
     /// let head = ShapeDesc::new(Geometry::cuboid(0.1, 0.05, 0.05)).with_position(Vec3::Y * 0.3);
     /// let hammer = BodyDesc::dynamic()
-    ///     .at(Vec3::new(0.0, 2.0, 0.0))
-    ///     .moving(Vec3::X * 5.0, Vec3::Z * -10.0)
+    ///     .with_position(Vec3::new(0.0, 2.0, 0.0))
+    ///     .with_velocity(Vec3::X * 5.0, Vec3::Z * -10.0)
     ///     .with_shape(handle)
     ///     .with_shape(head);
     /// assert_eq!(hammer.shapes.len(), 2);
@@ -109,7 +109,7 @@ fields! {
         with_lock_rotation(lock_rotation: [bool; 3]) = [false; 3];
         /// How it is kept from passing through others: two collide by the greater of their modes, save that
         /// what is static has none.
-        with_continuous(continuous: Continuous) = Continuous::Segment;
+        with_continuous(continuous: ContinuousMode) = ContinuousMode::Segment;
         /// Has its rows, those of its contacts and joints, solved right after those of this group, unless
         /// their own place is later: what is solved later wins.
         with_solved_after(solved_after: Option<RowGroup>, into) = None;
@@ -137,18 +137,8 @@ impl BodyDesc {
     pub fn dynamic() -> Self {
         Self::new(BodyKind::Dynamic)
     }
-    /// Where its origin is [m].
-    pub fn at(mut self, position: impl Into<DVec3>) -> Self {
-        self.position = position.into();
-        self
-    }
-    /// How its axes are turned.
-    pub fn rotated(mut self, rotation: impl Into<glam::Quat>) -> Self {
-        self.rotation = rotation.into();
-        self
-    }
     /// Linear [m/s] and angular [rad/s] velocity.
-    pub fn moving(mut self, linear: Vec3, angular: Vec3) -> Self {
+    pub fn with_velocity(mut self, linear: Vec3, angular: Vec3) -> Self {
         (self.linear_velocity, self.angular_velocity) = (linear, angular);
         self
     }
@@ -161,12 +151,6 @@ impl BodyDesc {
     /// One more shape.
     pub fn with_shape(mut self, shape: ShapeDesc) -> Self {
         self.shapes.push(shape);
-        self
-    }
-
-    /// Rows right after those of a group, if that is later.
-    pub fn solved_after(mut self, above: RowGroup) -> Self {
-        self.solved_after = Some(above);
         self
     }
 

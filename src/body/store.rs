@@ -4,7 +4,7 @@
 
 use super::rare::{Damping, KeptMass, RareColumns, SpeedCap};
 use super::{BodyKind, ColliderList, Colliders, Pose};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::{Order, RowGroup};
 use crate::handle::{BodyHandle, Slots};
 use crate::lanes::Record;
@@ -48,7 +48,7 @@ impl BodyDetails {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Traits {
     pub(crate) gravity_scale: f32,
-    pub(crate) continuous: Continuous,
+    pub(crate) continuous: ContinuousMode,
     /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
     pub(crate) locks: u8,
     /// Which rows its own come after.
@@ -239,9 +239,9 @@ impl Bodies {
     }
 
     /// How a body takes part in continuous collision: a static one not of itself.
-    pub(crate) fn mode(&self, index: usize) -> Continuous {
+    pub(crate) fn mode(&self, index: usize) -> ContinuousMode {
         match self.kind[index] {
-            BodyKind::Static => Continuous::Discrete,
+            BodyKind::Static => ContinuousMode::Discrete,
             _ => self.traits[index].continuous,
         }
     }
@@ -342,7 +342,7 @@ impl Bodies {
 
     /// Takes an awake body out of all that steps look at, at rest and with its colliders where it is: these
     /// are not updated until it wakes. Returns its new index.
-    pub(crate) fn send_to_sleep(&mut self, index: u32, colliders: &mut Colliders) -> usize {
+    pub(crate) fn sleep(&mut self, index: u32, colliders: &mut Colliders) -> usize {
         let index = self.travel(index, (Part::Awake, Part::Asleep), colliders) as usize;
         self.velocity[index] = Record::default();
         self.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &self.pose[index]));
@@ -435,7 +435,7 @@ impl Bodies {
             }
         };
         add(&mut self.locked, traits.locks != 0);
-        add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != Continuous::Discrete);
+        add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != ContinuousMode::Discrete);
         add(&mut self.uneven, is_uneven(mass, traits));
         if let Some(above) = traits.solved_after {
             add(&mut self.solved_after[above as usize], true);
@@ -455,12 +455,12 @@ impl Bodies {
     }
 
     /// Sets the axes that a body can't move along or turn about, as bits.
-    pub(crate) fn set_locks(&mut self, index: usize, locks: u8) {
+    pub(crate) fn set_locked_axes(&mut self, index: usize, locks: u8) {
         self.recount(index, |bodies| bodies.traits[index].locks = locks);
     }
 
     /// Sets how a body is kept from passing through others.
-    pub(crate) fn set_continuous(&mut self, index: usize, mode: Continuous) {
+    pub(crate) fn set_continuous(&mut self, index: usize, mode: ContinuousMode) {
         self.recount(index, |bodies| bodies.traits[index].continuous = mode);
     }
 

@@ -152,7 +152,7 @@ pub(super) const ENDLESS_STATIC: u32 = u32::MAX - 1;
 mod tests {
     use super::*;
     use crate::broad_phase::Mover;
-    use crate::config::Continuous;
+    use crate::config::ContinuousMode;
     use crate::threads::Workers;
 
     fn scene() -> BroadPhase {
@@ -164,7 +164,8 @@ mod tests {
         broad.insert_static(200, Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY });
         broad.insert_mover(300);
         let aabb = Aabb { min: Vec3::new(4.0, 0.0, 0.0), max: Vec3::new(5.0, 1.0, 1.0) };
-        let mover = Mover { collider: 300, aabb, motion: Vec3::ZERO, spin: 0.0, mode: Continuous::Segment };
+        let mover =
+            Mover { collider: 300, aabb, motion: Vec3::ZERO, spin: 0.0, mode: ContinuousMode::Segment };
         broad.refresh(&[mover], 0.1);
         broad
     }
@@ -197,7 +198,7 @@ mod tests {
             aabb: Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 1.0, 1.0) },
             motion: Vec3::ZERO,
             spin: 0.0,
-            mode: Continuous::Segment,
+            mode: ContinuousMode::Segment,
         };
         let mut removed = Vec::new();
         broad.update(&Workers::alone(), &[mover(0.0)], 0.1, &|_, _| true, &order, &mut removed);

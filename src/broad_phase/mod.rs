@@ -30,7 +30,7 @@ pub(crate) use aabb::Aabb;
 use aabb::LARGEST;
 pub(crate) use bounds::aabb_of;
 
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::memory::{Allowance, Buffer, Category, buffers, bytes_of};
 use crate::threads::Workers;
 pub(crate) use bvh::STACK;
@@ -372,7 +372,7 @@ impl BroadPhase {
             return;
         }
         if fast {
-            self.roles[c] = if mover.mode == Continuous::Volume { Role::Volume } else { Role::Fast };
+            self.roles[c] = if mover.mode == ContinuousMode::Volume { Role::Volume } else { Role::Fast };
             let mover = proxy::tamed(mover);
             proxy.bounds = proxy::swept_box(&mover, margin);
             proxy.path = self.paths.len() as u32;

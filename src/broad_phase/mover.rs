@@ -1,7 +1,7 @@
 //! What the broad phase is told about a collider that may move.
 
 use super::Aabb;
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use glam::Vec3;
 
 /// A collider that may move in this step.
@@ -16,5 +16,5 @@ pub(crate) struct Mover {
     /// How far any point of the shape may get from where pure translation takes it, by rotation [m].
     pub(crate) spin: f32,
     /// How it is kept from passing through others.
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
 }

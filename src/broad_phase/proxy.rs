@@ -2,7 +2,7 @@
 
 use super::bvh::NONE;
 use super::{Aabb, LARGEST, Mover};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::{FAT_SHARE, FAT_STEPS_AHEAD, LEAST_FAT_SHARE};
 use glam::{Vec3, Vec3A};
 
@@ -62,7 +62,7 @@ pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
     let rest = own - mover.spin;
     // Written so that a NaN, which the caller should have refused, counts as fast and is tamed there.
     let slow = rest >= 0.0 && mover.motion.length_squared() <= rest * rest;
-    (own, !slow & (mover.mode != Continuous::Discrete))
+    (own, !slow & (mover.mode != ContinuousMode::Discrete))
 }
 
 /// Whether a slow mover may keep its fat box. The check that all at rest pay in every step, so it asks the
@@ -75,7 +75,7 @@ pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
         return false;
     }
     // The same as `bounds.contains(&needs(mover))`, four numbers at a time.
-    let share = if mover.mode == Continuous::Discrete { 0.0 } else { 1.0 };
+    let share = if mover.mode == ContinuousMode::Discrete { 0.0 } else { 1.0 };
     let (min, max) = (Vec3A::from(mover.aabb.min), Vec3A::from(mover.aabb.max));
     let (motion, zero) = (Vec3A::from(mover.motion * share), Vec3A::ZERO);
     let reach = Vec3A::splat(mover.spin * share) + min.abs().max(max.abs()) * ROUNDING;
@@ -89,8 +89,8 @@ pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
 #[inline]
 pub(super) fn needs(mover: &Mover) -> Aabb {
     let Aabb { min, max } = mover.aabb;
-    let motion = if mover.mode == Continuous::Discrete { Vec3::ZERO } else { mover.motion };
-    let spin = if mover.mode == Continuous::Discrete { 0.0 } else { mover.spin };
+    let motion = if mover.mode == ContinuousMode::Discrete { Vec3::ZERO } else { mover.motion };
+    let spin = if mover.mode == ContinuousMode::Discrete { 0.0 } else { mover.spin };
     let reach = Vec3::splat(spin) + min.abs().max(max.abs()) * ROUNDING;
     Aabb { min: min + motion.min(Vec3::ZERO) - reach, max: max + motion.max(Vec3::ZERO) + reach }
 }
@@ -136,7 +136,7 @@ mod tests {
                 aabb: Aabb { min: at - half, max: at + half },
                 motion: v([0.0, 0.005, 0.05, 0.5][i % 4]),
                 spin: v([0.0, 0.02, 0.3][i % 3]).x.abs(),
-                mode: [Continuous::Segment, Continuous::Discrete][i % 2],
+                mode: [ContinuousMode::Segment, ContinuousMode::Discrete][i % 2],
             };
             let reach = 0.2 + v(0.2);
             let bounds = Aabb { min: mover.aabb.min - reach, max: mover.aabb.max + reach };

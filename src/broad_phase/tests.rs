@@ -62,8 +62,12 @@ impl Scene {
             aabb,
             motion: r.cube() * speed,
             spin: [0.0, 0.01, 0.3][r.below(3)],
-            mode: [Continuous::Discrete, Continuous::Segment, Continuous::Segment, Continuous::Volume]
-                [r.below(4)],
+            mode: [
+                ContinuousMode::Discrete,
+                ContinuousMode::Segment,
+                ContinuousMode::Segment,
+                ContinuousMode::Volume,
+            ][r.below(4)],
         };
         if moves {
             self.broad.insert_mover(c);
@@ -131,8 +135,9 @@ fn allowed(p: &Body, q: &Body) -> bool {
 
 /// Whether two boxes touch within the step, by exact relative motion (in f64, slabs); grown by `slack` [m].
 fn touch_exactly(p: &Mover, q: &Mover, slack: f64) -> bool {
-    let motion = |m: &Mover| if m.mode == Continuous::Discrete { DVec3::ZERO } else { m.motion.as_dvec3() };
-    let spin = |m: &Mover| if m.mode == Continuous::Discrete { 0.0 } else { f64::from(m.spin) };
+    let motion =
+        |m: &Mover| if m.mode == ContinuousMode::Discrete { DVec3::ZERO } else { m.motion.as_dvec3() };
+    let spin = |m: &Mover| if m.mode == ContinuousMode::Discrete { 0.0 } else { f64::from(m.spin) };
     let relative = motion(p) - motion(q);
     let grow = spin(p) + spin(q) + slack;
     let low = q.aabb.min.as_dvec3() - p.aabb.max.as_dvec3();
@@ -180,7 +185,7 @@ fn run_against_brute_force(centre: Vec3, size: f32) {
                 } else if pairs.contains(&pair) {
                     // Both margins, both reaches ahead, and a slow one's own motion, may be had for nothing;
                     // a volume is a volume, and what fell asleep or slowed down keeps the box that it had.
-                    let segments = [&m, &n].iter().all(|m| m.mode == Continuous::Segment);
+                    let segments = [&m, &n].iter().all(|m| m.mode == ContinuousMode::Segment);
                     let awake = [p, q].iter().all(|b| !b.asleep);
                     let rounding = f64::from(centre.length()) * 2e-6;
                     assert!(
@@ -214,7 +219,7 @@ fn a_bullet_meets_a_bullet_head_on_and_only_that_one() {
         aabb: Aabb { min: vec3(x, y, 0.0), max: vec3(x + 0.01, y + 0.01, 0.01) },
         motion: vec3(motion, 0.0, 0.0),
         spin: 0.0,
-        mode: Continuous::Segment,
+        mode: ContinuousMode::Segment,
     };
     // 1 and 2 fly at each other; 3 flies behind 1, their swept boxes cross, at the same speed; 4 is beside.
     let mut movers = vec![

@@ -171,7 +171,7 @@ impl Character {
     ///
     /// # Errors
     /// If the point is not finite.
-    pub fn place(&mut self, position: DVec3) -> Result<(), Error> {
+    pub fn set_position(&mut self, position: DVec3) -> Result<(), Error> {
         crate::limits::position(position)?;
         (self.position, self.ground, self.carrier) = (position, None, None);
         Ok(())

@@ -88,12 +88,12 @@ impl CharacterReport {
     pub fn push(&self, world: &mut World) -> Result<(), Error> {
         for hit in self.hits() {
             if hit.impulse != Vec3::ZERO {
-                world.apply_impulse(hit.body, hit.impulse, hit.point)?;
+                world.apply_impulse_at(hit.body, hit.impulse, hit.point)?;
             }
         }
         let Some(ground) = &self.ground else { return Ok(()) };
         if world.kind(ground.body)? == BodyKind::Dynamic {
-            world.apply_impulse(ground.body, self.weight, ground.point)?;
+            world.apply_impulse_at(ground.body, self.weight, ground.point)?;
         }
         Ok(())
     }

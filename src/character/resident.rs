@@ -137,7 +137,7 @@ impl Character {
 /// # Characters
 impl World {
     /// Puts a character into the world, where [`World::walk_character`] moves it. Snapshots have its state,
-    /// recordings every change of it, and [`World::hash`] counts it; bodies don't notice it.
+    /// recordings every change of it, and [`World::state_hash`] counts it; bodies don't notice it.
     ///
     /// # Errors
     /// If the budget does not allow it.

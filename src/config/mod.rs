@@ -14,4 +14,4 @@ pub(crate) use measures::Measures;
 pub(crate) use order::Place;
 pub use order::{Order, RowGroup};
 pub(crate) use settings::Start;
-pub use settings::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+pub use settings::{ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Settings};

@@ -11,7 +11,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
-pub enum Continuous {
+pub enum ContinuousMode {
     /// Collides at its current pose only: a fast body may pass through a thin one.
     Discrete,
     /// Collides along the segment of its motion within the step, whenever it leaves its margin.
@@ -22,18 +22,18 @@ pub enum Continuous {
     Volume,
 }
 
-impl Continuous {
+impl ContinuousMode {
     /// The mode that a body, or a pair by the greater of its two, has in a world with this setting.
-    pub fn of(self, own: Continuous) -> Continuous {
+    pub fn of(self, own: ContinuousMode) -> ContinuousMode {
         match (self, own) {
-            (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
-            (Continuous::Volume, _) => Continuous::Volume,
-            (Continuous::Segment, own) => own,
+            (ContinuousMode::Discrete, _) | (_, ContinuousMode::Discrete) => ContinuousMode::Discrete,
+            (ContinuousMode::Volume, _) => ContinuousMode::Volume,
+            (ContinuousMode::Segment, own) => own,
         }
     }
 }
 
-/// Method that keeps bodies that are not [`Continuous::Discrete`] from passing through others. All but the
+/// Method that keeps bodies that are not [`ContinuousMode::Discrete`] from passing through others. All but the
 /// first exist for comparison, and all but the first two only in builds with the feature `methods`;
 /// `docs/continuous.md` says how each works, its cost and what it misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -88,9 +88,9 @@ impl ContinuousMethod {
 /// The modes that the stages of a step use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StageModes {
-    pub(crate) broad: Continuous,
-    pub(crate) narrow: Continuous,
-    pub(crate) finish: Continuous,
+    pub(crate) broad: ContinuousMode,
+    pub(crate) narrow: ContinuousMode,
+    pub(crate) finish: ContinuousMode,
 }
 
 /// Treatment of the manifold at the start of the step of a separate pair that may close its gap within the
@@ -153,12 +153,12 @@ fields! {
         /// Threads that a step may use: the caller's own, and others of its rayon pool if they have nothing
         /// else to do; a busy pool is not waited for.
         with_threads(threads: usize) = 1, "threads" [1.0, 1024.0] "in 1..=1024";
-        /// The actual mode of [`Continuous::Segment`] bodies; `Discrete` switches continuous collision off
+        /// The actual mode of [`ContinuousMode::Segment`] bodies; `Discrete` switches continuous collision off
         /// for the whole world, `Volume` raises all that are not `Discrete`, and `Segment` leaves each body
         /// its own mode.
-        with_continuous(continuous: Continuous) = Continuous::Segment;
+        with_continuous(continuous: ContinuousMode) = ContinuousMode::Segment;
         /// How bodies that are not `Discrete` are kept from passing through others.
-        with_method(method: ContinuousMethod) = ContinuousMethod::OnePass;
+        with_continuous_method(continuous_method: ContinuousMethod) = ContinuousMethod::OnePass;
         /// Cone or box.
         with_friction_cone(friction_cone: FrictionCone) = FrictionCone::Cone;
         /// Per patch or per point.
@@ -220,13 +220,13 @@ fields! {
 impl Settings {
     /// The parts of continuous collision that the stages do.
     pub(crate) fn stage_modes(&self) -> StageModes {
-        let (own, off) = (self.continuous, Continuous::Discrete);
-        match self.method {
+        let (own, off) = (self.continuous, ContinuousMode::Discrete);
+        match self.continuous_method {
             ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, finish: own },
             // Bodies that an impact pushes off their path are not checked.
             ContinuousMethod::Talk => StageModes { broad: own, narrow: own, finish: off },
             ContinuousMethod::Speculative => {
-                let all = if own == off { off } else { Continuous::Volume };
+                let all = if own == off { off } else { ContinuousMode::Volume };
                 StageModes { broad: all, narrow: all, finish: off }
             }
             // Contacts are discrete; fast bodies are swept all the same, to find what they may strike.
@@ -238,7 +238,7 @@ impl Settings {
 
     /// Treatment of manifolds of the start of a step in the narrow phase.
     pub(crate) fn start(&self) -> Start {
-        match self.method {
+        match self.continuous_method {
             ContinuousMethod::Speculative => Start::Speculative,
             ContinuousMethod::Talk => Start::Gated,
             _ => Start::Cast,
@@ -251,7 +251,7 @@ impl Settings {
     /// Names the first setting that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         self.check_ranges()?;
-        if !self.method.is_there() {
+        if !self.continuous_method.is_there() {
             return Err(Error::Incomplete {
                 what: "a build with this method",
                 expected: "the feature `methods`",

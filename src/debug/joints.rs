@@ -73,7 +73,7 @@ fn frames(world: &World, joint: &Joint) -> [Pose; 2] {
 fn draw_limit(row: &Row, frames: &[Pose; 2], options: &DrawOptions, out: &mut dyn DebugDraw) {
     let (min, max) = match row.kind {
         RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => (min, max),
-        RowKind::Drive { .. } => return,
+        RowKind::Motor { .. } => return,
     };
     let ink = Ink { element: Element::JointLimit, colour: options.palette.joint_limit };
     let (frame, length) = (&frames[0], options.length);
@@ -91,7 +91,7 @@ fn draw_limit(row: &Row, frames: &[Pose; 2], options: &DrawOptions, out: &mut dy
                 line(along * end - across, along * end + across);
             }
         }
-        (Motion::Linear, Axes::Around(axis)) => {
+        (Motion::Linear, Axes::Perpendicular(axis)) => {
             distances(min, max).for_each(|radius| circle(axis, radius, line));
         }
         (Motion::Linear, Axes::All) => {
@@ -100,7 +100,7 @@ fn draw_limit(row: &Row, frames: &[Pose; 2], options: &DrawOptions, out: &mut dy
             }
         }
         (Motion::Angular, Axes::One(axis)) => sector(axis, (min, max), length, line),
-        (Motion::Angular, Axes::Around(axis)) => {
+        (Motion::Angular, Axes::Perpendicular(axis)) => {
             let along = unit(axis);
             let (u, v) = (unit(after(axis)), along.cross(unit(after(axis))));
             // An angle of two directions is at most half a turn.

@@ -9,11 +9,11 @@ use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 pub(super) fn dynamic(geometry: Geometry, at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry))
 }
 
 pub(super) fn fixed(geometry: Geometry, at: DVec3) -> BodyDesc {
-    BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry))
+    BodyDesc::fixed().with_position(at).with_shape(ShapeDesc::new(geometry))
 }
 
 /// Cubes on each other on a floor, `base` of them in the lowest row.
@@ -33,7 +33,7 @@ pub(super) fn add_chain(world: &mut World, links: usize) {
     let mut last = world.add_body(&BodyDesc::fixed()).unwrap();
     for i in 0..links {
         let link = dynamic(Geometry::capsule(0.15, 0.05), DVec3::X * (0.4 * i as f64 + 0.2));
-        let link = world.add_body(&link.rotated(along_x)).unwrap();
+        let link = world.add_body(&link.with_rotation(along_x)).unwrap();
         let over = if i == 0 { 0.0 } else { 0.2 };
         let frames = [over, -0.2].map(|y| Frame::at(Vec3::Y * y));
         world.add_joint(&JointDesc::ball([last, link], frames)).unwrap();

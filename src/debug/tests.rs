@@ -3,7 +3,7 @@
 use super::test_scenes::{add_chain, bumps, dynamic, fixed, pyramid};
 use super::*;
 use crate::body::{BodyDesc, BodyKind};
-use crate::config::{Continuous, Settings};
+use crate::config::{ContinuousMode, Settings};
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Frame, JointDesc, Limit, Motion};
 use crate::math::Quat;
@@ -140,7 +140,7 @@ fn shapes_are_drawn_where_they_are_and_in_the_colour_of_their_kind() {
     let turn = Quat::from_rotation_z(0.3);
     let mut world = world();
     let ball = ShapeDesc { position: Vec3::X, ..ShapeDesc::new(Geometry::Sphere { radius: 0.5 }) };
-    world.add_body(&BodyDesc::kinematic().at(at).rotated(turn).with_shape(ball)).unwrap();
+    world.add_body(&BodyDesc::kinematic().with_position(at).with_rotation(turn).with_shape(ball)).unwrap();
     let options = DrawOptions { centres: true, ..DrawOptions::default() };
     let sketch = Sketch::of(&world, &options);
     let centre = at + (turn * Vec3::X).as_dvec3();
@@ -185,8 +185,8 @@ fn a_potential_point_is_where_a_fast_ball_will_touch_and_where_it_has_touched() 
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     world.add_body(&fixed(Geometry::cuboid(0.01, 5.0, 5.0), DVec3::ZERO)).unwrap();
     let velocity = Vec3::new(120.0, 30.0, 0.0);
-    let ball =
-        dynamic(Geometry::Sphere { radius: 0.1 }, DVec3::new(-1.5, 0.0, 0.0)).moving(velocity, Vec3::ZERO);
+    let ball = dynamic(Geometry::Sphere { radius: 0.1 }, DVec3::new(-1.5, 0.0, 0.0))
+        .with_velocity(velocity, Vec3::ZERO);
     let ball = world.add_body(&ball).unwrap();
     world.step(1.0 / 60.0).unwrap();
     let options = DrawOptions { motion: true, normals: true, ..DrawOptions::default() };
@@ -216,7 +216,7 @@ fn points_follow_a_body_that_turned_within_the_step() {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     world.add_body(&fixed(Geometry::cuboid(5.0, 0.5, 5.0), -0.5 * DVec3::Y)).unwrap();
     let desc = dynamic(Geometry::cuboid(0.3, 0.3, 0.3), DVec3::new(0.0, 1.2, 0.0));
-    let desc = desc.moving(Vec3::new(0.0, -30.0, 0.0), Vec3::new(3.0, 1.0, 2.0));
+    let desc = desc.with_velocity(Vec3::new(0.0, -30.0, 0.0), Vec3::new(3.0, 1.0, 2.0));
     let cube = world.add_body(&desc).unwrap();
     for _ in 0..3 {
         world.step(1.0 / 60.0).unwrap();
@@ -239,7 +239,7 @@ fn what_pushed_without_a_touch_is_a_ghost() {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     world.add_body(&fixed(Geometry::cuboid(0.01, 0.2, 0.2), DVec3::ZERO)).unwrap();
     let ball = |at: DVec3, velocity: Vec3| {
-        dynamic(Geometry::Sphere { radius: 0.1 }, at).moving(velocity, Vec3::ZERO)
+        dynamic(Geometry::Sphere { radius: 0.1 }, at).with_velocity(velocity, Vec3::ZERO)
     };
     let struck = world.add_body(&ball(DVec3::new(-1.5, 0.0, 0.0), Vec3::X * 120.0)).unwrap();
     world.add_body(&ball(DVec3::new(-0.9, -0.5, 0.0), Vec3::Y * 60.0)).unwrap();
@@ -265,7 +265,7 @@ fn boxes_hold_their_shapes_and_fat_ones_hold_the_tight() {
     let mut world = world();
     world.add_body(&fixed(Geometry::Plane, DVec3::ZERO)).unwrap();
     let turned = dynamic(Geometry::cuboid(0.2, 0.5, 0.1), DVec3::new(3.0, 2.0, 1.0));
-    let body = world.add_body(&turned.rotated(Quat::from_rotation_z(0.5))).unwrap();
+    let body = world.add_body(&turned.with_rotation(Quat::from_rotation_z(0.5))).unwrap();
     world.step(1.0 / 60.0).unwrap();
     let options = DrawOptions { aabbs: true, fat_aabbs: true, ..DrawOptions::nothing() };
     let sketch = Sketch::of(&world, &options);
@@ -290,8 +290,8 @@ fn joined(
     turn: Quat,
 ) -> World {
     let mut world = world();
-    let hook = world.add_body(&BodyDesc::fixed().at(DVec3::new(1.0, 2.0, 3.0))).unwrap();
-    let box_ = dynamic(Geometry::cuboid(0.1, 0.2, 0.3), DVec3::new(1.0, 2.0, 3.0) + at).rotated(turn);
+    let hook = world.add_body(&BodyDesc::fixed().with_position(DVec3::new(1.0, 2.0, 3.0))).unwrap();
+    let box_ = dynamic(Geometry::cuboid(0.1, 0.2, 0.3), DVec3::new(1.0, 2.0, 3.0) + at).with_rotation(turn);
     let body = world.add_body(&box_).unwrap();
     world.add_joint(&desc([hook, body], [Frame::default(); 2])).unwrap();
     world
@@ -362,7 +362,8 @@ fn limits_are_drawn_where_they_end() {
     assert!(ends(&hinge).iter().any(|p| near(*p, tip, 1e-5)), "{tip}");
     assert!(ends(&hinge).iter().all(|p| p.x.abs() < 1e-6 && p.length() < 0.2 + 1e-5));
     // A cone of 1 rad around z: at its end the second frame's z touches the rim.
-    let cone = joined(limit(Motion::Angular, Axes::Around(Axis::Z), 0.0, 1.0), DVec3::ZERO, Quat::IDENTITY);
+    let cone =
+        joined(limit(Motion::Angular, Axes::Perpendicular(Axis::Z), 0.0, 1.0), DVec3::ZERO, Quat::IDENTITY);
     let rim = f64::from(libm::cosf(1.0)) * 0.2;
     assert!(ends(&cone).iter().all(|p| (p.z - rim).abs() < 1e-6 || p.length() < 1e-6));
     // Free within a turn: no ends.
@@ -443,12 +444,12 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
     assert!(empty.lines.is_empty() && empty.points.is_empty());
     let run = |draw: bool| {
         let mut world =
-            World::new(Settings { continuous: Continuous::Volume, ..Settings::default() }).unwrap();
+            World::new(Settings { continuous: ContinuousMode::Volume, ..Settings::default() }).unwrap();
         world.add_body(&fixed(bumps(), DVec3::ZERO)).unwrap();
         for i in 0..24 {
             let at = DVec3::new(f64::from(i % 6) - 3.0, 10.0 + f64::from(i / 6), f64::from(i / 6) - 2.0);
             let body = dynamic(shapes()[i as usize % 10].clone(), at);
-            world.add_body(&body.moving(Vec3::NEG_Y * 60.0, Vec3::X * 9.0)).unwrap();
+            world.add_body(&body.with_velocity(Vec3::NEG_Y * 60.0, Vec3::X * 9.0)).unwrap();
         }
         let mut drawn = 0;
         for _ in 0..30 {
@@ -459,7 +460,7 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
             }
         }
         assert!(drawn > 0 || !draw);
-        (world.hash(), world.memory().total())
+        (world.state_hash(), world.memory().total())
     };
     assert_eq!(run(true), run(false));
     // A renderer that implements nothing is one too.
@@ -481,7 +482,7 @@ fn draw_after_changes(seed: u64) {
     for i in 0..40 {
         let at = DVec3::new(f64::from(i % 7), 1.0 + f64::from(i / 7), 0.3 * f64::from(i % 3));
         let body = dynamic(shapes()[i as usize % 10].clone(), at);
-        world.add_body(&body.moving(Vec3::new(0.0, -20.0 * (i % 4) as f32, 0.0), Vec3::ONE)).unwrap();
+        world.add_body(&body.with_velocity(Vec3::new(0.0, -20.0 * (i % 4) as f32, 0.0), Vec3::ONE)).unwrap();
     }
     for (n, ground) in shapes().into_iter().skip(10).enumerate() {
         world.add_body(&fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0))).unwrap();
@@ -532,7 +533,9 @@ fn islands_and_sleepers_have_colours() {
     let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
     for at in [[0.0, 0.5], [0.0, 1.5], [9.0, 0.5], [9.0, 1.5]] {
         world
-            .add_body(&BodyDesc::dynamic().at(DVec3::new(at[0], at[1], 0.0)).with_shape(cube.clone()))
+            .add_body(
+                &BodyDesc::dynamic().with_position(DVec3::new(at[0], at[1], 0.0)).with_shape(cube.clone()),
+            )
             .unwrap();
     }
     #[derive(Default)]
@@ -556,7 +559,7 @@ fn islands_and_sleepers_have_colours() {
         for _ in 0..if asleep == 0 { 2 } else { 120 } {
             world.step(1.0 / 60.0).unwrap();
         }
-        assert_eq!(world.asleep(), asleep);
+        assert_eq!(world.sleeping_body_count(), asleep);
         let of = colours(&world, by_island.clone());
         assert!(of[0] == of[1] && of[2] == of[3] && of[0] != of[2], "{of:?}");
         let palette = Palette::default();

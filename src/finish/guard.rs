@@ -19,7 +19,7 @@
 
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::{GUARD_DISTANCE, GUARD_GRAZE, GUARD_HOLLOW};
 use crate::joint::Joints;
 use crate::lanes::Record;
@@ -34,7 +34,7 @@ pub(crate) struct Guard<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) summaries: &'a [ColliderSummary],
     pub(crate) poses: &'a [Pose],
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
     /// Whether paths are cut and ends lifted where contacts failed.
     pub(crate) cuts: bool,
     /// Whether any shape is a sensor.
@@ -92,7 +92,7 @@ impl Guard<'_> {
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
         let solid = |&c: &u32| !self.colliders[c as usize].is_sensor();
         (if self.senses { own.iter().any(solid) } else { !own.is_empty() })
-            && self.mode.of(traits.continuous) != Continuous::Discrete
+            && self.mode.of(traits.continuous) != ContinuousMode::Discrete
     }
 
     /// Distance of a point from the nearest static surface that `own` may collide with, and the direction

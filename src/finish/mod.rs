@@ -28,7 +28,7 @@ use turned::BLOCK;
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{BroadPhase, STACK};
 use crate::config::tuning::STRAY_DISTANCE;
-use crate::config::{Continuous, Settings};
+use crate::config::{ContinuousMode, Settings};
 use crate::constraint::{JointRows, Restitution, Rows, TreeSlot};
 use crate::forces::Forces;
 use crate::joint::Joints;
@@ -143,14 +143,14 @@ pub(crate) fn finish(
 ) -> (Counts, Vec<u32>) {
     // The guard reads these while it moves other bodies.
     let slots = std::mem::take(&mut input.bodies.slot);
-    let mode = if input.continuous { input.settings.stage_modes().finish } else { Continuous::Discrete };
+    let mode = if input.continuous { input.settings.stage_modes().finish } else { ContinuousMode::Discrete };
     let guard = Guard {
         broad: input.broad,
         colliders: &input.colliders.all,
         summaries: &input.colliders.summaries,
         poses: &input.colliders.poses,
         mode,
-        cuts: input.settings.guard && mode != Continuous::Discrete,
+        cuts: input.settings.guard && mode != ContinuousMode::Discrete,
         senses: input.senses,
         vetoed: input.vetoed,
         joints: input.joints,

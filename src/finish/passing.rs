@@ -226,7 +226,7 @@ mod tests {
             let mut world = World::new(Settings::default().with_substeps(substeps)).unwrap();
             world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
             let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-            world.add_body(&BodyDesc::dynamic().at(0.5 * Vec3::Y).with_shape(ball)).unwrap();
+            world.add_body(&BodyDesc::dynamic().with_position(0.5 * Vec3::Y).with_shape(ball)).unwrap();
             world.step(1.0 / 60.0).unwrap();
             let delta = &world.buffers.solver.delta[0];
             assert!(delta.is_touched(), "{substeps} substeps");

@@ -78,7 +78,7 @@ pub enum Axes {
     One(Axis),
     /// The two others than this. Linear: the distance from the line along it [m]. Angular: the angle between
     /// this axis of the two frames, a cone [rad].
-    Around(Axis),
+    Perpendicular(Axis),
     /// Linear: the distance of the two frames [m]. Angular: the angle of the whole rotation between them
     /// [rad].
     All,
@@ -261,7 +261,7 @@ impl Limit {
 /// its velocity up to `max_force`, and such a motor at rest is friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Drive {
+pub struct Motor {
     /// Along or about the axis.
     pub motion: Motion,
     /// An axis of the first body's frame.
@@ -279,31 +279,31 @@ pub struct Drive {
     pub max_force: f32,
 }
 
-impl Drive {
+impl Motor {
     /// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m].
-    pub fn motor(motion: Motion, axis: Axis, velocity: f32, max_force: f32) -> Drive {
+    pub fn velocity(motion: Motion, axis: Axis, velocity: f32, max_force: f32) -> Motor {
         let spring = Spring::Coefficients { stiffness: 0.0, damping: f32::INFINITY };
-        Drive { motion, axis, position: 0.0, velocity, spring, max_force }
+        Motor { motion, axis, position: 0.0, velocity, spring, max_force }
     }
     /// Coulomb friction in the joint: resists any motion with at most so much force [N] or torque [N m].
-    pub fn friction(motion: Motion, axis: Axis, max_force: f32) -> Drive {
-        Drive::motor(motion, axis, 0.0, max_force)
+    pub fn friction(motion: Motion, axis: Axis, max_force: f32) -> Motor {
+        Motor::velocity(motion, axis, 0.0, max_force)
     }
     /// A spring towards a position [m] or [rad].
-    pub fn spring(motion: Motion, axis: Axis, position: f32, spring: Spring) -> Drive {
-        Drive { motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
+    pub fn position(motion: Motion, axis: Axis, position: f32, spring: Spring) -> Motor {
+        Motor { motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
     }
     /// With another target: a position [m] or [rad] and a velocity [m/s] or [rad/s].
-    pub fn with_target(self, position: f32, velocity: f32) -> Drive {
-        Drive { position, velocity, ..self }
+    pub fn with_target(self, position: f32, velocity: f32) -> Motor {
+        Motor { position, velocity, ..self }
     }
     /// With another spring.
-    pub fn with_spring(self, spring: Spring) -> Drive {
-        Drive { spring, ..self }
+    pub fn with_spring(self, spring: Spring) -> Motor {
+        Motor { spring, ..self }
     }
     /// With at most so much force [N] or torque [N m].
-    pub fn with_max_force(self, max_force: f32) -> Drive {
-        Drive { max_force, ..self }
+    pub fn with_max_force(self, max_force: f32) -> Motor {
+        Motor { max_force, ..self }
     }
 
     /// Whether all of its numbers are in their ranges.
@@ -330,7 +330,7 @@ impl Drive {
 ///
 /// ```
 /// use backstop::glam::{DVec3, Quat, Vec3};
-/// use backstop::{Axis, BodyDesc, Drive, Geometry, JointDesc, Motion, Settings, ShapeDesc, World};
+/// use backstop::{Axis, BodyDesc, Motor, Geometry, JointDesc, Motion, Settings, ShapeDesc, World};
 ///
 /// # fn main() -> Result<(), backstop::Error> {
 /// let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
@@ -340,8 +340,8 @@ impl Drive {
 /// // A hinge turns about the x axis of its frames, which is upright here; a motor opens it at 1 rad/s.
 /// let bodies = [post, door];
 /// let frames = world.frames_at(bodies, DVec3::ZERO, Quat::from_rotation_arc(Vec3::X, Vec3::Y))?;
-/// let motor = Drive::motor(Motion::Angular, Axis::X, 1.0, 500.0);
-/// let hinge = JointDesc::hinge(bodies, frames).with_drive(motor);
+/// let motor = Motor::velocity(Motion::Angular, Axis::X, 1.0, 500.0);
+/// let hinge = JointDesc::hinge(bodies, frames).with_motor(motor);
 /// world.add_joint(&hinge)?;
 /// for _ in 0..60 {
 ///     world.step(1.0 / 60.0)?;
@@ -364,7 +364,7 @@ pub struct JointDesc {
     pub limits: Vec<Limit>,
     /// What is driven.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub drives: Vec<Drive>,
+    pub motors: Vec<Motor>,
     /// Whether the two bodies collide with each other. Default no.
     #[cfg_attr(feature = "serde", serde(default))]
     pub collide: bool,
@@ -397,7 +397,7 @@ impl JointDesc {
             bodies,
             frames,
             limits: Vec::new(),
-            drives: Vec::new(),
+            motors: Vec::new(),
             collide: false,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
@@ -423,13 +423,13 @@ impl JointDesc {
     /// Turns about the frames' x only.
     pub fn hinge(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         let joint = JointDesc::ball(bodies, frames);
-        joint.with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+        joint.with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
     }
 
     /// Slides along the frames' x only.
     pub fn slider(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         JointDesc::new(bodies, frames)
-            .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::X)))
+            .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::X)))
             .with_limit(Limit::lock(Motion::Angular, Axes::All))
     }
 
@@ -444,10 +444,10 @@ impl JointDesc {
     /// about x for an engine.
     pub fn wheel(bodies: [BodyHandle; 2], frames: [Frame; 2], travel: f32, spring: Spring) -> JointDesc {
         JointDesc::new(bodies, frames)
-            .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::Y)))
-            .with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+            .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::Y)))
+            .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
             .with_limit(Limit::new(Motion::Linear, Axes::One(Axis::Y), -travel, travel))
-            .with_drive(Drive::spring(Motion::Linear, Axis::Y, 0.0, spring))
+            .with_motor(Motor::position(Motion::Linear, Axis::Y, 0.0, spring))
     }
 
     /// With a further limit.
@@ -457,8 +457,8 @@ impl JointDesc {
     }
 
     /// With a further drive.
-    pub fn with_drive(mut self, drive: Drive) -> JointDesc {
-        self.drives.push(drive);
+    pub fn with_motor(mut self, drive: Motor) -> JointDesc {
+        self.motors.push(drive);
         self
     }
 
@@ -469,7 +469,7 @@ impl JointDesc {
     }
 
     /// Breaks above this force [N] and this torque [N m]; infinity for never.
-    pub fn with_strength(mut self, force: f32, torque: f32) -> JointDesc {
+    pub fn with_break_force(mut self, force: f32, torque: f32) -> JointDesc {
         (self.break_force, self.break_torque) = (force, torque);
         self
     }
@@ -502,7 +502,7 @@ impl JointDesc {
         }
         each("frame", &self.frames, Frame::validate)?;
         each("limit", &self.limits, Limit::validate)?;
-        each("drive", &self.drives, Drive::validate)?;
+        each("drive", &self.motors, Motor::validate)?;
         check_loads(STRENGTH, [self.break_force, self.break_torque])?;
         check_loads(THRESHOLD, [self.force_threshold, self.torque_threshold])
     }
@@ -521,7 +521,7 @@ pub(crate) fn check_loads(what: [&'static str; 2], loads: [f32; 2]) -> Result<()
 pub(super) fn axes_code(axes: Axes) -> u32 {
     match axes {
         Axes::One(axis) => axis as u32,
-        Axes::Around(axis) => 3 + axis as u32,
+        Axes::Perpendicular(axis) => 3 + axis as u32,
         Axes::All => 6,
     }
 }
@@ -529,7 +529,7 @@ pub(super) fn axes_code(axes: Axes) -> u32 {
 pub(super) fn axes_of(code: u32) -> Option<Axes> {
     match code {
         axis @ 0..=2 => Some(Axes::One(Axis::ALL[axis as usize])),
-        axis @ 3..=5 => Some(Axes::Around(Axis::ALL[axis as usize - 3])),
+        axis @ 3..=5 => Some(Axes::Perpendicular(Axis::ALL[axis as usize - 3])),
         6 => Some(Axes::All),
         _ => None,
     }

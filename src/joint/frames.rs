@@ -73,12 +73,12 @@ impl Placed {
     pub(crate) fn displacement(&self, motion: Motion, axes: Axes) -> f32 {
         match (motion, axes) {
             (Motion::Linear, Axes::One(axis)) => self.axis(0, axis).dot(self.apart),
-            (Motion::Linear, Axes::Around(axis)) => {
+            (Motion::Linear, Axes::Perpendicular(axis)) => {
                 self.apart.reject_from_normalized(self.axis(0, axis)).length()
             }
             (Motion::Linear, Axes::All) => self.apart.length(),
             (Motion::Angular, Axes::One(axis)) => self.twist(axis),
-            (Motion::Angular, Axes::Around(axis)) => {
+            (Motion::Angular, Axes::Perpendicular(axis)) => {
                 let [a, b] = [0, 1].map(|frame| self.axis(frame, axis));
                 libm::atan2f(a.cross(b).length(), a.dot(b))
             }
@@ -120,7 +120,7 @@ impl Placed {
         let axis = match axes {
             Axes::All => Axis::X,
             // Across the axis.
-            Axes::One(axis) | Axes::Around(axis) => Axis::ALL[(axis as usize + 1) % 3],
+            Axes::One(axis) | Axes::Perpendicular(axis) => Axis::ALL[(axis as usize + 1) % 3],
         };
         self.axis(0, axis)
     }

@@ -14,7 +14,7 @@ mod store;
 
 pub use coupling::{CoupledMotion, CouplingDesc};
 pub(crate) use coupling::{Coupling, MAX_DISPLACEMENT, Term, check_factor, check_range};
-pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring, SpringCoefficients};
+pub use desc::{Axes, Axis, Frame, JointDesc, Limit, Motion, Motor, Spring, SpringCoefficients};
 pub(crate) use desc::{STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};
 pub(crate) use ragdoll::Link;

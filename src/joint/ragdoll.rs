@@ -1,6 +1,6 @@
 //! Ragdolls: bodies and joints out of a skeleton.
 
-use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion};
+use super::desc::{Axes, Axis, JointDesc, Limit, Motion, Motor};
 use crate::body::BodyDesc;
 use crate::error::{Error, each, finite3, positive, within};
 use crate::handle::{BodyHandle, JointHandle};
@@ -223,9 +223,9 @@ impl Skeleton {
         let mut shape = ShapeDesc::new(Geometry::capsule(half, bone.radius));
         (shape.density, shape.material, shape.filter) = (self.density, self.material, self.filter);
         BodyDesc::dynamic()
-            .at(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
-            .rotated(rotation * arc(Vec3::Y, along.normalize()))
-            .moving(velocity, Vec3::ZERO)
+            .with_position(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
+            .with_rotation(rotation * arc(Vec3::Y, along.normalize()))
+            .with_velocity(velocity, Vec3::ZERO)
             .with_shape(shape)
     }
 
@@ -234,10 +234,10 @@ impl Skeleton {
         let about_x = Axes::One(Axis::X);
         let desc = match bone.joint {
             BoneJoint::Ball { swing, twist } => desc
-                .with_limit(Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, swing))
+                .with_limit(Limit::new(Motion::Angular, Axes::Perpendicular(Axis::X), 0.0, swing))
                 .with_limit(Limit::new(Motion::Angular, about_x, -twist, twist)),
             BoneJoint::Hinge { min, max, .. } => desc
-                .with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+                .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
                 .with_limit(Limit::new(Motion::Angular, about_x, min, max)),
             BoneJoint::Fixed => desc.with_limit(Limit::lock(Motion::Angular, Axes::All)),
         };
@@ -246,7 +246,7 @@ impl Skeleton {
         }
         free_axes(bone.joint)
             .iter()
-            .fold(desc, |desc, &axis| desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction)))
+            .fold(desc, |desc, &axis| desc.with_motor(Motor::friction(Motion::Angular, axis, self.friction)))
     }
 }
 

@@ -51,7 +51,7 @@ pub(crate) enum RowKind {
         max: f32,
         spring: Spring,
     },
-    Drive {
+    Motor {
         position: f32,
         velocity: f32,
         spring: Spring,
@@ -82,7 +82,7 @@ impl Row {
     /// jumps where it is bent by half a turn.
     pub(crate) fn counts_turns(&self) -> bool {
         let hinge = matches!(self.beside[1], Some(LockKind::Hinge(axis)) if self.axes == Axes::One(axis));
-        hinge && self.motion == Motion::Angular && !matches!(self.kind, RowKind::Drive { .. })
+        hinge && self.motion == Motion::Angular && !matches!(self.kind, RowKind::Motor { .. })
     }
 
     /// An angle with its whole turns: those nearest to the angle after the last step. At first, of a hinge's

@@ -401,7 +401,7 @@ fn save_row(row: &Row, out: &mut Vec<u32>) {
     let (kind, spring, most) = match row.kind {
         RowKind::Limit { .. } => (0, None, 0.0),
         RowKind::Yielding { spring, .. } => (1, Some(spring), 0.0),
-        RowKind::Drive { spring, max_force, .. } => (2, Some(spring), max_force),
+        RowKind::Motor { spring, max_force, .. } => (2, Some(spring), max_force),
     };
     let (how, numbers) = match spring {
         None => (0, [0.0; 2]),
@@ -437,7 +437,7 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         (1, Some(spring), _) => RowKind::Yielding { min: a, max: b, spring },
         // One direction each, as it is measured.
         (2, Some(spring), Axes::One(_)) => {
-            RowKind::Drive { position: a, velocity: b, spring, max_force: most }
+            RowKind::Motor { position: a, velocity: b, spring, max_force: most }
         }
         _ => return Err(no()),
     };

@@ -1,7 +1,7 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::coupling::{Coupling, Couplings};
-use super::desc::{Drive, JointDesc, Limit};
+use super::desc::{JointDesc, Limit, Motor};
 use super::frames::JointFrame;
 use super::row::{Lock, NONE, Row, RowKind};
 use crate::body::Bodies;
@@ -64,7 +64,7 @@ pub(crate) struct JointAdditions {
 }
 
 impl JointAdditions {
-    pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> JointAdditions {
+    pub(crate) fn of(limits: &[Limit], drives: &[Motor]) -> JointAdditions {
         let limits = locked_together(limits);
         let locks = limits.iter().filter(|(limit, _)| limit.locked().is_some()).count();
         JointAdditions { locks, rows: limits.len() - locks + drives.len(), ..JointAdditions::default() }
@@ -74,7 +74,7 @@ impl JointAdditions {
         let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
         let [strength, threshold] =
             [[desc.break_force, desc.break_torque], [desc.force_threshold, desc.torque_threshold]];
-        let rows = JointAdditions::of(&desc.limits, &desc.drives);
+        let rows = JointAdditions::of(&desc.limits, &desc.motors);
         let events = JointAdditions::of_events(strength, threshold);
         JointAdditions { joints: 1, bodies, ..rows.and(events) }
     }
@@ -215,7 +215,7 @@ impl Joints {
         self.reporting += u32::from(is_bound(joint.threshold));
         let (slot, generation) = self.slots.place(joint, &mut self.all);
         bodies.into_iter().for_each(|b| self.first[b as usize] = slot);
-        self.add_rows(slot, &desc.limits, &desc.drives);
+        self.add_rows(slot, &desc.limits, &desc.motors);
         self.count += 1;
         self.changed = true;
         JointHandle { slot, generation }
@@ -280,7 +280,7 @@ impl Joints {
             let (kind, spring) = match row.kind {
                 RowKind::Limit { .. } => (0, false),
                 RowKind::Yielding { .. } => (0, true),
-                RowKind::Drive { spring, .. } => (1, spring.coefficients().stiffness > 0.0),
+                RowKind::Motor { spring, .. } => (1, spring.coefficients().stiffness > 0.0),
             };
             counts[kind] += 1;
             counts[2] += u32::from(spring);

@@ -13,7 +13,7 @@ use super::pair_state::{PackedState, PairState};
 use super::relative::{Relative, lanes_of, relative_poses};
 use super::seams::Seams;
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::{FACE_SINK, ROUND_RECYCLE};
 use crate::lanes::{Lanes, kernel, with_best};
 use crate::memory::{Category, buffers};
@@ -258,7 +258,8 @@ fn far(input: &Input<'_>, pair: &mut Pair, now: &Relative) -> bool {
     }
     // Fast pairs that are apart get points only at a touch, and balls that pass each other don't touch.
     // Rotation moves their centres by no more than their levers.
-    if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
+    if approach.mode != ContinuousMode::Segment || approach.max_closing() <= input.fast || !reach.is_finite()
+    {
         return false;
     }
     let turn = |c: u32| input.motion_of(c).turn_angle.min(2.0);

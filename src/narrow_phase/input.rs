@@ -5,7 +5,7 @@ use super::contacts::manifold::most_points;
 use super::contacts::weight::Scale;
 use crate::body::{Odometer, Pose, out_of_reach, reading};
 use crate::broad_phase::Pair;
-use crate::config::{Continuous, Start};
+use crate::config::{ContinuousMode, Start};
 use crate::lanes::Record;
 use crate::shape::{Collider, ColliderSummary};
 
@@ -35,7 +35,7 @@ pub(crate) struct Input<'a> {
     /// How far a pair may move before its contact is computed anew [m]; negative: always.
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
     pub(crate) start: Start,
     /// Weights of contacts, for when there is not enough memory for all.
     pub(crate) scale: Scale<'a>,
@@ -136,12 +136,12 @@ pub(crate) struct Approach {
     /// The furthest that rotation moves points of the two towards each other [m].
     pub(crate) swing: f32,
     /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
 }
 
 impl Approach {
     pub(crate) fn is_continuous(&self) -> bool {
-        self.mode != Continuous::Discrete
+        self.mode != ContinuousMode::Discrete
     }
 
     /// How far beyond the margin points are found: as far as the two may approach, without casts no further

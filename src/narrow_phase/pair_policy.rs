@@ -62,7 +62,7 @@ use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::Start;
 use crate::config::tuning::{GHOST_GAP, NO_GAP};
 use crate::shape::Collider;
@@ -120,7 +120,7 @@ impl PairView<'_> {
     fn stays_apart(&self, raw: &RawManifold, nearest: f32) -> bool {
         let normal = self.input.poses[self.pair.a as usize].rotation * raw.normal;
         let closing = -normal.dot(self.approach.displacement);
-        self.approach.mode != Continuous::Volume && closing + self.approach.swing < nearest
+        self.approach.mode != ContinuousMode::Volume && closing + self.approach.swing < nearest
     }
 
     /// Whether a plane would push what the predicted motion never brings to it.
@@ -236,7 +236,7 @@ fn look_on_path(
         out.count_casts(1);
         manifold_at_first_touch(input, pair)
     };
-    let is_volume = approach.mode == Continuous::Volume;
+    let is_volume = approach.mode == ContinuousMode::Volume;
     hit.or_else(|| if is_volume { manifold_at_closest_pass(input, pair) } else { None })
 }
 
@@ -375,7 +375,7 @@ impl<'a> MeshLook<'a> {
     /// What is slow reaches what it goes to: only what is near here or there matters, unless it strikes that.
     fn looks_along_motion(&self) -> bool {
         let &PairView { input, approach, .. } = self.view;
-        !self.fast && approach.mode == Continuous::Segment && approach.length > input.margin
+        !self.fast && approach.mode == ContinuousMode::Segment && approach.length > input.margin
     }
 
     /// Whether a manifold of the start is a guess: its planes would push, and neither is it near nor may the
@@ -405,7 +405,7 @@ impl<'a> MeshLook<'a> {
 fn rolls(view: &PairView<'_>, shape: &Collider) -> bool {
     let approach = view.approach;
     view.has_contact()
-        && approach.mode == Continuous::Segment
+        && approach.mode == ContinuousMode::Segment
         && approach.length.max(approach.swing) < shape.inner_radius
 }
 

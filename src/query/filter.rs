@@ -36,10 +36,10 @@ impl From<ShapeHandle> for QueryTarget {
 ///
 /// # fn with(player: BodyHandle) {
 /// // What a bullet of this category would collide with, without whoever shot it.
-/// let filter = QueryFilter::new().collides(Filter::default().with_category(4)).without(player);
+/// let filter = QueryFilter::new().with_filter(Filter::default().with_category(4)).excluding(player);
 /// // Only what stands still, as far as the game agrees.
 /// let sees = |body: BodyHandle, _shape: ShapeHandle| body > player;
-/// let filter = QueryFilter::only_static().when(&sees);
+/// let filter = QueryFilter::only_static().with_predicate(&sees);
 /// # }
 /// ```
 #[derive(Clone, Copy)]
@@ -122,7 +122,7 @@ impl<'a> QueryFilter<'a> {
         QueryFilter { only: Some(target.into()), ..Self::default() }
     }
     /// Only shapes that would collide with one of this filter.
-    pub fn collides(mut self, filter: Filter) -> Self {
+    pub fn with_filter(mut self, filter: Filter) -> Self {
         self.filter = Some(filter);
         self
     }
@@ -132,12 +132,12 @@ impl<'a> QueryFilter<'a> {
         self
     }
     /// Not the shapes of this body.
-    pub fn without(mut self, body: BodyHandle) -> Self {
+    pub fn excluding(mut self, body: BodyHandle) -> Self {
         self.exclude_body = Some(body);
         self
     }
     /// Not this shape.
-    pub fn without_shape(mut self, shape: ShapeHandle) -> Self {
+    pub fn excluding_shape(mut self, shape: ShapeHandle) -> Self {
         self.exclude_shape = Some(shape);
         self
     }
@@ -147,7 +147,7 @@ impl<'a> QueryFilter<'a> {
         self
     }
     /// Only shapes for which this is true.
-    pub fn when(mut self, predicate: &'a dyn Fn(BodyHandle, ShapeHandle) -> bool) -> Self {
+    pub fn with_predicate(mut self, predicate: &'a dyn Fn(BodyHandle, ShapeHandle) -> bool) -> Self {
         self.predicate = Some(predicate);
         self
     }

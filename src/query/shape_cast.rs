@@ -54,7 +54,7 @@ impl<'a> ShapeCast<'a> {
     /// one axis. The rotations are unit quaternions.
     pub fn between(shape: &'a Geometry, from: (DVec3, glam::Quat), to: (DVec3, glam::Quat)) -> ShapeCast<'a> {
         let spin = Quat::from(from.1).turn_to(to.1.into());
-        ShapeCast::new(shape, from.0, (to.0 - from.0).as_vec3()).rotated(from.1).turning(spin)
+        ShapeCast::new(shape, from.0, (to.0 - from.0).as_vec3()).with_rotation(from.1).with_spin(spin)
     }
     /// A shape that moves for `dt` [s] with a linear [m/s] and an angular velocity [rad/s].
     pub fn moving(
@@ -64,25 +64,25 @@ impl<'a> ShapeCast<'a> {
         angular: Vec3,
         dt: f32,
     ) -> ShapeCast<'a> {
-        ShapeCast::new(shape, position, linear * dt).turning(angular * dt)
+        ShapeCast::new(shape, position, linear * dt).with_spin(angular * dt)
     }
     /// Turning on the way by a rotation vector in the world [rad].
-    pub fn turning(mut self, spin: Vec3) -> ShapeCast<'a> {
+    pub fn with_spin(mut self, spin: Vec3) -> ShapeCast<'a> {
         self.spin = spin;
         self
     }
     /// Turning about a point of the shape, in its frame [m].
-    pub fn about(mut self, pivot: Vec3) -> ShapeCast<'a> {
+    pub fn with_pivot(mut self, pivot: Vec3) -> ShapeCast<'a> {
         self.pivot = pivot;
         self
     }
     /// Turned by a unit quaternion.
-    pub fn rotated(mut self, rotation: impl Into<glam::Quat>) -> ShapeCast<'a> {
+    pub fn with_rotation(mut self, rotation: impl Into<glam::Quat>) -> ShapeCast<'a> {
         self.rotation = rotation.into();
         self
     }
     /// Where its origin is at a fraction of the path [m].
-    pub fn at(&self, fraction: f32) -> DVec3 {
+    pub fn position_at(&self, fraction: f32) -> DVec3 {
         let straight = self.position + self.path.as_dvec3() * f64::from(fraction);
         if self.spin == Vec3::ZERO || self.pivot == Vec3::ZERO {
             return straight;

@@ -50,7 +50,9 @@ pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
             1 => BodyDesc::kinematic(),
             _ => BodyDesc::fixed(),
         };
-        desc = desc.at(centre + random.cube().as_dvec3() * 15.0).rotated(random.rotation_or_aligned());
+        desc = desc
+            .with_position(centre + random.cube().as_dvec3() * 15.0)
+            .with_rotation(random.rotation_or_aligned());
         for _ in 0..1 + random.below(3) {
             let kind = CONVEX[random.below(5)];
             let mut shape = ShapeDesc::new(random.shape(kind, 1.0).geometry);
@@ -63,9 +65,11 @@ pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
     for (geometry, down) in [(mesh, 10.0), (field, 12.0), (Geometry::Plane, 14.0)] {
         let at = centre + DVec3::new(-10.0, -down, -10.0);
         let shape = ShapeDesc::new(geometry);
-        world.add_body(&BodyDesc::fixed().at(at).with_shape(shape)).unwrap();
+        world.add_body(&BodyDesc::fixed().with_position(at).with_shape(shape)).unwrap();
     }
-    let tilted = BodyDesc::kinematic().at(centre + DVec3::X * 17.0).rotated(Quat::from_rotation_z(1.8));
+    let tilted = BodyDesc::kinematic()
+        .with_position(centre + DVec3::X * 17.0)
+        .with_rotation(Quat::from_rotation_z(1.8));
     world.add_body(&tilted.with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     world
 }
@@ -105,7 +109,7 @@ fn trees_find_what_all_shapes_one_by_one_do() {
                         let shape = ShapeDesc::new(random.shape(CONVEX[i % 5], 1.0).geometry);
                         let desc = if i % 2 == 0 { BodyDesc::fixed() } else { BodyDesc::dynamic() };
                         let at = centre + random.cube().as_dvec3() * 15.0;
-                        let body = world.add_body(&desc.at(at).with_shape(shape)).unwrap();
+                        let body = world.add_body(&desc.with_position(at).with_shape(shape)).unwrap();
                         if i % 5 == 0 {
                             let mut shape = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
                             shape.position = Vec3::X * 3.0;
@@ -157,7 +161,7 @@ fn check_all(random: &mut Random, world: &World, centre: DVec3, count: usize) {
             continue;
         }
         let geometry = random.shape(CONVEX[i / 4 % 5], 1.0).geometry;
-        let cast = ShapeCast::new(&geometry, from, path).rotated(random.rotation_or_aligned());
+        let cast = ShapeCast::new(&geometry, from, path).with_rotation(random.rotation_or_aligned());
         world.cast_shape_all(&cast, &filter, &mut touched).unwrap();
         assert_eq!(world.cast_shape(&cast, &filter).unwrap(), touched.first().copied(), "{cast:?}");
         assert_eq!(world.cast_shape_any(&cast, &filter).unwrap(), !touched.is_empty());
@@ -166,7 +170,7 @@ fn check_all(random: &mut Random, world: &World, centre: DVec3, count: usize) {
         for candidate in world.every() {
             let handle = world.shape_handle(candidate.index);
             let only = |_: crate::BodyHandle, shape: crate::ShapeHandle| shape == handle;
-            let one = world.cast_shape(&cast, &QueryFilter::new().when(&only)).unwrap();
+            let one = world.cast_shape(&cast, &QueryFilter::new().with_predicate(&only)).unwrap();
             assert_eq!(touched.iter().find(|t| t.shape == handle).copied(), one, "{cast:?}");
         }
         world.overlap(&geometry, from, cast.rotation, &filter, &mut overlapped).unwrap();
@@ -206,7 +210,7 @@ fn moving_shapes_touch_where_dense_samples_do() {
         let path = (position + random.cube() * 1.5) * random.range(0.5, 1.5);
         let mut world = World::new(Settings::default()).unwrap();
         let shape = ShapeDesc::new(b.geometry.clone());
-        let desc = BodyDesc::fixed().at(position).rotated(rotation).with_shape(shape);
+        let desc = BodyDesc::fixed().with_position(position).with_rotation(rotation).with_shape(shape);
         world.add_body(&desc).unwrap();
         let cast = ShapeCast::new(&a.geometry, DVec3::ZERO, path);
         let hit = world.cast_shape(&cast, &QueryFilter::new()).unwrap();
@@ -346,7 +350,7 @@ fn triangles_are_found_as_if_all_were_asked() {
             let support = probe.geometry.support().unwrap();
             let rotation = random.rotation_or_aligned();
             let path = random.cube() * Vec3::new(6.0, 6.0, 6.0);
-            let cast = ShapeCast::new(&probe.geometry, at, path).rotated(rotation);
+            let cast = ShapeCast::new(&probe.geometry, at, path).with_rotation(rotation);
             let turn = DMat3::from_quat(rotation.as_dquat().normalize());
             let overlaps_at = |at: DVec3| {
                 let pose = SupportPose { rotation: turn.transpose(), position: turn.transpose() * -at };
@@ -368,7 +372,7 @@ fn triangles_are_found_as_if_all_were_asked() {
             }
             if let Some(hit) = hit {
                 hits += 1;
-                let further = cast.at(hit.fraction) + -hit.normal.as_dvec3() * 1e-4;
+                let further = cast.position_at(hit.fraction) + -hit.normal.as_dvec3() * 1e-4;
                 assert!(overlaps_at(further), "{cast:?} {hit:?}");
             }
         }

@@ -5,10 +5,10 @@ use super::probe::StepRecord;
 use super::tape::Sink;
 use crate::body::{BodyDesc, BodyKind};
 use crate::config::RowGroup;
-use crate::config::{Continuous, Settings};
+use crate::config::{ContinuousMode, Settings};
 use crate::error::Error;
 use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
-use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
+use crate::joint::{Axes, Axis, CouplingDesc, Frame, JointDesc, Limit, Motion, Motor};
 use crate::shape::{
     BaseMaterial, Filter, HolePatch, MassProperties, Material, Patch, RareMaterial, ShapeDesc, StoredField,
 };
@@ -166,7 +166,7 @@ recorded! {
         max_angular_speed: Option<f32>,
         lock_translation: [bool; 3],
         lock_rotation: [bool; 3],
-        continuous: Continuous,
+        continuous: ContinuousMode,
         solved_after: Option<RowGroup>,
         can_sleep: bool,
         user_data: u64,

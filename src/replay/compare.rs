@@ -23,7 +23,7 @@ pub struct Divergence {
     pub bodies: usize,
     /// A call that was refused although it was not when recorded, with the reason.
     pub refused: Option<(&'static str, Error)>,
-    /// [`World::hash`] after the step as recorded and as replayed.
+    /// [`World::state_hash`] after the step as recorded and as replayed.
     pub hashes: [u64; 2],
 }
 

@@ -56,7 +56,7 @@ pub(crate) struct StepRecord {
     pub(super) dt: f32,
     pub(super) decisions: Vec<Decision>,
     pub(super) stages: [[u8; 4]; Stage::HASHED.len()],
-    /// `World::hash` after it.
+    /// `World::state_hash` after it.
     pub(super) hash: [u8; 8],
     /// Slots of bodies that the caller changed since the previous step, or that were added or woke, with
     /// hashes of their state at the start of the step.
@@ -139,7 +139,7 @@ impl Seen {
     }
 
     fn look_at_end(&mut self, world: &World) {
-        self.hash = world.hash().to_le_bytes();
+        self.hash = world.state_hash().to_le_bytes();
         self.bodies.clear();
         let hash_of = |&slot: &u32| end_of(world, world.bodies.slots.dense(slot) as usize);
         self.bodies.extend(self.awake.iter().map(hash_of));

@@ -8,9 +8,9 @@ use super::{RecordingBuffer, Replay, ReplayError};
 use crate::body::{BodyDesc, BodyKind};
 use crate::character::{Character, CharacterSettings};
 use crate::config::RowGroup;
-use crate::config::{Continuous, Settings};
+use crate::config::{ContinuousMode, Settings};
 use crate::handle::BodyHandle;
-use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::joint::{Axes, Axis, CouplingDesc, Frame, JointDesc, Limit, Motion, Motor, Spring};
 use crate::load_limits::{LoadLimits, Tally};
 use crate::memory::Budget;
 use crate::shape::{
@@ -34,14 +34,15 @@ fn run() -> (BodyHandle, Vec<u8>) {
     let mut bodies = Vec::new();
     for i in 0..16 {
         let at = DVec3::new(0.1 * f64::from(i % 3), 0.6 + 1.05 * f64::from(i), 0.0);
-        let mut desc = BodyDesc::dynamic().at(at).with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)));
+        let mut desc =
+            BodyDesc::dynamic().with_position(at).with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)));
         desc.user_data = 100 + i as u64;
         bodies.push(world.add_body(&desc).unwrap());
     }
     world.name_recorded(bodies[9], "the pushed one");
     for step in 1..=STEPS {
         if step == PUSHED {
-            world.add_force(bodies[9], Vec3::X * 1e4, Vec3::ZERO).unwrap();
+            world.add_force(bodies[9], Vec3::X * 1e4).unwrap();
         }
         world.step(1.0 / 60.0).unwrap();
     }
@@ -147,9 +148,12 @@ fn a_call_that_is_refused_is_named() {
     let found = divergence(&forged).unwrap();
     assert_eq!(
         (found.step, found.stage, found.refused.clone().unwrap().0),
-        (PUSHED, Stage::Calls, "add_force")
+        (PUSHED, Stage::Calls, "add_force_and_torque")
     );
-    assert!(found.to_string().contains("add_force is refused: the body handle is stale"), "{found}");
+    assert!(
+        found.to_string().contains("add_force_and_torque is refused: the body handle is stale"),
+        "{found}"
+    );
 }
 
 /// Shared geometry and a mesh's tree, too.
@@ -165,7 +169,8 @@ fn run_with_shapes() -> Vec<u8> {
     }
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
     let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
-    let falling = BodyDesc::dynamic().at(DVec3::new(0.0, 3.0, 0.0)).with_shape(ShapeDesc::new(hull));
+    let falling =
+        BodyDesc::dynamic().with_position(DVec3::new(0.0, 3.0, 0.0)).with_shape(ShapeDesc::new(hull));
     let falling = [world.add_body(&falling).unwrap(), world.add_body(&falling).unwrap()];
     every_type(&mut world, falling);
     for _ in 0..8 {
@@ -180,43 +185,43 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     let shape = world.shapes(bodies[0]).unwrap().next().unwrap();
     let frames = [Frame::at(Vec3::X), Frame::default()];
     let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
-    let drive = Drive::spring(Motion::Angular, Axis::Y, 0.1, spring);
+    let drive = Motor::position(Motion::Angular, Axis::Y, 0.1, spring);
     let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 2.0).with_spring(spring);
-    let joint = world.add_joint(&JointDesc::new(bodies, frames).with_limit(limit).with_drive(drive)).unwrap();
+    let joint = world.add_joint(&JointDesc::new(bodies, frames).with_limit(limit).with_motor(drive)).unwrap();
     world.set_joint_limits(joint, &[limit]).unwrap();
-    world.set_joint_drives(joint, &[drive]).unwrap();
+    world.set_joint_motors(joint, &[drive]).unwrap();
     world.set_joint_limit(joint, limit.with_range(0.0, 3.0)).unwrap();
-    world.set_joint_drive(joint, drive.with_max_force(7.0)).unwrap();
+    world.set_joint_motor(joint, drive.with_max_force(7.0)).unwrap();
     world.set_joint_target(joint, Motion::Angular, Axis::Y, 0.2, 0.1).unwrap();
     world.set_joint_frames(joint, frames).unwrap();
     world.set_joint_collide(joint, true).unwrap();
-    world.set_joint_strength(joint, 1e9, f32::INFINITY).unwrap();
+    world.set_joint_break_force(joint, 1e9, f32::INFINITY).unwrap();
     world.set_joint_thresholds(joint, 1e9, f32::INFINITY).unwrap();
     world.set_joint_user_data(joint, 5).unwrap();
-    assert!(world.remove_joint_drive(joint, Motion::Angular, Axis::Y).unwrap());
+    assert!(world.remove_joint_motor(joint, Motion::Angular, Axis::Y).unwrap());
     assert!(world.remove_joint_limit(joint, Motion::Linear, Axes::All).unwrap());
-    world.solve_joint_after(joint, Some(RowGroup::Contacts)).unwrap();
+    world.set_joint_solved_after(joint, Some(RowGroup::Contacts)).unwrap();
     let rope = world.add_joint(&JointDesc::new(bodies, frames)).unwrap();
     let coupling = world.add_coupling(&CouplingDesc::pulley([joint, rope], 2.0, 9.0)).unwrap();
     world.set_coupling_factors(coupling, [1.0, 1.5]).unwrap();
     world.set_coupling_range(coupling, Some([-1.0, 9.0])).unwrap();
-    world.set_coupling_strength(coupling, [1e9, 1e8]).unwrap();
+    world.set_coupling_break_force(coupling, [1e9, 1e8]).unwrap();
     world.set_coupling_user_data(coupling, 6).unwrap();
     let second = world.add_coupling(&CouplingDesc::screw(joint, 0.1)).unwrap();
     world.remove_coupling(second).unwrap();
-    world.solve_body_after(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
+    world.set_body_solved_after(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
     world.set_settings(Settings { budget: Budget::total(1 << 24), ..Settings::default() }).unwrap();
     world.set_origin(DVec3::X).unwrap();
     world.set_material(shape, Material::default().with_restitution(0.25)).unwrap();
     world.set_filter(shape, Filter::default().with_category(3)).unwrap();
-    world.set_continuous(bodies[0], Continuous::Volume).unwrap();
+    world.set_continuous(bodies[0], ContinuousMode::Volume).unwrap();
     let mass = MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
     world.set_mass(bodies[0], mass).unwrap();
     world.set_pose(bodies[0], DVec3::Y * 4.0, glam::Quat::IDENTITY).unwrap();
-    world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
+    world.apply_impulse_at(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
     world.set_damping(bodies[0], 0.5, 0.25).unwrap();
     world.set_max_speeds(bodies[0], Some(50.0), None).unwrap();
-    world.set_locks(bodies[0], [false; 3], [true, false, false]).unwrap();
+    world.set_locked_axes(bodies[0], [false; 3], [true, false, false]).unwrap();
     world.move_kinematic(bodies[1], DVec3::Y * 3.0, glam::Quat::IDENTITY, 0.02).unwrap();
     world.set_kind(bodies[1], BodyKind::Kinematic).unwrap();
     world.move_kinematic_and_stop(bodies[1], DVec3::Y * 2.0, glam::Quat::IDENTITY, 0.02).unwrap();

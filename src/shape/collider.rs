@@ -2,7 +2,7 @@
 
 use super::flags::{EVENTS, HOOKS, RARE, SENSOR, SOFT, STATICS};
 use super::{BaseMaterial, Filter, Geometry, Kind, Material, RareMaterial, ShapeDesc};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::config::tuning::SOFT_DEPTH;
 use crate::math::Quat;
 use glam::Vec3;
@@ -20,7 +20,7 @@ pub(crate) struct ColliderSummary {
     pub(crate) body: u32,
     pub(crate) kind: Kind,
     /// Mode of its body; `Discrete` if the body is static, which never moves into anything.
-    pub(crate) mode: Continuous,
+    pub(crate) mode: ContinuousMode,
     pub(crate) flags: u8,
 }
 
@@ -142,7 +142,7 @@ impl Collider {
         Some(if thinnest.is_finite() { SOFT_DEPTH * thinnest } else { 0.0 })
     }
 
-    pub(crate) fn summaries(&self, mode: Continuous) -> ColliderSummary {
+    pub(crate) fn summaries(&self, mode: ContinuousMode) -> ColliderSummary {
         ColliderSummary {
             size: self.size,
             radius: self.radius,

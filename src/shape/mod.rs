@@ -178,7 +178,7 @@ impl ShapeDesc {
     }
 
     /// Pushes nothing, and notices what comes into it.
-    pub fn sensing(self) -> Self {
+    pub fn as_sensor(self) -> Self {
         ShapeDesc { sensor: true, ..self }
     }
     /// Contacts of it are heard of.

@@ -202,14 +202,14 @@ impl Islands<'_> {
     /// Puts the islands of the last search to sleep, if all of their bodies have been at rest for so long
     /// [s].
     pub(crate) fn send_tired(&mut self, time: f32, events: &mut Events, allowance: Allowance) {
-        self.send_to_sleep(|_, rest| rest >= time, events, allowance);
+        self.sleep(|_, rest| rest >= time, events, allowance);
     }
 
     /// Puts the island of an awake dynamic body to sleep, if all of it may. Islands must have been found with
     /// [`RestTime::Endless`].
     pub(crate) fn send(&mut self, index: u32, events: &mut Events, allowance: Allowance) {
         let root = self.sleep.groups.of(index);
-        self.send_to_sleep(|island, rest| island == root && rest > 0.0, events, allowance);
+        self.sleep(|island, rest| island == root && rest > 0.0, events, allowance);
     }
 
     /// Finds the islands of all awake bodies.
@@ -222,12 +222,7 @@ impl Islands<'_> {
 
     /// Puts islands to sleep for which `tired` returns true, by their root and how long all of them have been
     /// at rest. `allowance`: bytes that the pairs that they keep may take.
-    fn send_to_sleep(
-        &mut self,
-        tired: impl Fn(u32, f32) -> bool,
-        events: &mut Events,
-        mut allowance: Allowance,
-    ) {
+    fn sleep(&mut self, tired: impl Fn(u32, f32) -> bool, events: &mut Events, mut allowance: Allowance) {
         let Islands { bodies, colliders, broad, contacts, sleep, .. } = &mut *self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {
@@ -297,7 +292,7 @@ impl Islands<'_> {
             joints.changed |= joints.has_any(slot);
             sleep.slept += 1;
             sleep.fell_asleep.push(bodies.handle(i as usize));
-            let index = bodies.send_to_sleep(i, colliders);
+            let index = bodies.sleep(i, colliders);
             bodies.rest[index] = 0.0;
         }
     }

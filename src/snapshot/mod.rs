@@ -67,7 +67,7 @@ impl Snapshot {
 
     /// Hash of the state: of all that outlives a step and may change in one, to the bit. Two worlds with the
     /// same bodies, shapes, joints and forms of characters have the same future if it is the same. It differs
-    /// from the step on in which anything differs, and [`World::hash`] only once a pose or velocity does.
+    /// from the step on in which anything differs, and [`World::state_hash`] only once a pose or velocity does.
     pub fn hash(&self) -> u64 {
         // Without the head, which says what the bytes are.
         checksum::hash(self.words.get(view::HEAD..).unwrap_or_default())
@@ -95,11 +95,11 @@ impl World {
     /// let mut saved = Snapshot::default();
     /// world.snapshot(&mut saved);
     /// world.step(1.0 / 60.0)?;
-    /// let once = world.hash();
+    /// let once = world.state_hash();
     /// // Back, and the same step again: the same bits.
     /// world.restore(&saved)?;
     /// world.step(1.0 / 60.0)?;
-    /// assert_eq!(world.hash(), once);
+    /// assert_eq!(world.state_hash(), once);
     /// # Ok(())
     /// # }
     /// ```

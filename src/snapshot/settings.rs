@@ -1,7 +1,7 @@
 //! Settings: all that results depend on are kept. Threads and the budget belong to the machine and stay as
 //! they are.
 
-use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+use crate::config::{ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Settings};
 use crate::error::Error;
 use crate::joint::{group_code, group_of};
 use crate::words::{Reader, broken};
@@ -36,7 +36,7 @@ const FIRST: usize = 2;
 pub(super) fn save(settings: &Settings, out: &mut Vec<u32>) {
     let s = &mut settings.clone();
     // Mode and method share a word.
-    out.extend([s.substeps, s.iterations, s.continuous as u32 | (s.method as u32) << 8]);
+    out.extend([s.substeps, s.iterations, s.continuous as u32 | (s.continuous_method as u32) << 8]);
     let friction = s.friction_cone as u32 | (s.friction_model as u32) << 1;
     let flag = |(i, (of, inverse)): (usize, Flag)| u32::from(*of(s) != inverse) << (FIRST + i);
     out.push(FLAGS.into_iter().enumerate().map(flag).fold(friction, |bits, bit| bits | bit));
@@ -56,7 +56,7 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
     if flags >> (FIRST + FLAGS.len()) != 0 || order >> (4 * s.order.0.len()) != 0 {
         return Err(broken("a flag of settings"));
     }
-    (s.continuous, s.method) = (mode_of(mode & 0xFF)?, method_of(mode >> 8)?);
+    (s.continuous, s.continuous_method) = (mode_of(mode & 0xFF)?, method_of(mode >> 8)?);
     let set = |i: usize| flags >> i & 1 != 0;
     s.friction_cone = if set(0) { FrictionCone::Box } else { FrictionCone::Cone };
     s.friction_model = if set(1) { FrictionModel::Point } else { FrictionModel::Patch };
@@ -70,8 +70,8 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
 }
 
 /// A mode by its number.
-pub(super) fn mode_of(code: u32) -> Result<Continuous, Error> {
-    let all = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
+pub(super) fn mode_of(code: u32) -> Result<ContinuousMode, Error> {
+    let all = [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
     all.into_iter().find(|&mode| mode as u32 == code).ok_or_else(|| broken("a mode"))
 }
 

@@ -25,7 +25,7 @@ mod track;
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::{Aabb, BroadPhase, Pair, STACK, SearchSet, aabb_of};
 use crate::config::tuning::IMPACT_TOLERANCE;
-use crate::config::{Continuous, ContinuousMethod, Settings};
+use crate::config::{ContinuousMethod, ContinuousMode, Settings};
 use crate::forces::Forces;
 use crate::joint::Joints;
 use crate::lanes::Record;
@@ -60,8 +60,8 @@ struct Rules {
 
 impl Rules {
     fn of(settings: &Settings) -> Option<Rules> {
-        match settings.method {
-            _ if settings.continuous == Continuous::Discrete => None,
+        match settings.continuous_method {
+            _ if settings.continuous == ContinuousMode::Discrete => None,
             // As many as in Box2D.
             ContinuousMethod::LinearCast => Some(Rules { linear: true, most: 8 }),
             ContinuousMethod::ConservativeAdvancement => Some(Rules { linear: false, most: 64 }),
@@ -215,7 +215,7 @@ impl Run<'_, '_> {
             let aside = (went.linear - meant.linear).length();
             let turned = if linear { 0.0 } else { (went.angular - meant.angular).length() };
             if aside + turned == 0.0
-                || on.settings.continuous.of(on.bodies.traits[i].continuous) == Continuous::Discrete
+                || on.settings.continuous.of(on.bodies.traits[i].continuous) == ContinuousMode::Discrete
             {
                 continue;
             }
@@ -361,7 +361,7 @@ impl View<'_> {
             && there(k)
             && !x.is_sensor()
             && !y.is_sensor()
-            && settings.continuous.of(x.mode.max(y.mode)) != Continuous::Discrete
+            && settings.continuous.of(x.mode.max(y.mode)) != ContinuousMode::Discrete
             && filter(a).allows(filter(b))
             && !joints.keep_apart(bodies.slot[i], bodies.slot[k])
             && (vetoed.is_empty() || vetoed.binary_search(&(a.min(b), a.max(b))).is_err())

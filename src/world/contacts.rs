@@ -153,7 +153,7 @@ impl World {
         };
         let moved = (0..end(bodies.movers())).filter(moves).map(|index| self.handle_of(index));
         let tired = self.sleep.fell_asleep.iter().copied();
-        moved.chain(tired.filter(|&body| self.is_asleep(body).unwrap_or(false)))
+        moved.chain(tired.filter(|&body| self.is_sleeping(body).unwrap_or(false)))
     }
 }
 

@@ -43,7 +43,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn visitors(&self, sensor: ShapeHandle, into: &mut Vec<ShapeHandle>) -> Result<(), Error> {
+    pub fn sensor_overlaps(&self, sensor: ShapeHandle, into: &mut Vec<ShapeHandle>) -> Result<(), Error> {
         let collider = self.collider(sensor)?;
         into.clear();
         for pair in self.broad.pairs.iter().chain(self.sleep.sleeping_pairs()).filter(|pair| pair.touching) {

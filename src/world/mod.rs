@@ -42,7 +42,7 @@ pub use content::Aabb;
 pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
 pub(crate) use memory::{Addition, Brings, Demand, Needs, Replacement};
-pub use memory::{ContentForecast, Feature, Model, ModelPart, Plan};
+pub use memory::{ContentForecast, Feature, FeatureCost, FeatureReport, Plan};
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use revisions::{Revisions, SharedPart};
@@ -81,7 +81,7 @@ use memory::Assets;
 ///    times and counts of the step.
 /// 4. [`World::position`], [`World::rotation`] and others tell where bodies are, [`World::contact_begins`]
 ///    and others what they touch; [`World::cast_ray`] and others answer queries.
-/// 5. [`World::memory`] lists what the world holds, [`World::model`] which parts of the engine its content
+/// 5. [`World::memory`] lists what the world holds, [`World::feature_report`] which parts of the engine its content
 ///    needs.
 /// 6. [`World::snapshot`] saves its state, and [`World::restore`] brings back the same bits.
 ///
@@ -97,7 +97,7 @@ use memory::Assets;
 /// let mut world = World::new(Settings::default())?;
 /// world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::cuboid(10.0, 0.5, 10.0))))?;
 /// let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-/// let ball = world.add_body(&BodyDesc::dynamic().at(Vec3::Y * 4.0).with_shape(ball))?;
+/// let ball = world.add_body(&BodyDesc::dynamic().with_position(Vec3::Y * 4.0).with_shape(ball))?;
 /// for _ in 0..120 {
 ///     world.step(1.0 / 60.0)?;
 /// }

@@ -80,7 +80,7 @@ fields! {
         /// [`MAX_POSITION`](crate::limits::MAX_POSITION) or twice [`MAX_SPEED`](crate::limits::MAX_SPEED).
         /// They stay where they were, at rest, and the others move as if those had not moved at all: the
         /// result of a step is always finite. A count above zero means that forces, speeds or joints ask for
-        /// the impossible; [`World::stopped_bodies`] lists their handles.
+        /// the impossible; [`World::faulted_bodies`] lists their handles.
         pub stopped: u32,
         /// Impacts that were solved one by one at their times, by methods that do so
         /// ([`ContinuousMethod`](crate::ContinuousMethod)).

@@ -15,18 +15,18 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn is_asleep(&self, body: BodyHandle) -> Result<bool, Error> {
+    pub fn is_sleeping(&self, body: BodyHandle) -> Result<bool, Error> {
         let index = self.index(body)?;
         Ok(self.bodies.asleep().contains(&index) && !self.bodies.traits[index].disabled)
     }
 
     /// Number of sleeping bodies.
-    pub fn asleep(&self) -> usize {
+    pub fn sleeping_body_count(&self) -> usize {
         self.bodies.sleepers()
     }
 
     /// Number of sleeping islands.
-    pub fn islands_asleep(&self) -> usize {
+    pub fn sleeping_island_count(&self) -> usize {
         self.sleep.count()
     }
 
@@ -47,7 +47,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
+    pub fn sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
         self.note(Change::SendToSleep(body));
         // If sleeping was just switched off, the column still exists until the next step.

@@ -45,7 +45,7 @@ impl World {
 
     /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles, and of the world's
     /// characters.
-    pub fn hash(&self) -> u64 {
+    pub fn state_hash(&self) -> u64 {
         let mut order: Vec<(u32, usize)> =
             self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
         order.sort_unstable();

@@ -4,9 +4,9 @@ use super::{ALLOCATIONS, common, one_at_a_time};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Axis, BodyDesc, BodyHandle, Character, CharacterHandle, CharacterSettings, ContactHook, ContactHooks,
-    Continuous, ConvexHull, CouplingDesc, Drive, Geometry, HeightField, JointDesc, JointHandle, Material,
-    Motion, QueryFilter, Ragdoll, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, Snapshot, Spring,
-    TriangleMesh, World,
+    ContinuousMode, ConvexHull, CouplingDesc, Geometry, HeightField, JointDesc, JointHandle, Material,
+    Motion, Motor, QueryFilter, Ragdoll, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, Snapshot,
+    Spring, TriangleMesh, World,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -70,7 +70,7 @@ fn ground(world: &mut World) {
     let mesh = TriangleMesh::with_materials(corners, triangles, &[1, 3], &materials()).unwrap();
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::mesh(mesh)))).unwrap();
     let plane = ShapeDesc::new(Geometry::Plane);
-    world.add_body(&BodyDesc::fixed().at(DVec3::Y * -4.0).with_shape(plane)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * -4.0).with_shape(plane)).unwrap();
 }
 
 /// Bodies of every form and material over the field, a compound among them.
@@ -90,12 +90,15 @@ fn bodies(world: &mut World) -> Vec<BodyHandle> {
         let mut shape = common::shape(forms[i % 7].clone(), materials()[i % 4]);
         (shape.events, shape.hooks) = (i.is_multiple_of(2), i.is_multiple_of(5));
         let at = DVec3::new((i % 9) as f64 - 4.0, 1.0 + 0.8 * (i / 27) as f64, (i / 9 % 3) as f64 - 1.0);
-        let mut body = BodyDesc::dynamic().at(at).moving(Vec3::X * (i % 4) as f32, Vec3::Y).with_shape(shape);
+        let mut body = BodyDesc::dynamic()
+            .with_position(at)
+            .with_velocity(Vec3::X * (i % 4) as f32, Vec3::Y)
+            .with_shape(shape);
         if i.is_multiple_of(6) {
             let knob = ShapeDesc::new(Geometry::sphere(0.1)).with_position(Vec3::Y * 0.3);
             body = body.with_shape(knob);
         }
-        body.continuous = [Continuous::Segment, Continuous::Volume, Continuous::Discrete][i % 3];
+        body.continuous = [ContinuousMode::Segment, ContinuousMode::Volume, ContinuousMode::Discrete][i % 3];
         body.linear_damping = if i.is_multiple_of(8) { 0.5 } else { 0.0 };
         body.max_linear_speed = i.is_multiple_of(10).then_some(5.0);
         body.lock_rotation = [i.is_multiple_of(11); 3];
@@ -108,7 +111,7 @@ fn bodies(world: &mut World) -> Vec<BodyHandle> {
 /// A train of three gears with a motor, a rack, two weights on a rope over a pulley, and a door that is to
 /// swing. Returns the door's joint.
 fn machines(world: &mut World) -> JointHandle {
-    let frame = world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, 4.0, 7.0))).unwrap();
+    let frame = world.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, 4.0, 7.0))).unwrap();
     let mut hang = |x: f32, make: &dyn Fn([BodyHandle; 2], [backstop::Frame; 2]) -> JointDesc| {
         let at = Vec3::new(x, 4.0, 7.0);
         let wheel = common::dynamic(Geometry::cuboid(0.1, 0.3, 0.1), Material::default(), at);
@@ -123,16 +126,16 @@ fn machines(world: &mut World) -> JointHandle {
     let ropes = [4.0, 5.0].map(|x| hang(x, &|pair, frames| JointDesc::new(pair, frames)));
     let spring = Spring::Frequency { hertz: 3.0, ratio: 0.5 };
     hang(6.0, &|pair, frames| JointDesc::wheel(pair, frames, 0.2, spring).with_thresholds(0.1, 0.1));
-    hang(7.0, &|pair, frames| JointDesc::fixed(pair, frames).with_strength(1e6, 1e6));
+    hang(7.0, &|pair, frames| JointDesc::fixed(pair, frames).with_break_force(1e6, 1e6));
     hang(-2.0, &|pair, frames| JointDesc::distance(pair, frames, 0.0, 0.5));
     let door = hang(-1.0, &|pair, frames| {
-        JointDesc::hinge(pair, frames).with_drive(Drive::spring(Motion::Angular, Axis::X, 0.0, spring))
+        JointDesc::hinge(pair, frames).with_motor(Motor::position(Motion::Angular, Axis::X, 0.0, spring))
     });
-    world.set_joint_drive(gears[0], Drive::motor(Motion::Angular, Axis::X, 3.0, 5.0)).unwrap();
+    world.set_joint_motor(gears[0], Motor::velocity(Motion::Angular, Axis::X, 3.0, 5.0)).unwrap();
     world.add_coupling(&CouplingDesc::gear([gears[0], gears[1]], [10.0, 11.0])).unwrap();
     world.add_coupling(&CouplingDesc::gear([gears[1], gears[2]], [11.0, 7.0])).unwrap();
     world.add_coupling(&CouplingDesc::rack(gears[2], slider, 0.2)).unwrap();
-    world.add_coupling(&CouplingDesc::pulley(ropes, 2.0, 2.0).with_strength([1e6; 2])).unwrap();
+    world.add_coupling(&CouplingDesc::pulley(ropes, 2.0, 2.0).with_break_force([1e6; 2])).unwrap();
     door
 }
 
@@ -144,9 +147,9 @@ impl Everything {
         let balls = bodies(&mut world);
         let door = machines(&mut world);
         let top = ShapeDesc::new(Geometry::cuboid(2.0, 0.1, 2.0)).with_events();
-        let table = BodyDesc::kinematic().at(DVec3::new(-5.0, 1.0, 4.0)).with_shape(top);
+        let table = BodyDesc::kinematic().with_position(DVec3::new(-5.0, 1.0, 4.0)).with_shape(top);
         let table = world.add_body(&table).unwrap();
-        let zone = ShapeDesc::new(Geometry::cuboid(3.0, 0.6, 3.0)).sensing().with_senses_static(true);
+        let zone = ShapeDesc::new(Geometry::cuboid(3.0, 0.6, 3.0)).as_sensor().with_senses_static(true);
         let zone = world.add_body(&BodyDesc::fixed().with_shape(zone)).unwrap();
         let zone = world.shapes(zone).unwrap().next().unwrap();
         let (at, still) = (DVec3::new(0.0, 1.5, -4.0), Vec3::ZERO);
@@ -186,13 +189,13 @@ impl Everything {
         if frame.is_multiple_of(20) {
             let ball = balls[frame as usize / 20 % balls.len()];
             let centre = world.centre_of_mass(ball).unwrap();
-            world.apply_impulse(ball, Vec3::Y * 100.0, centre).unwrap();
-            world.add_force(ball, Vec3::X * 50.0, Vec3::Y).unwrap();
+            world.apply_impulse_at(ball, Vec3::Y * 100.0, centre).unwrap();
+            world.add_force_and_torque(ball, Vec3::X * 50.0, Vec3::Y).unwrap();
         }
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         world.step_with(DT, &Hooks).unwrap();
         self.allocations += ALLOCATIONS.load(Ordering::Relaxed) - before;
-        world.visitors(self.zone, &mut self.visitors).unwrap();
+        world.sensor_overlaps(self.zone, &mut self.visitors).unwrap();
         let heard = [
             world.contact_begins().len(),
             world.contact_hits().len(),
@@ -201,7 +204,7 @@ impl Everything {
             self.visitors.len(),
         ];
         self.heard = std::array::from_fn(|i| self.heard[i] + heard[i]);
-        self.slept = self.slept.max(world.asleep());
+        self.slept = self.slept.max(world.sleeping_body_count());
     }
 }
 
@@ -223,13 +226,13 @@ fn a_world_of_everything_allocates_nothing() {
         all.allocations - before
     };
     let first = run(&mut all);
-    let hash = all.world.hash();
+    let hash = all.world.state_hash();
     all.world.restore(&saved).unwrap();
     let second = run(&mut all);
-    assert_eq!(all.world.hash(), hash);
+    assert_eq!(all.world.state_hash(), hash);
     assert!(first > 0, "nothing was counted");
     assert_eq!(second, 0);
     // All of it took part.
     assert!(all.heard.iter().all(|&count| count > 50), "{:?}", all.heard);
-    assert!(all.slept > 0 && all.world.model().not_needed().next().is_none(), "{}", all.slept);
+    assert!(all.slept > 0 && all.world.feature_report().not_needed().next().is_none(), "{}", all.slept);
 }

@@ -3,7 +3,7 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion, Settings,
+    Axes, Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, Limit, Material, Motion, Motor, Settings,
     ShapeDesc, Spring, TriangleMesh, World,
 };
 use backstop_scene::{Scene, builtin};
@@ -64,7 +64,7 @@ pub(crate) fn shape(geometry: Geometry, material: Material) -> ShapeDesc {
 }
 
 pub(crate) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(shape(geometry, material))
+    BodyDesc::dynamic().with_position(at).with_shape(shape(geometry, material))
 }
 
 /// A world with the scene in it.
@@ -113,7 +113,7 @@ impl Hung<'_> {
             let at = self.post + Vec3::new(x, y, 0.0);
             let ball = dynamic(Geometry::Sphere { radius: 0.1 }, Material::default(), at);
             // Each starts with a push of its own.
-            let ball = ball.moving(Vec3::new(0.3 * y, 0.2, 0.5 - 0.1 * x), Vec3::ZERO);
+            let ball = ball.with_velocity(Vec3::new(0.3 * y, 0.2, 0.5 - 0.1 * x), Vec3::ZERO);
             self.bodies.push(self.world.add_body(&ball).unwrap());
             self.bodies.len() - 1
         })
@@ -131,7 +131,7 @@ impl Hung<'_> {
 /// points with a hinge and a weld, and single rows. Returns the bodies, the post first.
 pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
     use {Axes::*, Axis::*, Motion::*};
-    let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
+    let bodies = vec![world.add_body(&BodyDesc::fixed().with_position(post)).unwrap()];
     let mut hung = Hung { world, post, bodies };
     const POST: usize = 0;
     for i in 0..8 {
@@ -142,11 +142,11 @@ pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHan
     }
     let [a, b, c] = hung.balls([[-0.5, -0.5], [-0.5, -1.0], [-0.9, -1.0]]);
     hung.join(POST, a, JointDesc::fixed);
-    hung.join(a, b, |b, f| JointDesc::hinge(b, f).with_drive(Drive::motor(Angular, X, 2.0, 30.0)));
+    hung.join(a, b, |b, f| JointDesc::hinge(b, f).with_motor(Motor::velocity(Angular, X, 2.0, 30.0)));
     hung.join(b, c, |b, f| {
-        let cone = Limit::new(Angular, Around(X), 0.0, 0.4);
+        let cone = Limit::new(Angular, Perpendicular(X), 0.0, 0.4);
         let ball = JointDesc::ball(b, f).with_limit(cone).with_limit(Limit::new(Angular, One(X), -0.3, 0.2));
-        ball.with_drive(Drive::friction(Angular, Y, 0.1))
+        ball.with_motor(Motor::friction(Angular, Y, 0.1))
     });
     let [a, b, c] = hung.balls([[-1.5, -0.5], [-1.8, -1.0], [-1.3, -1.0]]);
     hung.join(POST, a, |b, f| JointDesc::distance(b, f, 0.0, 0.3));
@@ -157,12 +157,12 @@ pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHan
     let spring = Spring::Frequency { hertz: 3.0, ratio: 0.5 };
     hung.join(POST, a, |b, f| {
         let slider = JointDesc::slider(b, f).with_limit(Limit::new(Linear, One(X), -0.1, 0.2));
-        slider.with_drive(Drive::motor(Linear, X, 1.0, 40.0))
+        slider.with_motor(Motor::velocity(Linear, X, 1.0, 40.0))
     });
     hung.join(a, b, |b, f| JointDesc::wheel(b, f, 0.1, spring));
     hung.join(b, c, |b, f| {
         let yielding = Limit::new(Linear, All, 0.0, 0.1).with_spring(spring);
-        JointDesc::new(b, f).with_limit(yielding).with_drive(Drive::spring(Angular, Z, 0.2, spring))
+        JointDesc::new(b, f).with_limit(yielding).with_motor(Motor::position(Angular, Z, 0.2, spring))
     });
     hung.bodies
 }
@@ -170,13 +170,13 @@ pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHan
 /// A ball on so many welds, hinges and motors that some of each find no colour, of which there are 31.
 /// Returns the bodies, what it hangs on first.
 pub(crate) fn joints_without_colour(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
-    let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
+    let bodies = vec![world.add_body(&BodyDesc::fixed().with_position(post)).unwrap()];
     let mut hung = Hung { world, post, bodies };
     let [ball] = hung.balls([[0.0, -0.5]]);
     for _ in 0..40 {
         hung.join(0, ball, JointDesc::fixed);
-        let motor = Drive::motor(Motion::Angular, Axis::X, 1.0, 1.0);
-        hung.join(0, ball, |b, f| JointDesc::hinge(b, f).with_drive(motor));
+        let motor = Motor::velocity(Motion::Angular, Axis::X, 1.0, 1.0);
+        hung.join(0, ball, |b, f| JointDesc::hinge(b, f).with_motor(motor));
     }
     hung.bodies
 }

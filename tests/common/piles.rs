@@ -59,7 +59,7 @@ impl Pile {
         let half = 0.6 * across as f32 * SIZE;
         let wall = |x: f32, z: f32, half: Vec3, y: f32| {
             BodyDesc::fixed()
-                .at(Vec3::new(x, y, z).as_dvec3())
+                .with_position(Vec3::new(x, y, z).as_dvec3())
                 .with_shape(ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)))
         };
         let mut bodies = vec![wall(0.0, 0.0, Vec3::new(half + 1.0, 0.5, half + 1.0), -0.5)];
@@ -87,7 +87,10 @@ impl Pile {
             );
             let turn = Quat::from_euler(EulerRot::YXZ, 0.2 * random(), 0.2 * random(), 0.2 * random());
             bodies.push(
-                BodyDesc::dynamic().at(at.as_dvec3()).rotated(turn).with_shape(ShapeDesc::new(geometry)),
+                BodyDesc::dynamic()
+                    .with_position(at.as_dvec3())
+                    .with_rotation(turn)
+                    .with_shape(ShapeDesc::new(geometry)),
             );
         }
         world.add_bodies(&bodies).unwrap();
@@ -123,7 +126,7 @@ impl Pile {
             .filter(|&body| world.kind(body).unwrap() == BodyKind::Dynamic)
             .map(|body| world.linear_velocity(body).unwrap().length())
             .fold(0.0, f32::max);
-        run.hash = world.hash();
+        run.hash = world.state_hash();
         run
     }
 }
@@ -151,7 +154,7 @@ impl Overlaps {
             let geometry = world.geometry(shape).unwrap();
             let mut cast = ShapeCast::new(geometry, world.position(body).unwrap(), Vec3::ZERO);
             cast.rotation = world.rotation(body).unwrap();
-            world.cast_shape_all(&cast, &QueryFilter::new().without(body), &mut hits).unwrap();
+            world.cast_shape_all(&cast, &QueryFilter::new().excluding(body), &mut hits).unwrap();
             for hit in &hits {
                 self.sum += f64::from(hit.depth);
                 deepest = deepest.max(hit.depth);

@@ -3,7 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, JointHandle, Limit, Motion,
+    Axes, Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, JointHandle, Limit, Motion, Motor,
     Settings, ShapeDesc, Spring, World,
 };
 use backstop_scene::builtin;
@@ -20,7 +20,7 @@ fn fixed(world: &mut World) -> BodyHandle {
 }
 
 fn body(world: &mut World, geometry: Geometry, at: DVec3) -> BodyHandle {
-    world.add_body(&BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry))).unwrap()
+    world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry))).unwrap()
 }
 
 /// Distance of a joint's two frames [m].
@@ -156,7 +156,7 @@ fn a_motor_reaches_its_speed_and_a_spring_has_its_frequency() {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let ground = fixed(&mut world);
     let wheel = body(&mut world, Geometry::cylinder(0.1, 0.5), DVec3::ZERO);
-    let desc = JointDesc::hinge([ground, wheel], [Frame::default(); 2]).with_drive(Drive::motor(
+    let desc = JointDesc::hinge([ground, wheel], [Frame::default(); 2]).with_motor(Motor::velocity(
         Motion::Angular,
         Axis::X,
         7.0,
@@ -175,7 +175,7 @@ fn a_motor_reaches_its_speed_and_a_spring_has_its_frequency() {
     let omega = TAU * 2.0;
     let spring = Spring::Coefficients { stiffness: mass * omega * omega, damping: 0.0 };
     let desc = JointDesc::slider([ground, block], [Frame::at(Vec3::X * 5.0), Frame::default()])
-        .with_drive(Drive::spring(Motion::Linear, Axis::X, 0.0, spring));
+        .with_motor(Motor::position(Motion::Linear, Axis::X, 0.0, spring));
     world.add_joint(&desc).unwrap();
     let dt = 1.0 / 240.0_f64;
     let (mut passed, mut last) = (Vec::new(), 0.1);
@@ -241,11 +241,11 @@ fn locks_of_single_axes_act_as_one() {
             if apart {
                 desc = single(desc, linear, angular);
             }
-            world.add_joint(&desc.with_drive(Drive::motor(Motion::Angular, x, 3.0, 1e4))).unwrap();
+            world.add_joint(&desc.with_motor(Motor::velocity(Motion::Angular, x, 3.0, 1e4))).unwrap();
             for _ in 0..600 {
                 world.step(1.0 / 60.0).unwrap();
             }
-            world.hash()
+            world.state_hash()
         };
         assert_eq!(run(true), run(false), "{linear:?} {angular:?}");
     }
@@ -259,7 +259,7 @@ fn a_slider_off_its_centre_stops_at_its_end() {
         let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let ground = fixed(&mut world);
         let cube = ShapeDesc::new(Geometry::cuboid(0.1, 0.1, 0.1));
-        let cube = BodyDesc::dynamic().moving(Vec3::X * 5.0, Vec3::ZERO).with_shape(cube);
+        let cube = BodyDesc::dynamic().with_velocity(Vec3::X * 5.0, Vec3::ZERO).with_shape(cube);
         let cube = world.add_body(&cube).unwrap();
         let way = Limit::new(Motion::Linear, Axes::One(Axis::X), -0.5, 0.5);
         let frame = Frame::at(Vec3::Z * arm);

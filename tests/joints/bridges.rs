@@ -25,15 +25,15 @@ fn bridge(planks: u32, slack: f64, hertz: u32, substeps: u32, seconds: u32) -> (
         let mut shape = ShapeDesc::new(Geometry::cuboid(0.5 * length as f32 - 0.02, 0.03, 0.5));
         shape.filter.mask = 0;
         let desc = BodyDesc::dynamic()
-            .at(at + 0.5 * way)
-            .rotated(Quat::from_rotation_z(turn as f32))
+            .with_position(at + 0.5 * way)
+            .with_rotation(Quat::from_rotation_z(turn as f32))
             .with_shape(shape);
         let plank = world.add_body(&desc).unwrap();
         join(&mut world, [last, plank], at);
         bodies.push(plank);
         (at, last) = (at + way, plank);
     }
-    let end = world.add_body(&BodyDesc::fixed().at(at)).unwrap();
+    let end = world.add_body(&BodyDesc::fixed().with_position(at)).unwrap();
     join(&mut world, [last, end], at);
     let (mut speeds, mut open) = (Vec::new(), 0.0_f64);
     for second in 0..seconds {

@@ -73,7 +73,7 @@ fn a_ball_on_a_lever_swings_as_high_as_it_came_from() {
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let at = Vec3::new(angle.sin(), -angle.cos(), 0.0);
             let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
-            let ball = world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball)).unwrap();
+            let ball = world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball)).unwrap();
             join(&mut world, [ground, ball], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
             let height = f64::from(world.mass(ball).unwrap()) * G * (1.0 - f64::from(angle).cos());
             keeps(&format!("from {angle} rad"), pace, watch(&mut world, pace, 60.0, height));
@@ -88,7 +88,8 @@ fn a_box_that_spins_beside_its_centre_keeps_its_energy() {
             let (mut world, at, spin) = (world(0.0, pace), Vec3::X * 0.3, axis * 50.0);
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let shape = ShapeDesc::new(Geometry::cuboid(0.25, 0.025, 0.05));
-            let desc = BodyDesc::dynamic().at(at).moving(spin.cross(at), spin).with_shape(shape);
+            let desc =
+                BodyDesc::dynamic().with_position(at).with_velocity(spin.cross(at), spin).with_shape(shape);
             let body = world.add_body(&desc).unwrap();
             join(&mut world, [ground, body], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
             let energy = world.energy();
@@ -122,7 +123,7 @@ fn a_top_precesses_as_theory_says() {
             let (mut world, at) = (world(G, pace), (axis * length).as_vec3());
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let inertia = DVec3::new(across, along, across).as_vec3();
-            let desc = lump(mass as f32, inertia).at(at).moving(whole.cross(at), whole);
+            let desc = lump(mass as f32, inertia).with_position(at).with_velocity(whole.cross(at), whole);
             let rotation = Quat::from_rotation_arc(Vec3::Y, axis.as_vec3());
             let top = world.add_body(&desc.with_rotation(rotation)).unwrap();
             join(&mut world, [ground, top], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
@@ -161,7 +162,7 @@ fn a_rotor_keeps_its_spin() {
             let mut world = world(G, pace);
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let shape = ShapeDesc::new(geometry.clone());
-            let desc = BodyDesc::dynamic().moving(Vec3::ZERO, Vec3::Y * 300.0).with_shape(shape);
+            let desc = BodyDesc::dynamic().with_velocity(Vec3::ZERO, Vec3::Y * 300.0).with_shape(shape);
             let rotation = Quat::from_rotation_x(*tilt);
             let body = world.add_body(&desc.with_rotation(rotation)).unwrap();
             join(&mut world, [ground, body], Vec3::ZERO, Quat::from_rotation_z(FRAC_PI_2), JointDesc::hinge);
@@ -181,7 +182,9 @@ fn two_welded_bodies_tumble_as_one() {
                 (3.0, Vec3::new(0.4, 0.3, 0.5), Vec3::Z * -0.4),
             ];
             let bodies = parts.map(|(mass, inertia, at)| {
-                world.add_body(&lump(mass, inertia).at(at).moving(spin.cross(at), spin)).unwrap()
+                world
+                    .add_body(&lump(mass, inertia).with_position(at).with_velocity(spin.cross(at), spin))
+                    .unwrap()
             });
             join(&mut world, bodies, Vec3::ZERO, Quat::IDENTITY, JointDesc::fixed);
             let energy = world.energy();
@@ -210,12 +213,12 @@ fn whirl(of: impl Fn(Pace) -> bool) {
                 let mut world = world(0.0, pace);
                 let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.3 });
                 let balls = [0.0, 2.0].map(|x| {
-                    let desc = BodyDesc::dynamic().at(Vec3::X * x).with_shape(ball.clone());
+                    let desc = BodyDesc::dynamic().with_position(Vec3::X * x).with_shape(ball.clone());
                     world.add_body(&desc).unwrap()
                 });
                 join(&mut world, balls, Vec3::X, q, JointDesc::ball);
                 let mass = world.mass(balls[0]).unwrap();
-                world.apply_impulse(balls[0], q * Vec3::Y * speed * mass, DVec3::ZERO).unwrap();
+                world.apply_impulse_at(balls[0], q * Vec3::Y * speed * mass, DVec3::ZERO).unwrap();
                 // The joint takes its share of the blow, which is no elastic one.
                 world.step(1e-4).unwrap();
                 let energy = world.energy();
@@ -236,11 +239,11 @@ fn a_tree_that_nearly_touches_goes_on_as_it_was() {
     let (angle, radius) = (1.0_f32, 0.1_f32);
     let at = Vec3::new(angle.sin(), -angle.cos(), 0.0);
     let ball = ShapeDesc::new(Geometry::Sphere { radius });
-    let ball = world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball)).unwrap();
+    let ball = world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball)).unwrap();
     join(&mut world, [ground, ball], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
     let top = -1.0 - radius - 0.002;
     let floor = ShapeDesc::new(Geometry::cuboid(0.5, 0.1, 0.5));
-    world.add_body(&BodyDesc::fixed().at(Vec3::Y * (top - 0.1)).with_shape(floor)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(Vec3::Y * (top - 0.1)).with_shape(floor)).unwrap();
     let height = f64::from(world.mass(ball).unwrap()) * G * (1.0 - f64::from(angle).cos());
     let (start, mut last, mut jump, mut near) = (world.energy(), world.energy(), 0.0_f64, 0);
     for _ in 0..60 * 60 {
@@ -275,7 +278,9 @@ fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
         let (mass, e) = (0.5 + 4.0 * random.congruential(), (cube(&mut random) + 1.0) * 0.15 + 0.1);
         let squares = e * e;
         let inertia = (Vec3::splat(squares.element_sum()) - squares) * (mass / 3.0);
-        let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + cube(&mut random) * spin * 0.3);
+        let desc = lump(mass, inertia)
+            .with_position(at)
+            .with_velocity(whole.cross(at), whole + cube(&mut random) * spin * 0.3);
         let rotation = Quat::from_scaled_axis(cube(&mut random) * 2.0);
         let body = world.add_body(&desc.with_rotation(rotation)).unwrap();
         if let Some(&from) = places.get(parent) {

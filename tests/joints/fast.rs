@@ -10,7 +10,7 @@
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, MassProperties, Motion,
+    Axes, Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, Limit, MassProperties, Motion, Motor,
     Settings, ShapeDesc, Spring, World,
 };
 
@@ -40,7 +40,7 @@ fn two_balls(make: Make, turn: Quat) -> (World, [BodyHandle; 2]) {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let pair = [0.0, 2.0].map(|x| {
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.3 });
-        world.add_body(&BodyDesc::dynamic().at(DVec3::X * x).with_shape(ball)).unwrap()
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::X * x).with_shape(ball)).unwrap()
     });
     let frames = world.frames_at(pair, DVec3::X, turn).unwrap();
     world.add_joint(&make(pair, frames)).unwrap();
@@ -103,11 +103,11 @@ fn locked_axes_and_joints_throw_nothing() {
             let bit = |i: u32| case >> i & 1 != 0;
             let mut world = World::new(Settings::default()).unwrap();
             let shape = || ShapeDesc::new(Geometry::cuboid(0.2, 0.3, 0.4));
-            let mut desc = BodyDesc::dynamic().at(DVec3::Y * 2.0).with_shape(shape());
+            let mut desc = BodyDesc::dynamic().with_position(DVec3::Y * 2.0).with_shape(shape());
             (desc.lock_translation, desc.lock_rotation) = ([0, 1, 2].map(bit), [3, 4, 5].map(bit));
             desc.angular_velocity = Vec3::new(1.0, 2.0, 3.0);
             let a = world.add_body(&desc).unwrap();
-            let other = BodyDesc::dynamic().at(DVec3::new(1.0, 2.0, 0.0)).with_shape(shape());
+            let other = BodyDesc::dynamic().with_position(DVec3::new(1.0, 2.0, 0.0)).with_shape(shape());
             let ground = BodyDesc::fixed();
             let b = world.add_body(if bit(6) { &other } else { &ground }).unwrap();
             let turned = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(0.4);
@@ -165,7 +165,7 @@ impl Case {
             let place = if at.is_empty() { Vec3::ZERO } else { at[rng.below(at.len())] };
             let (own, place) =
                 (log_range(rng, 1.0, ratio + 1e-3), place + direction(rng) * rng.range(0.3, 2.0));
-            let desc = lump(rng, own).at(place).rotated(rotation(rng));
+            let desc = lump(rng, own).with_position(place).with_rotation(rotation(rng));
             case.bodies.push(case.world.add_body(&desc).unwrap());
             at.push(place);
             mass += own;
@@ -205,7 +205,7 @@ impl Case {
         let mut frames = self.world.frames_at(pair, point.as_dvec3(), rotation(rng)).unwrap();
         let damping = if rng.chance(0.5) { 0.0 } else { log_range(rng, 0.1, 1e4) };
         let spring = Spring::Coefficients { stiffness: log_range(rng, 1.0, 1e5), damping };
-        let (one, round) = (Axes::One(Axis::X), Axes::Around(Axis::X));
+        let (one, round) = (Axes::One(Axis::X), Axes::Perpendicular(Axis::X));
         let range = Limit::new(Motion::Angular, one, -rng.range(0.0, 2.0), rng.range(0.0, 2.0));
         let cone = Limit::new(Motion::Angular, round, 0.0, rng.range(0.1, 2.0));
         let kind = only.unwrap_or_else(|| rng.below(NAMES.len()));
@@ -223,7 +223,7 @@ impl Case {
             5 => JointDesc::wheel(pair, frames, 0.2, spring),
             6 => JointDesc::ball(pair, frames).with_limit(cone).with_limit(range),
             7 => JointDesc::hinge(pair, frames).with_limit(range),
-            8 => JointDesc::hinge(pair, frames).with_drive(Drive::spring(
+            8 => JointDesc::hinge(pair, frames).with_motor(Motor::position(
                 Motion::Angular,
                 Axis::X,
                 0.0,
@@ -279,7 +279,7 @@ fn some_axes(rng: &mut Random, mut desc: JointDesc) -> JointDesc {
             match rng.below(5) {
                 0 | 1 => desc = desc.with_limit(Limit::lock(motion, Axes::One(axis))),
                 2 => desc = desc.with_limit(range),
-                3 => desc = desc.with_drive(Drive::friction(motion, axis, log_range(rng, 0.1, 1e4))),
+                3 => desc = desc.with_motor(Motor::friction(motion, axis, log_range(rng, 0.1, 1e4))),
                 _ => {}
             }
         }

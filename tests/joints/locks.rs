@@ -41,7 +41,7 @@ impl Grip {
 
     fn step(&mut self, dt: f32) {
         for (jaw, sign) in self.jaws.into_iter().zip([1.0, -1.0]) {
-            self.world.add_force(jaw, Vec3::X * (sign * self.force), Vec3::ZERO).unwrap();
+            self.world.add_force(jaw, Vec3::X * (sign * self.force)).unwrap();
         }
         self.world.step(dt).unwrap();
     }

@@ -28,7 +28,8 @@ fn a_flap_swings_on_one_hinge_as_on_two_or_three() {
             let mut world = world(substeps);
             let wall = world.add_body(&BodyDesc::fixed()).unwrap();
             let flap = ShapeDesc::new(Geometry::cuboid(0.5, 0.02, 1.0));
-            let flap = world.add_body(&BodyDesc::dynamic().at(DVec3::X * 0.5).with_shape(flap)).unwrap();
+            let flap =
+                world.add_body(&BodyDesc::dynamic().with_position(DVec3::X * 0.5).with_shape(flap)).unwrap();
             // The hinge's own axis is its frame's x.
             let axes = Quat::from_rotation_y(-FRAC_PI_2);
             let joints: Vec<_> = (0..hinges)
@@ -80,7 +81,11 @@ fn a_frame_of_welds_falls_and_lies_still() {
                 let side = Quat::from_rotation_y(i as f32 * FRAC_PI_2);
                 let at = (turn * side * Vec3::Z * 0.9).as_dvec3() + DVec3::Y;
                 let beam = ShapeDesc::new(Geometry::cuboid(0.8, 0.1, 0.1));
-                world.add_body(&BodyDesc::dynamic().at(at).rotated(turn * side).with_shape(beam)).unwrap()
+                world
+                    .add_body(
+                        &BodyDesc::dynamic().with_position(at).with_rotation(turn * side).with_shape(beam),
+                    )
+                    .unwrap()
             })
             .collect();
         let joints: Vec<_> = (0..4)
@@ -133,8 +138,8 @@ fn a_rope_between_two_hooks_hangs_in_a_catenary() {
         let way = (pair[1] - pair[0]).as_vec3();
         let shape = ShapeDesc::new(Geometry::cuboid(half as f32, 0.01, 0.01));
         let mut desc = BodyDesc::dynamic()
-            .at(0.5 * (pair[0] + pair[1]))
-            .rotated(Quat::from_rotation_arc(Vec3::X, way.normalize()))
+            .with_position(0.5 * (pair[0] + pair[1]))
+            .with_rotation(Quat::from_rotation_arc(Vec3::X, way.normalize()))
             .with_shape(shape);
         desc.shapes[0].filter.mask = 0;
         let link = world.add_body(&desc).unwrap();

@@ -7,7 +7,7 @@ use crate::common::G;
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, JointHandle, Limit, Motion, Settings,
+    Axes, Axis, BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, Limit, Motion, Motor, Settings,
     ShapeDesc, World,
 };
 use std::f32::consts::FRAC_PI_2;
@@ -17,7 +17,7 @@ fn world(substeps: u32) -> World {
 }
 
 fn body(world: &mut World, geometry: Geometry, mass: f32, at: DVec3) -> BodyHandle {
-    let desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry).with_density(1.0));
+    let desc = BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry).with_density(1.0));
     let body = world.add_body(&desc).unwrap();
     let unit = world.mass(body).unwrap();
     world.remove_body(body).unwrap();
@@ -34,7 +34,7 @@ fn hinge(world: &mut World, bodies: [BodyHandle; 2], at: DVec3, motor: Option<(f
     let frames = world.frames_at(bodies, at, axes).unwrap();
     let mut desc = JointDesc::hinge(bodies, frames);
     if let Some((speed, torque)) = motor {
-        desc = desc.with_drive(Drive::motor(Motion::Angular, Axis::X, speed, torque));
+        desc = desc.with_motor(Motor::velocity(Motion::Angular, Axis::X, speed, torque));
     }
     world.add_joint(&desc).unwrap()
 }
@@ -156,8 +156,8 @@ fn a_motor_turns_a_four_bar_linkage() {
                 let geometry = Geometry::cuboid(half, 0.1 * half, 0.1 * half);
                 let mass = (4.0 * half / scale as f32) * (scale * scale * scale) as f32;
                 let desc = BodyDesc::dynamic()
-                    .at(middle)
-                    .rotated(Quat::from_rotation_z(way.y.atan2(way.x) as f32))
+                    .with_position(middle)
+                    .with_rotation(Quat::from_rotation_z(way.y.atan2(way.x) as f32))
                     .with_shape(ShapeDesc::new(geometry));
                 let body = world.add_body(&desc).unwrap();
                 let unit = world.mass(body).unwrap();
@@ -250,17 +250,14 @@ fn a_motor_stops_where_its_range_ends() {
             Motion::Angular => JointDesc::hinge(pair, frames),
         };
         let axes = Axes::One(Axis::X);
-        let joint = joint.with_limit(Limit::new(motion, axes, range[0], range[1])).with_drive(Drive::motor(
-            motion,
-            Axis::X,
-            speed,
-            force,
-        ));
+        let joint = joint
+            .with_limit(Limit::new(motion, axes, range[0], range[1]))
+            .with_motor(Motor::velocity(motion, Axis::X, speed, force));
         let joint = world.add_joint(&joint).unwrap();
         let (mut low, mut high, mut at) = (0.0_f32, 0.0_f32, 0.0);
         for _ in 0..(8.0 * hertz) as u32 {
             world.step(1.0 / hertz).unwrap();
-            at = world.joint_displacement(joint, motion, axes).unwrap();
+            at = world.joint_position(joint, motion, axes).unwrap();
             (low, high) = (low.min(at), high.max(at));
         }
         let stop = if speed > 0.0 { range[1] } else { range[0] };

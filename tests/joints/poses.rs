@@ -76,7 +76,7 @@ fn a_figure_takes_the_pose_and_follows_it() {
     // Limp again, with the friction that its skeleton has.
     doll.relax(&mut world).unwrap();
     for &joint in &doll.joints {
-        assert!(world.joint_drives(joint).unwrap().all(|drive| drive.max_force == 0.5));
+        assert!(world.joint_motors(joint).unwrap().all(|drive| drive.max_force == 0.5));
     }
     assert!(world.set_joint_user_data(doll.joints[0], 1).is_ok());
 }
@@ -93,7 +93,7 @@ fn poses_are_refused_whole() {
     assert!(matches!(doll.drive_to(&mut world, &good[1..], SERVO, 1.0), Err(Error::Incomplete { .. })));
     assert!(doll.drive_to(&mut world, &bad, SERVO, 1.0).is_err());
     assert!(doll.drive_to(&mut world, &good, SERVO, -1.0).is_err());
-    let none = |world: &World| doll.joints.iter().all(|&j| world.joint_drives(j).unwrap().count() == 0);
+    let none = |world: &World| doll.joints.iter().all(|&j| world.joint_motors(j).unwrap().count() == 0);
     assert!(none(&world));
     // A joint that broke is left out.
     world.remove_joint(doll.joints[4]).unwrap();
@@ -105,5 +105,5 @@ fn poses_are_refused_whole() {
     world.set_settings(world.settings().clone().with_budget(budget)).unwrap();
     assert!(matches!(doll.drive_to(&mut world, &good, SERVO, 100.0), Err(Error::Budget { .. })));
     let left = doll.joints.iter().filter(|&&j| world.contains_joint(j));
-    assert!(left.into_iter().all(|&j| world.joint_drives(j).unwrap().count() == 0));
+    assert!(left.into_iter().all(|&j| world.joint_motors(j).unwrap().count() == 0));
 }

@@ -212,7 +212,7 @@ fn rooms(world: &mut World, walls: Walls) {
             let half = 0.5 * (u + v + u.cross(v).normalize().abs() * thickness);
             let shape = ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z));
             let at = (corner + 0.5 * (u + v)).as_dvec3();
-            world.add_body(&BodyDesc::fixed().at(at).with_shape(shape)).unwrap();
+            world.add_body(&BodyDesc::fixed().with_position(at).with_shape(shape)).unwrap();
         } else {
             // In triangles of about a metre.
             let (nu, nv) = (u.length().ceil() as u32, v.length().ceil() as u32);

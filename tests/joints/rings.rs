@@ -24,8 +24,8 @@ fn ring(random: &mut Random, substeps: u32) -> (World, Vec<JointHandle>) {
             let mass =
                 MassProperties { mass, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) };
             let at = 0.5 * towards(i as f32);
-            let desc = BodyDesc::dynamic().with_mass(Some(mass)).at(at.as_dvec3());
-            world.add_body(&desc.moving(spin.cross(at), spin)).unwrap()
+            let desc = BodyDesc::dynamic().with_mass(Some(mass)).with_position(at.as_dvec3());
+            world.add_body(&desc.with_velocity(spin.cross(at), spin)).unwrap()
         })
         .collect();
     let joints = (0..count)

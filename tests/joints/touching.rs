@@ -25,7 +25,7 @@ fn shape(random: &mut Random) -> (Geometry, f32) {
 fn pair(seed: u64, speed: f32, make: Make) -> World {
     let (mut random, mut world) = (Random(seed), World::new(Settings::default()).unwrap());
     let floor = ShapeDesc::new(Geometry::cuboid(50.0, 1.0, 50.0));
-    world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::NEG_Y).with_shape(floor)).unwrap();
     let shapes = [0; 2].map(|_| shape(&mut random));
     let way = random.direction() * (shapes[0].1 + shapes[1].1 + 0.02);
     let mut at = DVec3::Y * 2.0;
@@ -33,7 +33,11 @@ fn pair(seed: u64, speed: f32, make: Make) -> World {
         let mut form = ShapeDesc::new(geometry);
         form.density = random.log_range(50.0, 7500.0);
         let (v, w): (Vec3, Vec3) = (random.cube() * speed, random.cube() * speed);
-        let desc = BodyDesc::dynamic().at(at).rotated(random.rotation()).moving(v, w).with_shape(form);
+        let desc = BodyDesc::dynamic()
+            .with_position(at)
+            .with_rotation(random.rotation())
+            .with_velocity(v, w)
+            .with_shape(form);
         at += way.as_dvec3();
         world.add_body(&desc).unwrap()
     });

@@ -5,7 +5,7 @@
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, Drive, Geometry, JointDesc, Limit, Motion, Settings, ShapeDesc, Snapshot, World,
+    Axes, Axis, BodyDesc, Geometry, JointDesc, Limit, Motion, Motor, Settings, ShapeDesc, Snapshot, World,
 };
 use std::f64::consts::TAU;
 
@@ -27,7 +27,8 @@ fn a_hinge_stops_at_the_ends_of_any_range() {
         let mut world = World::new(settings).unwrap();
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let shape = ShapeDesc::new(Geometry::cuboid(0.5, 0.05, 0.2)).with_density(100.0);
-        let body = world.add_body(&BodyDesc::dynamic().at(DVec3::X * 0.5).with_shape(shape)).unwrap();
+        let body =
+            world.add_body(&BodyDesc::dynamic().with_position(DVec3::X * 0.5).with_shape(shape)).unwrap();
         let about_z = Quat::from_rotation_arc(Vec3::X, Vec3::Z);
         let frames = world.frames_at([ground, body], DVec3::ZERO, about_z).unwrap();
         let (low, high) = (-random.log_range(0.3, 31.0), random.log_range(0.3, 31.0));
@@ -38,7 +39,7 @@ fn a_hinge_stops_at_the_ends_of_any_range() {
         let driven = random.chance(0.5);
         if driven {
             let speed = way * random.log_range(1.0, 30.0);
-            joint = joint.with_drive(Drive::motor(Motion::Angular, Axis::X, speed, 5000.0));
+            joint = joint.with_motor(Motor::velocity(Motion::Angular, Axis::X, speed, 5000.0));
         }
         let joint = world.add_joint(&joint).unwrap();
         if !driven {
@@ -60,15 +61,15 @@ fn a_hinge_stops_at_the_ends_of_any_range() {
             sum += (angle - last) - TAU * ((angle - last) / TAU).round();
             last = angle;
             beyond = beyond.max(sum - ends[1]).max(ends[0] - sum);
-            let said = world.joint_displacement(joint, Motion::Angular, AXES).unwrap();
+            let said = world.joint_position(joint, Motion::Angular, AXES).unwrap();
             apart = apart.max((f64::from(said) - sum).abs());
         }
         let end = ends[usize::from(way > 0.0)];
         let held = !driven || (sum - end).abs() < 0.2_f64.to_radians();
-        let hash = world.hash();
+        let hash = world.state_hash();
         world.restore(&Snapshot::from_bytes(&snapshot.to_bytes()).unwrap()).unwrap();
         (middle + 1..steps).for_each(|_| world.step(1.0 / hertz).map(drop).unwrap());
-        let same = world.hash() == hash;
+        let same = world.state_hash() == hash;
         if !(beyond < 0.2 && apart < 1e-3 && held && same) {
             wrong.push((seed, hertz, trees, driven, ends, sum, beyond, apart, same));
         }

@@ -27,7 +27,7 @@ fn run(world: &mut World, hertz: u32, seconds: u32) {
 fn velocity_decays_exponentially_at_any_rate() {
     let (linear, angular) = (0.7f32, 1.9f32);
     let (v, w) = (Vec3::new(3.0, -2.0, 8.0), Vec3::new(1.0, 5.0, -2.0));
-    let mut desc = ball().moving(v, w);
+    let mut desc = ball().with_velocity(v, w);
     (desc.linear_damping, desc.angular_damping) = (linear, angular);
     for hertz in RATES {
         for substeps in [1, 4] {
@@ -60,9 +60,10 @@ fn a_damped_body_has_a_terminal_velocity() {
 /// Only what is damped is, and only while it is dynamic.
 #[test]
 fn others_keep_their_velocity() {
-    let (mut world, damped) = free(&ball().moving(Vec3::X, Vec3::Y), Vec3::ZERO, 4);
-    let other = world.add_body(&ball().at(DVec3::Z * 9.0).moving(Vec3::X, Vec3::Y)).unwrap();
-    let carrier = BodyDesc::kinematic().at(DVec3::Z * 20.0).moving(Vec3::X, Vec3::Y);
+    let (mut world, damped) = free(&ball().with_velocity(Vec3::X, Vec3::Y), Vec3::ZERO, 4);
+    let other =
+        world.add_body(&ball().with_position(DVec3::Z * 9.0).with_velocity(Vec3::X, Vec3::Y)).unwrap();
+    let carrier = BodyDesc::kinematic().with_position(DVec3::Z * 20.0).with_velocity(Vec3::X, Vec3::Y);
     let carrier = world.add_body(&carrier.clone().with_linear_damping(3.0)).unwrap();
     world.set_damping(damped, 1.0, 2.0).unwrap();
     assert_eq!((world.damping(damped), world.damping(other)), (Ok((1.0, 2.0)), Ok((0.0, 0.0))));
@@ -82,11 +83,12 @@ fn others_keep_their_velocity() {
 
 #[test]
 fn a_snapshot_keeps_damping_and_where_kinematic_bodies_are_to_be() {
-    let mut desc = ball().moving(Vec3::X * 4.0, Vec3::Y);
+    let mut desc = ball().with_velocity(Vec3::X * 4.0, Vec3::Y);
     (desc.linear_damping, desc.angular_damping) = (0.5, 0.25);
     let (mut world, body) = free(&desc, Vec3::NEG_Y, 4);
-    let mut table =
-        BodyDesc::kinematic().at(DVec3::Z * 10.0).with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 1.0, 1.0)));
+    let mut table = BodyDesc::kinematic()
+        .with_position(DVec3::Z * 10.0)
+        .with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 1.0, 1.0)));
     table.shapes[0].position = Vec3::new(0.3, 0.2, 0.1);
     let table = world.add_body(&table).unwrap();
     run(&mut world, 60, 1);
@@ -96,16 +98,16 @@ fn a_snapshot_keeps_damping_and_where_kinematic_bodies_are_to_be() {
     world.snapshot(&mut saved);
     let whole = saved.to_whole_bytes();
     run(&mut world, 60, 1);
-    let hash = world.hash();
+    let hash = world.state_hash();
     for snapshot in [saved, Snapshot::from_bytes(&whole).unwrap()] {
         world.set_damping(body, 0.0, 9.0).unwrap();
         world.restore(&snapshot).unwrap();
         assert_eq!(world.damping(body), Ok((0.5, 0.25)));
         run(&mut world, 60, 1);
-        assert_eq!(world.hash(), hash);
+        assert_eq!(world.state_hash(), hash);
     }
     let mut other = World::new(Settings::default()).unwrap();
     other.restore(&Snapshot::from_bytes(&whole).unwrap()).unwrap();
     run(&mut other, 60, 1);
-    assert_eq!(other.hash(), hash);
+    assert_eq!(other.state_hash(), hash);
 }

@@ -34,11 +34,12 @@ fn what_lies_on_a_disc_that_turns_stays_there() {
         let half = Vec3::new(random.range(0.1, 0.3), random.range(0.05, 0.1), random.range(0.1, 0.3));
         let mut world = World::new(Settings::default().with_substeps(substeps)).unwrap();
         let disc = Geometry::cylinder(0.5, 5.0);
-        let turns = BodyDesc::kinematic().at(DVec3::Y * -0.5).moving(Vec3::ZERO, Vec3::Y * spin);
+        let turns =
+            BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_velocity(Vec3::ZERO, Vec3::Y * spin);
         world.add_body(&turns.with_shape(with_friction(disc, friction))).unwrap();
         let lies = BodyDesc::dynamic()
-            .at(DVec3::new(f64::from(at), f64::from(half.y), 0.0))
-            .moving(Vec3::Z * (-spin * at), Vec3::Y * spin);
+            .with_position(DVec3::new(f64::from(at), f64::from(half.y), 0.0))
+            .with_velocity(Vec3::Z * (-spin * at), Vec3::Y * spin);
         let shape = with_friction(Geometry::cuboid(half.x, half.y, half.z), friction);
         let body = world.add_body(&lies.with_shape(shape)).unwrap();
         for _ in 0..(120.0 * hz) as usize {
@@ -61,7 +62,7 @@ fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
         let hz = [30.0, 60.0, 120.0][case % 3];
         let spin = random.range(5.0, 60.0);
         let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
-        let blade = BodyDesc::kinematic().moving(Vec3::ZERO, Vec3::Y * spin);
+        let blade = BodyDesc::kinematic().with_velocity(Vec3::ZERO, Vec3::Y * spin);
         world.add_body(&blade.with_shape(ShapeDesc::new(Geometry::cuboid(2.0, 0.25, 0.02)))).unwrap();
         // Between the blade and itself, half a turn on.
         let (at, angle) = (random.range(0.4, 1.9), random.range(0.6, 2.5));
@@ -70,7 +71,7 @@ fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
             0 => Geometry::sphere(0.1),
             _ => Geometry::cuboid(0.1, 0.1, 0.1),
         };
-        let body = BodyDesc::dynamic().at(place.as_dvec3()).with_shape(ShapeDesc::new(geometry));
+        let body = BodyDesc::dynamic().with_position(place.as_dvec3()).with_shape(ShapeDesc::new(geometry));
         let body = world.add_body(&body).unwrap();
         let mut fastest = 0.0f32;
         for _ in 0..hz as usize {
@@ -105,11 +106,14 @@ fn what_begins_in_the_ground_is_out_within_half_a_second() {
         let stack = 1 + case / 15 % 2;
         let mut world = World::new(Settings::default()).unwrap();
         let slab = ShapeDesc::new(Geometry::cuboid(4.0, 2.0, 4.0));
-        let ground = world.add_body(&BodyDesc::fixed().at(DVec3::Y * -2.0).with_shape(slab)).unwrap();
+        let ground =
+            world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * -2.0).with_shape(slab)).unwrap();
         let half = f64::from(*half);
         let body = |i: usize, world: &mut World| {
             let at = DVec3::Y * (half * (2 * i + 1) as f64);
-            world.add_body(&BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry.clone()))).unwrap()
+            world
+                .add_body(&BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry.clone())))
+                .unwrap()
         };
         let lowest = body(0, &mut world);
         // Only boxes stand on each other.

@@ -7,7 +7,7 @@ fn table(centre: Vec3) -> BodyDesc {
     let mut shape = ShapeDesc::new(Geometry::cuboid(1.0, 0.2, 0.5));
     shape.position = centre;
     shape.rotation = if centre == Vec3::ZERO { Quat::IDENTITY } else { Quat::from_rotation_z(0.4) };
-    BodyDesc::kinematic().at(DVec3::new(1e5, 3.0, -7.0)).with_shape(shape)
+    BodyDesc::kinematic().with_position(DVec3::new(1e5, 3.0, -7.0)).with_shape(shape)
 }
 
 /// To the bit where another body of the kind is that was put there; around half a turn in a step, far from
@@ -80,7 +80,7 @@ fn a_platform_that_is_to_stop_stands_where_it_was_told_to_be() {
     let slab = ShapeDesc::new(Geometry::cuboid(2.0, 0.1, 2.0));
     let body = world.add_body(&BodyDesc::kinematic().with_shape(slab)).unwrap();
     let load = ShapeDesc::new(Geometry::cuboid(0.2, 0.2, 0.2));
-    let load = world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.3).with_shape(load)).unwrap();
+    let load = world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 0.3).with_shape(load)).unwrap();
     for step in 1..=10 {
         let to = DVec3::X * 0.01 * f64::from(step);
         world.move_kinematic_and_stop(body, to, Quat::IDENTITY, 0.02).unwrap();

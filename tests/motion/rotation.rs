@@ -9,7 +9,7 @@ use backstop::{BodyDesc, BodyHandle, Geometry, MassProperties, Settings, ShapeDe
 
 fn alone(inertia: Vec3, spin: Vec3) -> (World, BodyHandle) {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
-    let mut desc = BodyDesc::dynamic().moving(Vec3::ZERO, spin);
+    let mut desc = BodyDesc::dynamic().with_velocity(Vec3::ZERO, spin);
     desc.mass =
         Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });
     let body = world.add_body(&desc).unwrap();
@@ -130,9 +130,12 @@ fn a_spinning_needle_dropped_on_the_floor_gains_nothing() {
     let mut world = World::new(Settings::default()).unwrap();
     world.add_body(&common::Floor::Plane.desc(Default::default())).unwrap();
     let needle = ShapeDesc::new(Geometry::cuboid(1.0, 0.01, 0.01));
-    let desc = BodyDesc::dynamic().at(DVec3::new(0.0, 3.0, 0.0)).rotated(Quat::from_rotation_z(0.4));
-    let body =
-        world.add_body(&desc.with_shape(needle).moving(Vec3::ZERO, Vec3::new(300.0, 3.0, 100.0))).unwrap();
+    let desc = BodyDesc::dynamic()
+        .with_position(DVec3::new(0.0, 3.0, 0.0))
+        .with_rotation(Quat::from_rotation_z(0.4));
+    let body = world
+        .add_body(&desc.with_shape(needle).with_velocity(Vec3::ZERO, Vec3::new(300.0, 3.0, 100.0)))
+        .unwrap();
     let start = world.energy();
     for _ in 0..1200 {
         world.step(1.0 / 60.0).unwrap();
@@ -174,11 +177,12 @@ fn whatever_spins_freely_keeps_its_energy_and_momentum_for_a_minute() {
                     let axis =
                         [principal + 1e-3 * random.cube(), principal + 0.2 * random.cube(), random.cube()];
                     let (axis, rotation) = (axis[n / 3].normalize(), random.rotation());
-                    let mut body =
-                        BodyDesc::dynamic().at(DVec3::X * 5.0 * all.len() as f64).rotated(rotation);
+                    let mut body = BodyDesc::dynamic()
+                        .with_position(DVec3::X * 5.0 * all.len() as f64)
+                        .with_rotation(rotation);
                     body.can_sleep = false;
                     let shape = ShapeDesc::new(geometry.clone());
-                    let body = body.with_shape(shape).moving(Vec3::ZERO, rotation * (axis * speed));
+                    let body = body.with_shape(shape).with_velocity(Vec3::ZERO, rotation * (axis * speed));
                     let body = world.add_body(&body).unwrap();
                     let inertia = world.mass_properties(body).unwrap().inertia;
                     let inertia = Vec3::new(inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z);

@@ -42,28 +42,28 @@ fn no_step_leaves_a_body_faster_than_its_greatest_speeds() {
     let methods = [ContinuousMethod::OnePass, ContinuousMethod::ConservativeAdvancement];
     for method in methods {
         let (linear, angular) = (8.0f32, 6.0f32);
-        let mut world = World::new(Settings::default().with_method(method)).unwrap();
+        let mut world = World::new(Settings::default().with_continuous_method(method)).unwrap();
         let bouncy = Material::default().with_restitution(0.9);
         world.add_body(&Floor::Mesh.desc(bouncy)).unwrap();
         let bodies: Vec<BodyHandle> = (0..12u8)
             .map(|i| {
                 let at = Vec3::new(f32::from(i % 4) - 1.5, 0.6 + f32::from(i / 4), 0.0);
                 let desc = dynamic(Geometry::cuboid(0.3, 0.1, 0.2), bouncy, at)
-                    .moving(Vec3::new(0.0, -30.0, 5.0), Vec3::new(1.0, 40.0, 2.0))
+                    .with_velocity(Vec3::new(0.0, -30.0, 5.0), Vec3::new(1.0, 40.0, 2.0))
                     .with_max_linear_speed(linear)
                     .with_max_angular_speed(angular);
                 world.add_body(&desc).unwrap()
             })
             .collect();
         let bat = dynamic(Geometry::sphere(0.4), bouncy.with_friction(0.1), Vec3::new(-9.0, 0.8, 0.0))
-            .moving(Vec3::X * 60.0, Vec3::ZERO);
+            .with_velocity(Vec3::X * 60.0, Vec3::ZERO);
         world.add_body(&bat).unwrap();
         for step in 0..300u32 {
             let body = bodies[step as usize % bodies.len()];
             match step % 60 {
                 5 => world.apply_angular_impulse(body, Vec3::new(0.0, 500.0, 20.0)).unwrap(),
                 20 => world.set_velocity(body, Vec3::new(3.0, 90.0, 0.0), Vec3::Z * 70.0).unwrap(),
-                40 => world.add_force(body, Vec3::X * 1e5, Vec3::ZERO).unwrap(),
+                40 => world.add_force(body, Vec3::X * 1e5).unwrap(),
                 _ => {}
             }
             let before: Vec<DVec3> = bodies.iter().map(|&b| world.position(b).unwrap()).collect();
@@ -85,7 +85,7 @@ fn a_cap_only_takes_energy() {
     for (linear, angular) in [(6.0f32, 30.0f32), (20.0, 4.0), (3.0, 2.0)] {
         let mut world = World::new(Settings::default()).unwrap();
         let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.3), Material::default(), Vec3::ZERO)
-            .moving(Vec3::new(4.0, 9.0, 0.0), Vec3::new(0.3, 10.0, 0.4))
+            .with_velocity(Vec3::new(4.0, 9.0, 0.0), Vec3::new(0.3, 10.0, 0.4))
             .with_max_linear_speed(linear)
             .with_max_angular_speed(angular);
         let body = world.add_body(&body).unwrap();
@@ -118,7 +118,7 @@ fn caps_can_be_read_set_and_taken_away() {
         (world, body)
     };
     let free = dynamic(Geometry::cuboid(0.2, 0.3, 0.1), Material::default(), Vec3::Y * 2.0)
-        .moving(Vec3::X, Vec3::new(1.0, 2.0, 3.0));
+        .with_velocity(Vec3::X, Vec3::new(1.0, 2.0, 3.0));
     let ((plain, a), (mut world, b)) = (run(&free), run(&free.clone().with_max_linear_speed(100.0)));
     assert_eq!(plain.position(a).unwrap(), world.position(b).unwrap());
     assert_eq!(plain.max_speeds(a).unwrap(), [None, None]);
@@ -146,7 +146,7 @@ fn thrown(threads: usize) -> (World, Vec<BodyHandle>) {
         .map(|i| {
             let at = Vec3::new(f32::from(i % 6) * 0.7, 0.5 + f32::from(i / 6) * 0.7, f32::from(i % 5) * 0.2);
             let mut desc = dynamic(Geometry::cuboid(0.2, 0.2, 0.3), Material::default(), at)
-                .moving(Vec3::new(0.0, 3.0, f32::from(i)), Vec3::X * 9.0);
+                .with_velocity(Vec3::new(0.0, 3.0, f32::from(i)), Vec3::X * 9.0);
             if i % 3 == 0 {
                 desc = desc.with_max_linear_speed(2.0 + 0.1 * f32::from(i)).with_max_angular_speed(3.0);
             }

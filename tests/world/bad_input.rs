@@ -6,8 +6,8 @@ use crate::common::{self, Floor, dynamic, flat_mesh};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::limits;
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Continuous, ConvexHull, Drive, Error, Filter, Frame,
-    Geometry, HeightField, JointDesc, Limit, MassProperties, Material, Motion, Settings, ShapeDesc,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, ContinuousMode, ConvexHull, Error, Filter, Frame,
+    Geometry, HeightField, JointDesc, Limit, MassProperties, Material, Motion, Motor, Settings, ShapeDesc,
     TriangleMesh, World,
 };
 
@@ -18,7 +18,7 @@ fn world() -> (World, BodyHandle) {
     let mut world = World::new(Settings::default()).unwrap();
     world.add_body(&Floor::Box.desc(Material::default())).unwrap();
     let body = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), Vec3::new(0.0, 0.6, 0.0));
-    let body = world.add_body(&body.moving(Vec3::X, Vec3::Y)).unwrap();
+    let body = world.add_body(&body.with_velocity(Vec3::X, Vec3::Y)).unwrap();
     common::steps(&mut world, 30, 1.0 / 60.0);
     (world, body)
 }
@@ -26,7 +26,7 @@ fn world() -> (World, BodyHandle) {
 /// Makes the call, which must fail and leave the world as it was. Returns why it was refused.
 #[track_caller]
 fn refused<T>(what: &str, world: &mut World, call: impl FnOnce(&mut World) -> Result<T, Error>) -> Error {
-    let state = |w: &World| (w.hash(), w.memory(), w.body_count(), *w.report(), w.settings().clone());
+    let state = |w: &World| (w.state_hash(), w.memory(), w.body_count(), *w.report(), w.settings().clone());
     let before = state(world);
     let Err(error) = call(world) else { panic!("{what} was accepted") };
     assert_eq!(state(world), before, "{what} changed the world");
@@ -53,14 +53,14 @@ fn numbers_of_a_body_must_be_finite() {
         for axis in 0..3 {
             let (mut at, mut v) = (DVec3::ZERO, Vec3::ZERO);
             (at[axis], v[axis]) = (bad.into(), bad);
-            refused_body("position", &ball().at(at));
-            refused_body("velocity", &ball().moving(v, Vec3::ZERO));
-            refused_body("spin", &ball().moving(Vec3::ZERO, v));
+            refused_body("position", &ball().with_position(at));
+            refused_body("velocity", &ball().with_velocity(v, Vec3::ZERO));
+            refused_body("spin", &ball().with_velocity(Vec3::ZERO, v));
             let mut desc = ball();
             desc.shapes[0].position = v;
             refused_body("shape position", &desc);
         }
-        refused_body("rotation", &ball().rotated(Quat::from_xyzw(0.0, bad, 0.0, 1.0)));
+        refused_body("rotation", &ball().with_rotation(Quat::from_xyzw(0.0, bad, 0.0, 1.0)));
         let mut desc = ball();
         desc.gravity_scale = bad;
         refused_body("gravity scale", &desc);
@@ -68,8 +68,8 @@ fn numbers_of_a_body_must_be_finite() {
         desc.shapes[0].rotation.w = bad;
         refused_body("shape rotation", &desc);
     }
-    refused_body("rotation of length 0", &ball().rotated(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)));
-    refused_body("rotation of length 2", &ball().rotated(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0)));
+    refused_body("rotation of length 0", &ball().with_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)));
+    refused_body("rotation of length 2", &ball().with_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0)));
 }
 
 #[test]
@@ -222,10 +222,10 @@ fn what_a_body_is_told_must_be_finite() {
         let v = Vec3::new(0.0, bad, 0.0);
         refused("velocity", w, |w| w.set_velocity(body, v, Vec3::ZERO));
         refused("spin", w, |w| w.set_velocity(body, Vec3::ZERO, v));
-        refused("force", w, |w| w.add_force(body, v, Vec3::ZERO));
-        refused("torque", w, |w| w.add_force(body, Vec3::ZERO, v));
-        refused("impulse", w, |w| w.apply_impulse(body, v, DVec3::ZERO));
-        refused("point", w, |w| w.apply_impulse(body, Vec3::X, v.as_dvec3()));
+        refused("force", w, |w| w.add_force(body, v));
+        refused("torque", w, |w| w.add_torque(body, v));
+        refused("impulse", w, |w| w.apply_impulse_at(body, v, DVec3::ZERO));
+        refused("point", w, |w| w.apply_impulse_at(body, Vec3::X, v.as_dvec3()));
         refused("pose", w, |w| w.set_pose(body, v.as_dvec3(), Quat::IDENTITY));
         refused("rotation", w, |w| w.set_pose(body, DVec3::ZERO, Quat::from_xyzw(bad, 0.0, 0.0, 1.0)));
         refused("target", w, |w| w.move_kinematic(body, v.as_dvec3(), Quat::IDENTITY, 0.1));
@@ -279,14 +279,14 @@ fn settings_must_be_in_range() {
 #[test]
 fn a_stale_handle_never_names_another_body() {
     let (mut world, keep) = world();
-    let old = world.add_body(&ball().at(DVec3::Y * 9.0)).unwrap();
+    let old = world.add_body(&ball().with_position(DVec3::Y * 9.0)).unwrap();
     let old_shape = world.shapes(old).unwrap().next().unwrap();
     world.remove_body(old).unwrap();
     for reuse in [false, true] {
         if reuse {
             // The slots of body and shape are used again.
             for i in 0..4 {
-                world.add_body(&ball().at(DVec3::Y * (12.0 + 3.0 * f64::from(i)))).unwrap();
+                world.add_body(&ball().with_position(DVec3::Y * (12.0 + 3.0 * f64::from(i)))).unwrap();
             }
         }
         assert!(!world.contains(old) && world.contains(keep));
@@ -308,10 +308,10 @@ fn a_stale_handle_never_names_another_body() {
         body("set pose", w, &|w| w.set_pose(old, DVec3::ZERO, Quat::IDENTITY));
         body("set velocity", w, &|w| w.set_velocity(old, Vec3::X, Vec3::X));
         body("move", w, &|w| w.move_kinematic(old, DVec3::ZERO, Quat::IDENTITY, 0.1));
-        body("force", w, &|w| w.add_force(old, Vec3::X, Vec3::X));
-        body("impulse", w, &|w| w.apply_impulse(old, Vec3::X, DVec3::ZERO));
+        body("force", w, &|w| w.add_force_and_torque(old, Vec3::X, Vec3::X));
+        body("impulse", w, &|w| w.apply_impulse_at(old, Vec3::X, DVec3::ZERO));
         body("gravity scale", w, &|w| w.set_gravity_scale(old, 0.0));
-        body("continuous", w, &|w| w.set_continuous(old, Continuous::Discrete));
+        body("continuous", w, &|w| w.set_continuous(old, ContinuousMode::Discrete));
         let mass = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY };
         body("set mass", w, &|w| w.set_mass(old, mass));
         let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
@@ -333,8 +333,9 @@ fn a_budget_refuses_what_does_not_fit() {
     let (mut world, body) = world();
     let used = world.memory().total();
     world.set_settings(Settings::default().with_budget(Budget::total(used + 100_000))).unwrap();
-    world.add_body(&ball().at(DVec3::Y * 20.0)).unwrap();
-    let many: Vec<BodyDesc> = (0..10_000).map(|i| ball().at(DVec3::Y * (30.0 + f64::from(i)))).collect();
+    world.add_body(&ball().with_position(DVec3::Y * 20.0)).unwrap();
+    let many: Vec<BodyDesc> =
+        (0..10_000).map(|i| ball().with_position(DVec3::Y * (30.0 + f64::from(i)))).collect();
     let error = refused("many bodies", &mut world, |w| w.add_bodies(&many));
     let Error::Budget { asked, left, .. } = error else { panic!("{error}") };
     assert!(asked > left && left <= 100_000, "{asked} asked, {left} left");
@@ -347,7 +348,7 @@ fn a_budget_refuses_what_does_not_fit() {
     let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
     let error = refused("a shape", &mut world, |w| w.add_shape(body, &shape));
     assert!(matches!(error, Error::Budget { .. }), "{error}");
-    let error = refused("a first force", &mut world, |w| w.add_force(body, Vec3::Y, Vec3::ZERO));
+    let error = refused("a first force", &mut world, |w| w.add_force(body, Vec3::Y));
     assert!(matches!(error, Error::Budget { category: Category::Bodies, .. }), "{error}");
     world.step(1.0 / 60.0).unwrap();
 }
@@ -378,17 +379,17 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     let w = &mut world;
     for far in [1.1e9, 1e30, f64::from(f32::MAX)] {
         let at = DVec3::new(0.0, -far, 0.0);
-        refused_body("position", &ball().at(at));
+        refused_body("position", &ball().with_position(at));
         refused("pose", w, |w| w.set_pose(body, at, Quat::IDENTITY));
         refused("origin", w, |w| w.set_origin(at));
-        refused("point", w, |w| w.apply_impulse(body, Vec3::X, at));
+        refused("point", w, |w| w.apply_impulse_at(body, Vec3::X, at));
         refused("target", w, |w| w.move_kinematic(body, at, Quat::IDENTITY, 0.1));
         refused("frames", w, |w| w.frames_at([body, body], at, Quat::IDENTITY));
     }
     for fast in [1.1e6, 1e30, f32::MAX] {
         let v = Vec3::new(0.0, 0.0, fast);
-        refused_body("velocity", &ball().moving(v, Vec3::ZERO));
-        refused_body("spin", &ball().moving(Vec3::ZERO, v));
+        refused_body("velocity", &ball().with_velocity(v, Vec3::ZERO));
+        refused_body("spin", &ball().with_velocity(Vec3::ZERO, v));
         refused("velocity", w, |w| w.set_velocity(body, v, Vec3::ZERO));
         refused("spin", w, |w| w.set_velocity(body, Vec3::ZERO, -v));
         refused("gravity", w, |w| w.set_settings(Settings::default().with_gravity(v)));
@@ -418,23 +419,23 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     }
     // Each is allowed, the sum is not. The impulse is too large by its arm: 1e9 N s at 1e8 m on a cube of a
     // ton.
-    refused("force", w, |w| w.add_force(body, Vec3::X * 1.1e18, Vec3::ZERO));
-    w.add_force(body, Vec3::X * 0.9e18, Vec3::X * 0.9e18).unwrap();
-    refused("sum of forces", w, |w| w.add_force(body, Vec3::X * 0.9e18, Vec3::ZERO));
-    refused("sum of torques", w, |w| w.add_force(body, Vec3::ZERO, Vec3::X * 0.9e18));
-    refused("impulse", w, |w| w.apply_impulse(body, Vec3::X * 1e9, DVec3::Y * 1e8));
-    refused("impulse", w, |w| w.apply_impulse(body, Vec3::X * 1e10, DVec3::ZERO));
+    refused("force", w, |w| w.add_force(body, Vec3::X * 1.1e18));
+    w.add_force_and_torque(body, Vec3::X * 0.9e18, Vec3::X * 0.9e18).unwrap();
+    refused("sum of forces", w, |w| w.add_force(body, Vec3::X * 0.9e18));
+    refused("sum of torques", w, |w| w.add_torque(body, Vec3::X * 0.9e18));
+    refused("impulse", w, |w| w.apply_impulse_at(body, Vec3::X * 1e9, DVec3::Y * 1e8));
+    refused("impulse", w, |w| w.apply_impulse_at(body, Vec3::X * 1e10, DVec3::ZERO));
     w.step(1.0 / 60.0).unwrap();
     // Joints.
-    let other = w.add_body(&ball().at(DVec3::Y * 9.0)).unwrap();
+    let other = w.add_body(&ball().with_position(DVec3::Y * 9.0)).unwrap();
     let far = [Frame::at(Vec3::X * 1.1e6), Frame::default()];
     refused("frame", w, |w| w.add_joint(&JointDesc::ball([body, other], far)));
     let near = [Frame::default(); 2];
     let free = || JointDesc::new([body, other], near);
     let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 1e10);
     refused("limit", w, |w| w.add_joint(&free().with_limit(limit)));
-    let motor = Drive::motor(Motion::Linear, Axis::X, 1e7, 1.0);
-    refused("drive", w, |w| w.add_joint(&free().with_drive(motor)));
+    let motor = Motor::velocity(Motion::Linear, Axis::X, 1e7, 1.0);
+    refused("drive", w, |w| w.add_joint(&free().with_motor(motor)));
     // One over it is infinite.
     let mass = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY * 1e-40 };
     refused("moments", w, |w| w.set_mass(body, mass));
@@ -452,7 +453,7 @@ fn at_the_ends_of_the_ranges_steps_leave_numbers() {
                     world.set_origin(at).unwrap();
                     let floor = ShapeDesc::new(Geometry::cuboid(size, size, size));
                     let step = DVec3::Y * f64::from(size) * 2.001;
-                    world.add_body(&BodyDesc::fixed().at(at).with_shape(floor)).unwrap();
+                    world.add_body(&BodyDesc::fixed().with_position(at).with_shape(floor)).unwrap();
                     for (i, geometry) in [
                         Geometry::cuboid(size, size, size),
                         Geometry::Sphere { radius: size },
@@ -463,7 +464,8 @@ fn at_the_ends_of_the_ranges_steps_leave_numbers() {
                     .enumerate()
                     {
                         let v = Vec3::new(speed, -speed, 0.5 * speed);
-                        let desc = BodyDesc::dynamic().at(at + step * (i + 1) as f64).moving(v, v);
+                        let desc =
+                            BodyDesc::dynamic().with_position(at + step * (i + 1) as f64).with_velocity(v, v);
                         world.add_body(&desc.with_shape(ShapeDesc::new(geometry))).unwrap();
                     }
                     for _ in 0..10 {

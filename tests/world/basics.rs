@@ -10,8 +10,12 @@ fn ball(r: f32) -> ShapeDesc {
 #[test]
 fn a_ball_comes_to_rest_on_a_ball() {
     let mut world = World::new(Settings::default()).unwrap();
-    world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, -100.0, 0.0)).with_shape(ball(100.0))).unwrap();
-    let b = world.add_body(&BodyDesc::dynamic().at(DVec3::new(0.0, 2.0, 0.0)).with_shape(ball(0.5))).unwrap();
+    world
+        .add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, -100.0, 0.0)).with_shape(ball(100.0)))
+        .unwrap();
+    let b = world
+        .add_body(&BodyDesc::dynamic().with_position(DVec3::new(0.0, 2.0, 0.0)).with_shape(ball(0.5)))
+        .unwrap();
     for i in 0..120 {
         world.step(1.0 / 60.0).unwrap();
         if i % 6 == 0 {
@@ -32,9 +36,11 @@ fn an_elastic_ball_keeps_its_energy() {
             s.material = Material::default().with_restitution(1.0);
             s
         };
-        world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, -100.0, 0.0)).with_shape(shape(100.0))).unwrap();
+        world
+            .add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, -100.0, 0.0)).with_shape(shape(100.0)))
+            .unwrap();
         let b = world
-            .add_body(&BodyDesc::dynamic().at(DVec3::new(0.0, 2.5, 0.0)).with_shape(shape(0.5)))
+            .add_body(&BodyDesc::dynamic().with_position(DVec3::new(0.0, 2.5, 0.0)).with_shape(shape(0.5)))
             .unwrap();
         let mut top: f64 = 0.0;
         let mut bounces = 0;

@@ -6,8 +6,8 @@ use crate::common::random::Random;
 use crate::common::{self, Floor, G, dynamic, shape};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, BodyKind, Continuous, Error, Filter, Geometry, MassProperties, Material, Settings,
-    ShapeDesc, World,
+    BodyDesc, BodyHandle, BodyKind, ContinuousMode, Error, Filter, Geometry, MassProperties, Material,
+    Settings, ShapeDesc, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -25,7 +25,7 @@ fn any_geometry(random: &mut Random) -> Geometry {
 fn any_body(random: &mut Random) -> BodyDesc {
     let at = random.cube() * 6.0 + Vec3::Y * 7.0;
     let kind = [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][random.below(4)];
-    let mut desc = BodyDesc::new(kind).at(at).rotated(random.rotation());
+    let mut desc = BodyDesc::new(kind).with_position(at).with_rotation(random.rotation());
     for _ in 0..1 + random.below(3) {
         let material = Material::default().with_restitution(if random.below(3) == 0 { 0.5 } else { 0.0 });
         let mut part = shape(any_geometry(random), material);
@@ -34,7 +34,7 @@ fn any_body(random: &mut Random) -> BodyDesc {
         desc.shapes.push(part);
     }
     desc.user_data = random.bits();
-    desc.moving(random.cube() * 5.0, random.cube() * 5.0)
+    desc.with_velocity(random.cube() * 5.0, random.cube() * 5.0)
 }
 
 /// Changes one thing about a body that the world has.
@@ -45,10 +45,10 @@ fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random)
             world.set_pose(body, at, random.rotation()).unwrap();
         }
         7 => world.set_velocity(body, random.cube() * 50.0, random.cube() * 50.0).unwrap(),
-        8 => world.add_force(body, random.cube() * 1e4, random.cube() * 1e3).unwrap(),
+        8 => world.add_force_and_torque(body, random.cube() * 1e4, random.cube() * 1e3).unwrap(),
         9 => {
             let at = world.position(body).unwrap() + random.cube().as_dvec3();
-            world.apply_impulse(body, random.cube() * 1e3, at).unwrap();
+            world.apply_impulse_at(body, random.cube() * 1e3, at).unwrap();
         }
         10 => {
             let part = shape(any_geometry(random), Material::default());
@@ -80,7 +80,8 @@ fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random)
             world.set_mass(body, mass).unwrap();
         }
         14 => {
-            let mode = [Continuous::Discrete, Continuous::Segment, Continuous::Volume][random.below(3)];
+            let mode =
+                [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume][random.below(3)];
             world.set_continuous(body, mode).unwrap();
             world.set_gravity_scale(body, random.range(-1.0, 2.0)).unwrap();
         }
@@ -153,8 +154,8 @@ fn a_kinematic_body_pushes_and_is_not_pushed() {
     let material = Material::default();
     world.add_body(&Floor::Plane.desc(material)).unwrap();
     let wall = shape(Geometry::cuboid(0.1, 1.0, 1.0), material);
-    let wall = BodyDesc::kinematic().at(Vec3::new(-1.0, 1.0, 0.0)).with_shape(wall);
-    let wall = world.add_body(&wall.moving(Vec3::X, Vec3::ZERO)).unwrap();
+    let wall = BodyDesc::kinematic().with_position(Vec3::new(-1.0, 1.0, 0.0)).with_shape(wall);
+    let wall = world.add_body(&wall.with_velocity(Vec3::X, Vec3::ZERO)).unwrap();
     let crate_ = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), material, Vec3::new(0.0, 0.5, 0.0));
     let crate_ = world.add_body(&crate_).unwrap();
     common::steps(&mut world, 180, DT);
@@ -175,7 +176,8 @@ fn a_kinematic_body_pushes_and_is_not_pushed() {
 fn a_platform_carries_what_stands_on_it() {
     let mut world = World::new(Settings::default()).unwrap();
     let floor = shape(Geometry::cuboid(5.0, 0.5, 5.0), Material::default());
-    let floor = world.add_body(&BodyDesc::kinematic().at(Vec3::Y * -0.5).with_shape(floor)).unwrap();
+    let floor =
+        world.add_body(&BodyDesc::kinematic().with_position(Vec3::Y * -0.5).with_shape(floor)).unwrap();
     let body = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), Vec3::new(0.0, 0.5, 0.0));
     let body = world.add_body(&body).unwrap();
     world.set_velocity(floor, Vec3::new(1.0, 0.5, 0.0), Vec3::ZERO).unwrap();
@@ -191,10 +193,11 @@ fn locked_axes_do_not_move() {
     let mut desc = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), Vec3::new(0.0, 0.5, 0.0));
     desc.lock_translation = [false, false, true];
     desc.lock_rotation = [true, true, false];
-    let body = world.add_body(&desc.moving(Vec3::new(2.0, 0.0, 3.0), Vec3::new(4.0, 5.0, 0.0))).unwrap();
+    let body =
+        world.add_body(&desc.with_velocity(Vec3::new(2.0, 0.0, 3.0), Vec3::new(4.0, 5.0, 0.0))).unwrap();
     // Something else bumps into it from the side.
     let bump = dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::new(2.0, 0.9, -3.0));
-    world.add_body(&bump.moving(Vec3::Z * 6.0, Vec3::ZERO)).unwrap();
+    world.add_body(&bump.with_velocity(Vec3::Z * 6.0, Vec3::ZERO)).unwrap();
     for _ in 0..120 {
         world.step(DT).unwrap();
         let (at, turn) = (world.position(body).unwrap(), world.rotation(body).unwrap());
@@ -232,8 +235,8 @@ fn forces_act_for_a_step_and_impulses_at_once() {
     desc.mass = Some(MassProperties { mass: 2.0, centre_of_mass: Vec3::ZERO, inertia });
     let body = world.add_body(&desc).unwrap();
     for _ in 0..60 {
-        world.add_force(body, Vec3::X * 1.0, Vec3::Y * 4.0).unwrap();
-        world.add_force(body, Vec3::X * 3.0, Vec3::Y * 2.0).unwrap();
+        world.add_force_and_torque(body, Vec3::X * 1.0, Vec3::Y * 4.0).unwrap();
+        world.add_force_and_torque(body, Vec3::X * 3.0, Vec3::Y * 2.0).unwrap();
         world.step(DT).unwrap();
     }
     common::steps(&mut world, 60, DT);
@@ -242,7 +245,7 @@ fn forces_act_for_a_step_and_impulses_at_once() {
 
     world.set_velocity(body, Vec3::ZERO, Vec3::ZERO).unwrap();
     let point = world.centre_of_mass(body).unwrap() + DVec3::X;
-    world.apply_impulse(body, Vec3::Y * 6.0, point).unwrap();
+    world.apply_impulse_at(body, Vec3::Y * 6.0, point).unwrap();
     let (v, w) = (world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap());
     assert!((v - Vec3::Y * 3.0).length() < 1e-5 && (w - Vec3::Z * 2.0).length() < 1e-5, "{v} {w}");
 }
@@ -257,7 +260,10 @@ fn a_compound_is_one_body() {
         (ball.position, ball.density) = (Vec3::X * x, density);
         ball
     };
-    let desc = BodyDesc::dynamic().at(Vec3::Y).with_shape(ball(-1.0, 1000.0)).with_shape(ball(1.0, 3000.0));
+    let desc = BodyDesc::dynamic()
+        .with_position(Vec3::Y)
+        .with_shape(ball(-1.0, 1000.0))
+        .with_shape(ball(1.0, 3000.0));
     let body = world.add_body(&desc).unwrap();
     let one = 4.0 / 3.0 * std::f32::consts::PI * 0.125 * 1000.0;
     assert!((world.mass(body).unwrap() - 4.0 * one).abs() < 1e-3 * one);

@@ -7,9 +7,9 @@
 use crate::common::{self, random::Random};
 use backstop::glam::Vec3;
 use backstop::{
-    Axis, BodyDesc, BodyHandle, BodyKind, Continuous, ContinuousMethod, Drive, Filter, Frame, FrictionModel,
-    Geometry, JointDesc, JointHandle, Limit, Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot,
-    World,
+    Axis, BodyDesc, BodyHandle, BodyKind, ContinuousMethod, ContinuousMode, Filter, Frame, FrictionModel,
+    Geometry, JointDesc, JointHandle, Limit, Material, Motion, Motor, Settings, ShapeDesc, ShapeHandle,
+    Snapshot, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -39,7 +39,7 @@ impl Game {
             .with_sleeping(rng.below(8) != 0)
             .with_sleep_time([0.0, 0.03, 0.5][rng.below(3)])
             .with_sleep_speed([0.05, 1.0, 100.0][rng.below(3)])
-            .with_method(methods[rng.below(5)])
+            .with_continuous_method(methods[rng.below(5)])
             .with_friction_model([FrictionModel::Patch, FrictionModel::Point][rng.below(2)])
             .with_substeps(1 + rng.below(4) as u32)
             .with_recycling(rng.below(5) != 0)
@@ -77,10 +77,10 @@ impl Game {
             1 => BodyDesc::fixed(),
             _ => BodyDesc::dynamic(),
         };
-        desc = desc.at(self.rng.cube() * 1.5 + Vec3::Y).rotated(self.rng.rotation());
+        desc = desc.with_position(self.rng.cube() * 1.5 + Vec3::Y).with_rotation(self.rng.rotation());
         if self.rng.below(3) == 0 {
             let fast = [1.0, 30.0, 1000.0][self.rng.below(3)];
-            desc = desc.moving(self.rng.cube() * fast, self.rng.cube() * 10.0);
+            desc = desc.with_velocity(self.rng.cube() * fast, self.rng.cube() * 10.0);
         }
         desc.lock_rotation[0] = self.rng.below(10) == 0;
         desc.can_sleep = self.rng.below(10) != 0;
@@ -101,11 +101,14 @@ impl Game {
         let limit = Limit::new(Motion::Linear, backstop::Axes::All, 0.0, 0.5);
         let desc = match self.rng.below(6) {
             0 => JointDesc::ball([a, b], frames),
-            1 => {
-                JointDesc::hinge([a, b], frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 10.0))
-            }
+            1 => JointDesc::hinge([a, b], frames).with_motor(Motor::velocity(
+                Motion::Angular,
+                Axis::X,
+                3.0,
+                10.0,
+            )),
             2 => JointDesc::slider([a, b], frames).with_limit(limit),
-            3 => JointDesc::distance([a, b], frames, 0.1, 2.0).with_strength(1e4, 1e4),
+            3 => JointDesc::distance([a, b], frames, 0.1, 2.0).with_break_force(1e4, 1e4),
             4 => JointDesc::ball([a, b], frames).with_collide(true),
             _ => JointDesc::fixed([a, b], frames),
         };
@@ -117,7 +120,7 @@ impl Game {
         let (world, rng) = (&mut self.world, &mut self.rng);
         match rng.below(20) {
             0 => world.remove_body(body),
-            1..4 => world.send_to_sleep(body),
+            1..4 => world.sleep(body),
             4 => world.wake(body),
             5 => world.set_pose(body, (rng.cube() * 1.5 + Vec3::Y).as_dvec3(), rng.rotation()),
             6 => {
@@ -126,15 +129,15 @@ impl Game {
             }
             7 => world.set_velocity(body, Vec3::ZERO, Vec3::ZERO),
             8 => world.set_enabled(body, rng.below(2) == 0),
-            9 => world.apply_impulse(body, rng.cube() * 1000.0, rng.cube().as_dvec3()),
+            9 => world.apply_impulse_at(body, rng.cube() * 1000.0, rng.cube().as_dvec3()),
             10 => {
                 // Most are honest.
                 let much = [1e4, 1e4, 1e4, 1e12, 9e17][rng.below(5)];
-                world.add_force(body, rng.cube() * much, rng.cube() * much)
+                world.add_force_and_torque(body, rng.cube() * much, rng.cube() * much)
             }
             11 => world.set_can_sleep(body, rng.below(2) == 0),
             12 => {
-                let modes = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
+                let modes = [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
                 world.set_continuous(body, modes[rng.below(3)])
             }
             13 | 14 => {
@@ -151,7 +154,7 @@ impl Game {
             16 => {
                 let mut any = || [rng.below(3) == 0, rng.below(3) == 0, rng.below(3) == 0];
                 let (translation, rotation) = (any(), any());
-                world.set_locks(body, translation, rotation)
+                world.set_locked_axes(body, translation, rotation)
             }
             17 => world.apply_angular_impulse(body, rng.cube() * 1000.0),
             _ => {
@@ -170,7 +173,9 @@ impl Game {
             0 => world.remove_shape(shape),
             1 => world.set_material(shape, Material::default().with_restitution(rng.unit())),
             2 => world.set_filter(shape, Filter::default().with_group(rng.below(3) as i32 - 1)),
-            3 => world.set_listening(shape, rng.below(2) == 0, rng.below(2) == 0),
+            3 => world
+                .set_events(shape, rng.below(2) == 0)
+                .and_then(|()| world.set_hooks(shape, rng.below(2) == 0)),
             _ => world.set_sensor(shape, rng.below(4) == 0),
         }
     }

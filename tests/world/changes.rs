@@ -20,7 +20,7 @@ fn floor(sleeping: bool) -> (World, BodyHandle) {
 }
 
 fn add(world: &mut World, y: f64) -> BodyHandle {
-    world.add_body(&BodyDesc::dynamic().at(DVec3::Y * y).with_shape(cube())).unwrap()
+    world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * y).with_shape(cube())).unwrap()
 }
 
 fn run(world: &mut World, seconds: f32) {
@@ -35,7 +35,7 @@ fn a_disabled_body_is_not_there_until_it_is_enabled() {
         let (mut world, _) = floor(sleeping);
         let bodies = [0.5, 1.5, 2.5].map(|y| add(&mut world, y));
         run(&mut world, 2.0);
-        assert_eq!(world.asleep(), if sleeping { 3 } else { 0 });
+        assert_eq!(world.sleeping_body_count(), if sleeping { 3 } else { 0 });
         let at = world.position(bodies[1]).unwrap();
         world.set_enabled(bodies[1], false).unwrap();
         world.set_enabled(bodies[1], false).unwrap();
@@ -65,14 +65,18 @@ fn a_disabled_body_is_not_there_until_it_is_enabled() {
 fn a_disabled_floor_bears_nothing_and_a_disabled_end_holds_nothing() {
     let (mut world, floor) = floor(true);
     let body = add(&mut world, 0.5);
-    let hook = world.add_body(&BodyDesc::dynamic().at(DVec3::new(5.0, 6.0, 0.0)).with_shape(cube())).unwrap();
-    let hung = world.add_body(&BodyDesc::dynamic().at(DVec3::new(5.0, 4.0, 0.0)).with_shape(cube())).unwrap();
+    let hook = world
+        .add_body(&BodyDesc::dynamic().with_position(DVec3::new(5.0, 6.0, 0.0)).with_shape(cube()))
+        .unwrap();
+    let hung = world
+        .add_body(&BodyDesc::dynamic().with_position(DVec3::new(5.0, 4.0, 0.0)).with_shape(cube()))
+        .unwrap();
     world.set_gravity_scale(hook, 0.0).unwrap();
     world.set_gravity_scale(hung, 0.0).unwrap();
     let frames = [Frame::at(Vec3::NEG_Y), Frame::at(Vec3::Y)];
     let joint = world.add_joint(&JointDesc::ball([hook, hung], frames)).unwrap();
     run(&mut world, 2.0);
-    assert_eq!(world.asleep(), 3);
+    assert_eq!(world.sleeping_body_count(), 3);
     world.set_enabled(hook, false).unwrap();
     world.set_gravity_scale(hung, 1.0).unwrap();
     run(&mut world, 0.5);
@@ -129,7 +133,7 @@ fn what_is_changed_holds_at_once() {
     world.set_mass(body, mass).unwrap();
     world.set_gravity_scale(body, 0.0).unwrap();
     world.set_velocity(body, Vec3::ZERO, Vec3::ZERO).unwrap();
-    world.add_force(body, Vec3::X * 120.0, Vec3::ZERO).unwrap();
+    world.add_force(body, Vec3::X * 120.0).unwrap();
     world.step(DT).unwrap();
     assert!((world.linear_velocity(body).unwrap().x - 1.0).abs() < 1e-5);
 }

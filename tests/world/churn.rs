@@ -66,7 +66,7 @@ impl Model {
         assert!(self.inside.iter().all(|(a, b)| alive.contains(a) && alive.contains(b)));
         let mut visitors = Vec::new();
         for sensor in self.inside.iter().map(|(sensor, _)| *sensor).collect::<BTreeSet<_>>() {
-            world.visitors(sensor, &mut visitors).unwrap();
+            world.sensor_overlaps(sensor, &mut visitors).unwrap();
             let known = self.inside.iter().filter(|(s, _)| *s == sensor).map(|(_, visitor)| *visitor);
             assert_eq!(visitors, known.collect::<Vec<_>>());
         }
@@ -101,7 +101,7 @@ impl Churn {
         let field = HeightField::new(9, 9, Vec2::splat(0.75), vec![-1.0; 81]).unwrap();
         let fixed = [
             ShapeDesc::new(Geometry::Plane),
-            ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).sensing(),
+            ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).as_sensor(),
             ShapeDesc::new(Geometry::height_field(field)).with_position(Vec3::new(-3.0, 0.0, -3.0)),
         ];
         let fixed = fixed.map(|shape| {
@@ -135,7 +135,8 @@ impl Churn {
             _ => BodyDesc::dynamic(),
         };
         let at = r.cube() * Vec3::new(4.0, 1.5, 4.0) + Vec3::Y * 3.0;
-        let desc = desc.at(at.as_dvec3()).moving(r.cube() * 2.0, r.cube()).with_shape(shape);
+        let desc =
+            desc.with_position(at.as_dvec3()).with_velocity(r.cube() * 2.0, r.cube()).with_shape(shape);
         let body = self.world.add_body(&desc).unwrap();
         let shapes = self.world.shapes(body).unwrap().collect();
         self.model.bodies.insert(body, (shapes, true));
@@ -175,7 +176,7 @@ impl Churn {
                 let frames = world.frames_at([body, other], v.as_dvec3(), Quat::IDENTITY);
                 let joint = frames.and_then(|frames| {
                     let joint = JointDesc::distance([body, other], frames, 0.0, 2.0);
-                    world.add_joint(&joint.with_strength(1e5, f32::INFINITY))
+                    world.add_joint(&joint.with_break_force(1e5, f32::INFINITY))
                 });
                 if let Ok(joint) = joint {
                     model.joints.insert(joint, [body, other]);
@@ -189,9 +190,9 @@ impl Churn {
             }
             10 => world.set_pose(body, (v * 3.0 + Vec3::Y * 3.0).as_dvec3(), Quat::IDENTITY).unwrap(),
             11 => world.set_velocity(body, v * 8.0, w * 4.0).unwrap(),
-            12 => world.apply_impulse(body, v * 500.0, world.centre_of_mass(body).unwrap()).unwrap(),
+            12 => world.apply_impulse_at(body, v * 500.0, world.centre_of_mass(body).unwrap()).unwrap(),
             13 => world.wake(body).unwrap(),
-            14 => world.send_to_sleep(body).unwrap(),
+            14 => world.sleep(body).unwrap(),
             15 => world.set_can_sleep(body, v.x > -0.5).unwrap(),
             16 => world.set_gravity_scale(body, v.x.abs()).unwrap(),
             17 | 18 => {
@@ -253,7 +254,10 @@ impl Churn {
         self.world.set_senses_static(sensor, false).unwrap();
         self.step();
         assert!(self.model.touching.is_empty() && self.model.inside.is_empty());
-        assert_eq!((self.world.asleep(), self.world.islands_asleep(), self.world.report().pairs), (0, 0, 0));
+        assert_eq!(
+            (self.world.sleeping_body_count(), self.world.sleeping_island_count(), self.world.report().pairs),
+            (0, 0, 0)
+        );
         self.world.memory().iter().map(|(_, bytes)| bytes.live).sum()
     }
 }
@@ -265,7 +269,7 @@ fn a_hundred_thousand_changes_lose_nothing() {
     for _ in 0..4 {
         for _ in 0..25_000 {
             churn.call();
-            slept = slept.max(churn.world.asleep());
+            slept = slept.max(churn.world.sleeping_body_count());
         }
         live.push(churn.clear());
     }

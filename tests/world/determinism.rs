@@ -32,7 +32,7 @@ fn hash_after(scene: &Scene, steps: u32, threads: usize) -> u64 {
     let (mut world, _) = common::world_of(scene, Settings::default().with_threads(threads));
     common::steps(&mut world, steps, 1.0 / 60.0);
     assert!(common::all_finite(&world));
-    world.hash()
+    world.state_hash()
 }
 
 /// Scene, steps, hash after them.
@@ -88,7 +88,7 @@ fn pairs_that_are_passed_over_change_nothing() {
             other.set_settings(settings().with_hit_speed(1.0 + (step % 2) as f32)).unwrap();
             common::steps(&mut one, 1, 1.0 / rate);
             common::steps(&mut other, 1, 1.0 / rate);
-            assert_eq!(one.hash(), other.hash(), "{} at {rate} Hz after step {step}", scene.name);
+            assert_eq!(one.state_hash(), other.state_hash(), "{} at {rate} Hz after step {step}", scene.name);
         }
     }
 }
@@ -119,7 +119,7 @@ fn points_without_a_colour_give_the_same_bits() {
         }
         let slab =
             common::dynamic(Geometry::cuboid(2.5, 0.1, 2.5), Material::default(), at + Vec3::Y * 1.097);
-        bodies.push(slab.moving(Vec3::Z, Vec3::Y));
+        bodies.push(slab.with_velocity(Vec3::Z, Vec3::Y));
     }
     let run = |threads: usize| {
         let friction_model = FrictionModel::Point;
@@ -129,7 +129,7 @@ fn points_without_a_colour_give_the_same_bits() {
         world.add_bodies(&bodies).unwrap();
         common::steps(&mut world, 30, 1.0 / 60.0);
         assert!(world.report().uncoloured > 0);
-        world.hash()
+        world.state_hash()
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     assert_eq!(pool.install(|| run(3)), run(1));
@@ -162,7 +162,7 @@ fn joints_after(steps: u32, threads: usize) -> u64 {
     common::joints_without_colour(&mut world, Vec3::new(0.0, 8.0, 0.0));
     common::steps(&mut world, steps, 1.0 / 60.0);
     assert!(common::all_finite(&world));
-    world.hash()
+    world.state_hash()
 }
 
 const JOINTS: u64 = 0x686A_B74F_08CE_F6BA;
@@ -190,14 +190,14 @@ fn the_same_calls_give_the_same_bits() {
             if i % 11 == 0 {
                 let ball = Geometry::Sphere { radius: 0.3 };
                 let at = DVec3::new(0.0, 20.0 + i as f64, 0.0);
-                let desc = BodyDesc::dynamic().at(at).with_shape(backstop::ShapeDesc::new(ball));
-                world.add_body(&desc.moving(Vec3::NEG_Y * 30.0, Vec3::ZERO)).unwrap();
+                let desc = BodyDesc::dynamic().with_position(at).with_shape(backstop::ShapeDesc::new(ball));
+                world.add_body(&desc.with_velocity(Vec3::NEG_Y * 30.0, Vec3::ZERO)).unwrap();
             }
             if i % 5 == 0 {
                 world.step(1.0 / 60.0).unwrap();
             }
         }
-        world.hash()
+        world.state_hash()
     };
     assert_eq!(run(), run());
 }

@@ -30,11 +30,11 @@ fn shape(world: &World, body: BodyHandle) -> ShapeHandle {
 }
 
 fn add(world: &mut World, at: DVec3, shape: ShapeDesc) -> BodyHandle {
-    world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
+    world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape)).unwrap()
 }
 
 fn fixed(world: &mut World, at: DVec3, shape: ShapeDesc) -> BodyHandle {
-    world.add_body(&BodyDesc::fixed().at(at).with_shape(shape)).unwrap()
+    world.add_body(&BodyDesc::fixed().with_position(at).with_shape(shape)).unwrap()
 }
 
 /// How a cube lands that falls by 5 m: speed by energy, impulse by momentum.
@@ -97,11 +97,11 @@ fn a_shape_may_listen_now_and_then() {
     };
     assert_eq!(heard(&mut world, 10), (0, 0));
     for wait in [10, 120] {
-        world.set_listening(shape, true, false).unwrap();
+        world.set_events(shape, true).unwrap();
         world.wake(body).unwrap();
         assert_eq!(heard(&mut world, wait), (1, 0));
-        assert_eq!(world.is_asleep(body).unwrap(), wait == 120);
-        world.set_listening(shape, false, false).unwrap();
+        assert_eq!(world.is_sleeping(body).unwrap(), wait == 120);
+        world.set_events(shape, false).unwrap();
         assert_eq!(heard(&mut world, 10), (0, 0));
     }
     world.remove_body(body).unwrap();
@@ -118,8 +118,8 @@ fn who_is_fast_is_heard_of_when_it_strikes_and_when_it_is_off_again() {
     let wall = ShapeDesc::new(Geometry::Mesh(Arc::new(wall))).with_material(material);
     let wall = fixed(&mut world, DVec3::ZERO, wall);
     let bullet = ball(0.1).with_events().with_material(material);
-    let bullet = BodyDesc::dynamic().at(DVec3::NEG_X * 33.0).with_shape(bullet);
-    let bullet = world.add_body(&bullet.moving(Vec3::X * 300.0, Vec3::ZERO)).unwrap();
+    let bullet = BodyDesc::dynamic().with_position(DVec3::NEG_X * 33.0).with_shape(bullet);
+    let bullet = world.add_body(&bullet.with_velocity(Vec3::X * 300.0, Vec3::ZERO)).unwrap();
     let mass = world.mass(bullet).unwrap();
     let (mut begins, mut hits, mut ends) = (Vec::new(), Vec::new(), Vec::new());
     for step in 0..20 {
@@ -154,7 +154,7 @@ fn listening_changes_nothing_and_not_to_listen_takes_no_bytes() {
             begins += world.contact_begins().len();
             ends += world.contact_ends().len();
         }
-        (world.hash(), begins, ends, world.memory().category(Category::Events).reserved)
+        (world.state_hash(), begins, ends, world.memory().category(Category::Events).reserved)
     };
     let (deaf, heard) = (run(false), run(true));
     println!("{heard:?}");
@@ -194,8 +194,8 @@ fn every_crossing_of_a_sensor_is_reported_once() {
                 };
                 // The axis of a cylinder is y.
                 let turn = if i % 3 == 1 { Quat::from_rotation_z(-1.570_796_4) } else { Quat::IDENTITY };
-                let desc = BodyDesc::fixed().at(DVec3::X * x).rotated(turn);
-                let body = world.add_body(&desc.with_shape(ShapeDesc::new(geometry).sensing())).unwrap();
+                let desc = BodyDesc::fixed().with_position(DVec3::X * x).with_rotation(turn);
+                let body = world.add_body(&desc.with_shape(ShapeDesc::new(geometry).as_sensor())).unwrap();
                 (shape(&world, body), x)
             })
             .collect();
@@ -203,8 +203,8 @@ fn every_crossing_of_a_sensor_is_reported_once() {
             .map(|i| {
                 let at = DVec3::new(0.0, f64::from(i % 50) - 25.0, f64::from(i / 50) - 20.0);
                 let speed = 50.0 + 450.0 * (i * 7 % 2000) as f32 / 2000.0;
-                let body = BodyDesc::dynamic().at(at).with_shape(ball(0.05));
-                body.moving(Vec3::X * speed, Vec3::Y * 20.0)
+                let body = BodyDesc::dynamic().with_position(at).with_shape(ball(0.05));
+                body.with_velocity(Vec3::X * speed, Vec3::Y * 20.0)
             })
             .collect();
         let balls = world.add_bodies(&descs).unwrap();
@@ -241,11 +241,11 @@ fn a_sensor_knows_who_is_in_it() {
     let settings = Settings::default().with_sleeping(true);
     let mut world = World::new(settings).unwrap();
     fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
-    let sensor = fixed(&mut world, DVec3::Y, ShapeDesc::new(Geometry::cuboid(2.0, 2.0, 2.0)).sensing());
+    let sensor = fixed(&mut world, DVec3::Y, ShapeDesc::new(Geometry::cuboid(2.0, 2.0, 2.0)).as_sensor());
     let sensor = shape(&world, sensor);
     let inside = |world: &World| {
         let mut all = Vec::new();
-        world.visitors(sensor, &mut all).unwrap();
+        world.sensor_overlaps(sensor, &mut all).unwrap();
         all
     };
     let (one, other) = (add(&mut world, DVec3::Y * 4.0, cube()), add(&mut world, DVec3::Y * 0.5, cube()));
@@ -263,7 +263,7 @@ fn a_sensor_knows_who_is_in_it() {
     for _ in 0..120 {
         world.step(DT).unwrap();
     }
-    assert!(world.is_asleep(one).unwrap() && inside(&world).len() == 2);
+    assert!(world.is_sleeping(one).unwrap() && inside(&world).len() == 2);
     world.wake(one).unwrap();
     world.step(DT).unwrap();
     assert!(world.sensor_begins().is_empty() && world.sensor_ends().is_empty());
@@ -283,10 +283,10 @@ fn a_sensor_knows_who_is_in_it() {
     let body = fixed(&mut world, DVec3::X * 90.0, mesh.clone());
     let stale = shape(&world, body);
     assert!(world.set_sensor(stale, true).is_err());
-    assert!(world.add_body(&BodyDesc::fixed().with_shape(mesh.sensing())).is_err());
+    assert!(world.add_body(&BodyDesc::fixed().with_shape(mesh.as_sensor())).is_err());
     world.remove_body(body).unwrap();
     assert!(matches!(world.set_sensor(stale, false), Err(Error::StaleShape)));
-    assert!(matches!(world.set_listening(stale, true, true), Err(Error::StaleShape)));
+    assert!(matches!(world.set_events(stale, true), Err(Error::StaleShape)));
 }
 
 /// A sensor on a body that moves past others, and around a small body that the guard watches over.
@@ -296,9 +296,9 @@ fn a_sensor_may_be_on_a_body_that_moves() {
     let post = add(&mut world, DVec3::X * 5.0, cube());
     let wall =
         fixed(&mut world, DVec3::new(12.0, 0.0, 0.0), ShapeDesc::new(Geometry::cuboid(0.01, 9.0, 9.0)));
-    let scout = BodyDesc::dynamic().at(DVec3::Y * 1.0).with_shape(ball(0.1));
-    let scout = ball(2.0).sensing().with_density(0.0).into_body(scout);
-    let scout = world.add_body(&scout.moving(Vec3::X * 200.0, Vec3::ZERO)).unwrap();
+    let scout = BodyDesc::dynamic().with_position(DVec3::Y * 1.0).with_shape(ball(0.1));
+    let scout = ball(2.0).as_sensor().with_density(0.0).into_body(scout);
+    let scout = world.add_body(&scout.with_velocity(Vec3::X * 200.0, Vec3::ZERO)).unwrap();
     let (mut begins, mut ends) = (Vec::new(), Vec::new());
     for _ in 0..30 {
         world.step(DT).unwrap();
@@ -346,8 +346,8 @@ fn a_platform_may_be_passed_from_below() {
         let mut world = World::new(Settings::default()).unwrap();
         let plate = ShapeDesc::new(Geometry::cuboid(3.0, thickness, 3.0)).with_hooks();
         let platform = fixed(&mut world, DVec3::Y * 2.0, plate);
-        let body = BodyDesc::dynamic().at(DVec3::Y * 0.6).with_shape(cube());
-        let body = world.add_body(&body.moving(Vec3::Y * speed, Vec3::ZERO)).unwrap();
+        let body = BodyDesc::dynamic().with_position(DVec3::Y * 0.6).with_shape(cube());
+        let body = world.add_body(&body.with_velocity(Vec3::Y * speed, Vec3::ZERO)).unwrap();
         let hooks = OneWay { platform: shape(&world, platform), height: 0.5 + f64::from(thickness) };
         let mut highest = 0.0_f64;
         for _ in 0..900 {
@@ -449,8 +449,8 @@ fn hooks_change_friction_and_restitution() {
         let plane = ShapeDesc::new(Geometry::Plane).with_user_data(0);
         fixed(&mut world, DVec3::ZERO, plane);
         let body = cube().with_hooks().with_user_data(7);
-        let body = BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(body);
-        let body = world.add_body(&body.moving(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
+        let body = BodyDesc::dynamic().with_position(DVec3::Y * 0.5).with_shape(body);
+        let body = world.add_body(&body.with_velocity(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
         for _ in 0..240 {
             world.step_with(DT, &Ground { friction, restitution: 0.0 }).unwrap();
         }
@@ -498,8 +498,8 @@ impl ContactHooks for Asks {
 fn a_query_in_a_hook_leaves_none_behind_that_is_out_of_date() {
     let mut world = World::new(Settings::default()).unwrap();
     fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
-    let body = BodyDesc::dynamic().at(DVec3::Y * 3.5).with_shape(cube().with_hooks());
-    let body = world.add_body(&body.moving(Vec3::Y * -120.0, Vec3::ZERO)).unwrap();
+    let body = BodyDesc::dynamic().with_position(DVec3::Y * 3.5).with_shape(cube().with_hooks());
+    let body = world.add_body(&body.with_velocity(Vec3::Y * -120.0, Vec3::ZERO)).unwrap();
     for _ in 0..10 {
         world.step_with(DT, &Asks).unwrap();
         // Through where it is, and past where it was.

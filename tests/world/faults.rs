@@ -14,7 +14,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn cube(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)))
 }
 
 /// Three stacks of three, side by side.
@@ -35,9 +35,9 @@ fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
     for (which, force) in [(0, Vec3::X), (1, Vec3::X), (4, Vec3::NEG_Y), (2, Vec3::Y)] {
         let (mut world, bodies) = stacks(Settings::default());
         let places: Vec<DVec3> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
-        world.add_force(bodies[which], force * MAX_FORCE, Vec3::ZERO).unwrap();
+        world.add_force(bodies[which], force * MAX_FORCE).unwrap();
         let report = *world.step(DT).unwrap();
-        assert_eq!((report.stopped, world.stopped_bodies()), (1, &[bodies[which]][..]));
+        assert_eq!((report.stopped, world.faulted_bodies()), (1, &[bodies[which]][..]));
         assert_eq!(world.position(bodies[which]).unwrap(), places[which]);
         assert_eq!(world.linear_velocity(bodies[which]).unwrap(), Vec3::ZERO);
         for step in 0..60 {
@@ -47,7 +47,7 @@ fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
                 assert!(moved < 2e-3, "force on {which}, step {step}: {moved}");
             }
             assert_eq!(world.step(DT).unwrap().stopped, 0);
-            assert!(world.stopped_bodies().is_empty());
+            assert!(world.faulted_bodies().is_empty());
         }
     }
 }
@@ -56,7 +56,7 @@ fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
 #[test]
 fn a_torque_beyond_all_bounds_stops_its_body() {
     let (mut world, bodies) = stacks(Settings::default());
-    world.add_force(bodies[8], Vec3::ZERO, Vec3::X * MAX_FORCE).unwrap();
+    world.add_torque(bodies[8], Vec3::X * MAX_FORCE).unwrap();
     let at = (world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap());
     assert_eq!(world.step(DT).unwrap().stopped, 1);
     assert_eq!((world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap()), at);
@@ -68,15 +68,15 @@ fn a_torque_beyond_all_bounds_stops_its_body() {
 fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
     let mut world = World::new(Settings::default()).unwrap();
     let [top, low] = [1.0, -1.0].map(|y| world.add_body(&cube(DVec3::Y * y)).unwrap());
-    let hook = world.add_body(&BodyDesc::fixed().at(DVec3::Y * 2.0)).unwrap();
+    let hook = world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * 2.0)).unwrap();
     let frames = |a: f32, b: f32| [Frame::at(Vec3::Y * a), Frame::at(Vec3::Y * b)];
     world.add_joint(&JointDesc::ball([hook, top], frames(0.0, 1.0))).unwrap();
     world.add_joint(&JointDesc::ball([top, low], frames(-1.0, 1.0))).unwrap();
     common::steps(&mut world, 30, DT);
     for _ in 0..20 {
-        world.add_force(top, Vec3::X * MAX_FORCE, Vec3::ZERO).unwrap();
+        world.add_force(top, Vec3::X * MAX_FORCE).unwrap();
         world.step(DT).unwrap();
-        assert_eq!(world.stopped_bodies(), [top]);
+        assert_eq!(world.faulted_bodies(), [top]);
     }
     common::steps(&mut world, 30, DT);
     assert!(world.position(low).unwrap().distance(DVec3::Y * -1.0) < 1e-2);
@@ -95,7 +95,7 @@ fn joints_that_make_no_numbers_stop_what_they_join() {
         if i % 2 == 0 {
             desc.mass = Some(light);
         }
-        joined.push(world.add_body(&desc.moving(Vec3::Z * 9e5, Vec3::ONE * 9e5)).unwrap());
+        joined.push(world.add_body(&desc.with_velocity(Vec3::Z * 9e5, Vec3::ONE * 9e5)).unwrap());
     }
     for i in 0..6 {
         for k in 0..i {
@@ -106,7 +106,7 @@ fn joints_that_make_no_numbers_stop_what_they_join() {
     let place = world.position(bodies[5]).unwrap();
     for _ in 0..120 {
         let stopped = world.step(DT).unwrap().stopped;
-        assert_eq!(stopped as usize, world.stopped_bodies().len());
+        assert_eq!(stopped as usize, world.faulted_bodies().len());
         assert!(common::all_finite(&world));
     }
     assert!(world.position(bodies[5]).unwrap().distance(place) < 1e-3);
@@ -132,7 +132,8 @@ fn what_a_hook_asks_for_leaves_numbers() {
     let (mut world, bodies) = stacks(Settings::default());
     for &body in &bodies[..3] {
         let shape = world.shapes(body).unwrap().next().unwrap();
-        world.set_listening(shape, true, true).unwrap();
+        world.set_events(shape, true).unwrap();
+        world.set_hooks(shape, true).unwrap();
     }
     for _ in 0..120 {
         world.step_with(DT, &Greedy).unwrap();
@@ -152,11 +153,11 @@ fn faults_do_not_depend_on_threads() {
             .map(|step: usize| {
                 if step % 7 == 3 {
                     let body = bodies[10 + step];
-                    world.add_force(body, Vec3::new(1.0, -1.0, 0.3) * MAX_FORCE, Vec3::ZERO).unwrap();
+                    world.add_force(body, Vec3::new(1.0, -1.0, 0.3) * MAX_FORCE).unwrap();
                 }
                 let report = *world.step(DT).unwrap();
                 assert!(common::all_finite(&world));
-                (world.hash(), report.stopped, world.stopped_bodies().to_vec())
+                (world.state_hash(), report.stopped, world.faulted_bodies().to_vec())
             })
             .collect::<Vec<_>>()
     };
@@ -176,10 +177,11 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
     }
     let (mut world, bodies) = stacks(Settings::default());
     let shape = world.shapes(bodies[3]).unwrap().next().unwrap();
-    world.set_listening(shape, true, true).unwrap();
+    world.set_events(shape, true).unwrap();
+    world.set_hooks(shape, true).unwrap();
     let mut saved = backstop::Snapshot::new();
     world.snapshot(&mut saved);
-    let (before, bytes) = (world.hash(), saved.to_bytes());
+    let (before, bytes) = (world.state_hash(), saved.to_bytes());
     let poison = |world: &mut World| {
         let step = || world.step_with(DT, &Panics).map(drop);
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(step)).is_err());
@@ -195,14 +197,14 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
         let (mut other, _) = stacks(Settings::default());
         other.restore(&saved).unwrap();
         common::steps(&mut other, 30, DT);
-        other.hash()
+        other.state_hash()
     };
     for snapshot in [saved, backstop::Snapshot::from_bytes(&bytes).unwrap()] {
         poison(&mut world);
         world.restore(&snapshot).unwrap();
-        assert_eq!(world.hash(), before);
+        assert_eq!(world.state_hash(), before);
         common::steps(&mut world, 30, DT);
-        assert_eq!(world.hash(), expected);
+        assert_eq!(world.state_hash(), expected);
     }
     // What does not step it still can be called.
     poison(&mut world);
@@ -222,7 +224,7 @@ fn impacts_with_what_spins_beyond_reason_leave_numbers() {
         let mut random = Random(seed);
         let method =
             [ContinuousMethod::ConservativeAdvancement, ContinuousMethod::LinearCast][seed as usize % 2];
-        let mut world = World::new(Settings::default().with_method(method)).unwrap();
+        let mut world = World::new(Settings::default().with_continuous_method(method)).unwrap();
         let place = |random: &mut Random| -> DVec3 {
             Vec3::from_array([0; 3].map(|_| random.range(-2.0, 2.0))).as_dvec3()
         };
@@ -235,8 +237,10 @@ fn impacts_with_what_spins_beyond_reason_leave_numbers() {
         let spin = Vec3::new(random.range(1e3, 1e5), random.range(-9.0, 9.0), -6.0);
         let plane = ShapeDesc::new(Geometry::plane())
             .with_material(Material::default().with_restitution(0.5).with_friction(1.0));
-        let plane =
-            BodyDesc::kinematic().at(place(&mut random)).moving(Vec3::splat(-4.0), spin).with_shape(plane);
+        let plane = BodyDesc::kinematic()
+            .with_position(place(&mut random))
+            .with_velocity(Vec3::splat(-4.0), spin)
+            .with_shape(plane);
         world.add_body(&plane).unwrap();
         for step in 0..120 {
             stopped += world.step(1.0 / 30.0).unwrap().stopped;

@@ -14,11 +14,15 @@ fn world() -> World {
 }
 
 fn block(y: f64) -> BodyDesc {
-    BodyDesc::dynamic().at(DVec3::Y * y).with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 0.25, 1.0)))
+    BodyDesc::dynamic()
+        .with_position(DVec3::Y * y)
+        .with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 0.25, 1.0)))
 }
 
 fn ball(y: f64) -> BodyDesc {
-    BodyDesc::dynamic().at(DVec3::Y * y).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.25 }))
+    BodyDesc::dynamic()
+        .with_position(DVec3::Y * y)
+        .with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.25 }))
 }
 
 fn steps(world: &mut World, count: u32) {
@@ -54,9 +58,9 @@ fn a_static_block_that_becomes_dynamic_falls_with_what_lies_on_it() {
     desc.kind = BodyKind::Static;
     let (block, ball) = (world.add_body(&desc).unwrap(), world.add_body(&ball(5.5)).unwrap());
     steps(&mut world, 240);
-    assert_eq!(world.is_asleep(ball), Ok(true));
+    assert_eq!(world.is_sleeping(ball), Ok(true));
     world.set_kind(block, BodyKind::Dynamic).unwrap();
-    assert_eq!(world.is_asleep(ball), Ok(false), "what lies on it wakes");
+    assert_eq!(world.is_sleeping(ball), Ok(false), "what lies on it wakes");
     // 1000 kg/m³ times 2 × 0.5 × 2 m.
     assert_eq!(world.mass(block), Ok(2000.0));
     steps(&mut world, 30);
@@ -108,12 +112,12 @@ fn what_can_not_be_dynamic_is_refused_and_stays_what_it_is() {
     let weightless = ShapeDesc::new(Geometry::Sphere { radius: 1.0 }).with_density(0.0);
     let light = world.add_body(&BodyDesc::fixed().with_shape(weightless)).unwrap();
     steps(&mut world, 1);
-    let before = world.hash();
+    let before = world.state_hash();
     assert_eq!(world.set_kind(ground, BodyKind::Dynamic), Err(Error::StaticOnly { shape: "triangle mesh" }));
     assert_eq!(world.set_kind(bare, BodyKind::Dynamic), Err(Error::NoMass));
     assert_eq!(world.set_kind(light, BodyKind::Dynamic), Err(Error::NoMass));
     assert_eq!((world.kind(ground), world.kind(bare)), (Ok(BodyKind::Static), Ok(BodyKind::Kinematic)));
-    assert_eq!(world.hash(), before);
+    assert_eq!(world.state_hash(), before);
     world.set_kind(ground, BodyKind::Kinematic).unwrap();
     world.remove_body(light).unwrap();
     assert_eq!(world.set_kind(light, BodyKind::Static), Err(Error::StaleBody));
@@ -123,8 +127,8 @@ fn what_can_not_be_dynamic_is_refused_and_stays_what_it_is() {
 #[test]
 fn a_joint_waits_for_a_dynamic_body() {
     let mut world = world();
-    let post = world.add_body(&BodyDesc::fixed().at(DVec3::Y * 4.0)).unwrap();
-    let door = world.add_body(&ball(4.0).at(DVec3::new(1.0, 4.0, 0.0))).unwrap();
+    let post = world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * 4.0)).unwrap();
+    let door = world.add_body(&ball(4.0).with_position(DVec3::new(1.0, 4.0, 0.0))).unwrap();
     let joint = JointDesc::ball([post, door], [Frame::default(), Frame::at(Vec3::NEG_X)]);
     let joint = world.add_joint(&joint).unwrap();
     steps(&mut world, 5);
@@ -160,7 +164,7 @@ fn queries_and_snapshots_know_the_new_kind() {
     world.snapshot(&mut saved);
     let whole = saved.to_whole_bytes();
     steps(&mut world, 30);
-    let (hash, top) = (world.hash(), seen(&world));
+    let (hash, top) = (world.state_hash(), seen(&world));
     assert_eq!(top, Some(block));
     for kind in [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic] {
         world.set_kind(block, kind).unwrap();
@@ -174,7 +178,7 @@ fn queries_and_snapshots_know_the_new_kind() {
             world.restore(&snapshot).unwrap();
             assert_eq!(world.kind(block), Ok(BodyKind::Dynamic));
             steps(&mut world, 30);
-            assert_eq!(world.hash(), hash, "{kind:?}");
+            assert_eq!(world.state_hash(), hash, "{kind:?}");
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::common::Floor;
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    BodyContact, BodyDesc, BodyHandle, BodyKind, Combine, Continuous, Error, Filter, Geometry, Material,
+    BodyContact, BodyDesc, BodyHandle, BodyKind, Combine, ContinuousMode, Error, Filter, Geometry, Material,
     RowGroup, Settings, ShapeDesc, Snapshot, World,
 };
 
@@ -32,15 +32,15 @@ fn steps(world: &mut World, count: u32) {
 fn each_field_of_a_body_is_read_as_it_was_written() {
     let mut world = world();
     let mut desc = BodyDesc::dynamic()
-        .at(DVec3::new(1.0, 2.0, 3.0))
-        .rotated(Quat::from_rotation_y(0.5))
-        .moving(Vec3::X, Vec3::Z)
+        .with_position(DVec3::new(1.0, 2.0, 3.0))
+        .with_rotation(Quat::from_rotation_y(0.5))
+        .with_velocity(Vec3::X, Vec3::Z)
         .with_shape(cube())
-        .solved_after(RowGroup::Contacts);
+        .with_solved_after(RowGroup::Contacts);
     (desc.gravity_scale, desc.linear_damping, desc.angular_damping) = (0.5, 0.1, 0.2);
     (desc.max_linear_speed, desc.max_angular_speed) = (Some(50.0), Some(20.0));
     (desc.lock_translation, desc.lock_rotation) = ([true, false, false], [false, true, true]);
-    (desc.continuous, desc.can_sleep, desc.user_data) = (Continuous::Volume, false, 17);
+    (desc.continuous, desc.can_sleep, desc.user_data) = (ContinuousMode::Volume, false, 17);
     let body = world.add_body(&desc).unwrap();
     assert_eq!(world.kind(body), Ok(desc.kind));
     assert_eq!((world.position(body), world.rotation(body)), (Ok(desc.position), Ok(desc.rotation)));
@@ -49,9 +49,9 @@ fn each_field_of_a_body_is_read_as_it_was_written() {
     assert_eq!(world.gravity_scale(body), Ok(0.5));
     assert_eq!(world.damping(body), Ok((0.1, 0.2)));
     assert_eq!(world.max_speeds(body), Ok([Some(50.0), Some(20.0)]));
-    assert_eq!(world.locks(body), Ok((desc.lock_translation, desc.lock_rotation)));
-    assert_eq!(world.continuous(body), Ok(Continuous::Volume));
-    assert_eq!(world.solved_after(body), Ok(Some(RowGroup::Contacts)));
+    assert_eq!(world.locked_axes(body), Ok((desc.lock_translation, desc.lock_rotation)));
+    assert_eq!(world.continuous(body), Ok(ContinuousMode::Volume));
+    assert_eq!(world.body_solved_after(body), Ok(Some(RowGroup::Contacts)));
     assert_eq!((world.can_sleep(body), world.user_data(body)), (Ok(false), Ok(17)));
     // A cube of one metre: m / 6 about each axis.
     let mass = world.mass_properties(body).unwrap();
@@ -60,11 +60,11 @@ fn each_field_of_a_body_is_read_as_it_was_written() {
     assert_eq!(world.has_mass_from_shapes(body), Ok(true));
     world.set_user_data(body, 18).unwrap();
     world.set_can_sleep(body, true).unwrap();
-    world.set_locks(body, [false; 3], [true, false, false]).unwrap();
+    world.set_locked_axes(body, [false; 3], [true, false, false]).unwrap();
     assert_eq!((world.can_sleep(body), world.user_data(body)), (Ok(true), Ok(18)));
-    assert_eq!(world.locks(body), Ok(([false; 3], [true, false, false])));
+    assert_eq!(world.locked_axes(body), Ok(([false; 3], [true, false, false])));
     world.remove_body(body).unwrap();
-    assert_eq!(world.locks(body), Err(Error::StaleBody));
+    assert_eq!(world.locked_axes(body), Err(Error::StaleBody));
     assert_eq!(world.set_user_data(body, 1), Err(Error::StaleBody));
 }
 
@@ -86,7 +86,7 @@ fn each_field_of_a_shape_is_read_as_it_was_written() {
     assert_eq!(world.body_of(shape), Ok(body));
     assert_eq!((world.filter(shape), world.material(shape)), (Ok(filter), Ok(material)));
     assert_eq!((world.is_sensor(shape), world.density(shape)), (Ok(true), Ok(0.0)));
-    assert_eq!((world.listens_to_events(shape), world.listens_to_hooks(shape)), (Ok(true), Ok(false)));
+    assert_eq!((world.has_events(shape), world.has_hooks(shape)), (Ok(true), Ok(false)));
     assert_eq!((world.shape_pose(shape), world.shape_user_data(shape)), (Ok((place, turn)), Ok(5)));
     world.set_shape_user_data(shape, 6).unwrap();
     assert_eq!(world.shape_user_data(shape), Ok(6));
@@ -137,12 +137,12 @@ fn a_form_that_a_body_can_not_have_is_refused() {
 fn what_lies_on_a_shape_wakes_when_it_changes() {
     let mut world = world();
     let table = world.add_body(&BodyDesc::fixed().with_shape(cube())).unwrap();
-    let body = world.add_body(&BodyDesc::dynamic().at(DVec3::Y).with_shape(cube())).unwrap();
+    let body = world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y).with_shape(cube())).unwrap();
     let shape = world.shapes(table).unwrap().next().unwrap();
     steps(&mut world, 120);
-    assert_eq!(world.is_asleep(body), Ok(true));
+    assert_eq!(world.is_sleeping(body), Ok(true));
     world.set_geometry(shape, Geometry::cuboid(0.5, 0.2, 0.5)).unwrap();
-    assert_eq!(world.is_asleep(body), Ok(false));
+    assert_eq!(world.is_sleeping(body), Ok(false));
     steps(&mut world, 120);
     assert!((world.position(body).unwrap().y - 0.7).abs() < 0.002, "{:?}", world.position(body));
     world.set_shape_pose(shape, Vec3::NEG_Y, Quat::IDENTITY).unwrap();
@@ -157,7 +157,9 @@ fn boxes_are_around_shapes_where_they_are() {
     let far = DVec3::new(1e6 + 0.125, 0.0, -3.0);
     let mut arm = ball();
     arm.position = Vec3::X * 2.0;
-    let body = BodyDesc::dynamic().at(far).rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+    let body = BodyDesc::dynamic()
+        .with_position(far)
+        .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
     let body = world.add_body(&body.with_shape(cube()).with_shape(arm)).unwrap();
     let all = world.aabb(body).unwrap().unwrap();
     // Turned by a right angle, the arm points up.
@@ -181,13 +183,14 @@ fn boxes_are_around_shapes_where_they_are() {
 fn forces_and_velocities_at_a_point() {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let mut add = |desc: BodyDesc| world.add_body(&desc.with_shape(cube())).unwrap();
-    let [moved, at, apart, spun] = [0.0, 5.0, 10.0, 15.0].map(|x| add(BodyDesc::dynamic().at(DVec3::X * x)));
+    let [moved, at, apart, spun] =
+        [0.0, 5.0, 10.0, 15.0].map(|x| add(BodyDesc::dynamic().with_position(DVec3::X * x)));
     world.set_linear_velocity(moved, Vec3::Y).unwrap();
     world.set_angular_velocity(moved, Vec3::Z * 2.0).unwrap();
     assert_eq!(world.velocity_at(moved, DVec3::X * 0.5), Ok(Vec3::new(0.0, 2.0, 0.0)));
     let (force, arm) = (Vec3::new(100.0, 50.0, 0.0), Vec3::new(0.0, 0.5, 0.5));
     world.add_force_at(at, force, DVec3::X * 5.0 + arm.as_dvec3()).unwrap();
-    world.add_force(apart, force, arm.cross(force)).unwrap();
+    world.add_force_and_torque(apart, force, arm.cross(force)).unwrap();
     // 1000 kg m² / 6 about each axis.
     world.apply_angular_impulse(spun, Vec3::Y * 1000.0).unwrap();
     assert!((world.angular_velocity(spun).unwrap() - Vec3::Y * 6.0).length() < 1e-4);
@@ -206,8 +209,11 @@ fn forces_and_velocities_at_a_point() {
 fn contacts_of_a_body_bear_its_weight() {
     let mut world = World::new(Settings::default()).unwrap();
     let ground = world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
-    let body = world.add_body(&BodyDesc::dynamic().at(DVec3::new(0.3, 0.5, 0.2)).with_shape(cube())).unwrap();
-    let flying = world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 50.0).with_shape(ball())).unwrap();
+    let body = world
+        .add_body(&BodyDesc::dynamic().with_position(DVec3::new(0.3, 0.5, 0.2)).with_shape(cube()))
+        .unwrap();
+    let flying =
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 50.0).with_shape(ball())).unwrap();
     steps(&mut world, 60);
     let weight = 1000.0 * 9.81 * DT / world.settings().substeps as f32;
     for (asked, other, normal) in [(body, ground, Vec3::NEG_Y), (ground, body, Vec3::Y)] {
@@ -237,12 +243,13 @@ fn what_moved_is_told_up_to_the_last_step_before_sleep() {
     let mut world = world();
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     let add = |world: &mut World, x: f64, y: f64| {
-        world.add_body(&BodyDesc::dynamic().at(DVec3::new(x, y, 0.0)).with_shape(cube())).unwrap()
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::new(x, y, 0.0)).with_shape(cube())).unwrap()
     };
     let bodies: Vec<BodyHandle> =
         (0..4).map(|i| add(&mut world, 3.0 * f64::from(i), 0.5 + f64::from(i))).collect();
-    let still = world.add_body(&BodyDesc::kinematic().at(DVec3::Z * 9.0).with_shape(cube())).unwrap();
-    let lift = BodyDesc::kinematic().at(DVec3::Z * 20.0).moving(Vec3::Y * 0.1, Vec3::ZERO);
+    let still =
+        world.add_body(&BodyDesc::kinematic().with_position(DVec3::Z * 9.0).with_shape(cube())).unwrap();
+    let lift = BodyDesc::kinematic().with_position(DVec3::Z * 20.0).with_velocity(Vec3::Y * 0.1, Vec3::ZERO);
     let lift = world.add_body(&lift.with_shape(cube())).unwrap();
     assert_eq!(world.moved_bodies().count(), 0, "nothing has moved yet");
     let mut seen: Vec<DVec3> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
@@ -258,10 +265,10 @@ fn what_moved_is_told_up_to_the_last_step_before_sleep() {
         }
         assert!(moved.contains(&lift) && !moved.contains(&still));
         let awake: Vec<BodyHandle> = world.awake_bodies().collect();
-        assert!(awake.iter().all(|body| moved.contains(body) && !world.is_asleep(*body).unwrap()));
-        assert_eq!(awake.len() + world.asleep(), 4);
+        assert!(awake.iter().all(|body| moved.contains(body) && !world.is_sleeping(*body).unwrap()));
+        assert_eq!(awake.len() + world.sleeping_body_count(), 4);
     }
-    assert_eq!((world.asleep(), world.moved_bodies().count()), (4, 1));
+    assert_eq!((world.sleeping_body_count(), world.moved_bodies().count()), (4, 1));
     world.wake(bodies[0]).unwrap();
     assert_eq!(world.awake_bodies().collect::<Vec<_>>(), [bodies[0]]);
 }
@@ -273,11 +280,11 @@ fn contacts_of_the_world_are_those_of_its_bodies() {
     world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
     for i in 0..300_u16 {
         let at = DVec3::new(f64::from(i % 8), 0.5 + f64::from(i / 64), f64::from(i / 8 % 8)) * 0.99;
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap();
+        world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube())).unwrap();
     }
     for asleep in [false, true] {
         let mut count = 60;
-        while asleep && world.bodies().any(|body| world.is_asleep(body) == Ok(false)) && count < 600 {
+        while asleep && world.bodies().any(|body| world.is_sleeping(body) == Ok(false)) && count < 600 {
             steps(&mut world, 10);
             count += 10;
         }
@@ -315,11 +322,14 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
         let mut random = Random(11);
         for i in 0..200_u16 {
             let at = DVec3::new(f64::from(i % 6), 1.0 + f64::from(i / 36), f64::from(i / 6 % 6)) * 1.01;
-            let body = BodyDesc::dynamic().at(at).with_shape(if i % 3 == 0 { ball() } else { cube() });
+            let body =
+                BodyDesc::dynamic().with_position(at).with_shape(if i % 3 == 0 { ball() } else { cube() });
             let body = if i % 7 == 0 { body.with_shape(ball().with_position(Vec3::X * 0.8)) } else { body };
             world.add_body(&body).unwrap();
         }
-        let lift = BodyDesc::kinematic().at(DVec3::new(3.0, 0.5, -2.0)).moving(Vec3::Z * 0.2, Vec3::ZERO);
+        let lift = BodyDesc::kinematic()
+            .with_position(DVec3::new(3.0, 0.5, -2.0))
+            .with_velocity(Vec3::Z * 0.2, Vec3::ZERO);
         world.add_body(&lift.with_shape(cube())).unwrap();
         let (mut most, mut slept) = (0, false);
         for round in 0..60 {
@@ -333,8 +343,10 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
                     world.set_pose(some, DVec3::new(2.0, 1.0, 2.0), glam::Quat::IDENTITY).unwrap();
                 }
                 3 => {
-                    let shot = BodyDesc::dynamic().at(DVec3::new(-9.0, 1.0, 3.0));
-                    world.add_body(&shot.moving(Vec3::X * 80.0, Vec3::ZERO).with_shape(ball())).unwrap();
+                    let shot = BodyDesc::dynamic().with_position(DVec3::new(-9.0, 1.0, 3.0));
+                    world
+                        .add_body(&shot.with_velocity(Vec3::X * 80.0, Vec3::ZERO).with_shape(ball()))
+                        .unwrap();
                 }
                 5 => {
                     let mut snapshot = Snapshot::new();
@@ -345,7 +357,7 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
                 _ => {}
             }
             for body in world.bodies().collect::<Vec<_>>() {
-                slept |= world.is_asleep(body) == Ok(true);
+                slept |= world.is_sleeping(body) == Ok(true);
                 let mut own: Vec<BodyContact> = world.contacts_of(body).unwrap().collect();
                 most = most.max(own.len());
                 assert!(own.iter().all(|contact| contact.bodies[0] == body));
@@ -370,12 +382,12 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
 fn contacts_of_one_body_among_many() {
     let mut world = world();
     let floor = ShapeDesc::new(Geometry::cuboid(200.0, 1.0, 200.0));
-    world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::NEG_Y).with_shape(floor)).unwrap();
     let boxes: Vec<BodyHandle> = (0..2000_u16)
         .map(|i| {
             let at =
                 DVec3::new(f64::from(i % 40) * 1.5, 0.5 + f64::from(i / 1600), f64::from(i / 40 % 40) * 1.5);
-            world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+            world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube())).unwrap()
         })
         .collect();
     steps(&mut world, 20);

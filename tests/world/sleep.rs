@@ -25,7 +25,7 @@ fn cube() -> ShapeDesc {
 }
 
 fn add(world: &mut World, at: DVec3) -> BodyHandle {
-    world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+    world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube())).unwrap()
 }
 
 /// Three cubes on top of each other.
@@ -40,7 +40,7 @@ fn run(world: &mut World, seconds: f32) {
 }
 
 fn asleep(world: &World, bodies: &[BodyHandle]) -> bool {
-    let sleeping = bodies.iter().filter(|&&body| world.is_asleep(body).unwrap()).count();
+    let sleeping = bodies.iter().filter(|&&body| world.is_sleeping(body).unwrap()).count();
     assert!(sleeping == 0 || sleeping == bodies.len(), "an island sleeps as a whole: {sleeping}");
     sleeping > 0
 }
@@ -51,7 +51,7 @@ fn sleepers() -> (World, [BodyHandle; 3], [BodyHandle; 3]) {
     let (one, other) = (stack(&mut world, 0.0), stack(&mut world, 10.0));
     run(&mut world, 2.0);
     assert!(asleep(&world, &one) && asleep(&world, &other));
-    assert_eq!((world.asleep(), world.islands_asleep()), (6, 2));
+    assert_eq!((world.sleeping_body_count(), world.sleeping_island_count()), (6, 2));
     (world, one, other)
 }
 
@@ -63,11 +63,15 @@ fn a_pile_falls_asleep_and_stays_where_it_is() {
     let (mut world, _) = common::world_of(&scene, settings());
     run(&mut world, 30.0);
     let dynamic = world.bodies().filter(|&b| world.kind(b).unwrap() == backstop::BodyKind::Dynamic).count();
-    println!("{} of {dynamic} asleep in {} islands", world.asleep(), world.islands_asleep());
-    assert_eq!(world.asleep(), dynamic);
-    let hash = world.hash();
+    println!(
+        "{} of {dynamic} asleep in {} islands",
+        world.sleeping_body_count(),
+        world.sleeping_island_count()
+    );
+    assert_eq!(world.sleeping_body_count(), dynamic);
+    let hash = world.state_hash();
     run(&mut world, 5.0);
-    assert_eq!(world.hash(), hash);
+    assert_eq!(world.state_hash(), hash);
     let report = world.report();
     assert_eq!((report.asleep as usize, report.pairs, report.manifolds), (dynamic, 0, 0));
 }
@@ -78,16 +82,16 @@ fn nothing_sleeps_unless_it_is_asked_for() {
     let body = add(&mut world, DVec3::ZERO);
     world.set_gravity_scale(body, 0.0).unwrap();
     run(&mut world, 2.0);
-    world.send_to_sleep(body).unwrap();
-    assert!(!world.is_asleep(body).unwrap());
+    world.sleep(body).unwrap();
+    assert!(!world.is_sleeping(body).unwrap());
 }
 
 #[test]
 fn a_ball_wakes_the_stack_that_it_hits_and_no_other() {
     let (mut world, one, other) = sleepers();
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.2 });
-    let ball = BodyDesc::dynamic().at(DVec3::new(-3.0, 1.5, 0.0)).with_shape(ball);
-    world.add_body(&ball.moving(Vec3::X * 20.0, Vec3::ZERO)).unwrap();
+    let ball = BodyDesc::dynamic().with_position(DVec3::new(-3.0, 1.5, 0.0)).with_shape(ball);
+    world.add_body(&ball.with_velocity(Vec3::X * 20.0, Vec3::ZERO)).unwrap();
     run(&mut world, 0.5);
     assert!(!asleep(&world, &one) && asleep(&world, &other));
     run(&mut world, 10.0);
@@ -102,9 +106,9 @@ fn an_impact_is_that_of_bodies_that_are_awake() {
             World::new(Settings::default().with_gravity(Vec3::ZERO).with_sleeping(sleeping)).unwrap();
         let body = add(&mut world, DVec3::ZERO);
         run(&mut world, 2.0);
-        assert_eq!(world.is_asleep(body).unwrap(), sleeping);
-        let ball = BodyDesc::dynamic().at(DVec3::NEG_X * 3.0).with_shape(cube());
-        let ball = world.add_body(&ball.moving(Vec3::X * speed, Vec3::ZERO)).unwrap();
+        assert_eq!(world.is_sleeping(body).unwrap(), sleeping);
+        let ball = BodyDesc::dynamic().with_position(DVec3::NEG_X * 3.0).with_shape(cube());
+        let ball = world.add_body(&ball.with_velocity(Vec3::X * speed, Vec3::ZERO)).unwrap();
         run(&mut world, 5.0 / speed);
         [body, ball].map(|b| (world.position(b).unwrap(), world.linear_velocity(b).unwrap()))
     };
@@ -119,8 +123,8 @@ fn whatever_changes_about_a_stack_wakes_it() {
     type Change = fn(&mut World, [BodyHandle; 3]);
     let changes: [(&str, Change); 20] = [
         ("wake", |w, s| w.wake(s[1]).unwrap()),
-        ("impulse", |w, s| w.apply_impulse(s[2], Vec3::X * 1e-3, DVec3::new(0.0, 2.5, 0.0)).unwrap()),
-        ("force", |w, s| w.add_force(s[2], Vec3::X, Vec3::ZERO).unwrap()),
+        ("impulse", |w, s| w.apply_impulse_at(s[2], Vec3::X * 1e-3, DVec3::new(0.0, 2.5, 0.0)).unwrap()),
+        ("force", |w, s| w.add_force(s[2], Vec3::X).unwrap()),
         ("velocity", |w, s| w.set_velocity(s[0], Vec3::Y * 1e-3, Vec3::ZERO).unwrap()),
         ("pose", |w, s| w.set_pose(s[1], DVec3::new(0.0, 1.5, 4.0), Quat::IDENTITY).unwrap()),
         ("gravity scale", |w, s| w.set_gravity_scale(s[1], 0.5).unwrap()),
@@ -159,7 +163,8 @@ fn whatever_changes_about_a_stack_wakes_it() {
             w.set_material(shape, Material::default().with_friction(0.3)).unwrap();
         }),
         ("something static comes", |w, _| {
-            w.add_body(&BodyDesc::fixed().at(DVec3::new(0.9, 1.5, 0.0)).with_shape(cube())).unwrap();
+            w.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.9, 1.5, 0.0)).with_shape(cube()))
+                .unwrap();
         }),
         ("something is put on it", |w, _| {
             add(w, DVec3::new(0.0, 3.5, 0.0));
@@ -179,7 +184,10 @@ fn whatever_changes_about_a_stack_wakes_it() {
         // Awake or asleep, all goes on as it should.
         run(&mut world, 5.0);
         let awake = matches!(name, "no sleep" | "sleepless" | "the floor goes");
-        assert!(awake || world.asleep() == world.bodies().count() - world_static(&world), "{name}");
+        assert!(
+            awake || world.sleeping_body_count() == world.bodies().count() - world_static(&world),
+            "{name}"
+        );
     }
 }
 
@@ -190,12 +198,12 @@ fn world_static(world: &World) -> usize {
 #[test]
 fn whoever_hangs_on_a_joint_wakes_when_it_goes() {
     let mut world = floor();
-    let hook = world.add_body(&BodyDesc::fixed().at(DVec3::Y * 5.0)).unwrap();
+    let hook = world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * 5.0)).unwrap();
     let body = add(&mut world, DVec3::Y * 4.0);
     let joint = JointDesc::ball([hook, body], [Frame::default(), Frame::at(Vec3::Y)]);
     let joint = world.add_joint(&joint).unwrap();
     run(&mut world, 2.0);
-    assert!(world.is_asleep(body).unwrap());
+    assert!(world.is_sleeping(body).unwrap());
     world.remove_joint(joint).unwrap();
     run(&mut world, 1.0);
     assert!(world.position(body).unwrap().y < 1.0);
@@ -206,7 +214,8 @@ fn whoever_hangs_on_a_joint_wakes_when_it_goes() {
 fn a_lift_that_starts_wakes_those_in_it_and_keeps_them_awake() {
     let mut world = World::new(settings()).unwrap();
     let plate = ShapeDesc::new(Geometry::cuboid(2.0, 0.5, 2.0));
-    let lift = world.add_body(&BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(plate)).unwrap();
+    let lift =
+        world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(plate)).unwrap();
     let riders = stack(&mut world, 0.0);
     run(&mut world, 2.0);
     assert!(asleep(&world, &riders));
@@ -236,7 +245,7 @@ fn who_never_sleeps_keeps_its_island_awake() {
     world.set_can_sleep(one[1], false).unwrap();
     run(&mut world, 5.0);
     assert!(!asleep(&world, &one) && asleep(&world, &other));
-    world.send_to_sleep(one[0]).unwrap();
+    world.sleep(one[0]).unwrap();
     assert!(!asleep(&world, &one));
     world.set_can_sleep(one[1], true).unwrap();
     run(&mut world, 1.0);
@@ -248,12 +257,12 @@ fn who_is_sent_to_sleep_sleeps_with_its_island_in_mid_air() {
     let mut world = floor();
     let (one, other) = (add(&mut world, DVec3::Y * 50.0), add(&mut world, DVec3::new(3.0, 50.0, 0.0)));
     run(&mut world, 0.5);
-    world.send_to_sleep(one).unwrap();
+    world.sleep(one).unwrap();
     let at = world.position(one).unwrap();
     run(&mut world, 1.0);
     assert_eq!(world.position(one).unwrap(), at);
     assert_eq!(world.linear_velocity(one).unwrap(), Vec3::ZERO);
-    assert!(!world.is_asleep(other).unwrap() && world.position(other).unwrap().y < at.y - 5.0);
+    assert!(!world.is_sleeping(other).unwrap() && world.position(other).unwrap().y < at.y - 5.0);
 }
 
 /// Two that sleep side by side without touching: one wakes and is pushed into the other, slowly and fast.
@@ -268,7 +277,7 @@ fn neighbours_that_slept_apart_meet() {
             world.set_material(shape, Material::default().with_friction(0.0)).unwrap();
         }
         run(&mut world, 2.0);
-        assert_eq!((world.asleep(), world.islands_asleep()), (2, 2));
+        assert_eq!((world.sleeping_body_count(), world.sleeping_island_count()), (2, 2));
         for _ in 0..120 {
             if world.position(one).unwrap().x < 0.5 {
                 world.set_velocity(one, Vec3::X * speed, Vec3::ZERO).unwrap();
@@ -286,13 +295,13 @@ fn neighbours_that_slept_apart_meet() {
 fn a_bullet_does_not_pass_a_wall_that_sleeps() {
     let mut world = floor();
     let slab = ShapeDesc::new(Geometry::cuboid(0.02, 1.0, 1.0));
-    let slab = world.add_body(&BodyDesc::dynamic().at(DVec3::Y).with_shape(slab)).unwrap();
-    world.send_to_sleep(slab).unwrap();
+    let slab = world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y).with_shape(slab)).unwrap();
+    world.sleep(slab).unwrap();
     run(&mut world, 2.0);
-    assert!(world.is_asleep(slab).unwrap());
+    assert!(world.is_sleeping(slab).unwrap());
     let bullet = ShapeDesc::new(Geometry::Sphere { radius: 0.05 });
-    let bullet = BodyDesc::dynamic().at(DVec3::new(-20.0, 1.0, 0.0)).with_shape(bullet);
-    let bullet = world.add_body(&bullet.moving(Vec3::X * 800.0, Vec3::ZERO)).unwrap();
+    let bullet = BodyDesc::dynamic().with_position(DVec3::new(-20.0, 1.0, 0.0)).with_shape(bullet);
+    let bullet = world.add_body(&bullet.with_velocity(Vec3::X * 800.0, Vec3::ZERO)).unwrap();
     run(&mut world, 0.5);
     let [a, b] = [bullet, slab].map(|body| world.position(body).unwrap().x);
     assert!(a < b, "{a} {b}");
@@ -310,14 +319,14 @@ fn sleep_does_not_depend_on_threads() {
             if step > 600 && step % 50 == 0 {
                 let body = handles[handles.len() - 1 - step as usize / 50];
                 world
-                    .apply_impulse(body, Vec3::new(30.0, 80.0, 10.0), world.position(body).unwrap())
+                    .apply_impulse_at(body, Vec3::new(30.0, 80.0, 10.0), world.position(body).unwrap())
                     .unwrap();
             }
             world.step(DT).unwrap();
-            most = most.max(world.asleep());
-            hashes.push(world.hash());
+            most = most.max(world.sleeping_body_count());
+            hashes.push(world.state_hash());
         }
-        println!("{threads} threads: at most {most} asleep, {} at the end", world.asleep());
+        println!("{threads} threads: at most {most} asleep, {} at the end", world.sleeping_body_count());
         (hashes, most)
     };
     let one = play(1);
@@ -349,9 +358,9 @@ fn bodies_come_and_go_while_others_sleep() {
             }
             6 if !bodies.is_empty() => {
                 let body = bodies[below(bodies.len())];
-                world.apply_impulse(body, Vec3::Y * 5000.0, world.position(body).unwrap()).unwrap();
+                world.apply_impulse_at(body, Vec3::Y * 5000.0, world.position(body).unwrap()).unwrap();
             }
-            7 if !bodies.is_empty() => world.send_to_sleep(bodies[below(bodies.len())]).unwrap(),
+            7 if !bodies.is_empty() => world.sleep(bodies[below(bodies.len())]).unwrap(),
             8 if !bodies.is_empty() => world.wake(bodies[below(bodies.len())]).unwrap(),
             9 if round % 20 == 0 => {
                 let sleeping = !world.settings().sleeping;
@@ -361,11 +370,11 @@ fn bodies_come_and_go_while_others_sleep() {
         }
         let report = *world.step(DT).unwrap();
         (slept, woke) = (slept + report.slept, woke + report.woke);
-        most = most.max(world.asleep());
+        most = most.max(world.sleeping_body_count());
         for &body in &bodies {
             let (at, v) = (world.position(body).unwrap(), world.linear_velocity(body).unwrap());
             assert!(at.y > 0.2, "{round}: {at}");
-            assert!(!world.is_asleep(body).unwrap() || v == Vec3::ZERO, "{round}");
+            assert!(!world.is_sleeping(body).unwrap() || v == Vec3::ZERO, "{round}");
         }
         let listed: Vec<BodyHandle> = world.bodies().collect();
         assert_eq!(listed.len(), bodies.len() + 1);
@@ -376,7 +385,7 @@ fn bodies_come_and_go_while_others_sleep() {
         world.remove_body(body).unwrap();
     }
     world.step(DT).unwrap();
-    assert_eq!((world.asleep(), world.islands_asleep(), world.report().pairs), (0, 0, 0));
+    assert_eq!((world.sleeping_body_count(), world.sleeping_island_count(), world.report().pairs), (0, 0, 0));
 }
 
 #[test]
@@ -395,7 +404,7 @@ fn sleepers_keep_to_the_budget() {
         }
     }
     run(&mut world, 2.0);
-    assert_eq!(world.asleep(), 60);
+    assert_eq!(world.sleeping_body_count(), 60);
 }
 
 /// Sleep that was switched off between two steps is off at once: nobody may be sent to sleep with the columns
@@ -404,11 +413,12 @@ fn sleepers_keep_to_the_budget() {
 fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
     let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
     let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::ZERO);
-    let [ball, other] = [ball.clone(), ball.at(Vec3::X * 0.9)].map(|desc| world.add_body(&desc).unwrap());
+    let [ball, other] =
+        [ball.clone(), ball.with_position(Vec3::X * 0.9)].map(|desc| world.add_body(&desc).unwrap());
     world.step(1.0 / 60.0).unwrap();
     world.set_settings(world.settings().clone().with_sleeping(false)).unwrap();
-    world.send_to_sleep(ball).unwrap();
-    assert!(!world.is_asleep(ball).unwrap() && !world.is_asleep(other).unwrap());
+    world.sleep(ball).unwrap();
+    assert!(!world.is_sleeping(ball).unwrap() && !world.is_sleeping(other).unwrap());
     world.step(1.0 / 60.0).unwrap();
     world.step(1.0 / 60.0).unwrap();
 }
@@ -424,10 +434,10 @@ fn an_island_sleeps_on_what_is_kinematic_and_at_rest() {
     let support = world.add_body(&BodyDesc::kinematic().with_shape(round)).unwrap();
     let boxes = [0.5, 0.4].map(|half| {
         let shape = ShapeDesc::new(Geometry::cuboid(half, 0.5, 0.5));
-        world.add_body(&BodyDesc::dynamic().at(DVec3::Y).with_shape(shape)).unwrap()
+        world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y).with_shape(shape)).unwrap()
     });
     world.step(DT).unwrap();
-    world.send_to_sleep(boxes[1]).unwrap();
+    world.sleep(boxes[1]).unwrap();
     let places = boxes.map(|body| world.position(body).unwrap());
     for _ in 0..20 {
         world.step(DT).unwrap();
@@ -445,11 +455,12 @@ fn an_island_sleeps_on_what_is_kinematic_and_at_rest() {
 fn many_sleep_on_one_plate_and_bear_what_they_bore_when_it_starts() {
     let mut world = World::new(settings()).unwrap();
     let plate = ShapeDesc::new(Geometry::cuboid(5.0, 0.5, 5.0));
-    let plate = world.add_body(&BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(plate)).unwrap();
+    let plate =
+        world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(plate)).unwrap();
     let riders: Vec<BodyHandle> =
         (0..4).map(|i| add(&mut world, DVec3::new(f64::from(i) * 1.5 - 2.25, 0.5, 0.0))).collect();
     run(&mut world, 2.0);
-    assert_eq!(world.asleep(), 4);
+    assert_eq!(world.sleeping_body_count(), 4);
     let heights: Vec<f64> = riders.iter().map(|&body| world.position(body).unwrap().y).collect();
     run(&mut world, 1.0);
     world.set_velocity(plate, Vec3::X * 0.02, Vec3::ZERO).unwrap();

@@ -22,7 +22,7 @@ fn told<T>(found: Result<T, Error>, expected: &str) {
 #[test]
 fn one_of_many_is_named_by_its_place() {
     let mut world = World::new(Settings::default()).unwrap();
-    let at = |i: i32| BodyDesc::dynamic().at(DVec3::X * f64::from(i)).with_shape(ball(0.1));
+    let at = |i: i32| BodyDesc::dynamic().with_position(DVec3::X * f64::from(i)).with_shape(ball(0.1));
     let mut descs: Vec<BodyDesc> = (0..200).map(at).collect();
     let bodies = world.add_bodies(&descs).unwrap();
     descs[137].position.y = f64::NAN;

@@ -41,7 +41,7 @@ fn alone(count: u16) -> Result<World, backstop_bevy::backstop::Error> {
     let mut world = World::new(Settings::default())?;
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
     for place in places(count) {
-        let desc = BodyDesc::dynamic().at(place.to_engine().as_dvec3());
+        let desc = BodyDesc::dynamic().with_position(place.to_engine().as_dvec3());
         let shape = ShapeDesc::new(Geometry::Box { half_extents: glam::Vec3::splat(0.5) });
         world.add_body(&desc.with_shape(shape))?;
     }
@@ -71,7 +71,7 @@ fn main() -> Result<(), backstop_bevy::backstop::Error> {
                     times[1].push(1e3 * frame.as_secs_f64());
                 }
             }
-            assert_eq!(app.world().resource::<PhysicsWorld>().hash(), alone.hash());
+            assert_eq!(app.world().resource::<PhysicsWorld>().state_hash(), alone.state_hash());
             let [engine, frame] = times.map(median);
             let added = 100.0 * (frame / engine - 1.0);
             println!("{count:6}  {phase}  {engine:11.3}  {frame:10.3}  {added:4.1} %");

@@ -1,7 +1,7 @@
 //! Components of bodies.
 
 use crate::world::PhysicsWorld;
-use backstop::{BodyKind, Continuous, MassProperties, RowGroup};
+use backstop::{BodyKind, ContinuousMode, MassProperties, RowGroup};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
@@ -136,7 +136,7 @@ pub struct LockedAxes {
     pub rotation: [bool; 3],
 }
 
-/// How a body is kept from passing through others; [`Continuous::Segment`] without this.
+/// How a body is kept from passing through others; [`ContinuousMode::Segment`] without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "reflect",
@@ -145,7 +145,7 @@ pub struct LockedAxes {
     reflect(Component, Clone, Serialize, Deserialize)
 )]
 #[component(on_remove = trait_removed)]
-pub struct ContinuousMode(pub Continuous);
+pub struct Continuous(pub ContinuousMode);
 
 /// The group after which the rows of a body are solved:
 /// [`BodyDesc::solved_after`](backstop::BodyDesc::solved_after).

@@ -54,8 +54,8 @@ impl Coupling {
     }
     /// Breaks above this force or torque on either motion [N] or [N m].
     #[must_use]
-    pub fn with_strength(mut self, strength: [f32; 2]) -> Self {
-        self.desc = self.desc.with_strength(strength);
+    pub fn with_break_force(mut self, break_force: [f32; 2]) -> Self {
+        self.desc = self.desc.with_break_force(break_force);
         self
     }
 }

@@ -1,7 +1,7 @@
 //! The component of joints.
 
 use crate::world::PhysicsWorld;
-use backstop::{BodyHandle, Drive, Frame, JointDesc, Limit, Spring};
+use backstop::{BodyHandle, Frame, JointDesc, Limit, Motor, Spring};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
@@ -91,13 +91,13 @@ impl Joint {
     }
     /// With a further drive.
     #[must_use]
-    pub fn with_drive(self, drive: Drive) -> Self {
-        self.with(|desc| desc.with_drive(drive))
+    pub fn with_motor(self, motor: Motor) -> Self {
+        self.with(|desc| desc.with_motor(motor))
     }
     /// Breaks above this force [N] and this torque [N m].
     #[must_use]
-    pub fn with_strength(self, force: f32, torque: f32) -> Self {
-        self.with(|desc| desc.with_strength(force, torque))
+    pub fn with_break_force(self, force: f32, torque: f32) -> Self {
+        self.with(|desc| desc.with_break_force(force, torque))
     }
     /// Is reported above this force [N] and this torque [N m]: [`JointStrained`](crate::JointStrained).
     #[must_use]

@@ -20,8 +20,8 @@ mod world;
 
 pub use backstop;
 pub use body::{
-    BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass, MaxSpeeds,
-    NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
+    BodyDisabled, ConstantForce, Continuous, Damping, GravityScale, LockedAxes, Mass, MaxSpeeds, NeverSleeps,
+    NoInterpolation, PhysicsPose, RigidBody, Sleeping, SolvedAfter, Velocity,
 };
 pub use character::{Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch};
 pub use convert::{ToBevy, ToEngine};
@@ -43,5 +43,5 @@ pub use world::{PhysicsHooks, PhysicsWorld};
 /// calls take is in [`backstop`]. Bevy's prelude has an `Axis` too, of gamepads: name the one that you mean.
 pub mod prelude {
     pub use crate::*;
-    pub use ::backstop::{Axes, Axis, Drive, Limit, Motion, Spring};
+    pub use ::backstop::{Axes, Axis, Limit, Motion, Motor, Spring};
 }

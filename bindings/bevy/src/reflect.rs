@@ -11,7 +11,7 @@ macro_rules! register {
 
 /// Components that hold a type of the engine are opaque, with serde; all others show their fields.
 pub(crate) fn register(app: &mut App) {
-    register!(app: BodyDisabled, ConstantForce, ContinuousMode, Damping, GravityScale, LockedAxes, Mass);
+    register!(app: BodyDisabled, ConstantForce, Continuous, Damping, GravityScale, LockedAxes, Mass);
     register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping);
     register!(app: SolvedAfter, Velocity);
     register!(app: ContactHooked, ContactMessages, Density, Joint, SensesStatic, Sensor, Shape);

@@ -83,7 +83,7 @@ pub(crate) fn write_sleep(
         return;
     }
     for handle in before {
-        if physics.is_asleep(handle) == Ok(true)
+        if physics.is_sleeping(handle) == Ok(true)
             && let Some(body) = physics.entity_of(handle)
             && set_asleep(physics, &mut sleep, body, true)
         {

@@ -110,7 +110,7 @@ fn read_pose(
     let mut new = physics.character(handle)?;
     if placed {
         pose.position = written.position;
-        new.place(pose.position.to_engine())?;
+        new.set_position(pose.position.to_engine())?;
     }
     if placed || character.shape.is_some() {
         reshape(&mut new, character, &pose)?;

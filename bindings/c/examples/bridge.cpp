@@ -70,7 +70,7 @@ public:
 
     std::uint64_t hash() const {
         std::uint64_t hash = 0;
-        check(bs_world_hash(get(), &hash));
+        check(bs_world_state_hash(get(), &hash));
         return hash;
     }
 

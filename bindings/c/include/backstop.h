@@ -235,7 +235,7 @@ typedef struct BsMassProperties {
 } BsMassProperties;
 
 // How a body is kept from passing through others, one of `BS_CONTINUOUS_...`.
-typedef uint32_t BsContinuous;
+typedef uint32_t BsContinuousMode;
 
 // A group of rows of the solver, one of `BS_ROWS_...`.
 typedef uint32_t BsRowGroup;
@@ -266,7 +266,7 @@ typedef struct BsBodyDesc {
     // Factor on gravity. Default 1.
     float gravity_scale;
     // How it is kept from passing through others. Default `BS_CONTINUOUS_SEGMENT`.
-    BsContinuous continuous;
+    BsContinuousMode continuous;
     // Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
     BsRowGroup solved_after;
     // World axes along which it can't move, as bits of `BS_AXIS_BIT_...`.
@@ -659,7 +659,7 @@ typedef struct BsSensorEvent {
     float fraction;
 } BsSensorEvent;
 
-// What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
+// What a joint locks before its own limits and motors, one of `BS_JOINT_...`.
 typedef uint32_t BsJointKind;
 
 // Where a joint sits on a body, in the body's own axes and from its origin.
@@ -706,7 +706,7 @@ typedef struct BsLimitDesc {
 } BsLimitDesc;
 
 // Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
-typedef struct BsDriveDesc {
+typedef struct BsMotorDesc {
     // Size of this struct; `bs_motor_desc` and others fill it in.
     uint32_t size;
     // Sliding or turning.
@@ -721,7 +721,7 @@ typedef struct BsDriveDesc {
     struct BsSpring spring;
     // The most force [N] or torque [N m]; infinity for no bound.
     float max_force;
-} BsDriveDesc;
+} BsMotorDesc;
 
 // A joint to be added. The relative motion is that of the second frame as seen from the first.
 typedef struct BsJointDesc {
@@ -754,9 +754,9 @@ typedef struct BsJointDesc {
     // Number of limits.
     size_t limit_count;
     // What is driven.
-    const struct BsDriveDesc *drives;
-    // Number of drives.
-    size_t drive_count;
+    const struct BsMotorDesc *motors;
+    // Number of motors.
+    size_t motor_count;
     // Free for the caller.
     uint64_t user_data;
     // Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
@@ -803,7 +803,7 @@ typedef struct BsCouplingDesc {
     // Greatest sum; infinity for none.
     double max;
     // The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
-    float strength[2];
+    float break_force[2];
     // Free for the caller.
     uint64_t user_data;
 } BsCouplingDesc;
@@ -980,9 +980,9 @@ typedef struct BsSettings {
     // Default 1.
     uint32_t threads;
     // The actual mode of bodies with the mode segment. Default `BS_CONTINUOUS_SEGMENT`.
-    BsContinuous continuous;
+    BsContinuousMode continuous;
     // Default `BS_METHOD_ONE_PASS`.
-    BsMethod method;
+    BsMethod continuous_method;
     // Default `BS_FRICTION_CONE`.
     BsFrictionCone friction_cone;
     // Default `BS_FRICTION_PER_PATCH`.
@@ -1089,7 +1089,7 @@ typedef struct BsDivergence {
     uint64_t user_data;
     // How many bodies differ after the step.
     uint64_t bodies;
-    // `bs_world_hash` after the step as recorded.
+    // `bs_world_state_hash` after the step as recorded.
     uint64_t recorded_hash;
     // The same as replayed.
     uint64_t replayed_hash;
@@ -1154,7 +1154,7 @@ typedef struct BsStepReport {
     // same, and lost some energy. Also nets of joints that turn faster than a substep can follow, if they
     // lost energy that their rows would have added.
     uint32_t damped_trees;
-    // Bodies that had to be stopped, see `bs_world_stopped_bodies`.
+    // Bodies that had to be stopped, see `bs_world_faulted_bodies`.
     uint32_t stopped;
     // Impacts that were solved one by one at their times.
     uint32_t struck;
@@ -1196,7 +1196,7 @@ typedef struct BsMemoryReport {
 } BsMemoryReport;
 
 // An optional part of the engine, and its cost in a world.
-typedef struct BsModelPart {
+typedef struct BsFeatureCost {
     // Which: its place in the list, which a later version may add to at its end; `bs_feature_name` has its
     // name.
     uint32_t feature;
@@ -1210,7 +1210,7 @@ typedef struct BsModelPart {
     BsBool has_time;
     // Zero.
     uint8_t reserved[3];
-} BsModelPart;
+} BsFeatureCost;
 
 // The call did what it says.
 #define BS_OK 0
@@ -1294,8 +1294,8 @@ typedef struct BsModelPart {
 // Not returned: a world that is being recorded can be restored.
 #define BS_ERROR_RECORDED 26
 
-// A target for a drive that the joint does not have.
-#define BS_ERROR_NO_DRIVE 27
+// A target for a motor that the joint does not have.
+#define BS_ERROR_NO_MOTOR 27
 
 // Bytes that are no baked shape, or no longer.
 #define BS_ERROR_BROKEN_SHAPE 28
@@ -1424,7 +1424,7 @@ typedef struct BsModelPart {
 // The distance of the two frames [m], or the angle of the whole rotation between them [rad].
 #define BS_AXES_ALL 6
 
-// No spring: rigid. A drive must have one.
+// No spring: rigid. A motor must have one.
 #define BS_SPRING_NONE 0
 
 // Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad]. Infinite
@@ -1541,7 +1541,7 @@ typedef struct BsModelPart {
 // No group: the rows stay in their own place.
 #define BS_ROWS_NONE 0
 
-// Springs, drives, motors and friction of joints.
+// Springs, motors, motors and friction of joints.
 #define BS_ROWS_SOFT_JOINTS 1
 
 // Limits of joints.
@@ -1913,10 +1913,10 @@ BS_API BsStatus bs_body_is_enabled(const struct BsWorld *world, struct BsBody bo
 BS_API BsStatus bs_body_set_gravity_scale(struct BsWorld *world, struct BsBody body, float scale);
 
 // Sets how a body is kept from passing through others.
-BS_API BsStatus bs_body_set_continuous(struct BsWorld *world, struct BsBody body, BsContinuous mode);
+BS_API BsStatus bs_body_set_continuous(struct BsWorld *world, struct BsBody body, BsContinuousMode mode);
 
 // Has the rows of a body solved right after those of a group, or in their own place again.
-BS_API BsStatus bs_body_solve_after(struct BsWorld *world, struct BsBody body, BsRowGroup group);
+BS_API BsStatus bs_body_set_solved_after(struct BsWorld *world, struct BsBody body, BsRowGroup group);
 
 // Pose of a body's origin in the world.
 BS_API BsStatus bs_body_pose(const struct BsWorld *world, struct BsBody body, struct BsPose *pose);
@@ -1963,26 +1963,35 @@ BsStatus bs_body_move_kinematic_and_stop(struct BsWorld *world,
 // Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces and
 // impulses on other bodies have no effect.
 BS_API
-BsStatus bs_body_add_force(struct BsWorld *world,
-                           struct BsBody body,
-                           struct BsVec3 force,
-                           struct BsVec3 torque);
+BsStatus bs_body_add_force_and_torque(struct BsWorld *world,
+                                      struct BsBody body,
+                                      struct BsVec3 force,
+                                      struct BsVec3 torque);
+
+// Adds a force [N] at the centre of mass of a dynamic body, for the next step.
+BS_API BsStatus bs_body_add_force(struct BsWorld *world, struct BsBody body, struct BsVec3 force);
+
+// Adds a torque [N m] to a dynamic body, for the next step.
+BS_API BsStatus bs_body_add_torque(struct BsWorld *world, struct BsBody body, struct BsVec3 torque);
+
+// Changes the linear velocity of a dynamic body by an impulse [N s] at its centre of mass.
+BS_API BsStatus bs_body_apply_impulse(struct BsWorld *world, struct BsBody body, struct BsVec3 impulse);
 
 // Changes the velocities of a dynamic body by an impulse [N s] at a point of the world [m].
 BS_API
-BsStatus bs_body_apply_impulse(struct BsWorld *world,
-                               struct BsBody body,
-                               struct BsVec3 impulse,
-                               struct BsDVec3 point);
+BsStatus bs_body_apply_impulse_at(struct BsWorld *world,
+                                  struct BsBody body,
+                                  struct BsVec3 impulse,
+                                  struct BsDVec3 point);
 
 // Whether a body is asleep.
-BS_API BsStatus bs_body_is_asleep(const struct BsWorld *world, struct BsBody body, BsBool *asleep);
+BS_API BsStatus bs_body_is_sleeping(const struct BsWorld *world, struct BsBody body, BsBool *asleep);
 
 // Wakes a body and its island.
 BS_API BsStatus bs_body_wake(struct BsWorld *world, struct BsBody body);
 
 // Puts a dynamic body to sleep with all that it touches or is joined to. Does nothing if sleeping is off.
-BS_API BsStatus bs_body_send_to_sleep(struct BsWorld *world, struct BsBody body);
+BS_API BsStatus bs_body_sleep(struct BsWorld *world, struct BsBody body);
 
 // Sets whether a body may fall asleep.
 BS_API BsStatus bs_body_set_can_sleep(struct BsWorld *world, struct BsBody body, BsBool can_sleep);
@@ -2035,20 +2044,20 @@ BsStatus bs_body_set_max_speeds(struct BsWorld *world,
 // World axes along which a body can't move, and about which it can't turn, as bits of `BS_AXIS_BIT_...`;
 // each pointer may be null.
 BS_API
-BsStatus bs_body_locks(const struct BsWorld *world,
-                       struct BsBody body,
-                       BsAxes *translation,
-                       BsAxes *rotation);
+BsStatus bs_body_locked_axes(const struct BsWorld *world,
+                             struct BsBody body,
+                             BsAxes *translation,
+                             BsAxes *rotation);
 
 // Locks world axes, as bits of `BS_AXIS_BIT_...`.
 BS_API
-BsStatus bs_body_set_locks(struct BsWorld *world,
-                           struct BsBody body,
-                           BsAxes translation,
-                           BsAxes rotation);
+BsStatus bs_body_set_locked_axes(struct BsWorld *world,
+                                 struct BsBody body,
+                                 BsAxes translation,
+                                 BsAxes rotation);
 
 // How a body is kept from passing through others.
-BS_API BsStatus bs_body_continuous(const struct BsWorld *world, struct BsBody body, BsContinuous *mode);
+BS_API BsStatus bs_body_continuous(const struct BsWorld *world, struct BsBody body, BsContinuousMode *mode);
 
 // The group after which the rows of a body are solved, or `BS_ROWS_NONE`.
 BS_API BsStatus bs_body_solved_after(const struct BsWorld *world, struct BsBody body, BsRowGroup *group);
@@ -2192,7 +2201,7 @@ BsStatus bs_character_position(const struct BsCharacter *character,
                                struct BsDVec3 *feet);
 
 // Puts a character somewhere else at once [m], on nothing.
-BS_API BsStatus bs_character_place(struct BsCharacter *character, struct BsDVec3 position);
+BS_API BsStatus bs_character_set_position(struct BsCharacter *character, struct BsDVec3 position);
 
 // The settings of a character.
 BS_API
@@ -2344,7 +2353,7 @@ BsStatus bs_world_broken_joints(const struct BsWorld *world,
 
 // The shapes that are in a sensor as of the last step, in the order of their handles.
 BS_API
-BsStatus bs_sensor_visitors(const struct BsWorld *world,
+BsStatus bs_sensor_overlaps(const struct BsWorld *world,
                             struct BsShape sensor,
                             struct BsShape *visitors,
                             size_t capacity,
@@ -2369,8 +2378,8 @@ BS_API BsStatus bs_world_remove_joint(struct BsWorld *world, struct BsJoint join
 // Whether a handle is that of a joint of the world; no if there is no such world.
 BS_API BsBool bs_world_contains_joint(const struct BsWorld *world, struct BsJoint joint);
 
-// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max`
-// and `spring`, its limits and its drives. Nothing else of the description is looked at.
+// Replaces what a joint limits and motors by that of a description: its kind with `range_min`, `range_max`
+// and `spring`, its limits and its motors. Nothing else of the description is looked at.
 BS_API BsStatus bs_joint_set(struct BsWorld *world, struct BsJoint joint, const struct BsJointDesc *desc);
 
 // Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the
@@ -2382,6 +2391,16 @@ BsStatus bs_joint_frames_at(const struct BsWorld *world,
                             struct BsDVec3 point,
                             struct BsQuat rotation,
                             struct BsFrame *frames);
+
+// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], whose x axes
+// are along an axis of the world of any length: a hinge turns about it. `frames` has two places.
+BS_API
+BsStatus bs_joint_frames_about(const struct BsWorld *world,
+                               struct BsBody a,
+                               struct BsBody b,
+                               struct BsDVec3 point,
+                               struct BsVec3 axis,
+                               struct BsFrame *frames);
 
 // Poses of a joint's two frames in the world. `poses` has two places.
 BS_API BsStatus bs_joint_frames(const struct BsWorld *world, struct BsJoint joint, struct BsPose *poses);
@@ -2398,27 +2417,27 @@ BsStatus bs_joint_force(const struct BsWorld *world,
                         struct BsVec3 *torque);
 
 // Has the rows of a joint solved right after those of a group, or in their own place again.
-BS_API BsStatus bs_joint_solve_after(struct BsWorld *world, struct BsJoint joint, BsRowGroup group);
+BS_API BsStatus bs_joint_set_solved_after(struct BsWorld *world, struct BsJoint joint, BsRowGroup group);
 
 // The caller's number of a joint.
 BS_API BsStatus bs_joint_user_data(const struct BsWorld *world, struct BsJoint joint, uint64_t *user_data);
 
-// Replaces the drive of a joint with the same motion and axis, or adds it.
+// Replaces the motor of a joint with the same motion and axis, or adds it.
 BS_API
-BsStatus bs_joint_set_drive(struct BsWorld *world,
+BsStatus bs_joint_set_motor(struct BsWorld *world,
                             struct BsJoint joint,
-                            const struct BsDriveDesc *drive);
+                            const struct BsMotorDesc *motor);
 
-// Removes the drive of a joint with a motion and an axis. `removed` becomes whether there was one; it may be
+// Removes the motor of a joint with a motion and an axis. `removed` becomes whether there was one; it may be
 // null.
 BS_API
-BsStatus bs_joint_remove_drive(struct BsWorld *world,
+BsStatus bs_joint_remove_motor(struct BsWorld *world,
                                struct BsJoint joint,
                                BsMotion motion,
                                BsJointAxes axis,
                                BsBool *removed);
 
-// Sets the targets of a drive: a position [m] or [rad] and a velocity [m/s] or [rad/s]. Meant for every
+// Sets the targets of a motor: a position [m] or [rad] and a velocity [m/s] or [rad/s]. Meant for every
 // step.
 BS_API
 BsStatus bs_joint_set_target(struct BsWorld *world,
@@ -2451,29 +2470,29 @@ BsStatus bs_joint_limits(const struct BsWorld *world,
                          size_t capacity,
                          size_t *count);
 
-// The drives of a joint. `count` becomes their number.
+// The motors of a joint. `count` becomes their number.
 BS_API
-BsStatus bs_joint_drives(const struct BsWorld *world,
+BsStatus bs_joint_motors(const struct BsWorld *world,
                          struct BsJoint joint,
-                         struct BsDriveDesc *drives,
+                         struct BsMotorDesc *motors,
                          size_t capacity,
                          size_t *count);
 
 // Displacement of a joint along or about axes [m] or [rad], as its limits measure it.
 BS_API
-BsStatus bs_joint_displacement(const struct BsWorld *world,
-                               struct BsJoint joint,
-                               BsMotion motion,
-                               BsJointAxes axes,
-                               float *displacement);
+BsStatus bs_joint_position(const struct BsWorld *world,
+                           struct BsJoint joint,
+                           BsMotion motion,
+                           BsJointAxes axes,
+                           float *displacement);
 
 // Speed of a joint along or about an axis [m/s] or [rad/s].
 BS_API
-BsStatus bs_joint_speed(const struct BsWorld *world,
-                        struct BsJoint joint,
-                        BsMotion motion,
-                        BsJointAxes axis,
-                        float *speed);
+BsStatus bs_joint_velocity(const struct BsWorld *world,
+                           struct BsJoint joint,
+                           BsMotion motion,
+                           BsJointAxes axis,
+                           float *speed);
 
 // Where a joint sits on its two bodies, in their axes. `frames` has two places.
 BS_API
@@ -2495,13 +2514,17 @@ BS_API BsStatus bs_joint_set_collide(struct BsWorld *world, struct BsJoint joint
 
 // Force [N] and torque [N m] above which a joint breaks; each pointer may be null.
 BS_API
-BsStatus bs_joint_strength(const struct BsWorld *world,
-                           struct BsJoint joint,
-                           float *force,
-                           float *torque);
+BsStatus bs_joint_break_force(const struct BsWorld *world,
+                              struct BsJoint joint,
+                              float *force,
+                              float *torque);
 
 // Sets force [N] and torque [N m] above which a joint breaks; infinity for never.
-BS_API BsStatus bs_joint_set_strength(struct BsWorld *world, struct BsJoint joint, float force, float torque);
+BS_API
+BsStatus bs_joint_set_break_force(struct BsWorld *world,
+                                  struct BsJoint joint,
+                                  float force,
+                                  float torque);
 
 // Force [N] and torque [N m] above which a joint is in `bs_world_strained_joints`; each pointer may be null.
 BS_API
@@ -2570,10 +2593,10 @@ BS_API BsStatus bs_world_remove_coupling(struct BsWorld *world, struct BsCouplin
 
 // The displacements of a coupling's two motions [m] or [rad], with whole turns; each pointer may be null.
 BS_API
-BsStatus bs_coupling_displacements(const struct BsWorld *world,
-                                   struct BsCoupling coupling,
-                                   double *first,
-                                   double *second);
+BsStatus bs_coupling_positions(const struct BsWorld *world,
+                               struct BsCoupling coupling,
+                               double *first,
+                               double *second);
 
 // The sum that a coupling keeps: of both displacements times their factors.
 BS_API BsStatus bs_coupling_sum(const struct BsWorld *world, struct BsCoupling coupling, double *sum);
@@ -2611,10 +2634,10 @@ BS_API BsStatus bs_coupling_keep(struct BsWorld *world, struct BsCoupling coupli
 
 // Sets what a coupling breaks at on each of its motions [N] or [N m], infinite for never.
 BS_API
-BsStatus bs_coupling_set_strength(struct BsWorld *world,
-                                  struct BsCoupling coupling,
-                                  float first,
-                                  float second);
+BsStatus bs_coupling_set_break_force(struct BsWorld *world,
+                                     struct BsCoupling coupling,
+                                     float first,
+                                     float second);
 
 // Sets the caller's number of a coupling.
 BS_API
@@ -2647,11 +2670,11 @@ BsStatus bs_joint_couplings(const struct BsWorld *world,
 BS_API struct BsLimitDesc bs_limit_desc(BsMotion motion, BsJointAxes axes, float min, float max);
 
 // Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m]; friction at speed zero.
-BS_API struct BsDriveDesc bs_motor_desc(BsMotion motion, BsJointAxes axis, float velocity, float max_force);
+BS_API struct BsMotorDesc bs_motor_desc(BsMotion motion, BsJointAxes axis, float velocity, float max_force);
 
 // A spring towards a position [m] or [rad].
 BS_API
-struct BsDriveDesc bs_spring_desc(BsMotion motion,
+struct BsMotorDesc bs_spring_desc(BsMotion motion,
                                   BsJointAxes axis,
                                   float position,
                                   struct BsSpring spring);
@@ -3231,7 +3254,7 @@ BS_API BsStatus bs_world_origin(const struct BsWorld *world, struct BsDVec3 *ori
 BS_API BsStatus bs_world_set_origin(struct BsWorld *world, struct BsDVec3 origin);
 
 // Hash of all poses and velocities, bit by bit: the same on every machine for the same calls.
-BS_API BsStatus bs_world_hash(const struct BsWorld *world, uint64_t *hash);
+BS_API BsStatus bs_world_state_hash(const struct BsWorld *world, uint64_t *hash);
 
 // Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity [J].
 BS_API BsStatus bs_world_energy(const struct BsWorld *world, double *energy);
@@ -3245,14 +3268,14 @@ BS_API BsStatus bs_world_memory(const struct BsWorld *world, struct BsMemoryRepo
 // The optional parts of the engine that the world's content needs, and their cost, by their numbers.
 // `count` becomes the number of parts.
 BS_API
-BsStatus bs_world_model(const struct BsWorld *world,
-                        struct BsModelPart *parts,
-                        size_t capacity,
-                        size_t *count);
+BsStatus bs_world_feature_report(const struct BsWorld *world,
+                                 struct BsFeatureCost *parts,
+                                 size_t capacity,
+                                 size_t *count);
 
 // Bodies that the last step had to stop, because their motion was no number or out of range.
 BS_API
-BsStatus bs_world_stopped_bodies(const struct BsWorld *world,
+BsStatus bs_world_faulted_bodies(const struct BsWorld *world,
                                  struct BsBody *bodies,
                                  size_t capacity,
                                  size_t *count);
@@ -3262,8 +3285,8 @@ BS_API
 BsStatus bs_world_counts(const struct BsWorld *world,
                          size_t *bodies,
                          size_t *joints,
-                         size_t *asleep,
-                         size_t *islands_asleep);
+                         size_t *sleeping_bodies,
+                         size_t *sleeping_islands);
 
 #ifdef __cplusplus
 }  // extern "C"

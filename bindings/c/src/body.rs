@@ -16,7 +16,7 @@ use crate::abi::sized::{read, read_all};
 use crate::abi::status::{BsStatus, Outcome};
 use crate::abi::twin::Twin;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsPose, BsVec3};
-use crate::settings::{BsContinuous, BsRowGroup};
+use crate::settings::{BsContinuousMode, BsRowGroup};
 use crate::world::{BsWorld, changing, reading};
 use backstop::BodyHandle;
 
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn bs_body_set_gravity_scale(
 pub unsafe extern "C" fn bs_body_set_continuous(
     world: *mut BsWorld,
     body: BsBody,
-    mode: BsContinuous,
+    mode: BsContinuousMode,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     call(|| Ok(unsafe { changing(world) }?.set_continuous(body.into(), Twin::read(mode)?)?))
@@ -183,13 +183,13 @@ pub unsafe extern "C" fn bs_body_set_continuous(
 
 /// Has the rows of a body solved right after those of a group, or in their own place again.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_solve_after(
+pub unsafe extern "C" fn bs_body_set_solved_after(
     world: *mut BsWorld,
     body: BsBody,
     group: BsRowGroup,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.solve_body_after(body.into(), Twin::read(group)?)?))
+    call(|| Ok(unsafe { changing(world) }?.set_body_solved_after(body.into(), Twin::read(group)?)?))
 }
 
 /// Pose of a body's origin in the world.
@@ -301,31 +301,56 @@ pub unsafe extern "C" fn bs_body_move_kinematic_and_stop(
 /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces and
 /// impulses on other bodies have no effect.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_add_force(
+pub unsafe extern "C" fn bs_body_add_force_and_torque(
     world: *mut BsWorld,
     body: BsBody,
     force: BsVec3,
     torque: BsVec3,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.add_force(body.into(), force.into(), torque.into())?))
+    call(|| Ok(unsafe { changing(world) }?.add_force_and_torque(body.into(), force.into(), torque.into())?))
+}
+
+/// Adds a force [N] at the centre of mass of a dynamic body, for the next step.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_body_add_force(world: *mut BsWorld, body: BsBody, force: BsVec3) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { changing(world) }?.add_force(body.into(), force.into())?))
+}
+
+/// Adds a torque [N m] to a dynamic body, for the next step.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_body_add_torque(world: *mut BsWorld, body: BsBody, torque: BsVec3) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { changing(world) }?.add_torque(body.into(), torque.into())?))
+}
+
+/// Changes the linear velocity of a dynamic body by an impulse [N s] at its centre of mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_body_apply_impulse(
+    world: *mut BsWorld,
+    body: BsBody,
+    impulse: BsVec3,
+) -> BsStatus {
+    // SAFETY: the caller keeps to the header.
+    call(|| Ok(unsafe { changing(world) }?.apply_impulse(body.into(), impulse.into())?))
 }
 
 /// Changes the velocities of a dynamic body by an impulse [N s] at a point of the world [m].
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_apply_impulse(
+pub unsafe extern "C" fn bs_body_apply_impulse_at(
     world: *mut BsWorld,
     body: BsBody,
     impulse: BsVec3,
     point: BsDVec3,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.apply_impulse(body.into(), impulse.into(), point.into())?))
+    call(|| Ok(unsafe { changing(world) }?.apply_impulse_at(body.into(), impulse.into(), point.into())?))
 }
 
 /// Whether a body is asleep.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_is_asleep(
+pub unsafe extern "C" fn bs_body_is_sleeping(
     world: *const BsWorld,
     body: BsBody,
     asleep: *mut BsBool,
@@ -333,7 +358,7 @@ pub unsafe extern "C" fn bs_body_is_asleep(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Out::new("the place for the answer", asleep)?) };
-        out.set(content.is_asleep(body.into())?.into());
+        out.set(content.is_sleeping(body.into())?.into());
         Ok(())
     })
 }
@@ -347,9 +372,9 @@ pub unsafe extern "C" fn bs_body_wake(world: *mut BsWorld, body: BsBody) -> BsSt
 
 /// Puts a dynamic body to sleep with all that it touches or is joined to. Does nothing if sleeping is off.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_send_to_sleep(world: *mut BsWorld, body: BsBody) -> BsStatus {
+pub unsafe extern "C" fn bs_body_sleep(world: *mut BsWorld, body: BsBody) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.send_to_sleep(body.into())?))
+    call(|| Ok(unsafe { changing(world) }?.sleep(body.into())?))
 }
 
 /// Sets whether a body may fall asleep.

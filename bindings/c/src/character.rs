@@ -305,9 +305,12 @@ pub unsafe extern "C" fn bs_character_position(
 
 /// Puts a character somewhere else at once [m], on nothing.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_character_place(character: *mut BsCharacter, position: BsDVec3) -> BsStatus {
+pub unsafe extern "C" fn bs_character_set_position(
+    character: *mut BsCharacter,
+    position: BsDVec3,
+) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { moving(character) }?.character.place(position.into())?))
+    call(|| Ok(unsafe { moving(character) }?.character.set_position(position.into())?))
 }
 
 /// The settings of a character.

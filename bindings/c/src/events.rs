@@ -187,7 +187,7 @@ pub unsafe extern "C" fn bs_world_broken_joints(
 
 /// The shapes that are in a sensor as of the last step, in the order of their handles.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_sensor_visitors(
+pub unsafe extern "C" fn bs_sensor_overlaps(
     world: *const BsWorld,
     sensor: BsShape,
     visitors: *mut BsShape,
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn bs_sensor_visitors(
         let (content, out) =
             unsafe { (reading(world)?, Buffer::new("visitors", visitors, capacity, count)?) };
         let mut found = Vec::new();
-        content.visitors(sensor.into(), &mut found)?;
+        content.sensor_overlaps(sensor.into(), &mut found)?;
         out.fill(found.into_iter().map(Into::into))
     })
 }

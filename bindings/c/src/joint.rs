@@ -74,8 +74,8 @@ pub unsafe extern "C" fn bs_world_contains_joint(world: *const BsWorld, joint: B
     value_or(0, || unsafe { reading(world) }.is_ok_and(|content| content.contains_joint(joint.into())).into())
 }
 
-/// Replaces what a joint limits and drives by that of a description: its kind with `range_min`, `range_max`
-/// and `spring`, its limits and its drives. Nothing else of the description is looked at.
+/// Replaces what a joint limits and motors by that of a description: its kind with `range_min`, `range_max`
+/// and `spring`, its limits and its motors. Nothing else of the description is looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_set(
     world: *mut BsWorld,
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn bs_joint_set(
         desc.bodies = content.joint_bodies(joint.into())?;
         desc.validate()?;
         content.set_joint_limits(joint.into(), &desc.limits)?;
-        Ok(content.set_joint_drives(joint.into(), &desc.drives)?)
+        Ok(content.set_joint_motors(joint.into(), &desc.motors)?)
     })
 }
 
@@ -109,6 +109,27 @@ pub unsafe extern "C" fn bs_joint_frames_at(
         let (content, out) =
             unsafe { (reading(world)?, Out::new("the frames", frames.cast::<[BsFrame; 2]>())?) };
         let found = content.frames_at([a.into(), b.into()], point.into(), rotation.into())?;
+        out.set(found.map(BsFrame::of_engine));
+        Ok(())
+    })
+}
+
+/// Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], whose x axes
+/// are along an axis of the world of any length: a hinge turns about it. `frames` has two places.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bs_joint_frames_about(
+    world: *const BsWorld,
+    a: BsBody,
+    b: BsBody,
+    point: BsDVec3,
+    axis: BsVec3,
+    frames: *mut BsFrame,
+) -> BsStatus {
+    call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) =
+            unsafe { (reading(world)?, Out::new("the frames", frames.cast::<[BsFrame; 2]>())?) };
+        let found = content.frames_about([a.into(), b.into()], point.into(), axis.into())?;
         out.set(found.map(BsFrame::of_engine));
         Ok(())
     })
@@ -175,13 +196,13 @@ pub unsafe extern "C" fn bs_joint_force(
 
 /// Has the rows of a joint solved right after those of a group, or in their own place again.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_solve_after(
+pub unsafe extern "C" fn bs_joint_set_solved_after(
     world: *mut BsWorld,
     joint: BsJoint,
     group: BsRowGroup,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.solve_joint_after(joint.into(), Twin::read(group)?)?))
+    call(|| Ok(unsafe { changing(world) }?.set_joint_solved_after(joint.into(), Twin::read(group)?)?))
 }
 
 /// The caller's number of a joint.

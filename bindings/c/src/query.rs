@@ -327,7 +327,7 @@ unsafe fn geometry(geometry: *const BsGeometry) -> Outcome<Geometry> {
 }
 
 fn cast_of(shape: &Geometry, pose: BsPose, path: BsVec3) -> ShapeCast<'_> {
-    ShapeCast::new(shape, pose.position, path.into()).rotated(backstop::glam::Quat::from(pose.rotation))
+    ShapeCast::new(shape, pose.position, path.into()).with_rotation(backstop::glam::Quat::from(pose.rotation))
 }
 
 /// The first shape that a convex one touches that moves from a pose along a path [m]; `hit->hit` says whether

@@ -3,7 +3,7 @@
 use crate::abi::twin::record;
 use crate::abi::values::BsBool;
 use crate::settings::BS_CATEGORIES;
-use backstop::{Category, Feature, MemoryReport, ModelPart, StepReport};
+use backstop::{Category, Feature, FeatureCost, MemoryReport, StepReport};
 use std::ffi::{CStr, c_char};
 
 record! {
@@ -43,7 +43,7 @@ record! {
         pub settled: u32,
         pub weighted_trees: u32,
         pub damped_trees: u32,
-        /// Bodies that had to be stopped, see `bs_world_stopped_bodies`.
+        /// Bodies that had to be stopped, see `bs_world_faulted_bodies`.
         pub stopped: u32,
         /// Impacts that were solved one by one at their times.
         pub struck: u32,
@@ -138,7 +138,7 @@ pub(crate) fn features() -> Vec<Feature> {
 /// An optional part of the engine, and its cost in a world.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BsModelPart {
+pub struct BsFeatureCost {
     /// Which: its place in the list, which a later version may add to at its end; `bs_feature_name` has its
     /// name.
     pub feature: u32,
@@ -154,9 +154,9 @@ pub struct BsModelPart {
     pub reserved: [u8; 3],
 }
 
-impl BsModelPart {
-    pub(crate) fn of_engine(number: usize, part: &ModelPart) -> BsModelPart {
-        BsModelPart {
+impl BsFeatureCost {
+    pub(crate) fn of_engine(number: usize, part: &FeatureCost) -> BsFeatureCost {
+        BsFeatureCost {
             feature: number as u32,
             count: part.count,
             bytes: part.bytes as u64,
@@ -237,7 +237,7 @@ mod tests {
             "joint_trees",
             "joint_locks",
             "joint_limits",
-            "joint_drives",
+            "joint_motors",
             "joint_springs",
             "breakable_joints",
             "sleeping",

@@ -4,23 +4,24 @@ use crate::abi::status::Outcome;
 use crate::abi::twin::{Twin, codes, record};
 use crate::abi::values::{BsBool, BsVec3};
 use backstop::{
-    Budget, Category, Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings,
+    Budget, Category, ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Order, RowGroup,
+    Settings,
 };
 
 /// How a body is kept from passing through others, one of `BS_CONTINUOUS_...`.
-pub type BsContinuous = u32;
+pub type BsContinuousMode = u32;
 /// Collides at its current pose only: a fast body may pass through a thin one.
-pub const BS_CONTINUOUS_DISCRETE: BsContinuous = 0;
+pub const BS_CONTINUOUS_DISCRETE: BsContinuousMode = 0;
 /// Collides along the segment of its motion within the step, whenever it leaves its margin.
-pub const BS_CONTINUOUS_SEGMENT: BsContinuous = 1;
+pub const BS_CONTINUOUS_SEGMENT: BsContinuousMode = 1;
 /// Collides in the whole volume that it could reach within the step: more expensive; finds second impacts
 /// behind a first obstacle and crowds of fast bodies.
-pub const BS_CONTINUOUS_VOLUME: BsContinuous = 2;
+pub const BS_CONTINUOUS_VOLUME: BsContinuousMode = 2;
 
-codes! { "mode of continuous collision", Continuous {
-    BS_CONTINUOUS_DISCRETE = Continuous::Discrete,
-    BS_CONTINUOUS_SEGMENT = Continuous::Segment,
-    BS_CONTINUOUS_VOLUME = Continuous::Volume,
+codes! { "mode of continuous collision", ContinuousMode {
+    BS_CONTINUOUS_DISCRETE = ContinuousMode::Discrete,
+    BS_CONTINUOUS_SEGMENT = ContinuousMode::Segment,
+    BS_CONTINUOUS_VOLUME = ContinuousMode::Volume,
 } }
 
 /// How continuous collision is done, one of `BS_METHOD_...`.
@@ -75,7 +76,7 @@ codes! { "friction model", FrictionModel {
 pub type BsRowGroup = u32;
 /// No group: the rows stay in their own place.
 pub const BS_ROWS_NONE: BsRowGroup = 0;
-/// Springs, drives, motors and friction of joints.
+/// Springs, motors, motors and friction of joints.
 pub const BS_ROWS_SOFT_JOINTS: BsRowGroup = 1;
 /// Limits of joints.
 pub const BS_ROWS_JOINT_LIMITS: BsRowGroup = 2;
@@ -131,9 +132,9 @@ record! {
         /// Default 1.
         pub threads: u32,
         /// The actual mode of bodies with the mode segment. Default `BS_CONTINUOUS_SEGMENT`.
-        pub continuous: BsContinuous,
+        pub continuous: BsContinuousMode,
         /// Default `BS_METHOD_ONE_PASS`.
-        pub method: BsMethod,
+        pub continuous_method: BsMethod,
         /// Default `BS_FRICTION_CONE`.
         pub friction_cone: BsFrictionCone,
         /// Default `BS_FRICTION_PER_PATCH`.

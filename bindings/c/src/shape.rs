@@ -434,7 +434,7 @@ pub unsafe extern "C" fn bs_shape_set_events(
     events: BsBool,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    call(|| Ok(unsafe { changing(world) }?.set_listening(shape.into(), events != 0, false)?))
+    call(|| Ok(unsafe { changing(world) }?.set_events(shape.into(), events != 0)?))
 }
 
 /// Makes a shape a sensor, or solid again.

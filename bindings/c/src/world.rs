@@ -7,7 +7,7 @@ use crate::abi::sized::{read_or_default, write};
 use crate::abi::status::{BsStatus, Outcome};
 use crate::abi::values::{BsBody, BsDVec3};
 use crate::events::Events;
-use crate::report::{BsMemoryReport, BsModelPart, BsStepReport, features};
+use crate::report::{BsFeatureCost, BsMemoryReport, BsStepReport, features};
 use crate::settings::BsSettings;
 use backstop::replay::RecordingBuffer;
 use backstop::{Error, World};
@@ -225,11 +225,11 @@ pub unsafe extern "C" fn bs_world_set_origin(world: *mut BsWorld, origin: BsDVec
 
 /// Hash of all poses and velocities, bit by bit: the same on every machine for the same calls.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_world_hash(world: *const BsWorld, hash: *mut u64) -> BsStatus {
+pub unsafe extern "C" fn bs_world_state_hash(world: *const BsWorld, hash: *mut u64) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Out::new("the place for the hash", hash)?) };
-        out.set(content.hash());
+        out.set(content.state_hash());
         Ok(())
     })
 }
@@ -262,24 +262,24 @@ pub unsafe extern "C" fn bs_world_memory(world: *const BsWorld, report: *mut BsM
 /// The optional parts of the engine that the world's content needs, and their cost, by their numbers.
 /// `count` becomes the number of parts.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_world_model(
+pub unsafe extern "C" fn bs_world_feature_report(
     world: *const BsWorld,
-    parts: *mut BsModelPart,
+    parts: *mut BsFeatureCost,
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Buffer::new("parts", parts, capacity, count)?) };
-        let model = content.model();
+        let model = content.feature_report();
         let parts = features().into_iter().enumerate();
-        out.fill(parts.map(|(number, feature)| BsModelPart::of_engine(number, &model.part(feature))))
+        out.fill(parts.map(|(number, feature)| BsFeatureCost::of_engine(number, &model.part(feature))))
     })
 }
 
 /// Bodies that the last step had to stop, because their motion was no number or out of range.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_world_stopped_bodies(
+pub unsafe extern "C" fn bs_world_faulted_bodies(
     world: *const BsWorld,
     bodies: *mut BsBody,
     capacity: usize,
@@ -288,7 +288,7 @@ pub unsafe extern "C" fn bs_world_stopped_bodies(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe { (reading(world)?, Buffer::new("bodies", bodies, capacity, count)?) };
-        out.fill(content.stopped_bodies().iter().map(|&body| body.into()))
+        out.fill(content.faulted_bodies().iter().map(|&body| body.into()))
     })
 }
 
@@ -298,17 +298,22 @@ pub unsafe extern "C" fn bs_world_counts(
     world: *const BsWorld,
     bodies: *mut usize,
     joints: *mut usize,
-    asleep: *mut usize,
-    islands_asleep: *mut usize,
+    sleeping_bodies: *mut usize,
+    sleeping_islands: *mut usize,
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
         let (content, out) = unsafe {
-            let out = [bodies, joints, asleep, islands_asleep].map(|at| Out::optional("a count", at));
+            let out =
+                [bodies, joints, sleeping_bodies, sleeping_islands].map(|at| Out::optional("a count", at));
             (reading(world)?, out)
         };
-        let counts =
-            [content.body_count(), content.joint_count(), content.asleep(), content.islands_asleep()];
+        let counts = [
+            content.body_count(),
+            content.joint_count(),
+            content.sleeping_body_count(),
+            content.sleeping_island_count(),
+        ];
         for (out, count) in out.into_iter().zip(counts) {
             if let Some(out) = out? {
                 out.set(count);
@@ -351,9 +356,9 @@ mod tests {
             assert_eq!(bs_world_snapshot(world, snapshot), BS_OK);
             assert_eq!(defect(world), BS_ERROR_PANIC);
             assert_eq!(bs_world_step(world, 0.01), BS_ERROR_PANIC);
-            assert_eq!(bs_world_hash(world, &mut hash), BS_ERROR_PANIC);
+            assert_eq!(bs_world_state_hash(world, &mut hash), BS_ERROR_PANIC);
             assert_eq!(bs_world_restore(world, snapshot), BS_OK);
-            assert_eq!(bs_world_hash(world, &mut hash), BS_OK);
+            assert_eq!(bs_world_state_hash(world, &mut hash), BS_OK);
             assert_eq!(bs_world_step(world, 0.01), BS_OK);
             bs_snapshot_destroy(snapshot);
             bs_world_destroy(world);
@@ -371,7 +376,7 @@ mod tests {
                 let mut hash = 0;
                 while !done.load(Ordering::Relaxed) {
                     // SAFETY: the world outlives the scope, and the place is one.
-                    let status = unsafe { bs_world_hash(world as *const BsWorld, &mut hash) };
+                    let status = unsafe { bs_world_state_hash(world as *const BsWorld, &mut hash) };
                     assert!([BS_OK, BS_ERROR_BUSY].contains(&status), "{status}");
                 }
             };
@@ -392,11 +397,11 @@ mod tests {
         // SAFETY: the world is alive, and all places are.
         unsafe {
             let reader = reading(world);
-            assert_eq!(bs_world_hash(world, &mut hash), BS_OK);
+            assert_eq!(bs_world_state_hash(world, &mut hash), BS_OK);
             assert_eq!(bs_world_step(world, 0.01), BS_ERROR_BUSY);
             drop(reader);
             let writer = changing(world);
-            assert_eq!(bs_world_hash(world, &mut hash), BS_ERROR_BUSY);
+            assert_eq!(bs_world_state_hash(world, &mut hash), BS_ERROR_BUSY);
             drop(writer);
             assert_eq!(bs_world_step(world, 0.01), BS_OK);
             bs_world_destroy(world);

@@ -21,7 +21,7 @@ const NOBODY: BsWorldCharacter = BsWorldCharacter { slot: 0, generation: 0 };
 fn rooms() -> (World, backstop::World) {
     let (c, mut rust) = (world(), backstop::World::new(Settings::default()).unwrap());
     let mut both = |kind, desc: BodyDesc, geometry: Geometry, own, at: DVec3| {
-        rust.add_body(&desc.at(at).with_shape(ShapeDesc::new(geometry))).unwrap();
+        rust.add_body(&desc.with_position(at).with_shape(ShapeDesc::new(geometry))).unwrap();
         add(&c, kind, own, at.into());
     };
     both(BS_BODY_STATIC, BodyDesc::fixed(), Geometry::Plane, bs_plane(), DVec3::ZERO);
@@ -80,7 +80,7 @@ fn characters_of_a_world_walk_alike() {
             assert_eq!((report.moved, report.velocity), (told.moved.into(), told.velocity.into()));
             assert_eq!(report.on_ground != 0, told.ground.is_some());
         }
-        assert_eq!(hash(&c), rust.hash(), "step {step}");
+        assert_eq!(hash(&c), rust.state_hash(), "step {step}");
     }
     assert!(pushes > 0, "nobody reached the chest");
     let (mut found, mut count, mut own, mut turned) = ([NOBODY; 2], 0, bs_plane(), UPRIGHT);
@@ -98,7 +98,7 @@ fn characters_of_a_world_walk_alike() {
         ok(bs_snapshot_create(&mut snapshot));
         ok(bs_world_snapshot(c.0, snapshot));
         let before = hash(&c);
-        ok(bs_character_place(boxed, dvec3(0.0, 3.0, 0.0)));
+        ok(bs_character_set_position(boxed, dvec3(0.0, 3.0, 0.0)));
         ok(bs_world_set_character(c.0, handles[0], boxed));
         ok(bs_world_remove_character(c.0, handles[1]));
         assert_ne!(hash(&c), before);
@@ -184,15 +184,15 @@ fn ragdolls_are_driven_alike() {
         }
         steps(&c, 1);
         rust.step(DT).unwrap();
-        assert_eq!(hash(&c), rust.hash(), "step {step}");
+        assert_eq!(hash(&c), rust.state_hash(), "step {step}");
     }
     let before = hash(&c);
     // SAFETY: all objects are alive.
     unsafe {
-        let drive = |count, spring| bs_ragdoll_drive_to(ragdoll, c.0, own.as_ptr(), count, spring, 50.0);
-        assert_eq!(drive(count - 1, spring), BS_ERROR_INCOMPLETE);
-        assert_eq!(drive(count, BsSpring { kind: BS_SPRING_NONE, ..spring }), BS_ERROR_CONSTANT);
-        assert_eq!(drive(count, BsSpring { stiffness: f32::NAN, ..spring }), BS_ERROR_NOT_FINITE);
+        let motor = |count, spring| bs_ragdoll_drive_to(ragdoll, c.0, own.as_ptr(), count, spring, 50.0);
+        assert_eq!(motor(count - 1, spring), BS_ERROR_INCOMPLETE);
+        assert_eq!(motor(count, BsSpring { kind: BS_SPRING_NONE, ..spring }), BS_ERROR_CONSTANT);
+        assert_eq!(motor(count, BsSpring { stiffness: f32::NAN, ..spring }), BS_ERROR_NOT_FINITE);
         assert_eq!(hash(&c), before);
         bs_ragdoll_destroy(ragdoll);
     }
@@ -207,7 +207,7 @@ fn casts_turn_alike() {
     let from = (DVec3::new(4.0, 1.0, 3.0), Quat::IDENTITY);
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let to = (DVec3::new(3.0, 0.4, 0.0), Quat::from_xyzw(0.0, half, 0.0, half));
-    let cast = ShapeCast::between(&shape, from, to).about(Vec3::X);
+    let cast = ShapeCast::between(&shape, from, to).with_pivot(Vec3::X);
     let mut turning = bs_shape_cast_between(&own, from.into(), to.into());
     turning.pivot = vec3(1.0, 0.0, 0.0);
     let (mut hit, mut all, mut any, mut count) = (BsHit::default(), [BsHit::default(); 4], 9, 0);
@@ -226,7 +226,7 @@ fn casts_turn_alike() {
     let mut found = Vec::new();
     rust.cast_shape_all(&cast, &QueryFilter::new(), &mut found).unwrap();
     assert_eq!(count, found.len());
-    assert_eq!(pose, (cast.at(0.5), cast.rotation_at(0.5)).into());
+    assert_eq!(pose, (cast.position_at(0.5), cast.rotation_at(0.5)).into());
     // SAFETY: all objects are alive, and all places are.
     unsafe {
         let wrong = |cast: BsShapeCast| bs_world_cast_turning(c.0, &cast, null(), &mut hit.clone());
@@ -245,7 +245,8 @@ fn heights_change_alike() {
     let ground = BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::HeightField(Arc::new(field))));
     let ground = rust.add_body(&ground).unwrap();
     let at = DVec3::new(2.5, 0.5, 2.5);
-    let ball = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.5 }));
+    let ball =
+        BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.5 }));
     rust.add_body(&ball).unwrap();
     let twin = rust.shapes(ground).unwrap().next().unwrap();
     let (mut own, mut lower, mut shape, mut count) = (null(), null(), BsShape::NONE, 0);
@@ -282,7 +283,7 @@ fn heights_change_alike() {
     for step in 0..60 {
         steps(&c, 1);
         rust.step(DT).unwrap();
-        assert_eq!(hash(&c), rust.hash(), "step {step}");
+        assert_eq!(hash(&c), rust.state_hash(), "step {step}");
     }
 }
 

@@ -23,8 +23,8 @@ fn bodies_and_shapes_are_read_as_they_were_set() {
         ok(bs_body_set_max_speeds(world.0, body, 3.0, f32::INFINITY));
         ok(bs_body_max_speeds(world.0, body, &mut a, &mut b));
         assert_eq!((a, b), (3.0, f32::INFINITY));
-        ok(bs_body_set_locks(world.0, body, BS_AXIS_BIT_Z, BS_AXIS_BIT_X | BS_AXIS_BIT_Y));
-        ok(bs_body_locks(world.0, body, &mut bits, &mut more));
+        ok(bs_body_set_locked_axes(world.0, body, BS_AXIS_BIT_Z, BS_AXIS_BIT_X | BS_AXIS_BIT_Y));
+        ok(bs_body_locked_axes(world.0, body, &mut bits, &mut more));
         assert_eq!((bits, more), (4, 3));
         ok(bs_body_set_kind(world.0, body, BS_BODY_KINEMATIC));
         ok(bs_body_kind(world.0, body, &mut kind));
@@ -123,11 +123,11 @@ fn changes_that_are_wrong_are_refused() {
         assert_eq!(bs_body_set_damping(world.0, body, f32::NAN, 0.0), BS_ERROR_NOT_FINITE);
         assert_eq!(bs_body_set_damping(world.0, NO_BODY, 0.0, 0.0), BS_ERROR_STALE_BODY);
         assert_eq!(bs_body_set_kind(world.0, body, 3), BS_ERROR_CONSTANT);
-        assert_eq!(bs_body_set_locks(world.0, body, 8, 0), BS_ERROR_CONSTANT);
+        assert_eq!(bs_body_set_locked_axes(world.0, body, 8, 0), BS_ERROR_CONSTANT);
         assert_eq!(bs_body_gravity_scale(world.0, body, null_mut()), BS_ERROR_NULL);
         assert_eq!(bs_shape_density(world.0, shape, &mut number), BS_ERROR_STALE_SHAPE);
         assert_eq!(bs_shape_set_geometry(world.0, shape, null()), BS_ERROR_NULL);
-        assert_eq!(bs_joint_set_drive(world.0, joint, null()), BS_ERROR_NULL);
+        assert_eq!(bs_joint_set_motor(world.0, joint, null()), BS_ERROR_NULL);
         let status = bs_joint_set_target(world.0, joint, BS_MOTION_ANGULAR, BS_AXIS_X, 0.0, 0.0);
         assert_eq!(status, BS_ERROR_STALE_JOINT);
         let mut hull = null();
@@ -223,12 +223,12 @@ fn couplings_are_read_as_they_were_set(world: &World, coupling: BsCoupling, rope
         assert_eq!(count, 1);
         ok(bs_joint_couplings(world.0, rope, found.as_mut_ptr(), 1, &mut count));
         assert_eq!((count, found[0]), (1, coupling));
-        ok(bs_coupling_set_strength(world.0, coupling, 1e4, 2e4));
-        assert!(bs_coupling_set_strength(world.0, coupling, f32::NAN, 1.0) != BS_OK);
+        ok(bs_coupling_set_break_force(world.0, coupling, 1e4, 2e4));
+        assert!(bs_coupling_set_break_force(world.0, coupling, f32::NAN, 1.0) != BS_OK);
         ok(bs_coupling_set_user_data(world.0, coupling, 7));
         ok(bs_coupling_desc(world.0, coupling, &mut desc));
         assert_eq!((desc.has_range, desc.max, desc.motions[0].joint), (1, 8.0, rope));
-        assert_eq!((desc.strength, desc.user_data), ([1e4, 2e4], 7));
+        assert_eq!((desc.break_force, desc.user_data), ([1e4, 2e4], 7));
         ok(bs_coupling_keep(world.0, coupling));
         ok(bs_coupling_desc(world.0, coupling, &mut desc));
         // Its range has no width, and is where the sum is.

@@ -73,7 +73,7 @@ fn content_are_where_they_were() {
     pinned!(BsLimitDesc, 32, 4, [
         size 0, motion 4, axes 8, min 12, max 16, spring 20,
     ]);
-    pinned!(BsDriveDesc, 36, 4, [
+    pinned!(BsMotorDesc, 36, 4, [
         size 0, motion 4, axis 8, position 12, velocity 16, spring 20, max_force 32,
     ]);
     pinned!(BsFrame, 28, 4, [
@@ -82,7 +82,7 @@ fn content_are_where_they_were() {
     pinned!(BsJointDesc, 168, 8, [
         size 0, kind 4, bodies 8, frames 24, range_min 80, range_max 84, spring 88, break_force 100,
         break_torque 104, solved_after 108, collide 112, reserved 113, limits 120, limit_count 128,
-        drives 136, drive_count 144, user_data 152,
+        motors 136, motor_count 144, user_data 152,
         force_threshold 160, torque_threshold 164,
     ]);
     pinned!(BsBoneDesc, 80, 4, [
@@ -121,7 +121,7 @@ fn reports_are_where_they_were() {
         sensor 0, visitor 8, fraction 16,
     ]);
     pinned!(BsSettings, 264, 8, [
-        size 0, gravity 4, substeps 16, iterations 20, threads 24, continuous 28, method 32,
+        size 0, gravity 4, substeps 16, iterations 20, threads 24, continuous 28, continuous_method 32,
         friction_cone 36, friction_model 40, length_unit 44, restitution_threshold 48, slop 52,
         contact_hertz 56, contact_damping 60, push_speed 64, warm_starting 68, recycling 69,
         joint_trees 70, guard 71, sleeping 72, reserved 73, sleep_speed 80, sleep_time 84, hit_speed 88,
@@ -140,7 +140,7 @@ fn reports_are_where_they_were() {
     pinned!(BsMemoryReport, 400, 8, [
         size 0, categories 4, total 8, of 16,
     ]);
-    pinned!(BsModelPart, 24, 8, [
+    pinned!(BsFeatureCost, 24, 8, [
         feature 0, count 4, bytes 8, time_us 16, has_time 20, reserved 21,
     ]);
 }
@@ -218,7 +218,7 @@ fn couplings_and_strains_are_where_they_were() {
         joint 0, motion 8, axes 12, factor 16,
     ]);
     pinned!(BsCouplingDesc, 88, 8, [
-        size 0, has_range 4, reserved 5, motions 8, min 56, max 64, strength 72, user_data 80,
+        size 0, has_range 4, reserved 5, motions 8, min 56, max 64, break_force 72, user_data 80,
     ]);
     pinned!(BsStrainedJoint, 32, 4, [
         joint 0, force 8, torque 20,

@@ -19,7 +19,8 @@ fn twins() -> (World, backstop::World) {
 
 /// Adds a box to both; returns its body.
 fn add_boxes(c: &World, rust: &mut backstop::World, at: DVec3) -> BsBody {
-    let desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.2, 0.2, 0.2)));
+    let desc =
+        BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.2, 0.2, 0.2)));
     rust.add_body(&desc).unwrap();
     add(c, BS_BODY_DYNAMIC, bs_box(0.2, 0.2, 0.2), at.into())
 }
@@ -28,7 +29,7 @@ fn step_alike(c: &World, rust: &mut backstop::World, count: usize) {
     for step in 0..count {
         steps(c, 1);
         rust.step(DT).unwrap();
-        assert_eq!(hash(c), rust.hash(), "step {step}");
+        assert_eq!(hash(c), rust.state_hash(), "step {step}");
     }
 }
 
@@ -240,7 +241,7 @@ fn sensors_notice_walls_alike() {
         step_alike(&c, &mut rust, 2);
         let expected = usize::from(on);
         // SAFETY: the world is alive, and all places are.
-        let status = unsafe { bs_sensor_visitors(c.0, sensor, null_mut(), 0, &mut count) };
+        let status = unsafe { bs_sensor_overlaps(c.0, sensor, null_mut(), 0, &mut count) };
         assert_eq!(status, if on { BS_ERROR_BUFFER } else { BS_OK });
         assert_eq!((usize::from(senses), count), (expected, expected));
     }

@@ -14,7 +14,7 @@ fn settings_come_back_as_they_were_given() {
     let mut given = bs_settings_default();
     given.gravity = vec3(1.0, -2.0, 3.0);
     given.threads = 3;
-    given.method = BS_METHOD_TALK;
+    given.continuous_method = BS_METHOD_TALK;
     given.friction_model = BS_FRICTION_PER_POINT;
     given.order.swap(0, 6);
     given.sleeping = 1;
@@ -145,7 +145,7 @@ fn a_sensor_notices_what_falls_through_it() {
             ok(bs_world_sensor_ends(world.0, &mut events, &mut count));
             left += count;
             let mut visitor = BsShape::NONE;
-            ok(bs_sensor_visitors(world.0, sensor_shape, &mut visitor, 1, &mut count));
+            ok(bs_sensor_overlaps(world.0, sensor_shape, &mut visitor, 1, &mut count));
             inside += count;
         }
     }
@@ -261,11 +261,11 @@ fn bodies_sleep_wake_and_are_switched_off() {
     unsafe {
         ok(bs_world_set_settings(world.0, &settings));
         steps(&world, 60);
-        ok(bs_body_is_asleep(world.0, body, &mut asleep));
+        ok(bs_body_is_sleeping(world.0, body, &mut asleep));
         ok(bs_world_counts(world.0, null_mut(), null_mut(), &mut count, null_mut()));
         assert_eq!((asleep, count), (1, 1));
         ok(bs_body_wake(world.0, body));
-        ok(bs_body_is_asleep(world.0, body, &mut asleep));
+        ok(bs_body_is_sleeping(world.0, body, &mut asleep));
         ok(bs_body_set_enabled(world.0, body, 0));
         ok(bs_body_is_enabled(world.0, body, &mut enabled));
         assert_eq!((asleep, enabled), (0, 0));
@@ -279,11 +279,11 @@ fn bodies_sleep_wake_and_are_switched_off() {
 fn the_model_names_what_the_content_needs() {
     let world = world();
     add(&world, BS_BODY_DYNAMIC, bs_sphere(0.5), dvec3(0.0, 1.0, 0.0));
-    let (mut parts, mut count) = ([BsModelPart::default(); 64], 0);
+    let (mut parts, mut count) = ([BsFeatureCost::default(); 64], 0);
     // SAFETY: the world is alive, and the buffer is as long as it is said to be.
-    ok(unsafe { bs_world_model(world.0, parts.as_mut_ptr(), 64, &mut count) });
+    ok(unsafe { bs_world_feature_report(world.0, parts.as_mut_ptr(), 64, &mut count) });
     let needed = |name: &str| {
-        let is = |part: &&BsModelPart| {
+        let is = |part: &&BsFeatureCost| {
             // SAFETY: names are valid for ever.
             unsafe { CStr::from_ptr(bs_feature_name(part.feature)) }.to_str() == Ok(name)
         };

@@ -159,7 +159,7 @@ fn numbers_and_constants_that_mean_nothing_are_refused() {
         }
         assert_eq!(bs_world_step(world.0, f32::NAN), BS_ERROR_NOT_FINITE);
         assert_eq!(bs_body_set_velocity(world.0, body, nan, none), BS_ERROR_NOT_FINITE);
-        assert_eq!(bs_body_add_force(world.0, body, none, nan), BS_ERROR_NOT_FINITE);
+        assert_eq!(bs_body_add_force_and_torque(world.0, body, none, nan), BS_ERROR_NOT_FINITE);
         assert_eq!(bs_body_set_velocity(world.0, body, vec3(0.0, 1e7, 0.0), none), BS_ERROR_OUT_OF_RANGE);
         assert_eq!(bs_body_set_continuous(world.0, body, 3), BS_ERROR_CONSTANT);
         assert_eq!(message(), "3 is no mode of continuous collision");

@@ -5,7 +5,7 @@ mod common;
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, ConvexHull, Drive, Geometry, HeightField, JointDesc, Limit, Motion,
+    Axes, Axis, BodyDesc, BodyHandle, ConvexHull, Geometry, HeightField, JointDesc, Limit, Motion, Motor,
     QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, Skeleton, Spring, TriangleMesh,
 };
 use backstop_c::*;
@@ -97,7 +97,7 @@ fn rust_scene() -> (backstop::World, Vec<BodyHandle>) {
     let mut bodies = Vec::new();
     for (i, at) in [(5, [0.0, -1.0, 0.0]), (6, [0.0, 0.0, 0.0]), (7, [6.0, -0.5, 0.0])] {
         let shape = ShapeDesc::new(geometries[i].clone());
-        let desc = BodyDesc::fixed().at(DVec3::from_array(at)).with_shape(shape);
+        let desc = BodyDesc::fixed().with_position(DVec3::from_array(at)).with_shape(shape);
         bodies.push(world.add_body(&desc).unwrap());
     }
     let desc = |i: usize| {
@@ -105,8 +105,8 @@ fn rust_scene() -> (backstop::World, Vec<BodyHandle>) {
         shape.material.restitution = (i % 3) as f32 * 0.2;
         shape.events = i.is_multiple_of(4);
         let at = DVec3::new((i % 4) as f64 * 2.0 - 1.0, 1.0 + i as f64 * 0.5, (i % 3) as f64 - 1.0);
-        let desc = BodyDesc::dynamic().at(at).rotated(Quat::from_xyzw(0.0, 0.6, 0.0, 0.8));
-        let desc = desc.moving(Vec3::new(0.0, -5.0, 0.3), Vec3::new(1.0, 0.0, i as f32));
+        let desc = BodyDesc::dynamic().with_position(at).with_rotation(Quat::from_xyzw(0.0, 0.6, 0.0, 0.8));
+        let desc = desc.with_velocity(Vec3::new(0.0, -5.0, 0.3), Vec3::new(1.0, 0.0, i as f32));
         desc.with_shape(shape)
     };
     let descs: Vec<_> = (0..40).map(desc).collect();
@@ -151,7 +151,7 @@ fn shapes_of_every_kind_fall_alike() {
     for step in 0..120 {
         rust.step(1.0 / 60.0).unwrap();
         steps(&c, 1);
-        assert_eq!(hash(&c), rust.hash(), "step {step}");
+        assert_eq!(hash(&c), rust.state_hash(), "step {step}");
         same_events(&c, &rust);
     }
     for (&body, &handle) in bodies.iter().zip(&handles) {
@@ -331,7 +331,7 @@ fn joints_and_ragdolls_move_alike() {
     let mut last_c = add(&c, BS_BODY_STATIC, bs_sphere(0.2), dvec3(0.0, 0.0, 0.0));
     for i in 0..7 {
         let at = DVec3::new(i as f64 + 1.0, 0.0, 0.0);
-        let desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(ball.clone()));
+        let desc = BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(ball.clone()));
         let next = rust.add_body(&desc).unwrap();
         let next_c = add(&c, BS_BODY_DYNAMIC, bs_sphere(0.2), at.into());
         let turn = Quat::from_xyzw(0.0, 0.8, 0.0, 0.6);
@@ -340,11 +340,11 @@ fn joints_and_ragdolls_move_alike() {
         let mut desc = bs_joint_desc_default(i, last_c, next_c);
         let point = dvec3(at.x - 0.5, 0.0, 0.0);
         let limit = bs_limit_desc(BS_MOTION_ANGULAR, BS_AXIS_X, -0.5, 0.5);
-        let drive = bs_motor_desc(BS_MOTION_ANGULAR, BS_AXIS_X, 1.0, 5.0);
+        let motor = bs_motor_desc(BS_MOTION_ANGULAR, BS_AXIS_X, 1.0, 5.0);
         (desc.range_min, desc.range_max) = (0.5, 1.0);
         desc.spring = BsSpring { kind: BS_SPRING_FREQUENCY, stiffness: 5.0, damping: 1.0 };
         (desc.limits, desc.limit_count) = (&limit, (i == BS_JOINT_HINGE).into());
-        (desc.drives, desc.drive_count) = (&drive, (i == BS_JOINT_HINGE).into());
+        (desc.motors, desc.motor_count) = (&motor, (i == BS_JOINT_HINGE).into());
         // SAFETY: the world is alive, and pointers are to what lives here.
         unsafe {
             ok(bs_joint_frames_at(c.0, last_c, next_c, point, turn.into(), desc.frames.as_mut_ptr()));
@@ -362,7 +362,7 @@ fn joints_and_ragdolls_move_alike() {
     for step in 0..60 {
         rust.step(1.0 / 60.0).unwrap();
         steps(&c, 1);
-        assert_eq!(hash(&c), rust.hash(), "step {step}");
+        assert_eq!(hash(&c), rust.state_hash(), "step {step}");
     }
     let (mut force, mut torque) = (vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0));
     // SAFETY: the world is alive.
@@ -374,14 +374,14 @@ fn joints_and_ragdolls_move_alike() {
         let free = bs_joint_desc_default(BS_JOINT_FREE, NO_BODY, NO_BODY);
         ok(bs_joint_set(c.0, joints[0], &free));
         rust.set_joint_limits(ragdoll.joints[0], &[]).unwrap();
-        rust.set_joint_drives(ragdoll.joints[0], &[]).unwrap();
+        rust.set_joint_motors(ragdoll.joints[0], &[]).unwrap();
         ok(bs_world_remove_joint(c.0, joints[1]));
         rust.remove_joint(ragdoll.joints[1]).unwrap();
         assert_eq!(bs_world_contains_joint(c.0, joints[1]), 0);
     }
     rust.step(1.0 / 60.0).unwrap();
     steps(&c, 1);
-    assert_eq!(hash(&c), rust.hash());
+    assert_eq!(hash(&c), rust.state_hash());
 }
 
 fn joint(kind: BsJointKind, bodies: [BodyHandle; 2], frames: [backstop::Frame; 2]) -> JointDesc {
@@ -392,7 +392,7 @@ fn joint(kind: BsJointKind, bodies: [BodyHandle; 2], frames: [backstop::Frame; 2
         BS_JOINT_BALL => JointDesc::ball(bodies, frames),
         BS_JOINT_HINGE => JointDesc::hinge(bodies, frames)
             .with_limit(Limit::new(Motion::Angular, about_x, -0.5, 0.5))
-            .with_drive(Drive::motor(Motion::Angular, Axis::X, 1.0, 5.0)),
+            .with_motor(Motor::velocity(Motion::Angular, Axis::X, 1.0, 5.0)),
         BS_JOINT_SLIDER => JointDesc::slider(bodies, frames),
         BS_JOINT_DISTANCE => JointDesc::distance(bodies, frames, 0.5, 1.0),
         _ => JointDesc::wheel(bodies, frames, 1.0, Spring::Frequency { hertz: 5.0, ratio: 1.0 }),

@@ -10,19 +10,20 @@ const TYPES: [(&str, &[&str]); 3] =
     [("World", &["world", "body", "shape"]), ("Character", &["character"]), ("Ragdoll", &["ragdoll"])];
 
 /// Methods whose twin is of another name.
-const TWINS: [(&str, &str); 29] = [
+const TWINS: [(&str, &str); 30] = [
     ("new", "bs_world_create"),
     ("contacts_of", "bs_body_contacts"),
     ("body_count", "bs_world_counts"),
     ("joint_count", "bs_world_counts"),
-    ("asleep", "bs_world_counts"),
-    ("islands_asleep", "bs_world_counts"),
+    ("sleeping_body_count", "bs_world_counts"),
+    ("sleeping_island_count", "bs_world_counts"),
     ("contains", "bs_world_contains_body"),
     ("set_joint_limits", "bs_joint_set"),
-    ("set_joint_drives", "bs_joint_set"),
+    ("set_joint_motors", "bs_joint_set"),
     ("coupling", "bs_coupling_desc"),
     ("couplings_of", "bs_joint_couplings"),
     ("frames_at", "bs_joint_frames_at"),
+    ("frames_about", "bs_joint_frames_about"),
     ("joints_of", "bs_body_joints"),
     ("position", "bs_body_pose"),
     ("rotation", "bs_body_pose"),
@@ -30,24 +31,24 @@ const TWINS: [(&str, &str); 29] = [
     ("linear_velocity", "bs_body_velocity"),
     ("angular_velocity", "bs_body_velocity"),
     ("body_of", "bs_shape_body"),
-    ("listens_to_events", "bs_shape_has_events"),
-    ("set_listening", "bs_shape_set_events"),
-    ("visitors", "bs_sensor_visitors"),
+    ("has_events", "bs_shape_has_events"),
+    ("set_events", "bs_shape_set_events"),
+    ("sensor_overlaps", "bs_sensor_overlaps"),
     ("feet", "bs_character_position"),
     ("with_shape", "bs_character_set_shape"),
     ("set_settings", "bs_character_set_settings"),
     ("drive_to", "bs_ragdoll_drive_to"),
     ("relax", "bs_ragdoll_relax"),
     ("walk", "bs_character_walk"),
-    ("place", "bs_character_place"),
+    ("set_position", "bs_character_set_position"),
 ];
 
 /// Methods without a twin: hooks are code in the middle of a step, on its threads; the bytes that a budget
 /// promises to rows of joints are for tests of budgets; scenes, which ask for all of their contents at once,
 /// are not in C.
-const WITHOUT: [&str; 4] = ["allow", "step_with", "listens_to_hooks", "memory_promised"];
+const WITHOUT: [&str; 5] = ["allow", "step_with", "has_hooks", "set_hooks", "memory_promised"];
 
-/// Words of a name in order: `set_joint_drive` and `joint_set_drive` are the same.
+/// Words of a name in order: `set_joint_motor` and `joint_set_drive` are the same.
 fn words(name: &str) -> Vec<&str> {
     let mut words: Vec<_> = name.split('_').collect();
     words.sort_unstable();

@@ -93,7 +93,7 @@ impl DebugDraw for Poses<'_> {
     fn shape(&mut self, shape: &DrawnShape<'_>) {
         let Some(&place) = self.places.get(&shape.shape) else { return };
         let (at, turn): (Vec3, Quat) = (shape.position.as_vec3(), shape.rotation);
-        let asleep = f32::from(u8::from(self.world.is_asleep(shape.body).unwrap_or(false)));
+        let asleep = f32::from(u8::from(self.world.is_sleeping(shape.body).unwrap_or(false)));
         let pose = [at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w, asleep];
         self.into[POSE * place..][..POSE].copy_from_slice(&pose);
     }

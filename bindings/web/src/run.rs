@@ -79,8 +79,8 @@ impl Run {
             self.steps as f32 * DT,
             world.body_count(),
             world.joint_count(),
-            world.asleep(),
-            world.hash(),
+            world.sleeping_body_count(),
+            world.state_hash(),
         );
         let counts = [
             ("pairs", report.pairs),

@@ -1,8 +1,8 @@
 //! The scenes of the page. With their first size they are those of `examples/same_bits.rs`, where that has
 //! them.
 
-use backstop_scene::{Scene, Terrain, builtin};
 use backstop::{BodyDesc, Error, Geometry, JointHandle, Settings, ShapeDesc, TriangleMesh, World};
+use backstop_scene::{Scene, Terrain, builtin};
 use std::sync::Arc;
 
 /// A world, and its joints for drawing.

@@ -18,7 +18,7 @@ const CHOSEN: [&str; 8] = [
     "friction_model",
     "friction_cone",
     "continuous",
-    "method",
+    "continuous_method",
     "recycling",
     "joint_trees",
 ];

@@ -135,15 +135,15 @@ fn start(first: &Sample, cube: &Cube, settings: &Settings) -> Result<(World, bac
     let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
     // A plane's normal is the y axis of its body.
     let up = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
-    let plate = BodyDesc::fixed().at(DVec3::NEG_Z * cube.lowered).rotated(up);
+    let plate = BodyDesc::fixed().with_position(DVec3::NEG_Z * cube.lowered).with_rotation(up);
     world.add_body(&plate.with_shape(shape(Geometry::Plane)))?;
     let rotation = first.rotation.normalize();
     let inertia = Mat3::from_diagonal(Vec3::splat(cube.inertia));
     let desc = BodyDesc::dynamic()
         .with_mass(Some(MassProperties { mass: cube.mass, centre_of_mass: Vec3::ZERO, inertia }))
-        .at(first.position)
-        .rotated(rotation.as_quat())
-        .moving(first.velocity.as_vec3(), (rotation * first.body_spin).as_vec3())
+        .with_position(first.position)
+        .with_rotation(rotation.as_quat())
+        .with_velocity(first.velocity.as_vec3(), (rotation * first.body_spin).as_vec3())
         .with_shape(shape(Geometry::cuboid(cube.half_width, cube.half_width, cube.half_width)));
     let body = world.add_body(&desc)?;
     Ok((world, body))

@@ -17,8 +17,8 @@ pub struct SceneCoupling {
     pub factors: [f64; 2],
     /// See [`CouplingDesc::range`].
     pub range: Option<[f64; 2]>,
-    /// See [`CouplingDesc::strength`].
-    pub strength: [f32; 2],
+    /// See [`CouplingDesc::break_force`].
+    pub break_force: [f32; 2],
     /// The caller's own.
     pub user_data: u64,
 }
@@ -35,7 +35,7 @@ impl SceneCoupling {
             axes: desc.motions.map(|motion| motion.axes),
             factors: desc.motions.map(|motion| motion.factor),
             range: desc.range,
-            strength: desc.strength,
+            break_force: desc.break_force,
             user_data: desc.user_data,
         }
     }
@@ -48,6 +48,6 @@ impl SceneCoupling {
             Some(CoupledMotion::new(joint, motion, axes, factor))
         };
         let desc = CouplingDesc::new([motion(0)?, motion(1)?]).with_range(self.range);
-        Some(desc.with_strength(self.strength).with_user_data(self.user_data))
+        Some(desc.with_break_force(self.break_force).with_user_data(self.user_data))
     }
 }

@@ -8,7 +8,8 @@
 
 use super::Scene;
 use backstop::{
-    Aabb, BodyDesc, BodyHandle, BodyKind, ContentForecast, Continuous, Geometry, Plan, Settings, ShapeDesc,
+    Aabb, BodyDesc, BodyHandle, BodyKind, ContentForecast, ContinuousMode, Geometry, Plan, Settings,
+    ShapeDesc,
 };
 use glam::{DVec3, Vec3};
 
@@ -254,7 +255,8 @@ fn ahead(scene: &Scene, settings: &Settings) -> f32 {
     let dynamic = scene.bodies.iter().map(|body| &body.desc).filter(|desc| desc.kind == BodyKind::Dynamic);
     let is_fast = |desc: &&BodyDesc| {
         let way = desc.linear_velocity.length() * STEP;
-        way > FAT * settings.length_unit && settings.continuous.of(desc.continuous) != Continuous::Discrete
+        way > FAT * settings.length_unit
+            && settings.continuous.of(desc.continuous) != ContinuousMode::Discrete
     };
     let (all, fast) = (dynamic.clone().count(), dynamic.filter(is_fast).count());
     AHEAD * fast as f32 / all.max(1) as f32

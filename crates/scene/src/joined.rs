@@ -23,8 +23,8 @@ pub fn join(
         let position = back * (point - desc.position).as_vec3();
         Frame { rotation: (back * axes).normalize().into(), ..Frame::at(position) }
     });
-    let JointDesc { limits, drives, collide, .. } = describe([NOBODY; 2], frames);
-    scene.joints.push(SceneJoint { name: "joint".into(), bodies, frames, limits, drives, collide });
+    let JointDesc { limits, motors, collide, .. } = describe([NOBODY; 2], frames);
+    scene.joints.push(SceneJoint { name: "joint".into(), bodies, frames, limits, motors, collide });
 }
 
 /// Adds a figure that stands somewhere [m], turned, and moves as one [m/s].

@@ -38,7 +38,7 @@ use backstop::Error;
 use backstop::World;
 use backstop::{BodyDesc, BodyKind};
 use backstop::{BodyHandle, CouplingHandle, JointHandle};
-use backstop::{Drive, Frame, JointDesc, Limit};
+use backstop::{Frame, JointDesc, Limit, Motor};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -87,8 +87,8 @@ pub struct SceneJoint {
     pub frames: [Frame; 2],
     /// Its limits.
     pub limits: Vec<Limit>,
-    /// Its drives.
-    pub drives: Vec<Drive>,
+    /// Its motors.
+    pub motors: Vec<Motor>,
     /// Whether the two bodies collide with each other.
     pub collide: bool,
 }
@@ -98,7 +98,7 @@ impl SceneJoint {
     pub fn desc(&self, bodies: &[BodyHandle]) -> Option<JointDesc> {
         let [a, b] = self.bodies.map(|i| bodies.get(i).copied());
         let mut desc = JointDesc::new([a?, b?], self.frames);
-        (desc.limits, desc.drives) = (self.limits.clone(), self.drives.clone());
+        (desc.limits, desc.motors) = (self.limits.clone(), self.motors.clone());
         desc.collide = self.collide;
         Some(desc)
     }

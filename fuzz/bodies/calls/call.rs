@@ -3,8 +3,8 @@
 use super::forms::forms;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyKind, CharacterSettings, Continuous, CouplingDesc, Drive, Filter, Frame,
-    Geometry, JointDesc, Limit, MassProperties, Material, Motion, RowGroup, Settings, ShapeDesc, Spring,
+    Axes, Axis, BodyDesc, BodyKind, CharacterSettings, ContinuousMode, CouplingDesc, Filter, Frame, Geometry,
+    JointDesc, Limit, MassProperties, Material, Motion, Motor, RowGroup, Settings, ShapeDesc, Spring,
 };
 use std::fmt;
 
@@ -64,7 +64,7 @@ pub enum OfBody {
     Damping(f32, f32),
     MaxSpeeds(Option<f32>, Option<f32>),
     Locks([bool; 3], [bool; 3]),
-    Continuous(Continuous),
+    Continuous(ContinuousMode),
     SolvedAfter(Option<RowGroup>),
     Wake,
     SendToSleep,
@@ -94,9 +94,9 @@ pub enum OfShape {
 pub enum OfJoint {
     Remove,
     Limits(Vec<Limit>),
-    Drives(Vec<Drive>),
+    Drives(Vec<Motor>),
     Limit(Limit),
-    Drive(Drive),
+    Motor(Motor),
     RemoveLimit(Motion, Axes),
     RemoveDrive(Motion, Axis),
     Target(Motion, Axis, f32, f32),
@@ -129,7 +129,7 @@ pub enum OfCharacter {
 /// A call of a ragdoll.
 #[derive(Clone, Debug)]
 pub enum OfRagdoll {
-    Drive { pose: Vec<Quat>, spring: Spring, torque: f32 },
+    Motor { pose: Vec<Quat>, spring: Spring, torque: f32 },
     Relax,
 }
 

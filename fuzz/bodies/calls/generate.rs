@@ -113,7 +113,7 @@ impl Generator<'_> {
         };
         let mut shape = forms::shape(&mut self.draw, form);
         (shape.sensor, shape.position) = (false, Vec3::ZERO);
-        let body = BodyDesc::fixed().at(DVec3::Y * -0.5).with_shape(shape);
+        let body = BodyDesc::fixed().with_position(DVec3::Y * -0.5).with_shape(shape);
         self.add_body(body);
     }
 
@@ -123,7 +123,7 @@ impl Generator<'_> {
             |i: usize| DVec3::new((i % 12) as f64 - 6.0, 0.6 + (i / 12 % 3) as f64, (i / 36) as f64 - 3.0);
         let bodies = (0..CROWD).map(|i| {
             let form = forms::convex(&mut self.draw);
-            BodyDesc::dynamic().at(at(i)).with_shape(ShapeDesc::new(form))
+            BodyDesc::dynamic().with_position(at(i)).with_shape(ShapeDesc::new(form))
         });
         let call = Call::AddBodies(id, bodies.collect());
         self.bodies.extend(id..id + CROWD as Id);
@@ -254,7 +254,7 @@ impl Generator<'_> {
             OfRagdoll::Relax
         } else {
             let (pose, spring) = (things::pose(&mut self.draw, bones), things::spring(&mut self.draw));
-            OfRagdoll::Drive { pose, spring, torque: self.draw.scale(1.0, 1e4) }
+            OfRagdoll::Motor { pose, spring, torque: self.draw.scale(1.0, 1e4) }
         };
         Call::Ragdoll(id, what)
     }
@@ -360,7 +360,7 @@ impl Generator<'_> {
             1 => OfJoint::Limits((0..draw.below(3)).map(|_| things::limit(draw)).collect()),
             2 => OfJoint::Drives((0..draw.below(3)).map(|_| things::drive(draw)).collect()),
             3 | 4 => OfJoint::Limit(things::limit(draw)),
-            5 | 6 => OfJoint::Drive(things::drive(draw)),
+            5 | 6 => OfJoint::Motor(things::drive(draw)),
             7 => OfJoint::RemoveLimit(things::motion(draw), things::axes(draw)),
             8 => OfJoint::RemoveDrive(things::motion(draw), things::axis(draw)),
             9 => {

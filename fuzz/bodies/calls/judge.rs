@@ -161,7 +161,7 @@ fn twin(
 fn fresh(assets: &[Geometry]) -> Result<World, Finding> {
     let mut world = World::default();
     let shapes = assets.iter().cloned().map(ShapeDesc::new);
-    let body = BodyDesc::fixed().at(DVec3::Y * -1000.0).with_shapes(shapes);
+    let body = BodyDesc::fixed().with_position(DVec3::Y * -1000.0).with_shapes(shapes);
     world.add_body(&body).map_err(|error| finding("geometry refused", error.to_string()))?;
     Ok(world)
 }
@@ -325,14 +325,14 @@ impl Player {
                     if result.is_ok() {
                         self.handles = mark.handles.clone();
                     }
-                    hear(Told { result, hash: self.world.hash(), step: None })?;
+                    hear(Told { result, hash: self.world.state_hash(), step: None })?;
                 }
             }
             Call::Query(query, geometry) => {
-                let before = self.world.hash();
+                let before = self.world.state_hash();
                 let answered = ask(&self.world, query, geometry);
                 self.note(&answered);
-                if self.world.hash() != before {
+                if self.world.state_hash() != before {
                     return Err(finding("a query changed the world", ""));
                 }
                 self.check("a query")?;
@@ -355,7 +355,7 @@ impl Player {
                 self.check(&name(call))?;
                 hear(Told {
                     result: result.map_err(|e| e.to_string()),
-                    hash: self.world.hash(),
+                    hash: self.world.state_hash(),
                     step: None,
                 })?;
             }
@@ -370,7 +370,7 @@ impl Player {
         self.tight |= report.shed > 0 || (report.events_lost > 0 && !self.world.settings().budget.is_none());
         self.check(if result.is_ok() { "a step" } else { "a refused step" })?;
         let step = result.is_ok().then(|| OfStep::of(&self.world, &self.handles));
-        Ok(Told { result: result.map_err(|e| e.to_string()), hash: self.world.hash(), step })
+        Ok(Told { result: result.map_err(|e| e.to_string()), hash: self.world.state_hash(), step })
     }
 
     /// A snapshot, some steps, and the same steps again after it was restored.
@@ -527,7 +527,7 @@ fn ask(world: &World, query: &Query, geometry: &Geometry) -> Result<(), Error> {
     filter.sensors = sensors;
     let ray = Ray::new(at, path);
     let (mut rays, mut shapes, mut overlaps, mut points) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let cast = ShapeCast::new(geometry, at, path).rotated(rotation);
+    let cast = ShapeCast::new(geometry, at, path).with_rotation(rotation);
     let first = world.cast_ray(&ray, &filter)?;
     let mut many = [None; 40];
     let all_rays: Vec<Ray> = (0..40).map(|i| Ray::new(at + DVec3::X * f64::from(i) * 0.05, path)).collect();
@@ -558,7 +558,7 @@ fn ask(world: &World, query: &Query, geometry: &Geometry) -> Result<(), Error> {
     world.cast_shape_all(&cast, &filter, &mut shapes)?;
     world.cast_shape_any(&cast, &filter)?;
     world.cast_shape(&cast, &filter)?;
-    world.cast_shape_all(&cast.turning(spin), &filter, &mut shapes)?;
+    world.cast_shape_all(&cast.with_spin(spin), &filter, &mut shapes)?;
     for hit in &shapes {
         let finite = hit.point.is_finite() && hit.normal.is_finite() && hit.depth.is_finite();
         assert!(finite && (0.0..=1.0).contains(&hit.fraction), "{hit:?}");

@@ -128,7 +128,7 @@ impl Handles {
             Call::Ragdoll(id, what) => {
                 let Some(doll) = self.ragdolls.get(id) else { return Ok(()) };
                 match what {
-                    OfRagdoll::Drive { pose, spring, torque } => {
+                    OfRagdoll::Motor { pose, spring, torque } => {
                         doll.drive_to(world, pose, *spring, *torque)?
                     }
                     OfRagdoll::Relax => doll.relax(world)?,
@@ -187,9 +187,9 @@ fn of_body(world: &mut World, body: BodyHandle, what: &OfBody) -> Result<(), Err
         OfBody::LinearVelocity(linear) => world.set_linear_velocity(body, *linear),
         OfBody::AngularVelocity(angular) => world.set_angular_velocity(body, *angular),
         OfBody::MoveKinematic(at, rotation, dt) => world.move_kinematic(body, *at, *rotation, *dt),
-        OfBody::Force(force, torque) => world.add_force(body, *force, *torque),
+        OfBody::Force(force, torque) => world.add_force_and_torque(body, *force, *torque),
         OfBody::ForceAt(force, at) => world.add_force_at(body, *force, *at),
-        OfBody::Impulse(impulse, at) => world.apply_impulse(body, *impulse, *at),
+        OfBody::Impulse(impulse, at) => world.apply_impulse_at(body, *impulse, *at),
         OfBody::AngularImpulse(impulse) => world.apply_angular_impulse(body, *impulse),
         OfBody::Mass(mass) => world.set_mass(body, *mass),
         OfBody::Kind(kind) => world.set_kind(body, *kind),
@@ -197,11 +197,11 @@ fn of_body(world: &mut World, body: BodyHandle, what: &OfBody) -> Result<(), Err
         OfBody::GravityScale(scale) => world.set_gravity_scale(body, *scale),
         OfBody::Damping(linear, angular) => world.set_damping(body, *linear, *angular),
         OfBody::MaxSpeeds(linear, angular) => world.set_max_speeds(body, *linear, *angular),
-        OfBody::Locks(translation, rotation) => world.set_locks(body, *translation, *rotation),
+        OfBody::Locks(translation, rotation) => world.set_locked_axes(body, *translation, *rotation),
         OfBody::Continuous(mode) => world.set_continuous(body, *mode),
-        OfBody::SolvedAfter(above) => world.solve_body_after(body, *above),
+        OfBody::SolvedAfter(above) => world.set_body_solved_after(body, *above),
         OfBody::Wake => world.wake(body),
-        OfBody::SendToSleep => world.send_to_sleep(body),
+        OfBody::SendToSleep => world.sleep(body),
         OfBody::CanSleep(can_sleep) => world.set_can_sleep(body, *can_sleep),
         OfBody::AddShape(shape) => world.add_shape(body, shape).map(drop),
     }
@@ -212,7 +212,10 @@ fn of_shape(world: &mut World, shape: ShapeHandle, what: &OfShape) -> Result<(),
         OfShape::Remove => world.remove_shape(shape),
         OfShape::Material(material) => world.set_material(shape, *material),
         OfShape::Filter(filter) => world.set_filter(shape, *filter),
-        OfShape::Listening(events, hooks) => world.set_listening(shape, *events, *hooks),
+        OfShape::Listening(events, hooks) => {
+            world.set_events(shape, *events)?;
+            world.set_hooks(shape, *hooks)
+        }
         OfShape::Sensor(sensor) => world.set_sensor(shape, *sensor),
         OfShape::SensesStatic(senses) => world.set_senses_static(shape, *senses),
         OfShape::UserData(data) => world.set_shape_user_data(shape, *data),
@@ -228,20 +231,20 @@ fn of_joint(world: &mut World, joint: JointHandle, what: &OfJoint) -> Result<(),
     match what {
         OfJoint::Remove => world.remove_joint(joint),
         OfJoint::Limits(limits) => world.set_joint_limits(joint, limits),
-        OfJoint::Drives(drives) => world.set_joint_drives(joint, drives),
+        OfJoint::Drives(drives) => world.set_joint_motors(joint, drives),
         OfJoint::Limit(limit) => world.set_joint_limit(joint, *limit),
-        OfJoint::Drive(drive) => world.set_joint_drive(joint, *drive),
+        OfJoint::Motor(drive) => world.set_joint_motor(joint, *drive),
         OfJoint::RemoveLimit(motion, axes) => world.remove_joint_limit(joint, *motion, *axes).map(drop),
-        OfJoint::RemoveDrive(motion, axis) => world.remove_joint_drive(joint, *motion, *axis).map(drop),
+        OfJoint::RemoveDrive(motion, axis) => world.remove_joint_motor(joint, *motion, *axis).map(drop),
         OfJoint::Target(motion, axis, position, velocity) => {
             world.set_joint_target(joint, *motion, *axis, *position, *velocity)
         }
         OfJoint::Frames(frames) => world.set_joint_frames(joint, *frames),
         OfJoint::Collide(collide) => world.set_joint_collide(joint, *collide),
-        OfJoint::Strength(force, torque) => world.set_joint_strength(joint, *force, *torque),
+        OfJoint::Strength(force, torque) => world.set_joint_break_force(joint, *force, *torque),
         OfJoint::Thresholds(force, torque) => world.set_joint_thresholds(joint, *force, *torque),
         OfJoint::UserData(data) => world.set_joint_user_data(joint, *data),
-        OfJoint::SolvedAfter(above) => world.solve_joint_after(joint, *above),
+        OfJoint::SolvedAfter(above) => world.set_joint_solved_after(joint, *above),
     }
 }
 
@@ -250,7 +253,7 @@ fn of_coupling(world: &mut World, coupling: CouplingHandle, what: &OfCoupling) -
         OfCoupling::Remove => world.remove_coupling(coupling),
         OfCoupling::Factors(factors) => world.set_coupling_factors(coupling, *factors),
         OfCoupling::Range(range) => world.set_coupling_range(coupling, *range),
-        OfCoupling::Strength(strength) => world.set_coupling_strength(coupling, *strength),
+        OfCoupling::Strength(strength) => world.set_coupling_break_force(coupling, *strength),
         OfCoupling::UserData(data) => world.set_coupling_user_data(coupling, *data),
     }
 }

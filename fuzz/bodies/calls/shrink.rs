@@ -2,7 +2,7 @@
 
 use super::call::{Call, Sequence, Ways};
 use super::judge::{Finding, judge};
-use backstop::{Budget, Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+use backstop::{Budget, ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Settings};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Each sets a part of the settings to what is usual.
@@ -14,8 +14,8 @@ const USUAL: [fn(&mut Settings); 14] = [
     |s| s.sleep_time = 0.5,
     |s| s.joint_trees = true,
     |s| (s.warm_starting, s.recycling, s.guard) = (true, true, true),
-    |s| s.continuous = Continuous::Segment,
-    |s| s.method = ContinuousMethod::OnePass,
+    |s| s.continuous = ContinuousMode::Segment,
+    |s| s.continuous_method = ContinuousMethod::OnePass,
     |s| (s.friction_cone, s.friction_model) = (FrictionCone::Cone, FrictionModel::Patch),
     |s| s.gravity = Settings::default().gravity,
     |s| s.order = Settings::default().order,
@@ -111,7 +111,7 @@ fn simplify(least: &mut Sequence, fails: &dyn Fn(&Sequence) -> bool) {
             }
             Call::AddJoint(id, joint) => {
                 let mut less = joint.clone();
-                less.desc.drives.clear();
+                less.desc.motors.clear();
                 attempt(&|s| s.calls[i].1 = Call::AddJoint(id, less.clone()));
             }
             _ => {}

@@ -5,9 +5,9 @@ use super::draw::Draw;
 use super::forms;
 use backstop::glam::{Mat3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Category, CharacterSettings, Continuous,
-    ContinuousMethod, CoupledMotion, CouplingDesc, Drive, Frame, FrictionCone, FrictionModel, JointDesc,
-    JointHandle, Limit, MassProperties, Motion, RowGroup, Settings, Spring,
+    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Category, CharacterSettings, ContinuousMethod,
+    ContinuousMode, CoupledMotion, CouplingDesc, Frame, FrictionCone, FrictionModel, JointDesc, JointHandle,
+    Limit, MassProperties, Motion, Motor, RowGroup, Settings, Spring,
 };
 
 pub fn kind(draw: &mut Draw<'_>) -> BodyKind {
@@ -18,8 +18,13 @@ pub fn kind(draw: &mut Draw<'_>) -> BodyKind {
     }
 }
 
-pub fn continuous(draw: &mut Draw<'_>) -> Continuous {
-    draw.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume, Continuous::Discrete])
+pub fn continuous(draw: &mut Draw<'_>) -> ContinuousMode {
+    draw.of(&[
+        ContinuousMode::Segment,
+        ContinuousMode::Segment,
+        ContinuousMode::Volume,
+        ContinuousMode::Discrete,
+    ])
 }
 
 pub fn after(draw: &mut Draw<'_>) -> Option<RowGroup> {
@@ -36,7 +41,7 @@ pub fn mass(draw: &mut Draw<'_>) -> MassProperties {
 
 pub fn body(draw: &mut Draw<'_>) -> BodyDesc {
     let kind = kind(draw);
-    let mut body = BodyDesc::new(kind).at(draw.place()).rotated(draw.rotation());
+    let mut body = BodyDesc::new(kind).with_position(draw.place()).with_rotation(draw.rotation());
     let shapes = draw.of(&[1, 1, 1, 1, 1, 2, 3, 0]);
     for _ in 0..shapes {
         let form = if kind == BodyKind::Dynamic { forms::convex(draw) } else { forms::form(draw) };
@@ -89,7 +94,7 @@ pub fn axis(draw: &mut Draw<'_>) -> Axis {
 pub fn axes(draw: &mut Draw<'_>) -> Axes {
     match draw.below(3) {
         0 => Axes::One(axis(draw)),
-        1 => Axes::Around(axis(draw)),
+        1 => Axes::Perpendicular(axis(draw)),
         _ => Axes::All,
     }
 }
@@ -113,14 +118,14 @@ pub fn limit(draw: &mut Draw<'_>) -> Limit {
     limit
 }
 
-pub fn drive(draw: &mut Draw<'_>) -> Drive {
+pub fn drive(draw: &mut Draw<'_>) -> Motor {
     let (motion, axis) = (motion(draw), axis(draw));
     let mut drive = match draw.below(3) {
-        0 => Drive::motor(motion, axis, draw.range(-10.0, 10.0), draw.scale(1.0, 1e4)),
-        1 => Drive::friction(motion, axis, draw.scale(0.1, 1e3)),
+        0 => Motor::velocity(motion, axis, draw.range(-10.0, 10.0), draw.scale(1.0, 1e4)),
+        1 => Motor::friction(motion, axis, draw.scale(0.1, 1e3)),
         _ => {
             let spring = spring(draw);
-            Drive::spring(motion, axis, draw.range(-1.0, 1.0), spring)
+            Motor::position(motion, axis, draw.range(-1.0, 1.0), spring)
         }
     };
     if draw.chance(40) {
@@ -159,11 +164,11 @@ pub fn joint(draw: &mut Draw<'_>, bodies: [Id; 2]) -> JointSpec {
         desc = desc.with_limit(limit(draw));
     }
     for _ in 0..draw.of(&[0, 0, 1, 2]) {
-        desc = desc.with_drive(drive(draw));
+        desc = desc.with_motor(drive(draw));
     }
     desc.collide = draw.chance(80);
     if draw.chance(40) {
-        desc = desc.with_strength(draw.scale(1.0, 1e5), draw.scale(1.0, 1e5));
+        desc = desc.with_break_force(draw.scale(1.0, 1e5), draw.scale(1.0, 1e5));
     }
     if draw.chance(40) {
         desc = desc.with_thresholds(draw.scale(0.1, 1e4), draw.scale(0.1, 1e4));
@@ -209,7 +214,7 @@ pub fn coupling(draw: &mut Draw<'_>, joints: [Id; 2]) -> CouplingSpec {
         desc = desc.with_range(range(draw));
     }
     if draw.chance(60) {
-        desc = desc.with_strength(strength(draw));
+        desc = desc.with_break_force(strength(draw));
     }
     CouplingSpec { joints, desc }
 }
@@ -256,7 +261,7 @@ pub fn settings(draw: &mut Draw<'_>) -> Settings {
         settings.continuous = continuous(draw);
     }
     if draw.chance(60) {
-        settings.method = draw.of(&[
+        settings.continuous_method = draw.of(&[
             ContinuousMethod::Speculative,
             ContinuousMethod::LinearCast,
             ContinuousMethod::ConservativeAdvancement,

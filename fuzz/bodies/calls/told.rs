@@ -74,7 +74,7 @@ impl OfStep {
             broken: world.broken_joints().into(),
             strained: world.strained_joints().into(),
             uncoupled: world.broken_couplings().into(),
-            stopped: world.stopped_bodies().into(),
+            stopped: world.faulted_bodies().into(),
             limited,
             tight: report.shed > 0 || (report.events_lost > 0 && limited),
             report,
@@ -106,7 +106,7 @@ fn visitors(world: &World) -> Vec<ShapeHandle> {
     let shapes = bodies(world).into_iter().filter_map(|body| world.shapes(body).ok()).flatten();
     let (mut all, mut inside) = (Vec::new(), Vec::new());
     for sensor in shapes.filter(|&shape| world.is_sensor(shape).unwrap_or_default()) {
-        if world.visitors(sensor, &mut inside).is_ok() {
+        if world.sensor_overlaps(sensor, &mut inside).is_ok() {
             all.push(sensor);
             all.append(&mut inside);
         }
@@ -205,16 +205,15 @@ pub fn not_finite(world: &World, handles: &Handles) -> Option<String> {
         for (motion, axis) in
             [Motion::Linear, Motion::Angular].into_iter().flat_map(|m| Axis::ALL.map(|a| (m, a)))
         {
-            finite &= world.joint_displacement(joint, motion, Axes::One(axis)).ok()?.is_finite();
-            finite &= world.joint_speed(joint, motion, axis).ok()?.is_finite();
+            finite &= world.joint_position(joint, motion, Axes::One(axis)).ok()?.is_finite();
+            finite &= world.joint_velocity(joint, motion, axis).ok()?.is_finite();
         }
         if !finite {
             return Some(format!("{joint:?}: {force} {torque} {frames:?}"));
         }
     }
     for &coupling in handles.couplings.values().filter(|&&coupling| world.contains_coupling(coupling)) {
-        let (force, at) =
-            (world.coupling_force(coupling).ok()?, world.coupling_displacements(coupling).ok()?);
+        let (force, at) = (world.coupling_force(coupling).ok()?, world.coupling_positions(coupling).ok()?);
         let sum = world.coupling_sum(coupling).ok()?;
         if !(force.iter().all(|x| x.is_finite()) && at.iter().all(|x| x.is_finite()) && sum.is_finite()) {
             return Some(format!("{coupling:?}: {force:?} {at:?} {sum}"));

@@ -1,12 +1,12 @@
 use super::*;
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::lanes::Mask;
 use crate::lanes::{f32x4, f32x8};
 use crate::random::Random;
 use glam::{DVec3, vec3};
 
 fn mover(min: glam::Vec3, max: glam::Vec3, motion: glam::Vec3, spin: f32) -> Mover {
-    Mover { collider: 0, aabb: Aabb { min, max }, motion, spin, mode: Continuous::Segment }
+    Mover { collider: 0, aabb: Aabb { min, max }, motion, spin, mode: ContinuousMode::Segment }
 }
 
 /// Paths of lengths 0 to 100 m near boxes of 0 to 5 m, all about `centre`; every eighth along an axis.

@@ -24,12 +24,12 @@ pub(crate) const MAX_ROWS: usize = 16;
 /// Maximum bytes of a row, with its couplings to all others.
 pub(crate) const ROW_BYTES: usize = {
     type L = crate::lanes::f32x8;
-    size_of::<Motor<L>>() + size_of::<Direction<L>>() + (2 + MAX_ROWS) * size_of::<L>()
+    size_of::<TreeMotor<L>>() + size_of::<Direction<L>>() + (2 + MAX_ROWS) * size_of::<L>()
 };
 
 /// A motor or a spring about the axis of a hinge, as the body of its node sees it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Motor<L> {
+pub(crate) struct TreeMotor<L> {
     /// The row of each lane.
     pub(crate) owner: [u32; 8],
     pub(crate) node: u32,
@@ -44,9 +44,9 @@ pub(crate) struct Motor<L> {
     pub(crate) less: L,
 }
 
-impl<L: Lanes> Motor<L> {
+impl<L: Lanes> TreeMotor<L> {
     pub(crate) fn new(node: u32) -> Self {
-        Motor { owner: [NONE; 8], node, stops: ENDLESS.map(L::splat), ..Motor::default() }
+        TreeMotor { owner: [NONE; 8], node, stops: ENDLESS.map(L::splat), ..TreeMotor::default() }
     }
 
     #[inline(always)]
@@ -77,7 +77,7 @@ pub(crate) enum Drives {
 /// The rows of a batch of trees.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Extra<L> {
-    pub(crate) motors: Vec<Motor<L>>,
+    pub(crate) motors: Vec<TreeMotor<L>>,
     /// Which motors act in this pass.
     pub(crate) drives: Drives,
     /// None acts, while a substep is solved in parts.
@@ -94,7 +94,7 @@ pub(crate) struct Extra<L> {
 
 impl<L: Default> Extra<L> {
     /// Reserves memory for so many rows.
-    pub(crate) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
+    pub(crate) fn new(motors: Vec<TreeMotor<L>>, rows: usize) -> Self {
         Extra {
             motors,
             directions: Vec::with_capacity(rows),
@@ -107,7 +107,7 @@ impl<L: Default> Extra<L> {
 
 impl<L> Extra<L> {
     pub(crate) fn reserved(&self) -> usize {
-        size_of::<Motor<L>>() * self.motors.capacity()
+        size_of::<TreeMotor<L>>() * self.motors.capacity()
             + size_of::<Direction<L>>() * self.directions.capacity()
             + size_of::<L>() * (self.answers.capacity() + 2 * self.alone.capacity())
     }
@@ -300,7 +300,7 @@ impl<L: Lanes> Extra<L> {
     /// Forgets what its motors did: the rest is made anew in each substep.
     pub(in crate::constraint::articulation) fn forget(&mut self) {
         for motor in &mut self.motors {
-            *motor = Motor { owner: motor.owner, ..Motor::new(motor.node) };
+            *motor = TreeMotor { owner: motor.owner, ..TreeMotor::new(motor.node) };
         }
     }
 

@@ -11,7 +11,7 @@ use super::run::JointViews;
 use super::table::{AnyTable, Owners};
 use crate::body::Bodies;
 use crate::config::{Order, RowGroup};
-use crate::constraint::articulation::cut::{Extra, Motor};
+use crate::constraint::articulation::cut::{Extra, TreeMotor};
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::slots::{TreeContacts, TreeRef, TreeSlot, TreeSlots};
 use crate::constraint::articulation::tree::TreeBatch;
@@ -381,7 +381,7 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         node
     };
     let motors = group[0].motors.iter().enumerate().map(|(k, &(at, _))| {
-        let mut motor = Motor::new(at);
+        let mut motor = TreeMotor::new(at);
         let own = group.iter().map(|tree| tree.motors[k].1);
         motor.owner.iter_mut().zip(own).for_each(|(owner, own)| *owner = own);
         motor

@@ -9,7 +9,7 @@ use super::measure::Measure;
 use super::row::RowBatch;
 use super::spring::{ENDLESS, Spring};
 use crate::config::tuning::{LOCK_AWRY, TREE_RECOVERY, TREE_RECOVERY_TOUCHING};
-use crate::constraint::articulation::cut::Motor;
+use crate::constraint::articulation::cut::TreeMotor;
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::node::TreeWidth;
 use crate::constraint::articulation::tree::TreeBatch;
@@ -152,12 +152,12 @@ impl<L: GatherLanes, M: Measure<L>> Filled for RowBatch<L, M> {
             let (min, max, spring) = match row.kind {
                 RowKind::Limit { min, max } => (min, max, None),
                 RowKind::Yielding { min, max, spring } => (min, max, Some(spring)),
-                RowKind::Drive { position, velocity, spring, max_force } => {
+                RowKind::Motor { position, velocity, spring, max_force } => {
                     (most, target) = (max_force * h, velocity);
                     (position, position, Some(spring))
                 }
             };
-            let drive = matches!(row.kind, RowKind::Drive { .. });
+            let drive = matches!(row.kind, RowKind::Motor { .. });
             if let Some([low, high]) = stops(row, self.value.lane(lane), input) {
                 self.stops[0].set_lane(lane, low);
                 self.stops[1].set_lane(lane, high);
@@ -203,14 +203,14 @@ fn place_point<L: GatherLanes>(
 
 /// An angle of a row with its whole turns: a drive has those that the limit of its hinge knows.
 fn with_turns(row: &Row, angle: f32, joints: &Joints) -> f32 {
-    let drive = matches!(row.kind, RowKind::Drive { .. });
+    let drive = matches!(row.kind, RowKind::Motor { .. });
     let known = if drive { joints.with_turns(row.joint, row.axes, angle) } else { None };
     known.unwrap_or_else(|| row.with_turns(angle))
 }
 
 /// Where rigid ends of a range of its joint stop a motor that does not yield, beside its own displacement.
 fn stops(row: &Row, value: f32, input: &PrepareInput<'_>) -> Option<[f32; 2]> {
-    let RowKind::Drive { velocity, spring, .. } = row.kind else { return None };
+    let RowKind::Motor { velocity, spring, .. } = row.kind else { return None };
     // Friction goes nowhere.
     if velocity == 0.0 || spring.coefficients().damping != f32::INFINITY {
         return None;
@@ -373,11 +373,11 @@ pub(crate) fn fill_tree<L: TreeWidth>(
 }
 
 /// Fills the motor of a hinge, as seen from the body of its node.
-fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &PrepareInput<'_>) {
+fn fill_motor<L: Lanes>(motor: &mut TreeMotor<L>, node: &Node<L>, input: &PrepareInput<'_>) {
     let sign = if node.side == 1 { 1.0 } else { -1.0 };
     for lane in (0..L::N).filter(|&lane| motor.owner[lane] != NONE) {
         let row = &input.joints.rows[motor.owner[lane] as usize];
-        let RowKind::Drive { position, velocity, spring, max_force } = row.kind else { continue };
+        let RowKind::Motor { position, velocity, spring, max_force } = row.kind else { continue };
         let joint = &input.joints.all[row.joint as usize];
         let dense = joint.bodies.map(|slot| input.bodies.slots.dense(slot) as usize);
         let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);

@@ -231,7 +231,7 @@ impl JointType {
             (Direction::Linear, Axes::One(_)) => JointType::Slide,
             (Direction::Linear, _) => JointType::Distance,
             (Direction::Angular, Axes::One(_)) => JointType::Twist,
-            (Direction::Angular, Axes::Around(_)) => JointType::Tilt,
+            (Direction::Angular, Axes::Perpendicular(_)) => JointType::Tilt,
             (Direction::Angular, Axes::All) => JointType::Turn,
         }
     }

@@ -78,7 +78,7 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
     const IS_ANGLE: bool = false;
 
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
-        if let Axes::Around(axis) = axes {
+        if let Axes::Perpendicular(axis) = axes {
             self.axis.set_lane(lane, at.axis(0, axis));
         }
         self.arm.set_lane(lane, at.arm[0]);
@@ -252,7 +252,7 @@ impl<L: Lanes> Turn<L> {
 
 fn axis_of(axes: Axes) -> Axis {
     match axes {
-        Axes::One(axis) | Axes::Around(axis) => axis,
+        Axes::One(axis) | Axes::Perpendicular(axis) => axis,
         Axes::All => Axis::X,
     }
 }

@@ -87,7 +87,7 @@ pub struct CouplingDesc {
     /// The coupling breaks if it exerts more than this on the first or the second motion [N] or [N m].
     /// Default infinity.
     #[cfg_attr(feature = "serde", serde(with = "unbounded::pair", default = "unbreakable"))]
-    pub strength: [f32; 2],
+    pub break_force: [f32; 2],
     /// The caller's own.
     #[cfg_attr(feature = "serde", serde(default))]
     pub user_data: u64,
@@ -96,7 +96,7 @@ pub struct CouplingDesc {
 impl CouplingDesc {
     /// Keeps the sum of two motions at what it is.
     pub fn new(motions: [CoupledMotion; 2]) -> CouplingDesc {
-        CouplingDesc { motions, range: None, strength: [f32::INFINITY; 2], user_data: 0 }
+        CouplingDesc { motions, range: None, break_force: [f32::INFINITY; 2], user_data: 0 }
     }
 
     /// Two meshing gears on hinges about the frames' x, by their numbers of teeth: while the first turns by
@@ -139,8 +139,8 @@ impl CouplingDesc {
         CouplingDesc { range, ..self }
     }
     /// Breaks above this force or torque on either motion [N] or [N m].
-    pub fn with_strength(self, strength: [f32; 2]) -> CouplingDesc {
-        CouplingDesc { strength, ..self }
+    pub fn with_break_force(self, break_force: [f32; 2]) -> CouplingDesc {
+        CouplingDesc { break_force, ..self }
     }
     /// With a number of the caller's own.
     pub fn with_user_data(self, user_data: u64) -> CouplingDesc {
@@ -164,7 +164,7 @@ impl CouplingDesc {
             return Err(Error::CoupledMotion { expected: "another one than the second" });
         }
         self.range.map_or(Ok(()), check_range)?;
-        super::check_loads(["coupling strength"; 2], self.strength)
+        super::check_loads(["coupling strength"; 2], self.break_force)
     }
 }
 

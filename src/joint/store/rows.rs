@@ -1,7 +1,7 @@
 //! The locks and rows of joints: made out of limits and drives, found, changed, and read as they were given.
 
 use super::Joints;
-use crate::joint::desc::{Axes, Axis, Drive, Limit, Motion};
+use crate::joint::desc::{Axes, Axis, Limit, Motion, Motor};
 use crate::joint::row::{Lock, LockKind, NONE, Row, RowKind};
 use glam::Vec3;
 use std::ops::Range;
@@ -12,9 +12,9 @@ impl Limit {
         match (self.motion, self.axes) {
             _ if !self.locks() => None,
             (Motion::Linear, Axes::All) => Some(LockKind::Point),
-            (Motion::Linear, Axes::Around(axis)) => Some(LockKind::Line(axis)),
+            (Motion::Linear, Axes::Perpendicular(axis)) => Some(LockKind::Line(axis)),
             (Motion::Angular, Axes::All) => Some(LockKind::Weld),
-            (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
+            (Motion::Angular, Axes::Perpendicular(axis)) => Some(LockKind::Hinge(axis)),
             // One direction is a row.
             (_, Axes::One(_)) => None,
         }
@@ -32,11 +32,11 @@ impl Limit {
     }
 }
 
-impl Drive {
+impl Motor {
     /// As a row.
     pub(crate) fn kind(&self) -> RowKind {
-        let Drive { position, velocity, spring, max_force, .. } = *self;
-        RowKind::Drive { position, velocity, spring, max_force }
+        let Motor { position, velocity, spring, max_force, .. } = *self;
+        RowKind::Motor { position, velocity, spring, max_force }
     }
 }
 
@@ -46,7 +46,7 @@ impl RowKind {
     pub(crate) fn ends(&self) -> [f32; 2] {
         match *self {
             RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => [min, max],
-            RowKind::Drive { position, velocity, .. } => [position, velocity],
+            RowKind::Motor { position, velocity, .. } => [position, velocity],
         }
     }
 
@@ -55,8 +55,8 @@ impl RowKind {
         match self {
             RowKind::Limit { .. } => RowKind::Limit { min: a, max: b },
             RowKind::Yielding { spring, .. } => RowKind::Yielding { min: a, max: b, spring },
-            RowKind::Drive { spring, max_force, .. } => {
-                RowKind::Drive { position: a, velocity: b, spring, max_force }
+            RowKind::Motor { spring, max_force, .. } => {
+                RowKind::Motor { position: a, velocity: b, spring, max_force }
             }
         }
     }
@@ -86,11 +86,12 @@ impl Lock {
     fn limits(&self) -> impl Iterator<Item = Limit> + use<> {
         let (motion, axes) = match self.kind {
             LockKind::Point => (Motion::Linear, Axes::All),
-            LockKind::Line(axis) => (Motion::Linear, Axes::Around(axis)),
+            LockKind::Line(axis) => (Motion::Linear, Axes::Perpendicular(axis)),
             LockKind::Weld => (Motion::Angular, Axes::All),
-            LockKind::Hinge(axis) => (Motion::Angular, Axes::Around(axis)),
+            LockKind::Hinge(axis) => (Motion::Angular, Axes::Perpendicular(axis)),
         };
-        let (merged, free) = (self.merged, if let Axes::Around(axis) = axes { Some(axis) } else { None });
+        let (merged, free) =
+            (self.merged, if let Axes::Perpendicular(axis) = axes { Some(axis) } else { None });
         let single = Axis::ALL.into_iter().filter(move |&axis| merged && Some(axis) != free).map(Axes::One);
         let whole = (!merged).then_some(axes);
         single.chain(whole).map(move |axes| Limit::lock(motion, axes))
@@ -119,20 +120,20 @@ impl Row {
             RowKind::Yielding { min, max, spring } => {
                 Some(Limit::new(motion, axes, min, max).with_spring(spring))
             }
-            RowKind::Drive { .. } => None,
+            RowKind::Motor { .. } => None,
         }
     }
 
     /// The drive that it is.
-    pub(crate) fn drive(&self) -> Option<Drive> {
+    pub(crate) fn drive(&self) -> Option<Motor> {
         let (
             Row { motion, axes: Axes::One(axis), .. },
-            RowKind::Drive { position, velocity, spring, max_force },
+            RowKind::Motor { position, velocity, spring, max_force },
         ) = (*self, self.kind)
         else {
             return None;
         };
-        Some(Drive { motion, axis, position, velocity, spring, max_force })
+        Some(Motor { motion, axis, position, velocity, spring, max_force })
     }
 
     /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
@@ -140,13 +141,13 @@ impl Row {
     pub(crate) fn drives_hinge(&self) -> bool {
         self.motion == Motion::Angular
             && self.is_guided()
-            && matches!(self.kind, RowKind::Drive { spring, .. } if !spring.coefficients().per_mass)
+            && matches!(self.kind, RowKind::Motor { spring, .. } if !spring.coefficients().per_mass)
     }
 
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a
     /// direction that can't turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {
-        let may = self.motion == Motion::Linear || matches!(self.kind, RowKind::Drive { .. });
+        let may = self.motion == Motion::Linear || matches!(self.kind, RowKind::Motor { .. });
         may && is_guided(self.motion, self.axes, self.beside[1])
     }
 }
@@ -162,7 +163,7 @@ pub(crate) fn is_guided(motion: Motion, axes: Axes, turns: Option<LockKind>) -> 
 }
 
 impl Joints {
-    pub(super) fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+    pub(super) fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Motor]) {
         let limits = locked_together(limits);
         self.all[joint as usize].start = [self.locks.len() as u32, self.rows.len() as u32];
         self.fresh += limits.len() + drives.len();
@@ -183,7 +184,7 @@ impl Joints {
     /// Replaces what is limited and driven. What stays of its kind keeps its impulses, and all of it has the
     /// place that the joint had: the order of joints, in which rows are solved, does not depend on which of
     /// them were changed.
-    pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+    pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Motor]) {
         let (own_locks, own_rows) = (self.lock_range(joint), self.row_range(joint));
         let mut locks: Vec<Lock> = self.locks.drain(own_locks.clone()).collect();
         let mut rows: Vec<Row> = self.rows.drain(own_rows.clone()).collect();
@@ -272,20 +273,20 @@ impl Joints {
     }
 
     /// The drives of a joint, as they were given.
-    pub(crate) fn drives_of(&self, joint: u32) -> impl Iterator<Item = Drive> + '_ {
+    pub(crate) fn drives_of(&self, joint: u32) -> impl Iterator<Item = Motor> + '_ {
         self.rows[self.row_range(joint)].iter().filter_map(Row::drive)
     }
 
     /// The row of the first drive of a motion along or about an axis.
     pub(crate) fn drive_row(&self, joint: u32, motion: Motion, axis: Axis) -> Option<usize> {
         let wanted =
-            |row: &Row| matches!(row.kind, RowKind::Drive { .. }) && is_of(row, motion, Axes::One(axis));
+            |row: &Row| matches!(row.kind, RowKind::Motor { .. }) && is_of(row, motion, Axes::One(axis));
         self.row_range(joint).find(|&i| wanted(&self.rows[i]))
     }
 
     /// The row of the first limit of a motion, unless it locks more than one direction.
     pub(crate) fn limit_row(&self, joint: u32, motion: Motion, axes: Axes) -> Option<usize> {
-        let wanted = |row: &Row| !matches!(row.kind, RowKind::Drive { .. }) && is_of(row, motion, axes);
+        let wanted = |row: &Row| !matches!(row.kind, RowKind::Motor { .. }) && is_of(row, motion, axes);
         self.row_range(joint).find(|&i| wanted(&self.rows[i]))
     }
 }
@@ -311,7 +312,7 @@ pub(super) fn locked_together(limits: &[Limit]) -> Vec<(Limit, bool)> {
         let axes = |wanted: bool| Axis::ALL.into_iter().filter(move |&axis| locked[axis as usize] == wanted);
         out.extend(match (axes(true).count(), axes(true).next(), axes(false).next()) {
             (1, Some(axis), _) => Some((Limit::lock(motion, Axes::One(axis)), false)),
-            (2, _, Some(axis)) => Some((Limit::lock(motion, Axes::Around(axis)), true)),
+            (2, _, Some(axis)) => Some((Limit::lock(motion, Axes::Perpendicular(axis)), true)),
             (3, ..) => Some((Limit::lock(motion, Axes::All), true)),
             _ => None,
         });

@@ -10,7 +10,7 @@ fn desc(a: u32, b: u32) -> JointDesc {
     let frames = [Frame::default(); 2];
     // Locks and rows in different numbers.
     match (a + b) % 3 {
-        0 => JointDesc::hinge(bodies, frames).with_drive(Drive::friction(Motion::Angular, Axis::X, 1.0)),
+        0 => JointDesc::hinge(bodies, frames).with_motor(Motor::friction(Motion::Angular, Axis::X, 1.0)),
         1 => JointDesc::distance(bodies, frames, 0.0, 1.0),
         _ => JointDesc::slider(bodies, frames).with_collide(true),
     }
@@ -57,7 +57,7 @@ fn lists_of_bodies_are_those_of_their_joints() {
     // Each joint has its rows once, however often its slot was used.
     joints.compact();
     for &(slot, [a, b], _) in &model {
-        let of = |d: JointDesc| (d.limits.len(), d.drives.len());
+        let of = |d: JointDesc| (d.limits.len(), d.motors.len());
         let (limits, drives) = of(desc(a, b));
         let locks = joints.locks.iter().filter(|l| l.joint == slot).count();
         let rows = joints.rows.iter().filter(|r| r.joint == slot).count();
@@ -65,7 +65,7 @@ fn lists_of_bodies_are_those_of_their_joints() {
     }
     let all = joints.locks.len() + joints.rows.len();
     let expected: usize =
-        model.iter().map(|m| desc(m.1[0], m.1[1])).map(|d| d.limits.len() + d.drives.len()).sum();
+        model.iter().map(|m| desc(m.1[0], m.1[1])).map(|d| d.limits.len() + d.motors.len()).sum();
     assert_eq!(all, expected);
 }
 
@@ -75,7 +75,7 @@ fn what_limits_nothing_has_no_row() {
     let (low, high) = (f32::NEG_INFINITY, f32::INFINITY);
     let mut one = desc(0, 1);
     one.limits = vec![Limit::new(Motion::Linear, Axes::One(Axis::X), low, high)];
-    one.drives.clear();
+    one.motors.clear();
     joints.add(&one, HERE);
     assert_eq!((joints.locks.len(), joints.rows.len(), joints.count), (0, 0, 1));
 }
@@ -85,7 +85,7 @@ fn place_that_was_made_is_enough() {
     let mut joints = Joints::default();
     assert_eq!(joints.bytes(), (0, 0));
     for i in 0..100 {
-        let desc = desc(i, i + 1).with_strength(1.0, 1.0);
+        let desc = desc(i, i + 1).with_break_force(1.0, 1.0);
         let more = JointAdditions::of_joint(&desc);
         assert!(joints.missing(more, 1) > 0, "batches at least");
         joints.reserve_total(more);

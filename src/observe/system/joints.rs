@@ -168,7 +168,7 @@ impl Joined {
             }
             (Motion::Linear, axes) => {
                 let (across, aside) = match axes {
-                    Axes::Around(axis) => {
+                    Axes::Perpendicular(axis) => {
                         let along = at.axis(0, axis);
                         (at.apart - along * along.dot(at.apart), next(axis))
                     }
@@ -182,7 +182,7 @@ impl Joined {
                 let about = if middle > 1e-3 { (a + b) / middle } else { a };
                 ([DVec3::ZERO, about], at.twist(axis))
             }
-            (Motion::Angular, Axes::Around(axis)) => {
+            (Motion::Angular, Axes::Perpendicular(axis)) => {
                 let [a, b] = [0, 1].map(|side| at.axis(side, axis));
                 let sine = a.cross(b);
                 ([DVec3::ZERO, some(sine, next(axis))], libm::atan2(sine.length(), a.dot(b)))
@@ -201,7 +201,7 @@ impl Joined {
             // Angles are periodic: take the turn that is nearest to the target.
             let middle = match row.kind {
                 RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
-                RowKind::Drive { position, .. } => position,
+                RowKind::Motor { position, .. } => position,
             };
             if middle.is_finite() {
                 let middle = f64::from(middle);
@@ -218,7 +218,7 @@ impl Joined {
             RowKind::Yielding { min, max, spring } => {
                 self.ends(i, &both, value, [min, max], Some(spring), f);
             }
-            RowKind::Drive { position, velocity, spring, max_force } => {
+            RowKind::Motor { position, velocity, spring, max_force } => {
                 let off = value - f64::from(position);
                 let [pull, give, speed] = self.implicit(&both, spring, velocity.into());
                 let most = if give == f64::INFINITY { 0.0 } else { f64::from(max_force) * self.dt };

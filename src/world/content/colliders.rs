@@ -2,7 +2,7 @@
 
 use crate::body::{BodyKind, Odometer, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::math::Quat;
 use crate::shape::{Collider, Geometry, RareMaterial, ShapeDesc};
 use crate::statics::Remains;
@@ -65,7 +65,7 @@ impl World {
         self.assets.list.clear();
         self.needs = Needs::default();
         shapes.summaries.clear();
-        shapes.summaries.resize(slots, nothing.summaries(Continuous::Discrete));
+        shapes.summaries.resize(slots, nothing.summaries(ContinuousMode::Discrete));
         shapes.all.clear();
         shapes.all.resize(slots, nothing);
         shapes.poses.clear();

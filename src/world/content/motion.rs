@@ -251,13 +251,29 @@ impl World {
         Ok(())
     }
 
-    /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step. Forces
-    /// and impulses on other bodies, here and below, are checked and have no effect.
+    /// Adds a force [N] at the centre of mass of a dynamic body, for the next step. Forces and impulses on
+    /// other bodies, here and below, are checked and have no effect.
     ///
     /// # Errors
     /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the
     /// first force of a world, the budget does not allow it.
-    pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
+    pub fn add_force(&mut self, body: BodyHandle, force: Vec3) -> Result<(), Error> {
+        self.add_force_and_torque(body, force, Vec3::ZERO)
+    }
+
+    /// Adds a torque [N m] to a dynamic body, for the next step.
+    ///
+    /// # Errors
+    /// As for [`World::add_force`].
+    pub fn add_torque(&mut self, body: BodyHandle, torque: Vec3) -> Result<(), Error> {
+        self.add_force_and_torque(body, Vec3::ZERO, torque)
+    }
+
+    /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
+    ///
+    /// # Errors
+    /// As for [`World::add_force`].
+    pub fn add_force_and_torque(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::force("force", force)?;
         limits::force("torque", torque)?;
@@ -289,7 +305,7 @@ impl World {
     pub fn add_force_at(&mut self, body: BodyHandle, force: Vec3, point: DVec3) -> Result<(), Error> {
         limits::position(point)?;
         let arm = (point - self.bodies.pose[self.index(body)?].position).as_vec3();
-        self.add_force(body, force, arm.cross(force))
+        self.add_force_and_torque(body, force, arm.cross(force))
     }
 
     /// Changes the angular velocity of a dynamic body by an impulse about its centre of mass [N m s].
@@ -311,12 +327,20 @@ impl World {
         Ok(())
     }
 
+    /// Changes the linear velocity of a dynamic body by an impulse [N s] at its centre of mass.
+    ///
+    /// # Errors
+    /// As for [`World::apply_impulse_at`].
+    pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
+        self.apply_impulse_at(body, impulse, self.centre_of_mass(body)?)
+    }
+
     /// Changes the velocity of a dynamic body by an impulse [N s] at a point of the world [m].
     ///
     /// # Errors
     /// If the handle is stale, a number is beyond [`limits::MAX_FORCE`], or the velocity would be beyond
     /// [`limits::MAX_SPEED`].
-    pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3, point: DVec3) -> Result<(), Error> {
+    pub fn apply_impulse_at(&mut self, body: BodyHandle, impulse: Vec3, point: DVec3) -> Result<(), Error> {
         let index = self.index(body)?;
         limits::force("impulse", impulse)?;
         limits::position(point)?;

@@ -4,7 +4,7 @@ use crate::body::BodyDesc;
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::joint::{
-    Axis, Bone, Drive, JointAdditions, JointDesc, Link, Motion, Ragdoll, Skeleton, Spring, twist_of,
+    Axis, Bone, JointAdditions, JointDesc, Link, Motion, Motor, Ragdoll, Skeleton, Spring, twist_of,
 };
 use crate::limits::unit_quat;
 use crate::math::Quat;
@@ -82,7 +82,7 @@ impl Ragdoll {
         let pose = pose.collect::<Result<Vec<Quat>, Error>>()?;
         self.set_drives(world, |link, axis| {
             let target = twist_of(link.relative(pose[link.parent], pose[link.bone]), axis);
-            Some(Drive::spring(Motion::Angular, axis, target, spring).with_max_force(max_torque))
+            Some(Motor::position(Motion::Angular, axis, target, spring).with_max_force(max_torque))
         })
     }
 
@@ -94,7 +94,7 @@ impl Ragdoll {
     pub fn relax(&self, world: &mut World) -> Result<(), Error> {
         let friction = self.friction;
         self.set_drives(world, |_, axis| {
-            (friction > 0.0).then(|| Drive::friction(Motion::Angular, axis, friction))
+            (friction > 0.0).then(|| Motor::friction(Motion::Angular, axis, friction))
         })
     }
 
@@ -102,7 +102,7 @@ impl Ragdoll {
     fn set_drives(
         &self,
         world: &mut World,
-        drive: impl Fn(&Link, Axis) -> Option<Drive>,
+        drive: impl Fn(&Link, Axis) -> Option<Motor>,
     ) -> Result<(), Error> {
         let mut more = JointAdditions::default();
         let mut all = Vec::new();
@@ -118,8 +118,8 @@ impl Ragdoll {
         world.reserve(Addition::Joints(more, false))?;
         for (joint, axis, drive) in all {
             match drive {
-                Some(drive) => world.set_joint_drive(joint, drive)?,
-                None => drop(world.remove_joint_drive(joint, Motion::Angular, axis)?),
+                Some(drive) => world.set_joint_motor(joint, drive)?,
+                None => drop(world.remove_joint_motor(joint, Motion::Angular, axis)?),
             }
         }
         Ok(())

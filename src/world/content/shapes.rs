@@ -157,7 +157,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn listens_to_events(&self, shape: ShapeHandle) -> Result<bool, Error> {
+    pub fn has_events(&self, shape: ShapeHandle) -> Result<bool, Error> {
         Ok(self.colliders.summaries[self.collider(shape)? as usize].has_events())
     }
 
@@ -165,16 +165,33 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn listens_to_hooks(&self, shape: ShapeHandle) -> Result<bool, Error> {
+    pub fn has_hooks(&self, shape: ShapeHandle) -> Result<bool, Error> {
         Ok(self.colliders.summaries[self.collider(shape)? as usize].has_hooks())
     }
 
-    /// Sets whether contacts of a shape are reported as events, and whether they are passed to hooks. A shape
-    /// that no longer asks for events gets no end of its current contacts; its island wakes.
+    /// Sets whether contacts of a shape are reported as events. A shape that no longer asks for events gets no
+    /// end of its current contacts; its island wakes.
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
+    pub fn set_events(&mut self, shape: ShapeHandle, events: bool) -> Result<(), Error> {
+        self.set_listening(shape, events, self.has_hooks(shape)?)
+    }
+
+    /// Sets whether contacts of a shape are passed to hooks.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_hooks(&mut self, shape: ShapeHandle, hooks: bool) -> Result<(), Error> {
+        self.set_listening(shape, self.has_events(shape)?, hooks)
+    }
+
+    pub(crate) fn set_listening(
+        &mut self,
+        shape: ShapeHandle,
+        events: bool,
+        hooks: bool,
+    ) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
         self.note(Change::SetListening(shape, events, hooks));
         let mut body = self.colliders.all[index].body as usize;

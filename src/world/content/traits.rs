@@ -1,7 +1,7 @@
 //! Traits of the world's bodies: look up and change what their descriptions said.
 
 use crate::body::{BodyKind, Damping, KeptMass, RareCounts, SpeedCap, Traits};
-use crate::config::{Continuous, RowGroup};
+use crate::config::{ContinuousMode, RowGroup};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
@@ -195,7 +195,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn locks(&self, body: BodyHandle) -> Result<([bool; 3], [bool; 3]), Error> {
+    pub fn locked_axes(&self, body: BodyHandle) -> Result<([bool; 3], [bool; 3]), Error> {
         let locks = self.bodies.traits[self.index(body)?].locks;
         let bits = |from: u8| std::array::from_fn(|axis| locks >> (from + axis as u8) & 1 != 0);
         Ok((bits(0), bits(3)))
@@ -207,7 +207,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn set_locks(
+    pub fn set_locked_axes(
         &mut self,
         body: BodyHandle,
         translation: [bool; 3],
@@ -221,7 +221,7 @@ impl World {
         self.note(Change::SetLocks(body, translation, rotation));
         let index = self.wake_body(index);
         self.revise(index);
-        self.bodies.set_locks(index, locks);
+        self.bodies.set_locked_axes(index, locks);
         // A body that can't rotate is in no tree.
         self.joints.changed = true;
         Ok(())
@@ -231,7 +231,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn continuous(&self, body: BodyHandle) -> Result<Continuous, Error> {
+    pub fn continuous(&self, body: BodyHandle) -> Result<ContinuousMode, Error> {
         Ok(self.bodies.traits[self.index(body)?].continuous)
     }
 
@@ -240,7 +240,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
+    pub fn set_continuous(&mut self, body: BodyHandle, mode: ContinuousMode) -> Result<(), Error> {
         let index = self.index(body)?;
         self.note(Change::SetContinuous(body, mode));
         self.revise(index);
@@ -261,7 +261,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn solved_after(&self, body: BodyHandle) -> Result<Option<RowGroup>, Error> {
+    pub fn body_solved_after(&self, body: BodyHandle) -> Result<Option<RowGroup>, Error> {
         Ok(self.bodies.traits[self.index(body)?].solved_after)
     }
 
@@ -270,7 +270,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale or the budget does not allow it.
-    pub fn solve_body_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+    pub fn set_body_solved_after(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
         if self.bodies.traits[index].solved_after == above {
             return Ok(());

@@ -336,8 +336,8 @@ impl World {
         let now = self.counts(Counts::default());
         let counts = Counts {
             rests: settings.sleeping && !now.rests,
-            meets: settings.method.meets_impacts() && !now.meets,
-            settles: settings.method.settles() && !self.settings.method.settles(),
+            meets: settings.continuous_method.meets_impacts() && !now.meets,
+            settles: settings.continuous_method.settles() && !self.settings.continuous_method.settles(),
             ..now
         };
         let anew = self.rearranges(settings) && self.joints.count > 0;
@@ -408,8 +408,9 @@ impl World {
             meshed: more.meshed || self.needs.meshes + self.needs.height_fields > 0,
             forced: more.forced || !self.bodies.force.is_empty(),
             rests: more.rests || self.settings.sleeping || self.bodies.rests,
-            meets: more.meets || self.settings.method.meets_impacts(),
-            settles: more.settles || (self.settings.method.settles() && !self.settings.budget.is_none()),
+            meets: more.meets || self.settings.continuous_method.meets_impacts(),
+            settles: more.settles
+                || (self.settings.continuous_method.settles() && !self.settings.budget.is_none()),
             solved_after: more.solved_after || self.bodies.solved_after_groups().next().is_some(),
             assets: self.assets.list.len() + more.assets,
             rare: self.bodies.rare.counts() + more.rare,

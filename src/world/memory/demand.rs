@@ -1,7 +1,7 @@
 //! What the starting step needs, and the release of what only earlier steps needed.
 
 use super::needs::Demand;
-use crate::config::Continuous;
+use crate::config::ContinuousMode;
 use crate::world::World;
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ impl World {
     /// Whether any body is continuous.
     #[inline]
     pub(crate) fn is_continuous(&self) -> bool {
-        self.settings.continuous != Continuous::Discrete && self.bodies.continuous > 0
+        self.settings.continuous != ContinuousMode::Discrete && self.bodies.continuous > 0
     }
 
     /// Whether gravity or forces accelerate bodies.

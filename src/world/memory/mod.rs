@@ -10,7 +10,7 @@ mod restoring;
 
 pub(in crate::world) use assets::Assets;
 pub(crate) use budget::Addition;
-pub use model::{Feature, Model, ModelPart};
+pub use model::{Feature, FeatureCost, FeatureReport};
 pub(crate) use needs::{Demand, Needs};
 pub use plan::{ContentForecast, Plan};
 pub(crate) use restoring::{Brings, Replacement};

@@ -83,7 +83,7 @@ features! {
         /// Limits with a width.
         JointLimits "joint_limits" "limits with a width" "solve",
         /// Drives: motors, and friction of joints.
-        JointDrives "joint_drives" "drives" "solve",
+        JointDrives "joint_motors" "drives" "solve",
         /// Springs, of limits and of drives.
         JointSprings "joint_springs" "springs of limits and drives" "solve",
         /// Couplings of two motions of joints: gears, racks, screws, pulleys.
@@ -111,7 +111,7 @@ impl Feature {
         self.words()[0]
     }
 
-    /// The objects that need it, which [`ModelPart::count`] counts.
+    /// The objects that need it, which [`FeatureCost::count`] counts.
     pub fn asked_by(self) -> &'static str {
         self.words()[1]
     }
@@ -132,7 +132,7 @@ impl fmt::Display for Feature {
 /// A feature in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ModelPart {
+pub struct FeatureCost {
     /// The feature.
     pub feature: Feature,
     /// Number of objects that need it: [`Feature::asked_by`] names them. If zero, it is not needed.
@@ -145,14 +145,14 @@ pub struct ModelPart {
     pub time_us: Option<f32>,
 }
 
-impl ModelPart {
+impl FeatureCost {
     /// Whether anything in the world needs it.
     pub fn is_needed(&self) -> bool {
         self.count > 0
     }
 }
 
-impl fmt::Display for ModelPart {
+impl fmt::Display for FeatureCost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.is_needed() && self.bytes == 0 {
             return write!(f, "{}: not needed", self.feature);
@@ -170,18 +170,18 @@ impl fmt::Display for ModelPart {
 /// The optional parts of a world.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Model {
-    parts: Vec<ModelPart>,
+pub struct FeatureReport {
+    parts: Vec<FeatureCost>,
 }
 
-impl Model {
+impl FeatureReport {
     /// One of the parts.
-    pub fn part(&self, feature: Feature) -> ModelPart {
+    pub fn part(&self, feature: Feature) -> FeatureCost {
         self.parts[feature as usize]
     }
 
     /// All parts, in the order of [`Feature::ALL`].
-    pub fn iter(&self) -> impl Iterator<Item = &ModelPart> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = &FeatureCost> + '_ {
         self.parts.iter()
     }
 
@@ -192,7 +192,7 @@ impl Model {
 }
 
 /// One line for each part.
-impl fmt::Display for Model {
+impl fmt::Display for FeatureReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.parts.iter().try_for_each(|part| writeln!(f, "{part}"))
     }
@@ -207,11 +207,11 @@ impl World {
     /// The optional parts of the engine that the world's content needs, by how many shapes, bodies or joints,
     /// and their cost. Needs are counted when content is added, changed or removed; how joints are solved is
     /// known after a step.
-    pub fn model(&self) -> Model {
-        Model { parts: Feature::ALL.iter().map(|&feature| self.model_part(feature)).collect() }
+    pub fn feature_report(&self) -> FeatureReport {
+        FeatureReport { parts: Feature::ALL.iter().map(|&feature| self.model_part(feature)).collect() }
     }
 
-    fn model_part(&self, feature: Feature) -> ModelPart {
+    fn model_part(&self, feature: Feature) -> FeatureCost {
         let World { bodies, needs, joints, buffers, events, .. } = self;
         let spent = |part: Part| Some(self.spent[part as usize]);
         let dynamic = || bodies.all_dynamic().count() as u32;
@@ -283,7 +283,7 @@ impl World {
                 None,
             ),
         };
-        ModelPart { feature, count, bytes, time_us: time.filter(|_| count > 0) }
+        FeatureCost { feature, count, bytes, time_us: time.filter(|_| count > 0) }
     }
 }
 

@@ -201,11 +201,11 @@ impl World {
     /// What a snapshot brings of the columns that settings and forces switch on, and the world does not have.
     fn switched_on(&self, brings: &Brings<'_>) -> Counts {
         let now = self.counts(Counts::default());
-        let Settings { sleeping, method, .. } = brings.settings;
+        let Settings { sleeping, continuous_method, .. } = brings.settings;
         Counts {
             rests: (brings.rests || *sleeping) && !now.rests,
-            meets: method.meets_impacts() && !now.meets,
-            settles: method.settles() && !now.settles,
+            meets: continuous_method.meets_impacts() && !now.meets,
+            settles: continuous_method.settles() && !now.settles,
             forced: brings.forced && !now.forced,
             ..now
         }
@@ -214,9 +214,9 @@ impl World {
     /// Calls `f` with each buffer, its category, and the capacity that it needs.
     fn each_restored(&mut self, brings: &Brings<'_>, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         if let Some(new) = &brings.new {
-            let Settings { sleeping, method, .. } = brings.settings;
+            let Settings { sleeping, continuous_method, .. } = brings.settings;
             let (rests, forced) = (brings.rests || *sleeping, brings.forced);
-            let (meets, settles) = (method.meets_impacts(), method.settles());
+            let (meets, settles) = (continuous_method.meets_impacts(), continuous_method.settles());
             let rare = RareCounts { targets: brings.targets, ..new.counts.rare };
             let once = Amounts::default();
             self.each_buffer(Counts { rests, meets, settles, forced, once, rare, ..new.counts }, f);

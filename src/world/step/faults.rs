@@ -14,7 +14,7 @@ impl World {
     /// range. Each is where it was before the step, or where the impact was that left it none, at rest, and
     /// takes part in the next one.
     /// [`StepReport::stopped`](crate::StepReport::stopped) is their number.
-    pub fn stopped_bodies(&self) -> &[BodyHandle] {
+    pub fn faulted_bodies(&self) -> &[BodyHandle] {
         &self.faults.stopped
     }
 

@@ -2,11 +2,11 @@
 //! use the calls is up to them.
 
 use crate::body::{BodyDesc, BodyKind};
-use crate::config::{Continuous, RowGroup, Settings};
+use crate::config::{ContinuousMode, RowGroup, Settings};
 #[cfg(feature = "replay")]
 use crate::constraint::Tweak;
 use crate::handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
-use crate::joint::{Axes, Axis, CouplingDesc, Drive, Frame, JointDesc, Limit, Motion};
+use crate::joint::{Axes, Axis, CouplingDesc, Frame, JointDesc, Limit, Motion, Motor};
 use crate::shape::{Filter, Geometry, HolePatch, MassProperties, Material, Patch, ShapeDesc};
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
@@ -44,33 +44,33 @@ macro_rules! each_call {
             SetSensor set_sensor same(shape: ShapeHandle, sensor: bool),
             SetPose set_pose body(position: DVec3, rotation: glam::Quat),
             SetVelocity set_velocity body(linear: Vec3, angular: Vec3),
-            AddForce add_force body(force: Vec3, torque: Vec3),
-            ApplyImpulse apply_impulse body(impulse: Vec3, point: DVec3),
+            AddForce add_force_and_torque body(force: Vec3, torque: Vec3),
+            ApplyImpulse apply_impulse_at body(impulse: Vec3, point: DVec3),
             SetGravityScale set_gravity_scale body(scale: f32),
-            SetContinuous set_continuous body(mode: Continuous),
-            SolveBodyAfter solve_body_after body(above: Option<RowGroup>),
+            SetContinuous set_continuous body(mode: ContinuousMode),
+            SolveBodyAfter set_body_solved_after body(above: Option<RowGroup>),
             SetMass set_mass body(mass: MassProperties),
             AddJoint add_joint apart(JointDesc) of(&'a JointDesc),
             AddJoints add_joints apart(Vec<JointDesc>) of(&'a [JointDesc]),
             RemoveJoint remove_joint same(joint: JointHandle),
-            SetJointDrive set_joint_drive same(joint: JointHandle, drive: Drive),
-            RemoveJointDrive remove_joint_drive same(joint: JointHandle, motion: Motion, axis: Axis),
+            SetJointDrive set_joint_motor same(joint: JointHandle, drive: Motor),
+            RemoveJointDrive remove_joint_motor same(joint: JointHandle, motion: Motion, axis: Axis),
             SetJointTarget set_joint_target same(joint: JointHandle, motion: Motion, axis: Axis, to: [f32; 2])
                 as (joint, motion, axis, to[0], to[1]),
             SetJointLimit set_joint_limit same(joint: JointHandle, limit: Limit),
             RemoveJointLimit remove_joint_limit same(joint: JointHandle, motion: Motion, axes: Axes),
             SetJointLimits set_joint_limits apart(JointHandle, Vec<Limit>) of(JointHandle, &'a [Limit]),
-            SetJointDrives set_joint_drives apart(JointHandle, Vec<Drive>) of(JointHandle, &'a [Drive]),
+            SetJointDrives set_joint_motors apart(JointHandle, Vec<Motor>) of(JointHandle, &'a [Motor]),
             SetJointFrames set_joint_frames same(joint: JointHandle, frames: [Frame; 2]),
             SetJointCollide set_joint_collide same(joint: JointHandle, collide: bool),
-            SetJointStrength set_joint_strength same(joint: JointHandle, most: [f32; 2])
+            SetJointStrength set_joint_break_force same(joint: JointHandle, most: [f32; 2])
                 as (joint, most[0], most[1]),
             SetJointThresholds set_joint_thresholds same(joint: JointHandle, most: [f32; 2])
                 as (joint, most[0], most[1]),
             SetJointUserData set_joint_user_data same(joint: JointHandle, user_data: u64),
-            SolveJointAfter solve_joint_after same(joint: JointHandle, above: Option<RowGroup>),
+            SolveJointAfter set_joint_solved_after same(joint: JointHandle, above: Option<RowGroup>),
             Wake wake body(),
-            SendToSleep send_to_sleep body(),
+            SendToSleep sleep body(),
             SetCanSleep set_can_sleep body(can_sleep: bool),
             SetEnabled set_enabled body(enabled: bool),
             /// What a body is called in what is said of the replay.
@@ -82,7 +82,7 @@ macro_rules! each_call {
             SetUserData set_user_data body(user_data: u64),
             SetDamping set_damping body(linear: f32, angular: f32),
             SetMaxSpeeds set_max_speeds body(linear: Option<f32>, angular: Option<f32>),
-            SetLocks set_locks body(translation: [bool; 3], rotation: [bool; 3]),
+            SetLocks set_locked_axes body(translation: [bool; 3], rotation: [bool; 3]),
             SetLinearVelocity set_linear_velocity body(linear: Vec3),
             SetAngularVelocity set_angular_velocity body(angular: Vec3),
             MoveKinematic move_kinematic body(at: DVec3, turned: glam::Quat, dt: f32),
@@ -101,7 +101,7 @@ macro_rules! each_call {
             RemoveCoupling remove_coupling same(coupling: CouplingHandle),
             SetCouplingFactors set_coupling_factors same(coupling: CouplingHandle, factors: [f64; 2]),
             SetCouplingRange set_coupling_range same(coupling: CouplingHandle, range: Option<[f64; 2]>),
-            SetCouplingStrength set_coupling_strength same(coupling: CouplingHandle, most: [f32; 2]),
+            SetCouplingStrength set_coupling_break_force same(coupling: CouplingHandle, most: [f32; 2]),
             SetCouplingUserData set_coupling_user_data same(coupling: CouplingHandle, data: u64),
             /// Column and row of the first sample, columns and rows, heights.
             SetHeights set_heights apart(ShapeHandle, [u32; 2], [u32; 2], Vec<f32>)

@@ -36,7 +36,7 @@ fn joined_bodies_collide_only_if_asked_to() {
             assert_eq!(contacts(&mut world), 1, "{what}: only the one that collides is left");
             world.remove_joint(second).unwrap();
             assert_eq!(contacts(&mut world), 1, "{what}: no joint");
-            let joint = world.add_joint(&desc.clone().with_strength(0.0, f32::INFINITY)).unwrap();
+            let joint = world.add_joint(&desc.clone().with_break_force(0.0, f32::INFINITY)).unwrap();
             world.set_velocity(b, Vec3::X * 0.1, Vec3::ZERO).unwrap();
             assert_eq!(contacts(&mut world), 0, "{what}: joined again");
             assert!(!world.contains_joint(joint), "{what}");
@@ -54,7 +54,7 @@ fn a_change_of_mass_leaves_joints_where_they_are() {
     let mut world = world(0.0);
     let turn = Quat::from_euler(backstop::glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
     let [a, b] = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.5, 2.5, 3.0)]
-        .map(|at| world.add_body(&cube(at).rotated(turn)).unwrap());
+        .map(|at| world.add_body(&cube(at).with_rotation(turn)).unwrap());
     let frames = world.frames_at([a, b], DVec3::new(1.2, 2.2, 3.1), turn.inverse()).unwrap();
     let joint = world.add_joint(&JointDesc::fixed([a, b], frames)).unwrap();
     let before = world.joint_frames(joint).unwrap();
@@ -91,7 +91,8 @@ fn frames_at_a_point_coincide_there() {
     off.position = Vec3::new(0.5, 0.1, 0.0);
     // Far from the world's origin, where single precision has steps of 60 mm.
     let far = DVec3::new(1e6, 0.0, -1e6);
-    let a = world.add_body(&BodyDesc::dynamic().at(far).rotated(turn).with_shape(off)).unwrap();
+    let a =
+        world.add_body(&BodyDesc::dynamic().with_position(far).with_rotation(turn).with_shape(off)).unwrap();
     let b = world.add_body(&cube(far + DVec3::Y)).unwrap();
     let (point, axes) = (far + DVec3::new(0.1, 0.7, 0.2), common::turned(Vec3::Z, 20.0));
     let frames = world.frames_at([a, b], point, axes).unwrap();
@@ -108,16 +109,16 @@ fn calls_change_what_is_driven_and_limited() {
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let wheel = world.add_body(&ball(DVec3::ZERO)).unwrap();
     let hinge = JointDesc::hinge([ground, wheel], [Frame::default(); 2]);
-    let motor = |speed| Drive::motor(Motion::Angular, Axis::X, speed, 1e3);
-    let joint = world.add_joint(&hinge.clone().with_drive(motor(2.0))).unwrap();
+    let motor = |speed| Motor::velocity(Motion::Angular, Axis::X, speed, 1e3);
+    let joint = world.add_joint(&hinge.clone().with_motor(motor(2.0))).unwrap();
     for speed in [2.0, -5.0, 0.0, 3.0] {
-        world.set_joint_drive(joint, motor(speed)).unwrap();
+        world.set_joint_motor(joint, motor(speed)).unwrap();
         common::steps(&mut world, 3, DT);
         let spin = world.angular_velocity(wheel).unwrap();
         assert!((spin - Vec3::X * speed).length() < 1e-4, "{spin} for {speed}");
     }
     // Without a drive it coasts; without a limit it flies off.
-    assert_eq!(world.remove_joint_drive(joint, Motion::Angular, Axis::X), Ok(true));
+    assert_eq!(world.remove_joint_motor(joint, Motion::Angular, Axis::X), Ok(true));
     common::steps(&mut world, 30, DT);
     assert!((world.angular_velocity(wheel).unwrap() - Vec3::X * 3.0).length() < 1e-4);
     world.set_joint_limits(joint, &[]).unwrap();

@@ -48,9 +48,9 @@ fn locked_bodies_can_be_joined() {
                     1 => JointDesc::hinge(bodies, frames),
                     2 => JointDesc::ball(bodies, frames)
                         .with_limit(Limit::new(Motion::Angular, Axes::One(Axis::X), 0.0, 0.0))
-                        .with_drive(Drive::motor(Motion::Angular, Axis::Y, 1.0, f32::INFINITY)),
+                        .with_motor(Motor::velocity(Motion::Angular, Axis::Y, 1.0, f32::INFINITY)),
                     _ => JointDesc::ball(bodies, frames)
-                        .with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::Z))),
+                        .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::Z))),
                 };
                 world.add_joint(&desc).unwrap();
                 common::steps(&mut world, 60, DT);
@@ -77,18 +77,18 @@ fn extreme_numbers_stay_numbers() {
     for spring in springs {
         for motion in [Motion::Linear, Motion::Angular] {
             for (min, max) in [(0.0, 0.0), (-0.1, 0.1), (f32::NEG_INFINITY, 0.1), (0.1, f32::INFINITY)] {
-                for axes in [Axes::One(Axis::X), Axes::Around(Axis::X), Axes::All] {
+                for axes in [Axes::One(Axis::X), Axes::Perpendicular(Axis::X), Axes::All] {
                     let mut world = world(G);
                     let (ground, body, _) = hanging(&mut world);
-                    let drive = Drive {
+                    let drive = Motor {
                         position: 0.5,
                         velocity: 10.0,
                         max_force: 1e20,
-                        ..Drive::spring(motion, Axis::Z, 0.5, spring)
+                        ..Motor::position(motion, Axis::Z, 0.5, spring)
                     };
                     let desc = JointDesc::new([ground, body], [Frame::default(), Frame::at(Vec3::Y)])
                         .with_limit(Limit::new(motion, axes, min, max).with_spring(spring));
-                    let desc = if motion == Motion::Angular { desc.with_drive(drive) } else { desc };
+                    let desc = if motion == Motion::Angular { desc.with_motor(drive) } else { desc };
                     if desc.validate().is_err() {
                         continue;
                     }
@@ -110,11 +110,11 @@ fn the_stiffest_drives_hold_their_position() {
         Spring::Frequency { hertz: 1e19, ratio: 1.0 },
         Spring::Coefficients { stiffness: 1e20, damping: 0.0 },
     ] {
-        let desc = Drive::spring(Motion::Linear, Axis::X, 0.5, spring);
+        let desc = Motor::position(Motion::Linear, Axis::X, 0.5, spring);
         let mut world = world(0.0);
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let body = world.add_body(&ball(DVec3::ZERO)).unwrap();
-        let slider = JointDesc::slider([ground, body], [Frame::default(); 2]).with_drive(desc);
+        let slider = JointDesc::slider([ground, body], [Frame::default(); 2]).with_motor(desc);
         if world.add_joint(&slider).is_err() {
             continue;
         }

@@ -10,25 +10,25 @@ fn is_stale(world: &mut World, joint: JointHandle) -> bool {
         world.joint_frames(joint).err(),
         world.joint_user_data(joint).err(),
         world.joint_limits(joint).map(drop).err(),
-        world.joint_drives(joint).map(drop).err(),
-        world.joint_displacement(joint, Motion::Linear, Axes::All).err(),
-        world.joint_speed(joint, Motion::Linear, Axis::X).err(),
+        world.joint_motors(joint).map(drop).err(),
+        world.joint_position(joint, Motion::Linear, Axes::All).err(),
+        world.joint_velocity(joint, Motion::Linear, Axis::X).err(),
         world.joint_local_frames(joint).err(),
         world.joint_collide(joint).err(),
-        world.joint_strength(joint).err(),
+        world.joint_break_force(joint).err(),
         world.joint_thresholds(joint).err(),
-        world.set_joint_drive(joint, Drive::friction(Motion::Linear, Axis::X, 1.0)).err(),
-        world.remove_joint_drive(joint, Motion::Linear, Axis::X).err(),
+        world.set_joint_motor(joint, Motor::friction(Motion::Linear, Axis::X, 1.0)).err(),
+        world.remove_joint_motor(joint, Motion::Linear, Axis::X).err(),
         world.set_joint_target(joint, Motion::Linear, Axis::X, 0.0, 0.0).err(),
         world.set_joint_limit(joint, Limit::lock(Motion::Linear, Axes::All)).err(),
         world.remove_joint_limit(joint, Motion::Linear, Axes::All).err(),
         world.set_joint_frames(joint, [Frame::default(); 2]).err(),
         world.set_joint_collide(joint, true).err(),
-        world.set_joint_strength(joint, 1.0, 1.0).err(),
+        world.set_joint_break_force(joint, 1.0, 1.0).err(),
         world.set_joint_thresholds(joint, 1.0, 1.0).err(),
         world.set_joint_user_data(joint, 1).err(),
         world.set_joint_limits(joint, &[]).err(),
-        world.set_joint_drives(joint, &[]).err(),
+        world.set_joint_motors(joint, &[]).err(),
         world.remove_joint(joint).err(),
     ];
     !world.contains_joint(joint) && answers.iter().all(|e| *e == Some(Error::StaleJoint))
@@ -41,7 +41,8 @@ fn handles_go_stale_with_the_joint_with_either_body_and_when_it_breaks() {
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let [a, b, c] = [1.0, 2.0, 3.0].map(|x| world.add_body(&ball(DVec3::X * x)).unwrap());
         let join = |world: &mut World, bodies, strength: f32| {
-            let desc = JointDesc::ball(bodies, [Frame::default(); 2]).with_strength(strength, f32::INFINITY);
+            let desc =
+                JointDesc::ball(bodies, [Frame::default(); 2]).with_break_force(strength, f32::INFINITY);
             world.add_joint(&desc).unwrap()
         };
         let keep = join(&mut world, [ground, c], f32::INFINITY);
@@ -130,7 +131,7 @@ fn random_calls_match_a_slow_model() {
                 let i = random.below(all.len());
                 let desc = any(all[i].bodies, &mut random);
                 let answer = world.set_joint_limits(all[i].joint, &desc.limits);
-                let also = world.set_joint_drives(all[i].joint, &desc.drives);
+                let also = world.set_joint_motors(all[i].joint, &desc.motors);
                 assert_eq!(answer, also);
                 assert_eq!(answer, if all[i].there { Ok(()) } else { Err(Error::StaleJoint) });
             }
@@ -179,7 +180,7 @@ fn what_was_added_and_removed_in_between_leaves_no_trace() {
             last = body;
         }
         common::steps(&mut world, 60, DT);
-        world.hash()
+        world.state_hash()
     };
     assert_eq!(run(true), run(false));
 }
@@ -241,7 +242,7 @@ fn joints_follow_their_bodies_when_others_come_and_go() {
             let desc = if i % 2 == 0 {
                 JointDesc::ball([last, body], frames)
             } else {
-                JointDesc::hinge([last, body], frames).with_drive(Drive::friction(
+                JointDesc::hinge([last, body], frames).with_motor(Motor::friction(
                     Motion::Angular,
                     Axis::X,
                     0.1,

@@ -73,7 +73,7 @@ fn torque_of_a_cantilever() {
     let mut world = world(G);
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let beam = ShapeDesc::new(Geometry::cuboid(0.5, 0.05, 0.05));
-    let beam = world.add_body(&BodyDesc::dynamic().at(DVec3::X * 0.5).with_shape(beam)).unwrap();
+    let beam = world.add_body(&BodyDesc::dynamic().with_position(DVec3::X * 0.5).with_shape(beam)).unwrap();
     let frames = world.frames_at([ground, beam], DVec3::ZERO, common::turned(Vec3::Y, 40.0)).unwrap();
     let joint = world.add_joint(&JointDesc::fixed([ground, beam], frames)).unwrap();
     common::steps(&mut world, 120, DT);
@@ -98,7 +98,7 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let body = world.add_body(&ball(DVec3::NEG_Y)).unwrap();
         let desc = JointDesc::ball([ground, body], [Frame::default(), Frame::at(Vec3::Y)]);
-        let joint = world.add_joint(&desc.with_strength(share * weight, f32::INFINITY)).unwrap();
+        let joint = world.add_joint(&desc.with_break_force(share * weight, f32::INFINITY)).unwrap();
         let mut broken = Vec::new();
         for _ in 0..60 {
             world.step(DT).unwrap();
@@ -117,7 +117,7 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let weight = world.mass(body).unwrap() * G as f32;
         let frames = world.frames_at([ground, body], DVec3::ZERO, Quat::IDENTITY).unwrap();
         let desc =
-            JointDesc::fixed([ground, body], frames).with_strength(f32::INFINITY, share * weight * 0.5);
+            JointDesc::fixed([ground, body], frames).with_break_force(f32::INFINITY, share * weight * 0.5);
         let joint = world.add_joint(&desc).unwrap();
         for step in 1..=240_u8 {
             let gravity = Vec3::Y * -(G as f32 * f32::from(step.min(120)) / 120.0);
@@ -138,7 +138,7 @@ fn many_break_at_once() {
         let body = world.add_body(&ball(DVec3::X * f64::from(i))).unwrap();
         let frames = world.frames_at([ground, body], DVec3::X * f64::from(i), Quat::IDENTITY).unwrap();
         let strength = if i % 2 == 0 { 0.0 } else { f32::INFINITY };
-        let desc = JointDesc::ball([ground, body], frames).with_strength(strength, f32::INFINITY);
+        let desc = JointDesc::ball([ground, body], frames).with_break_force(strength, f32::INFINITY);
         joints.push(world.add_joint(&desc).unwrap());
     }
     world.step(DT).unwrap();

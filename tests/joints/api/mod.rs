@@ -15,8 +15,8 @@ use crate::common::random::Random;
 use crate::common::{self, G};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Drive, Error, Frame, Geometry, JointDesc,
-    JointHandle, Limit, MassProperties, Material, Motion, Settings, ShapeDesc, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Error, Frame, Geometry, JointDesc, JointHandle,
+    Limit, MassProperties, Material, Motion, Motor, Settings, ShapeDesc, Spring, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -26,11 +26,11 @@ fn world(gravity: f64) -> World {
 }
 
 fn ball(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }))
 }
 
 fn cube(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.25, 0.25, 0.25)))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.25, 0.25, 0.25)))
 }
 
 /// A ball on a rod of 1 m, hanging at rest; its joint to the ground.
@@ -49,7 +49,7 @@ fn any(bodies: [BodyHandle; 2], random: &mut Random) -> JointDesc {
         0 => JointDesc::fixed(bodies, frames),
         1 => JointDesc::ball(bodies, frames).with_limit(Limit::new(
             Motion::Angular,
-            Axes::Around(Axis::X),
+            Axes::Perpendicular(Axis::X),
             0.0,
             0.8,
         )),
@@ -67,10 +67,10 @@ fn any(bodies: [BodyHandle; 2], random: &mut Random) -> JointDesc {
         )),
         4 => JointDesc::distance(bodies, frames, 0.0, 0.5),
         5 => JointDesc::wheel(bodies, frames, 0.3, spring),
-        6 => JointDesc::hinge(bodies, frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 5.0)),
+        6 => JointDesc::hinge(bodies, frames).with_motor(Motor::velocity(Motion::Angular, Axis::X, 3.0, 5.0)),
         7 => JointDesc::new(bodies, frames)
             .with_limit(Limit::new(Motion::Linear, Axes::All, 0.0, 0.2).with_spring(spring))
-            .with_drive(Drive::friction(Motion::Angular, Axis::Y, 0.1)),
+            .with_motor(Motor::friction(Motion::Angular, Axis::Y, 0.1)),
         _ => JointDesc::new(bodies, frames),
     }
 }

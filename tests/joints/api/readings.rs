@@ -13,21 +13,21 @@ fn limits_and_drives_are_read_as_they_were_given() {
     let lock = |motion, axis| Limit::lock(motion, Axes::One(axis));
     let range = Limit::new(Motion::Linear, Axes::One(Axis::Y), -0.1, 0.2).with_spring(spring);
     let [drive, motor] = [
-        Drive::spring(Motion::Linear, Axis::Y, 0.3, spring).with_max_force(9.0),
-        Drive::motor(Motion::Linear, Axis::Y, 2.0, 5.0),
+        Motor::position(Motion::Linear, Axis::Y, 0.3, spring).with_max_force(9.0),
+        Motor::velocity(Motion::Linear, Axis::Y, 2.0, 5.0),
     ];
     let descs = [
         new(),
         JointDesc::fixed(bodies, [Frame::default(); 2]),
         JointDesc::wheel(bodies, [Frame::default(); 2], 0.3, spring),
-        JointDesc::hinge(bodies, [Frame::default(); 2]).with_limit(range).with_drive(drive).with_drive(motor),
+        JointDesc::hinge(bodies, [Frame::default(); 2]).with_limit(range).with_motor(drive).with_motor(motor),
         new().with_limit(lock(Motion::Linear, Axis::Z)),
         new().with_limit(lock(Motion::Angular, Axis::X)).with_limit(lock(Motion::Angular, Axis::Z)),
         Axis::ALL.into_iter().fold(new(), |desc, axis| desc.with_limit(lock(Motion::Linear, axis))),
         JointDesc::distance(bodies, [Frame::default(); 2], 0.2, f32::INFINITY),
     ];
-    let read = |world: &World, joint| -> (Vec<Limit>, Vec<Drive>) {
-        (world.joint_limits(joint).unwrap().collect(), world.joint_drives(joint).unwrap().collect())
+    let read = |world: &World, joint| -> (Vec<Limit>, Vec<Motor>) {
+        (world.joint_limits(joint).unwrap().collect(), world.joint_motors(joint).unwrap().collect())
     };
     let joints = world.add_joints(&descs).unwrap();
     for _ in 0..2 {
@@ -35,7 +35,7 @@ fn limits_and_drives_are_read_as_they_were_given() {
             let (limits, drives) = read(&world, joint);
             assert_eq!(limits.len(), desc.limits.len(), "{limits:?}");
             assert!(desc.limits.iter().all(|limit| limits.contains(limit)), "{limits:?}");
-            assert_eq!(drives, desc.drives);
+            assert_eq!(drives, desc.motors);
         }
         // Others come and go, and a snapshot keeps them.
         let other = world.add_joint(&descs[2]).unwrap();
@@ -44,7 +44,7 @@ fn limits_and_drives_are_read_as_they_were_given() {
         let mut snapshot = backstop::Snapshot::new();
         world.snapshot(&mut snapshot);
         world.set_joint_limits(joints[6], &[]).unwrap();
-        world.set_joint_drives(joints[3], &[]).unwrap();
+        world.set_joint_motors(joints[3], &[]).unwrap();
         assert_eq!((read(&world, joints[6]).0.len(), read(&world, joints[3]).1.len()), (0, 0));
         world.restore(&snapshot).unwrap();
         common::steps(&mut world, 10, DT);
@@ -82,7 +82,7 @@ fn displacements_are_those_of_the_frames() {
     let mut world = world(0.0);
     let base = common::turned(Vec3::new(1.0, -2.0, 0.5).normalize(), 50.0);
     let far = DVec3::new(2000.0, -300.0, 1000.0);
-    let a = world.add_body(&cube(far).rotated(base)).unwrap();
+    let a = world.add_body(&cube(far).with_rotation(base)).unwrap();
     let b = world.add_body(&cube(far)).unwrap();
     let frames = [
         Frame::at(Vec3::new(0.1, 0.2, 0.3)).with_rotation(common::turned(Vec3::Y, 30.0)),
@@ -102,16 +102,16 @@ fn displacements_are_those_of_the_frames() {
             let turn = first.1 * Quat::from_axis_angle(along, angle) * frames[1].rotation.inverse();
             let at = first.0 + (first.1 * offset - turn * frames[1].position).as_dvec3();
             world.set_pose(b, at, turn).unwrap();
-            let read = |motion, axes| world.joint_displacement(joint, motion, axes).unwrap();
+            let read = |motion, axes| world.joint_position(joint, motion, axes).unwrap();
             let across = offset - along * along.dot(offset);
             let expected = [
                 (Motion::Linear, Axes::One(axis), offset.dot(along)),
-                (Motion::Linear, Axes::Around(axis), across.length()),
+                (Motion::Linear, Axes::Perpendicular(axis), across.length()),
                 (Motion::Linear, Axes::All, 1.3),
                 (Motion::Angular, Axes::One(axis), angle),
-                (Motion::Angular, Axes::Around(axis), 0.0),
+                (Motion::Angular, Axes::Perpendicular(axis), 0.0),
                 (Motion::Angular, Axes::All, angle.abs()),
-                (Motion::Angular, Axes::Around(Axis::ALL[(axis as usize + 1) % 3]), angle.abs()),
+                (Motion::Angular, Axes::Perpendicular(Axis::ALL[(axis as usize + 1) % 3]), angle.abs()),
             ];
             for (motion, axes, value) in expected {
                 let read = read(motion, axes);
@@ -129,7 +129,7 @@ fn speeds_are_the_rates_of_displacements() {
     for _ in 0..50 {
         let mut world = world(0.0);
         let bodies = [0.0, 0.4].map(|x| {
-            let body = world.add_body(&ball(DVec3::X * x).rotated(random.rotation())).unwrap();
+            let body = world.add_body(&ball(DVec3::X * x).with_rotation(random.rotation())).unwrap();
             world.set_velocity(body, random.cube(), random.cube()).unwrap();
             body
         });
@@ -138,15 +138,14 @@ fn speeds_are_the_rates_of_displacements() {
         let joint = world.add_joint(&joint).unwrap();
         for motion in [Motion::Linear, Motion::Angular] {
             for axis in Axis::ALL {
-                let value = |world: &World| {
-                    f64::from(world.joint_displacement(joint, motion, Axes::One(axis)).unwrap())
-                };
-                let (before, speed) = (value(&world), world.joint_speed(joint, motion, axis).unwrap());
+                let value =
+                    |world: &World| f64::from(world.joint_position(joint, motion, Axes::One(axis)).unwrap());
+                let (before, speed) = (value(&world), world.joint_velocity(joint, motion, axis).unwrap());
                 // Balls without loads keep their velocities. The mean of the speeds at both ends is that of
                 // the time between, but for its square.
                 world.step(1e-3).unwrap();
                 let rate = (value(&world) - before) / 1e-3;
-                let mean = 0.5 * (speed + world.joint_speed(joint, motion, axis).unwrap());
+                let mean = 0.5 * (speed + world.joint_velocity(joint, motion, axis).unwrap());
                 // A twist of half a turn goes on at the other end of its range.
                 let goes_around = (rate * 1e-3).abs() > 3.0;
                 let off = (rate - f64::from(mean)).abs();
@@ -169,7 +168,7 @@ fn joints_above_their_thresholds_are_reported() {
         world.add_joint(&change(JointDesc::ball([ground, body], frames), weight)).unwrap()
     };
     let none = f32::INFINITY;
-    let breaks = hang(-1.0, &|desc, w| desc.with_thresholds(0.5 * w, none).with_strength(0.9 * w, none));
+    let breaks = hang(-1.0, &|desc, w| desc.with_thresholds(0.5 * w, none).with_break_force(0.9 * w, none));
     let below = hang(0.0, &|desc, w| desc.with_thresholds(0.9 * w, none));
     hang(1.0, &|desc, w| desc.with_thresholds(1.1 * w, none));
     let silent = hang(2.0, &|desc, _| desc);
@@ -205,7 +204,7 @@ fn joints_above_their_thresholds_are_reported() {
     assert!((event.torque.length() - 0.5 * weight).abs() < 0.02 * weight, "{event:?}");
     for bad in [f32::NAN, -1.0] {
         assert!(world.set_joint_thresholds(arm, bad, none).is_err());
-        assert!(world.set_joint_strength(arm, none, bad).is_err());
+        assert!(world.set_joint_break_force(arm, none, bad).is_err());
     }
     // A world without joints has none to report.
     for joint in [below, silent, arm] {
@@ -226,7 +225,7 @@ fn joints_that_sleep_are_not_reported() {
     common::steps(&mut world, 30, DT);
     assert_eq!(world.strained_joints().len(), 1);
     common::steps(&mut world, 300, DT);
-    assert!(world.is_asleep(body).unwrap());
+    assert!(world.is_sleeping(body).unwrap());
     assert!(world.strained_joints().is_empty());
     world.wake(body).unwrap();
     common::steps(&mut world, 2, DT);

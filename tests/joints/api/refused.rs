@@ -24,7 +24,7 @@ fn bad(good: &JointDesc) -> Vec<(&'static str, JointDesc)> {
         add("limit", &|d| d.limits.push(bad));
     }
     for bad in bad_drives() {
-        add("drive", &|d| d.drives.push(bad));
+        add("drive", &|d| d.motors.push(bad));
     }
     for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
         add("break force", &|d| d.break_force = bad);
@@ -55,7 +55,7 @@ fn bad_limits() -> Vec<Limit> {
     let (nan, inf) = (f32::NAN, f32::INFINITY);
     let mut all = Vec::new();
     for motion in [Motion::Linear, Motion::Angular] {
-        for axes in [Axes::One(Axis::X), Axes::Around(Axis::Y), Axes::All] {
+        for axes in [Axes::One(Axis::X), Axes::Perpendicular(Axis::Y), Axes::All] {
             for (min, max) in [(1.0, 0.5), (nan, 1.0), (0.0, nan), (nan, nan), (inf, inf), (-inf, -inf)] {
                 all.push(Limit::new(motion, axes, min, max));
             }
@@ -64,23 +64,23 @@ fn bad_limits() -> Vec<Limit> {
             }
         }
         // A distance is never negative.
-        all.push(Limit::new(motion, Axes::Around(Axis::Z), -1.0, -0.5));
+        all.push(Limit::new(motion, Axes::Perpendicular(Axis::Z), -1.0, -0.5));
         all.push(Limit::new(motion, Axes::All, -1.0, -0.5));
     }
     all
 }
 
-fn bad_drives() -> Vec<Drive> {
+fn bad_drives() -> Vec<Motor> {
     let mut all = Vec::new();
-    let good = Drive::motor(Motion::Angular, Axis::X, 1.0, 10.0);
+    let good = Motor::velocity(Motion::Angular, Axis::X, 1.0, 10.0);
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        all.push(Drive { position: bad, ..good });
-        all.push(Drive { velocity: bad, ..good });
+        all.push(Motor { position: bad, ..good });
+        all.push(Motor { velocity: bad, ..good });
     }
     for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
-        all.push(Drive { max_force: bad, ..good });
+        all.push(Motor { max_force: bad, ..good });
     }
-    all.extend(bad_springs().into_iter().map(|spring| Drive { spring, ..good }));
+    all.extend(bad_springs().into_iter().map(|spring| Motor { spring, ..good }));
     all
 }
 
@@ -93,7 +93,7 @@ fn bad_input_is_refused_and_changes_nothing() {
         let other = world.add_body(&ball(DVec3::X)).unwrap();
         let good = JointDesc::fixed([body, other], [Frame::default(); 2]);
         if bother {
-            let before = (world.hash(), world.joint_count(), world.memory());
+            let before = (world.state_hash(), world.joint_count(), world.memory());
             for (what, desc) in bad(&good) {
                 assert!(world.add_joint(&desc).is_err(), "{what}: {desc:?}");
                 assert!(desc.validate().is_err(), "{what}: {desc:?}");
@@ -103,17 +103,17 @@ fn bad_input_is_refused_and_changes_nothing() {
                 assert!(world.set_joint_limit(joint, limit).is_err(), "{limit:?}");
             }
             for drive in bad_drives() {
-                assert!(world.set_joint_drives(joint, &[drive]).is_err(), "{drive:?}");
-                assert!(world.set_joint_drive(joint, drive).is_err(), "{drive:?}");
+                assert!(world.set_joint_motors(joint, &[drive]).is_err(), "{drive:?}");
+                assert!(world.set_joint_motor(joint, drive).is_err(), "{drive:?}");
             }
-            assert_eq!((world.hash(), world.joint_count(), world.memory()), before);
+            assert_eq!((world.state_hash(), world.joint_count(), world.memory()), before);
             assert!(world.frames_at([ground, body], DVec3::splat(f64::NAN), Quat::IDENTITY).is_err());
             assert!(
                 world.frames_at([ground, body], DVec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)).is_err()
             );
         }
         common::steps(&mut world, 30, DT);
-        world.hash()
+        world.state_hash()
     };
     assert_eq!(run(true), run(false));
 }
@@ -156,12 +156,12 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
         world.set_settings(world.settings().clone().with_budget(Budget::total(used + budget))).unwrap();
         let mut random = Random(5);
         for (i, &body) in bodies.iter().enumerate() {
-            let before = (world.hash(), world.joint_count(), world.memory());
+            let before = (world.state_hash(), world.joint_count(), world.memory());
             match world.add_joint(&any([ground, body], &mut random)) {
                 Ok(_) => {}
                 Err(error) => {
                     assert!(matches!(error, Error::Budget { category: Category::Joints, .. }), "{error}");
-                    assert_eq!((world.hash(), world.joint_count(), world.memory()), before);
+                    assert_eq!((world.state_hash(), world.joint_count(), world.memory()), before);
                     return (i, world, used + budget);
                 }
             }
@@ -194,10 +194,10 @@ fn rows_count_towards_the_budget() {
     let budget = world.memory().total() + 100_000;
     world.set_settings(world.settings().clone().with_budget(Budget::total(budget))).unwrap();
     let mut desc = JointDesc::new([ground, body], [Frame::default(); 2]);
-    desc.drives = vec![Drive::friction(Motion::Angular, Axis::X, 1.0); 10_000];
+    desc.motors = vec![Motor::friction(Motion::Angular, Axis::X, 1.0); 10_000];
     assert!(matches!(world.add_joint(&desc), Err(Error::Budget { category: Category::Joints, .. })));
     assert!(matches!(
-        world.set_joint_drives(joint, &desc.drives),
+        world.set_joint_motors(joint, &desc.motors),
         Err(Error::Budget { category: Category::Joints, .. })
     ));
     assert!(world.memory().total() <= budget);

@@ -10,8 +10,8 @@ mod trains;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, CouplingDesc, CouplingHandle, Drive, Frame, JointDesc, JointHandle,
-    MassProperties, Motion, Settings, World,
+    Axis, BodyDesc, BodyHandle, CouplingDesc, CouplingHandle, Frame, JointDesc, JointHandle, MassProperties,
+    Motion, Motor, Settings, World,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -29,7 +29,7 @@ fn lump(mass: f32, inertia: f32) -> BodyDesc {
 
 /// A shaft: a wheel at a point on a hinge about x, on another body whose origin is where the world's is.
 fn shaft(world: &mut World, on: BodyHandle, at: Vec3, inertia: f32) -> (BodyHandle, JointHandle) {
-    let wheel = world.add_body(&lump(1.0, inertia).at(at)).unwrap();
+    let wheel = world.add_body(&lump(1.0, inertia).with_position(at)).unwrap();
     let hinge = JointDesc::hinge([on, wheel], [Frame::at(at), Frame::default()]);
     (wheel, world.add_joint(&hinge).unwrap())
 }
@@ -48,8 +48,8 @@ fn run(world: &mut World, steps: u32) {
     }
 }
 
-fn motor(speed: f32) -> Drive {
-    Drive::motor(Motion::Angular, Axis::X, speed, f32::INFINITY)
+fn motor(speed: f32) -> Motor {
+    Motor::velocity(Motion::Angular, Axis::X, speed, f32::INFINITY)
 }
 
 fn spin(world: &World, body: BodyHandle) -> f64 {
@@ -84,7 +84,7 @@ fn a_thousand_turns_slip_no_tooth() {
     let mut world = weightless();
     let ([a, b], gear) = pair(&mut world, [0.1, 0.2], [20.0, 31.0]);
     let hinge = world.joints_of(a).unwrap().next().unwrap();
-    world.set_joint_drive(hinge, motor(60.0)).unwrap();
+    world.set_joint_motor(hinge, motor(60.0)).unwrap();
     let (mut first, mut second, mut worst, mut at_start) = (Turns::new(a), Turns::new(b), 0.0_f64, 0.0_f64);
     let mut steps = 0;
     while first.total < 1000.0 * TAU {
@@ -98,7 +98,7 @@ fn a_thousand_turns_slip_no_tooth() {
             worst = worst.max(off);
         }
     }
-    let [x, y] = world.coupling_displacements(gear).unwrap();
+    let [x, y] = world.coupling_positions(gear).unwrap();
     println!("{steps} steps: off by {worst:e} rad, {at_start:e} at the start; turns {} {}", x / TAU, y / TAU);
     assert!((x - first.total).abs() < 1e-3 && (y - second.total).abs() < 1e-3, "{x} {}", first.total);
     assert!((first.total * 20.0 / 31.0 + second.total).abs() < 1e-5);
@@ -113,7 +113,7 @@ fn torque_goes_by_the_ratio() {
     let mut world = weightless();
     let ([a, b], gear) = pair(&mut world, [0.3, 0.05], [30.0, 10.0]);
     for _ in 0..120 {
-        world.add_force(a, Vec3::ZERO, Vec3::X * 1.5).unwrap();
+        world.add_torque(a, Vec3::X * 1.5).unwrap();
         world.step(DT).unwrap();
     }
     let acceleration = 1.5 / (0.3 + 9.0 * 0.05);
@@ -131,11 +131,11 @@ fn balanced_torques_hold_gears() {
     let mut world = weightless();
     let ([a, b], gear) = pair(&mut world, [0.3, 0.05], [30.0, 10.0]);
     for _ in 0..600 {
-        world.add_force(a, Vec3::ZERO, Vec3::X * 3.0).unwrap();
-        world.add_force(b, Vec3::ZERO, Vec3::X).unwrap();
+        world.add_torque(a, Vec3::X * 3.0).unwrap();
+        world.add_torque(b, Vec3::X).unwrap();
         world.step(DT).unwrap();
     }
-    let [x, y] = world.coupling_displacements(gear).unwrap();
+    let [x, y] = world.coupling_positions(gear).unwrap();
     assert!(x.abs() < 1e-4 && y.abs() < 1e-4, "{x} {y}");
     let [on_a, on_b] = world.coupling_force(gear).unwrap();
     assert!((on_a + 3.0).abs() < 1e-3 && (on_b + 1.0).abs() < 1e-3, "{on_a} {on_b}");
@@ -166,17 +166,17 @@ fn a_rack_travels_the_girth_of_its_pinion_in_a_turn() {
     let mut world = World::new(Settings::default()).unwrap();
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let (_, hinge) = shaft(&mut world, ground, Vec3::Y, 0.01);
-    let rack = world.add_body(&lump(2.0, 0.1).at(Vec3::new(0.3, 0.2, 0.0))).unwrap();
+    let rack = world.add_body(&lump(2.0, 0.1).with_position(Vec3::new(0.3, 0.2, 0.0))).unwrap();
     let frames = world.frames_at([ground, rack], DVec3::ZERO, Quat::IDENTITY).unwrap();
     let slider = world.add_joint(&JointDesc::slider([ground, rack], frames)).unwrap();
     let teeth = world.add_coupling(&CouplingDesc::rack(hinge, slider, 0.05)).unwrap();
-    world.set_joint_drive(hinge, motor(10.0)).unwrap();
+    world.set_joint_motor(hinge, motor(10.0)).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..3770 {
         world.step(DT).unwrap();
         worst = worst.max(world.coupling_sum(teeth).unwrap().abs());
     }
-    let [angle, travel] = world.coupling_displacements(teeth).unwrap();
+    let [angle, travel] = world.coupling_positions(teeth).unwrap();
     println!("{} turns, {travel} m, off by {worst:e} m", angle / TAU);
     assert!(angle > 99.9 * TAU);
     // Positions of the frames are `f32` beside the ground's origin: 2^-24 of 31 m.
@@ -193,20 +193,20 @@ fn a_screw_turns_what_slides() {
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let nut = world.add_body(&lump(3.0, 0.02)).unwrap();
     let free = JointDesc::new([ground, nut], [Frame::default(); 2])
-        .with_limit(backstop::Limit::lock(Motion::Linear, backstop::Axes::Around(Axis::X)))
-        .with_limit(backstop::Limit::lock(Motion::Angular, backstop::Axes::Around(Axis::X)));
+        .with_limit(backstop::Limit::lock(Motion::Linear, backstop::Axes::Perpendicular(Axis::X)))
+        .with_limit(backstop::Limit::lock(Motion::Angular, backstop::Axes::Perpendicular(Axis::X)));
     let joint = world.add_joint(&free).unwrap();
     let screw = world.add_coupling(&CouplingDesc::screw(joint, 0.2)).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..300 {
-        world.add_force(nut, Vec3::X * 7.0, Vec3::ZERO).unwrap();
+        world.add_force(nut, Vec3::X * 7.0).unwrap();
         world.step(DT).unwrap();
         worst = worst.max(world.coupling_sum(screw).unwrap().abs());
     }
     let k = 0.2 / TAU;
     let speed = 5.0 * 7.0 / (3.0 + 0.02 / (k * k));
     let v = f64::from(world.linear_velocity(nut).unwrap().x);
-    let [angle, travel] = world.coupling_displacements(screw).unwrap();
+    let [angle, travel] = world.coupling_positions(screw).unwrap();
     println!("{v} m/s, by theory {speed}; off by {worst:e} m in {} turns", angle / TAU);
     assert!((v / speed - 1.0).abs() < 1e-4 && worst < 1e-5);
     assert!((travel / angle - k).abs() < 1e-6 && angle > TAU);
@@ -228,7 +228,7 @@ fn a_train_of_gears_multiplies() {
             world.add_coupling(&gear).unwrap()
         })
         .collect();
-    world.set_joint_drive(arbors[0].1, motor(0.5)).unwrap();
+    world.set_joint_motor(arbors[0].1, motor(0.5)).unwrap();
     let mut worst = 0.0_f64;
     for step in 0..15080 {
         world.step(DT).unwrap();
@@ -237,8 +237,8 @@ fn a_train_of_gears_multiplies() {
             worst = gears.iter().map(|&gear| off(gear)).fold(worst, f64::max);
         }
     }
-    let [first, _] = world.coupling_displacements(gears[0]).unwrap();
-    let [_, last] = world.coupling_displacements(gears[3]).unwrap();
+    let [first, _] = world.coupling_positions(gears[0]).unwrap();
+    let [_, last] = world.coupling_positions(gears[3]).unwrap();
     println!("{} turns and {}; a mesh off by {worst:e} rad", first / TAU, last / TAU);
     assert!(first > 19.9 * TAU && (last - 256.0 * first).abs() < 1e-3, "{}", last - 256.0 * first);
     assert!(worst < 1e-5, "{worst:e}");
@@ -260,7 +260,7 @@ fn a_planet_rolls_in_its_ring() {
     let inner = world.add_coupling(&CouplingDesc::gear([ring, on_planet], [60.0, 20.0])).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..1200 {
-        world.add_force(sun, Vec3::ZERO, Vec3::X * 0.5).unwrap();
+        world.add_torque(sun, Vec3::X * 0.5).unwrap();
         world.step(DT).unwrap();
         worst = worst.max((world.coupling_sum(inner).unwrap() / 60.0).abs());
     }
@@ -280,7 +280,7 @@ fn a_floating_gearbox_bears_the_reaction() {
     let (a, on_a) = shaft(&mut world, gearbox, Vec3::Y * -0.5, 0.1);
     let (b, on_b) = shaft(&mut world, gearbox, Vec3::Y * 0.5, 0.3);
     let gear = world.add_coupling(&CouplingDesc::gear([on_a, on_b], [10.0, 25.0])).unwrap();
-    world.set_joint_drive(on_a, Drive::motor(Motion::Angular, Axis::X, 40.0, 2.0)).unwrap();
+    world.set_joint_motor(on_a, Motor::velocity(Motion::Angular, Axis::X, 40.0, 2.0)).unwrap();
     let momenta = |world: &World| {
         let parts = [(gearbox, 4.0, 1.0), (a, 1.0, 0.1), (b, 1.0, 0.3)];
         parts.iter().fold([DVec3::ZERO; 2], |[p, l], &(body, mass, inertia)| {
@@ -319,7 +319,7 @@ fn turns_count_beyond_half_of_one_in_a_step() {
     for _ in 0..600 {
         world.step(DT).unwrap();
     }
-    let [x, y] = world.coupling_displacements(gear).unwrap();
+    let [x, y] = world.coupling_positions(gear).unwrap();
     println!("{x} {y}");
     assert!((x / 3000.0 - 1.0).abs() < 1e-3 && (x + y).abs() < 1e-3, "{x} {y}");
 }

@@ -16,7 +16,8 @@ fn hung(
     ratio: f64,
 ) -> ([BodyHandle; 2], [JointHandle; 2], CouplingHandle) {
     let at = [Vec3::X * -1.0, Vec3::X];
-    let bodies = [0, 1].map(|i| world.add_body(&lump(masses[i], 0.1).at(at[i] - Vec3::Y * 2.0)).unwrap());
+    let bodies =
+        [0, 1].map(|i| world.add_body(&lump(masses[i], 0.1).with_position(at[i] - Vec3::Y * 2.0)).unwrap());
     let ropes = [0, 1].map(|i| {
         let rope = JointDesc::new([on, bodies[i]], [Frame::at(at[i]), Frame::default()]);
         world.add_joint(&rope).unwrap()
@@ -132,12 +133,12 @@ fn what_hangs_on_one_rope_sleeps_as_one() {
     for _ in 0..300 {
         world.step(DT).unwrap();
     }
-    assert_eq!(bodies.map(|body| world.is_asleep(body).unwrap()), [true; 2]);
+    assert_eq!(bodies.map(|body| world.is_sleeping(body).unwrap()), [true; 2]);
     // A ball falls on one of them: neither may sleep on.
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
     world.add_shape(bodies[0], &ball).unwrap();
-    world.apply_impulse(bodies[0], Vec3::Y * -0.5, world.position(bodies[0]).unwrap()).unwrap();
-    assert_eq!(bodies.map(|body| world.is_asleep(body).unwrap()), [false; 2]);
+    world.apply_impulse_at(bodies[0], Vec3::Y * -0.5, world.position(bodies[0]).unwrap()).unwrap();
+    assert_eq!(bodies.map(|body| world.is_sleeping(body).unwrap()), [false; 2]);
     world.step(DT).unwrap();
     assert!(world.linear_velocity(bodies[1]).unwrap().y > 0.05);
 }

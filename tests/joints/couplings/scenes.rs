@@ -2,8 +2,8 @@
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, CouplingDesc, Drive, Error, Frame, Geometry, JointDesc, LoadLimits, Material,
-    Motion, Settings, ShapeDesc, World,
+    Axes, Axis, BodyDesc, CouplingDesc, Error, Frame, Geometry, JointDesc, LoadLimits, Material, Motion,
+    Motor, Settings, ShapeDesc, World,
 };
 use backstop_scene::{Scene, SceneCoupling, SceneError, SceneJoint, from_bytes, load, write_scene};
 use std::f64::consts::PI;
@@ -20,9 +20,9 @@ fn join(
     describe: fn([backstop::BodyHandle; 2], [Frame; 2]) -> JointDesc,
 ) -> usize {
     let nobody = backstop::BodyHandle::from_bits(0);
-    let JointDesc { limits, drives, collide, .. } = describe([nobody; 2], frames);
+    let JointDesc { limits, motors, collide, .. } = describe([nobody; 2], frames);
     let name = format!("joint {}", scene.joints.len());
-    scene.joints.push(SceneJoint { name, bodies, frames, limits, drives, collide });
+    scene.joints.push(SceneJoint { name, bodies, frames, limits, motors, collide });
     scene.joints.len() - 1
 }
 
@@ -30,19 +30,19 @@ fn join(
 /// spinning friction, and a body with caps and damping.
 fn machine() -> Scene {
     let mut scene = Scene::new("machine");
-    let post = scene.add("post", BodyDesc::fixed().at(DVec3::Y * 4.0).with_shape(block()));
+    let post = scene.add("post", BodyDesc::fixed().with_position(DVec3::Y * 4.0).with_shape(block()));
     let mut wheels = Vec::new();
     for i in 0..3_u8 {
         let at = Vec3::new(1.5 + f32::from(i), 0.0, 0.0);
-        let wheel = BodyDesc::dynamic().at(DVec3::Y * 4.0 + at.as_dvec3()).with_shape(block());
+        let wheel = BodyDesc::dynamic().with_position(DVec3::Y * 4.0 + at.as_dvec3()).with_shape(block());
         let wheel = scene.add(format!("wheel {i}"), wheel);
         wheels.push(join(&mut scene, [post, wheel], [Frame::at(at), Frame::default()], JointDesc::hinge));
     }
-    scene.joints[wheels[0]].drives.push(Drive::motor(Motion::Angular, Axis::X, 3.0, 50.0));
+    scene.joints[wheels[0]].motors.push(Motor::velocity(Motion::Angular, Axis::X, 3.0, 50.0));
     let at = Vec3::new(0.0, 1.5, 0.0);
-    let rack = scene.add("rack", BodyDesc::dynamic().at(DVec3::Y * 5.5).with_shape(block()));
+    let rack = scene.add("rack", BodyDesc::dynamic().with_position(DVec3::Y * 5.5).with_shape(block()));
     let slider = join(&mut scene, [post, rack], [Frame::at(at), Frame::default()], JointDesc::slider);
-    let nut = scene.add("nut", BodyDesc::dynamic().at(DVec3::Y * 7.0).with_shape(block()));
+    let nut = scene.add("nut", BodyDesc::dynamic().with_position(DVec3::Y * 7.0).with_shape(block()));
     let screw = join(&mut scene, [rack, nut], [Frame::at(at), Frame::default()], |bodies, frames| {
         let mut screw = JointDesc::slider(bodies, frames);
         screw.limits.retain(|limit| limit.motion == Motion::Linear || limit.axes != Axes::All);
@@ -50,7 +50,7 @@ fn machine() -> Scene {
     });
     let ropes = [-3.0, -4.0].map(|x| {
         let at = Vec3::new(x, 0.0, 0.0);
-        let load = BodyDesc::dynamic().at(DVec3::new(f64::from(x), 3.0, 0.0)).with_shape(block());
+        let load = BodyDesc::dynamic().with_position(DVec3::new(f64::from(x), 3.0, 0.0)).with_shape(block());
         let load = scene.add("load", load);
         join(&mut scene, [post, load], [Frame::at(at), Frame::default()], JointDesc::new)
     });
@@ -64,23 +64,23 @@ fn machine() -> Scene {
             CouplingDesc::gear(hinges, [7.0, -PI / 31.0]).with_range(range).with_user_data(u64::MAX)
         }),
         couple([wheels[2], slider], &|[hinge, slider]| {
-            CouplingDesc::rack(hinge, slider, 0.3).with_strength([1e5, f32::INFINITY])
+            CouplingDesc::rack(hinge, slider, 0.3).with_break_force([1e5, f32::INFINITY])
         }),
         couple([screw, screw], &|[joint, _]| CouplingDesc::screw(joint, 0.7)),
         couple(ropes, &|ropes| CouplingDesc::pulley(ropes, 0.5, 1.75)),
     ];
     let belt = Material::default().with_surface_velocity(Vec3::new(0.5, 0.0, -0.25));
     let floor = ShapeDesc::new(Geometry::cuboid(50.0, 0.5, 50.0)).with_material(belt);
-    scene.add("belt", BodyDesc::fixed().at(DVec3::Y * -0.5).with_shape(floor));
+    scene.add("belt", BodyDesc::fixed().with_position(DVec3::Y * -0.5).with_shape(floor));
     let rough = Material::default()
         .with_rolling_friction(0.01)
         .with_spinning_friction(0.003)
         .with_contact_hertz(25.0)
         .with_contact_damping(0.5);
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_material(rough);
-    let spun = BodyDesc::dynamic().at(DVec3::new(0.0, 0.5, 5.0)).with_shape(ball.clone());
-    scene.add("ball", spun.moving(Vec3::X * 3.0, Vec3::Y * 5.0));
-    let capped = BodyDesc::dynamic().at(DVec3::new(5.0, 30.0, 5.0)).with_shape(ball);
+    let spun = BodyDesc::dynamic().with_position(DVec3::new(0.0, 0.5, 5.0)).with_shape(ball.clone());
+    scene.add("ball", spun.with_velocity(Vec3::X * 3.0, Vec3::Y * 5.0));
+    let capped = BodyDesc::dynamic().with_position(DVec3::new(5.0, 30.0, 5.0)).with_shape(ball);
     let capped = capped.with_max_linear_speed(4.0).with_max_angular_speed(2.5);
     scene.add("capped", capped.with_linear_damping(0.125).with_angular_damping(0.5));
     scene
@@ -116,9 +116,9 @@ fn a_scene_with_couplings_runs_from_a_file_as_from_code() {
             assert_eq!((added.couplings.len(), world.coupling_count()), (5, 5));
             super::run(&mut world, 600);
             let gear = added.couplings[0];
-            assert!(world.coupling_displacements(gear).unwrap()[0] > 20.0, "the motor turns");
+            assert!(world.coupling_positions(gear).unwrap()[0] > 20.0, "the motor turns");
             assert!(world.coupling_sum(gear).unwrap().abs() < 0.01);
-            world.hash()
+            world.state_hash()
         });
         let [code, file] = &mut hashes;
         assert_eq!(code, file, "{name}");

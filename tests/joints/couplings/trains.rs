@@ -18,8 +18,8 @@ fn row(world: &mut World, count: u8, inertia: f32, teeth: [f64; 2]) -> Vec<(Body
 fn a_motor_at_its_bound_turns_the_whole_train() {
     let mut world = weightless();
     let wheels = row(&mut world, 3, 0.05, [30.0, 10.0]);
-    let drive = Drive::motor(Motion::Angular, Axis::X, 2.0, 3.0);
-    world.set_joint_drive(wheels[0].1, drive).unwrap();
+    let drive = Motor::velocity(Motion::Angular, Axis::X, 2.0, 3.0);
+    world.set_joint_motor(wheels[0].1, drive).unwrap();
     let acceleration = 3.0 / (91.0 * 0.05);
     run(&mut world, 120);
     let w = spin(&world, wheels[0].0);
@@ -38,8 +38,8 @@ fn a_spring_swings_the_whole_train() {
     let mut world = weightless();
     let wheels = row(&mut world, 3, 0.05, [10.0, 10.0]);
     let spring = backstop::Spring::Coefficients { stiffness: 20.0, damping: 0.0 };
-    let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, spring);
-    world.set_joint_drive(wheels[0].1, drive).unwrap();
+    let drive = Motor::position(Motion::Angular, Axis::X, 0.0, spring);
+    world.set_joint_motor(wheels[0].1, drive).unwrap();
     for (i, &(wheel, _)) in wheels.iter().enumerate() {
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
         world.set_velocity(wheel, Vec3::ZERO, Vec3::X * sign).unwrap();
@@ -66,8 +66,8 @@ fn a_spring_swings_the_whole_train() {
 fn forty_gears_turn_as_one() {
     let mut world = weightless();
     let wheels = row(&mut world, 40, 0.05, [10.0, 10.0]);
-    let drive = Drive::motor(Motion::Angular, Axis::X, 5.0, 20.0);
-    world.set_joint_drive(wheels[0].1, drive).unwrap();
+    let drive = Motor::velocity(Motion::Angular, Axis::X, 5.0, 20.0);
+    world.set_joint_motor(wheels[0].1, drive).unwrap();
     run(&mut world, 600);
     let gears: Vec<_> = wheels.iter().flat_map(|w| world.couplings_of(w.1).unwrap()).collect();
     let off = gears.iter().map(|&gear| world.coupling_sum(gear).unwrap().abs() / 10.0).fold(0.0, f64::max);
@@ -88,8 +88,8 @@ fn gears_that_contradict_each_other_lock() {
     let [x, y] = desc.motions;
     world.add_coupling(&desc.with_motions([x, y.with_factor(2.0)]).with_range(None)).unwrap();
     for _ in 0..600 {
-        world.add_force(wheels[1].0, Vec3::ZERO, Vec3::X * 5.0).unwrap();
-        world.add_force(a, Vec3::ZERO, Vec3::X * 5.0).unwrap();
+        world.add_torque(wheels[1].0, Vec3::X * 5.0).unwrap();
+        world.add_torque(a, Vec3::X * 5.0).unwrap();
         world.step(DT).unwrap();
     }
     for body in [a, b, wheels[0].0, wheels[1].0, wheels[2].0] {
@@ -106,12 +106,12 @@ fn eccentric_wheels_keep_their_ratio() {
     let plate = world.add_body(&lump(3.0, 0.8)).unwrap();
     let [(a, on_a), (b, on_b)] = [-0.4_f32, 0.4].map(|y| {
         let at = Vec3::new(0.0, y, 0.0);
-        let wheel = world.add_body(&lump(1.0, 0.05).at(at + Vec3::Z * 0.2)).unwrap();
+        let wheel = world.add_body(&lump(1.0, 0.05).with_position(at + Vec3::Z * 0.2)).unwrap();
         let frames = [Frame::at(at), Frame::at(Vec3::Z * -0.2)];
         (wheel, world.add_joint(&JointDesc::hinge([plate, wheel], frames)).unwrap())
     });
     let gear = world.add_coupling(&CouplingDesc::gear([on_a, on_b], [12.0, 18.0])).unwrap();
-    world.set_joint_drive(on_a, Drive::motor(Motion::Angular, Axis::X, 6.0, 1.0)).unwrap();
+    world.set_joint_motor(on_a, Motor::velocity(Motion::Angular, Axis::X, 6.0, 1.0)).unwrap();
     let momentum = |world: &World| {
         let parts = [(plate, 3.0, 0.8), (a, 1.0, 0.05), (b, 1.0, 0.05)];
         parts.iter().fold(DVec3::ZERO, |sum, &(body, mass, inertia)| {
@@ -144,7 +144,7 @@ fn eight_gears_keep_their_teeth_for_ten_minutes() {
         let ratio = teeth[0] / teeth[1];
         // The fast end turns by less than a tenth of a turn a step.
         let speed = 2.0 / f64::max(1.0, ratio.powi(7));
-        world.set_joint_drive(wheels[0].1, motor(speed as f32)).unwrap();
+        world.set_joint_motor(wheels[0].1, motor(speed as f32)).unwrap();
         let gears: Vec<_> = wheels[..7].iter().map(|w| world.couplings_of(w.1).unwrap().last()).collect();
         let mut last = Turns::new(wheels[7].0);
         let mut worst = 0.0_f64;
@@ -180,7 +180,7 @@ fn torque_goes_by_any_ratio_at_any_rate() {
                 // To 0.5 rad/s of the faster wheel within a second.
                 let torque = 0.5 * whole / ratio.max(1.0);
                 for _ in 0..hertz as u32 {
-                    world.add_force(a, Vec3::ZERO, Vec3::X * torque as f32).unwrap();
+                    world.add_torque(a, Vec3::X * torque as f32).unwrap();
                     world.step(1.0 / hertz).unwrap();
                 }
                 let (w, v) = (spin(&world, a), spin(&world, b));

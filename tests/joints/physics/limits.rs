@@ -28,9 +28,9 @@ fn a_limit_around_an_axis_holds_at_both_ends() {
     for (from, end) in [(-0.4, 0.5), (0.4, 0.3)] {
         let build = |world: &mut World| {
             let ground = ground(world);
-            let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).at(DVec3::Y * from)).unwrap();
+            let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).with_position(DVec3::Y * from)).unwrap();
             let desc = JointDesc::new([ground, mass], [Frame::default(); 2])
-                .with_limit(Limit::new(Motion::Linear, Axes::Around(Axis::X), 0.3, 0.5))
+                .with_limit(Limit::new(Motion::Linear, Axes::Perpendicular(Axis::X), 0.3, 0.5))
                 // It stands on the inner cylinder like on a knife's edge.
                 .with_limit(Limit::lock(Motion::Linear, Axes::One(Axis::Z)));
             world.add_joint(&desc).unwrap()
@@ -45,9 +45,9 @@ fn a_distance_limit_holds_at_both_ends() {
     for (from, end) in [(-0.4, 0.5), (0.4, 0.3)] {
         let build = |world: &mut World| {
             let ground = ground(world);
-            let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).at(DVec3::Y * from)).unwrap();
+            let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).with_position(DVec3::Y * from)).unwrap();
             let desc = JointDesc::distance([ground, mass], [Frame::default(); 2], 0.3, 0.5)
-                .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::Y)));
+                .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::Y)));
             world.add_joint(&desc).unwrap()
         };
         let apart = |world: &World, joint| seen(world, joint).0.length();
@@ -75,7 +75,7 @@ fn a_cone_limit_holds_at_both_ends() {
     for (up, end) in [(1.0, 0.6), (-1.0, 0.3)] {
         let build = |world: &mut World| {
             let (bodies, frames) = armed(world, Vec3::X, common::turned(Vec3::Z, 25.0));
-            let cone = Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.3, 0.6);
+            let cone = Limit::new(Motion::Angular, Axes::Perpendicular(Axis::X), 0.3, 0.6);
             world.add_joint(&JointDesc::ball(bodies, frames).with_limit(cone)).unwrap()
         };
         let gravity = Vec3::X * (-up * G as f32);
@@ -103,7 +103,7 @@ fn a_limit_of_the_whole_angle_holds_at_both_ends() {
 fn locks_away_from_zero_hold() {
     let build = |world: &mut World| {
         let ground = ground(world);
-        let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).at(DVec3::X * 0.3)).unwrap();
+        let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).with_position(DVec3::X * 0.3)).unwrap();
         let limit = Limit::new(Motion::Linear, Axes::One(Axis::X), 0.3, 0.3);
         world.add_joint(&JointDesc::slider([ground, mass], [Frame::default(); 2]).with_limit(limit)).unwrap()
     };
@@ -128,7 +128,7 @@ fn a_twist_limit_near_half_a_turn_does_not_flip() {
             let wheel = world.add_body(&lump(2.0, Vec3::splat(0.2))).unwrap();
             let desc = JointDesc::hinge([ground, wheel], [Frame::default(); 2])
                 .with_limit(Limit::new(Motion::Angular, Axes::One(Axis::X), -end.abs(), end.abs()))
-                .with_drive(Drive::motor(Motion::Angular, Axis::X, 8.0 * end.signum(), 2.0));
+                .with_motor(Motor::velocity(Motion::Angular, Axis::X, 8.0 * end.signum(), 2.0));
             let joint = world.add_joint(&desc).unwrap();
             let mut furthest = 0.0_f64;
             for _ in 0..240 {
@@ -170,7 +170,7 @@ fn a_servo_at_half_a_turn_holds() {
     for load in [-1.0, 1.0] {
         let off = off_half_a_turn(load, &|desc, half| {
             let spring = Spring::Frequency { hertz: 20.0, ratio: 1.0 };
-            desc.with_drive(Drive::spring(Motion::Angular, Axis::X, half, spring))
+            desc.with_motor(Motor::position(Motion::Angular, Axis::X, half, spring))
         });
         // It gives by m g l / k = 9.81 N m over 0.7 kg m² (40 pi / s)², or what is left of 0.7 at a hinge.
         assert!(off.abs() < 4.0 * MILLIRADIANS, "{load}: {off}");
@@ -184,7 +184,7 @@ fn narrow_and_wide_cones_hold() {
             for spin in [0.0, 3.0] {
                 let mut world = world_with(Vec3::X * -G as f32, solver);
                 let (bodies, frames) = armed(&mut world, Vec3::X, common::turned(Vec3::Z, 3.0));
-                let limit = Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, cone);
+                let limit = Limit::new(Motion::Angular, Axes::Perpendicular(Axis::X), 0.0, cone);
                 let joint = JointDesc::ball(bodies, frames).with_limit(limit);
                 let joint = world.add_joint(&joint).unwrap();
                 let axis = world.rotation(bodies[1]).unwrap() * Vec3::X;
@@ -215,8 +215,9 @@ fn a_slider_stays_on_its_line_when_the_first_body_turns() {
     for speed in [1.0_f32, 4.0] {
         let mut world = world(Vec3::ZERO);
         let spin = Vec3::new(0.0, speed, 0.0);
-        let table = world.add_body(&BodyDesc::kinematic().moving(Vec3::ZERO, spin)).unwrap();
-        let mass = lump(2.0, Vec3::splat(0.05)).at(DVec3::X).moving(spin.cross(Vec3::X), spin);
+        let table = world.add_body(&BodyDesc::kinematic().with_velocity(Vec3::ZERO, spin)).unwrap();
+        let mass =
+            lump(2.0, Vec3::splat(0.05)).with_position(DVec3::X).with_velocity(spin.cross(Vec3::X), spin);
         let mass = world.add_body(&mass).unwrap();
         let joint = world.add_joint(&JointDesc::slider([table, mass], [Frame::default(); 2])).unwrap();
         let (mut widest, mut turned) = (0.0_f64, 0.0_f64);

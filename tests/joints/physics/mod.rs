@@ -9,7 +9,7 @@ mod springs;
 use crate::common::{self, G};
 use backstop::glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, JointDesc, JointHandle, Limit, MassProperties, Motion,
+    Axes, Axis, BodyDesc, BodyHandle, Frame, JointDesc, JointHandle, Limit, MassProperties, Motion, Motor,
     Settings, Spring, World,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -102,6 +102,6 @@ const MILLIRADIANS: f64 = 2e-3;
 fn armed(world: &mut World, arm: Vec3, turn: Quat) -> ([BodyHandle; 2], [Frame; 2]) {
     let ground = ground(world);
     let at = (turn * arm * 0.5).as_dvec3();
-    let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).at(at).rotated(turn)).unwrap();
+    let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).with_position(at).with_rotation(turn)).unwrap();
     ([ground, mass], [Frame::default(), Frame::at(arm * -0.5)])
 }

@@ -36,7 +36,11 @@ fn ring(solvers: &[(u32, u32)]) {
         let (inertia, spin) = (Vec3::splat(0.1), Vec3::Z * 10.0);
         let at = |i: usize| Quat::from_rotation_z(i as f32 * FRAC_PI_2) * Vec3::X * 0.5;
         let bodies: Vec<(BodyHandle, Vec3)> = (0..4)
-            .map(|i| lump(1.0 + i as f32, inertia).at(at(i).as_dvec3()).moving(spin.cross(at(i)), spin))
+            .map(|i| {
+                lump(1.0 + i as f32, inertia)
+                    .with_position(at(i).as_dvec3())
+                    .with_velocity(spin.cross(at(i)), spin)
+            })
             .map(|desc| (world.add_body(&desc).unwrap(), inertia))
             .collect();
         let joints: Vec<JointHandle> = (0..4)
@@ -73,8 +77,8 @@ fn ring(solvers: &[(u32, u32)]) {
 fn what_must_be_apart_opens_from_nothing() {
     for (motion, axes) in [
         (Motion::Linear, Axes::All),
-        (Motion::Linear, Axes::Around(Axis::X)),
-        (Motion::Angular, Axes::Around(Axis::X)),
+        (Motion::Linear, Axes::Perpendicular(Axis::X)),
+        (Motion::Angular, Axes::Perpendicular(Axis::X)),
         (Motion::Angular, Axes::All),
     ] {
         for solver in SOLVERS {
@@ -87,9 +91,9 @@ fn what_must_be_apart_opens_from_nothing() {
             run(&mut world, 2.0, 1.0 / 60.0);
             let (at, q) = seen(&world, joint);
             let value = match (motion, axes) {
-                (Motion::Linear, Axes::Around(_)) => at.y.hypot(at.z),
+                (Motion::Linear, Axes::Perpendicular(_)) => at.y.hypot(at.z),
                 (Motion::Linear, _) => at.length(),
-                (Motion::Angular, Axes::Around(_)) => tilt(q),
+                (Motion::Angular, Axes::Perpendicular(_)) => tilt(q),
                 (Motion::Angular, _) => whole(q),
             };
             println!("{motion:?} {axes:?} {solver:?}: {value:.4}");
@@ -120,7 +124,7 @@ fn welded(spins: &[Vec3]) {
             (3.0, Vec3::new(0.4, 0.3, 0.5), Vec3::new(0.0, 0.0, -0.4)),
         ];
         let bodies = parts.map(|(mass, inertia, at)| {
-            let desc = lump(mass, inertia).at(at.as_dvec3()).moving(spin.cross(at), spin);
+            let desc = lump(mass, inertia).with_position(at.as_dvec3()).with_velocity(spin.cross(at), spin);
             (world.add_body(&desc).unwrap(), inertia)
         });
         let pair = bodies.map(|b| b.0);
@@ -156,7 +160,8 @@ fn a_rope_keeps_angular_momentum() {
         let spin = Vec3::Y * 5.0;
         let bodies = [(1.0, 0.75), (3.0, -0.25)].map(|(mass, x)| {
             let at = Vec3::X * x;
-            let desc = lump(mass, inertia).at(at.as_dvec3()).moving(spin.cross(at), Vec3::ZERO);
+            let desc =
+                lump(mass, inertia).with_position(at.as_dvec3()).with_velocity(spin.cross(at), Vec3::ZERO);
             (world.add_body(&desc).unwrap(), inertia)
         });
         let desc = JointDesc::distance(bodies.map(|b| b.0), [Frame::default(); 2], min, 1.0);
@@ -187,9 +192,9 @@ fn a_cone_does_not_brake_what_circles_in_it() {
         let turn = Quat::from_rotation_z(cone);
         // Across its axis, about the plane in which that is tilted: the axis sets out along the edge.
         let spin = turn * Vec3::Y * 4.0;
-        let body = lump(1.0, Vec3::splat(0.1)).moving(Vec3::ZERO, spin);
+        let body = lump(1.0, Vec3::splat(0.1)).with_velocity(Vec3::ZERO, spin);
         let body = world.add_body(&body.clone().with_rotation(turn)).unwrap();
-        let cone_limit = Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, cone);
+        let cone_limit = Limit::new(Motion::Angular, Axes::Perpendicular(Axis::X), 0.0, cone);
         let desc = JointDesc::ball([ground, body], [Frame::default(); 2]).with_limit(cone_limit);
         let joint = world.add_joint(&desc).unwrap();
         let start = world.energy();
@@ -220,7 +225,7 @@ fn an_articulated_body_keeps_its_momentum() {
         for i in 0..12 {
             let (x, m) = (i as f32, 1.0 + i as f32 * 0.3);
             let v = Vec3::new((x * 1.3).sin(), (x * 2.1).cos(), (x * 0.7).sin()) * 2.0;
-            let body = lump(m, inertia).at(DVec3::X * f64::from(i)).moving(v, v * 0.5);
+            let body = lump(m, inertia).with_position(DVec3::X * f64::from(i)).with_velocity(v, v * 0.5);
             bodies.push((world.add_body(&body).unwrap(), inertia));
             mass += f64::from(m);
         }
@@ -231,17 +236,17 @@ fn an_articulated_body_keeps_its_momentum() {
             let desc = match i % 5 {
                 0 => JointDesc::ball(pair, frames).with_limit(Limit::new(
                     Motion::Angular,
-                    Axes::Around(Axis::X),
+                    Axes::Perpendicular(Axis::X),
                     0.0,
                     0.5,
                 )),
-                1 => JointDesc::hinge(pair, frames).with_drive(Drive::motor(
+                1 => JointDesc::hinge(pair, frames).with_motor(Motor::velocity(
                     Motion::Angular,
                     Axis::X,
                     3.0,
                     5.0,
                 )),
-                2 => JointDesc::slider(pair, frames).with_drive(Drive::spring(
+                2 => JointDesc::slider(pair, frames).with_motor(Motor::position(
                     Motion::Linear,
                     Axis::X,
                     0.1,
@@ -272,7 +277,7 @@ fn a_rod_keeps_its_length_while_it_swings() {
     for (solver, dt) in [(SOLVERS[0], 1.0 / 60.0), (SOLVERS[0], 1.0 / 240.0), (SOLVERS[1], 1.0 / 240.0)] {
         let mut world = world_with(Vec3::Y * -G as f32, solver);
         let ground = ground(&mut world);
-        let mass = world.add_body(&lump(2.0, Vec3::splat(0.02)).at(DVec3::X)).unwrap();
+        let mass = world.add_body(&lump(2.0, Vec3::splat(0.02)).with_position(DVec3::X)).unwrap();
         let joint = JointDesc::distance([ground, mass], [Frame::default(); 2], 1.0, 1.0);
         let joint = world.add_joint(&joint).unwrap();
         let (mut widest, mut most, mut end) = (0.0_f64, f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -305,8 +310,8 @@ fn a_gyroscope_stays_in_its_hinge() {
         let mut world = world(Vec3::ZERO);
         let parts = [(2.0, Vec3::new(0.2, 0.3, 0.35)), (1.0, Vec3::new(0.04, 0.02, 0.02))];
         let yaw = Vec3::Y * 3.0;
-        let frame = world.add_body(&lump(parts[0].0, parts[0].1).moving(Vec3::ZERO, yaw)).unwrap();
-        let wheel = lump(parts[1].0, parts[1].1).moving(Vec3::ZERO, yaw + Vec3::X * spin);
+        let frame = world.add_body(&lump(parts[0].0, parts[0].1).with_velocity(Vec3::ZERO, yaw)).unwrap();
+        let wheel = lump(parts[1].0, parts[1].1).with_velocity(Vec3::ZERO, yaw + Vec3::X * spin);
         let wheel = world.add_body(&wheel).unwrap();
         let joint = JointDesc::hinge([frame, wheel], [Frame::default(); 2]);
         let joint = world.add_joint(&joint).unwrap();

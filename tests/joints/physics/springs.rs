@@ -9,7 +9,8 @@ fn a_door_falls_as_its_inertia_says() {
     for (solver, dt) in [(SOLVERS[0], 1.0 / 60.0), (SOLVERS[0], 1.0 / 240.0), (SOLVERS[1], 1.0 / 240.0)] {
         let mut world = world_with(Vec3::Y * -G as f32, solver);
         let ground = ground(&mut world);
-        let door = world.add_body(&lump(3.0, Vec3::new(inertia, 0.3, 0.4)).at(DVec3::Z * 0.5)).unwrap();
+        let door =
+            world.add_body(&lump(3.0, Vec3::new(inertia, 0.3, 0.4)).with_position(DVec3::Z * 0.5)).unwrap();
         let frames = [Frame::default(), Frame::at(Vec3::Z * -0.5)];
         world.add_joint(&JointDesc::hinge([ground, door], frames)).unwrap();
         run(&mut world, 0.1, dt);
@@ -42,7 +43,7 @@ fn a_soft_limit_yields_by_force_over_stiffness() {
     // A bungee.
     let build = |world: &mut World| {
         let ground = ground(world);
-        let mass = world.add_body(&lump(mass, Vec3::splat(0.2)).at(DVec3::NEG_Y * 0.5)).unwrap();
+        let mass = world.add_body(&lump(mass, Vec3::splat(0.2)).with_position(DVec3::NEG_Y * 0.5)).unwrap();
         let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 0.5).with_spring(spring);
         world.add_joint(&JointDesc::new([ground, mass], [Frame::default(); 2]).with_limit(limit)).unwrap()
     };
@@ -67,8 +68,8 @@ fn a_soft_limit_yields_by_force_over_stiffness() {
 fn sprung(mass: f32, spring: Spring, steps: u32, dt: f64) -> Vec<f64> {
     let mut world = world(Vec3::ZERO);
     let ground = ground(&mut world);
-    let body = world.add_body(&lump(mass, Vec3::splat(0.1 * mass)).at(DVec3::X * 0.1)).unwrap();
-    let desc = JointDesc::slider([ground, body], [Frame::default(); 2]).with_drive(Drive::spring(
+    let body = world.add_body(&lump(mass, Vec3::splat(0.1 * mass)).with_position(DVec3::X * 0.1)).unwrap();
+    let desc = JointDesc::slider([ground, body], [Frame::default(); 2]).with_motor(Motor::position(
         Motion::Linear,
         Axis::X,
         0.0,
@@ -141,14 +142,14 @@ fn a_motor_pushes_with_its_force_until_it_has_its_speed() {
                 let body = world.add_body(&lump(4.0, Vec3::new(4.0, 3.0, 2.0))).unwrap();
                 let (bodies, frames) = ([ground, body], [Frame::default(); 2]);
                 let desc = if angular {
-                    JointDesc::hinge(bodies, frames).with_drive(Drive::motor(
+                    JointDesc::hinge(bodies, frames).with_motor(Motor::velocity(
                         Motion::Angular,
                         Axis::X,
                         3.0,
                         10.0,
                     ))
                 } else {
-                    JointDesc::slider(bodies, frames).with_drive(Drive::motor(
+                    JointDesc::slider(bodies, frames).with_motor(Motor::velocity(
                         Motion::Linear,
                         Axis::X,
                         3.0,
@@ -175,9 +176,9 @@ fn friction_in_a_joint_stops_what_slides() {
         for dt in STEPS {
             let mut world = world_with(Vec3::ZERO, solver);
             let ground = ground(&mut world);
-            let body = lump(2.0, Vec3::splat(0.2)).moving(Vec3::X * 3.0, Vec3::ZERO);
+            let body = lump(2.0, Vec3::splat(0.2)).with_velocity(Vec3::X * 3.0, Vec3::ZERO);
             let body = world.add_body(&body).unwrap();
-            let desc = JointDesc::slider([ground, body], [Frame::default(); 2]).with_drive(Drive::friction(
+            let desc = JointDesc::slider([ground, body], [Frame::default(); 2]).with_motor(Motor::friction(
                 Motion::Linear,
                 Axis::X,
                 10.0,
@@ -205,7 +206,7 @@ fn friction_in_a_joint_holds_a_load() {
         let body = world.add_body(&lump(2.0, Vec3::splat(0.2))).unwrap();
         let turn = Quat::from_rotation_z(FRAC_PI_2);
         let frames = [Frame { rotation: turn, ..Frame::default() }; 2];
-        let desc = JointDesc::slider([ground, body], frames).with_drive(Drive::friction(
+        let desc = JointDesc::slider([ground, body], frames).with_motor(Motor::friction(
             Motion::Linear,
             Axis::X,
             force,
@@ -232,7 +233,7 @@ fn a_wheel_sinks_into_its_spring() {
     ] {
         let build = |world: &mut World| {
             let car = ground(world);
-            let wheel = lump(mass, Vec3::new(0.5, 0.3, 0.3)).moving(Vec3::ZERO, Vec3::X * 10.0);
+            let wheel = lump(mass, Vec3::new(0.5, 0.3, 0.3)).with_velocity(Vec3::ZERO, Vec3::X * 10.0);
             let wheel = world.add_body(&wheel).unwrap();
             world.add_joint(&JointDesc::wheel([car, wheel], [Frame::default(); 2], 0.2, spring)).unwrap()
         };

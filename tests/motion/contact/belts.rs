@@ -57,7 +57,7 @@ fn a_belt_turns_with_its_shape() {
     for by_body in [false, true] {
         let quarter = common::turned(Vec3::Y, 90.0);
         let mut belt = shape(Geometry::cuboid(9.0, 1.0, 9.0), material().with_surface_velocity(Vec3::X));
-        let mut desc = BodyDesc::fixed().at(Vec3::new(0.0, -1.0, 0.0));
+        let mut desc = BodyDesc::fixed().with_position(Vec3::new(0.0, -1.0, 0.0));
         if by_body {
             desc.rotation = quarter;
         } else {
@@ -78,7 +78,7 @@ fn a_belt_turns_with_its_shape() {
 fn belts_move_on_kinematic_and_dynamic_bodies() {
     let belt = shape(Geometry::cuboid(4.0, 0.25, 1.0), material().with_surface_velocity(Vec3::X));
     let mut world = World::new(Settings::default()).unwrap();
-    let mut truck = BodyDesc::kinematic().at(Vec3::new(0.0, -0.25, 0.0)).with_shape(belt.clone());
+    let mut truck = BodyDesc::kinematic().with_position(Vec3::new(0.0, -0.25, 0.0)).with_shape(belt.clone());
     truck.linear_velocity = Vec3::Z * 0.7;
     world.add_body(&truck).unwrap();
     let body = world.add_body(&crate_at(Vec3::new(0.0, 0.2, 0.0))).unwrap();
@@ -101,7 +101,7 @@ fn belts_move_on_kinematic_and_dynamic_bodies() {
         Material::default().with_friction(0.0).with_friction_combine(backstop::Combine::Minimum),
     );
     skates.position = Vec3::new(0.0, -0.3, 0.0);
-    let truck = BodyDesc::dynamic().at(Vec3::new(0.0, 0.35, 0.0)).with_shapes([icy, skates]);
+    let truck = BodyDesc::dynamic().with_position(Vec3::new(0.0, 0.35, 0.0)).with_shapes([icy, skates]);
     let truck = world.add_body(&truck).unwrap();
     let body = world.add_body(&crate_at(Vec3::new(0.0, 0.8, 0.0))).unwrap();
     common::steps(&mut world, 120, DT);
@@ -136,15 +136,15 @@ fn a_belt_that_starts_wakes_what_lies_on_it() {
     let belt = world.shapes(floor).unwrap().next().unwrap();
     let body = world.add_body(&crate_at(Vec3::new(-4.0, 0.2, 0.0))).unwrap();
     common::steps(&mut world, 120, DT);
-    assert!(world.is_asleep(body).unwrap());
+    assert!(world.is_sleeping(body).unwrap());
     world.set_material(belt, material().with_surface_velocity(Vec3::X)).unwrap();
     common::steps(&mut world, 300, DT);
-    assert!(!world.is_asleep(body).unwrap());
+    assert!(!world.is_sleeping(body).unwrap());
     assert!((world.linear_velocity(body).unwrap().x - 1.0).abs() < 1e-3);
     world.set_material(belt, material()).unwrap();
     common::steps(&mut world, 120, DT);
-    assert!(world.is_asleep(body).unwrap());
-    let part = world.model().part(backstop::Feature::SurfaceVelocities);
+    assert!(world.is_sleeping(body).unwrap());
+    let part = world.feature_report().part(backstop::Feature::SurfaceVelocities);
     assert_eq!((part.count, part.bytes), (0, 0));
 }
 

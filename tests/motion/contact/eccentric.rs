@@ -123,8 +123,10 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
     let rotation = throw.rotation.as_dquat();
     let arm = throw.arm(rotation, throw.first);
     let start = DVec3::new(0.31, throw.gap * dt - arm.y, -0.37);
-    let body = dynamic(throw.geometry.clone(), material, Vec3::ZERO).at(start).rotated(throw.rotation);
-    let body = world.add_body(&body.moving(throw.speed.as_vec3(), Vec3::ZERO)).unwrap();
+    let body = dynamic(throw.geometry.clone(), material, Vec3::ZERO)
+        .with_position(start)
+        .with_rotation(throw.rotation);
+    let body = world.add_body(&body.with_velocity(throw.speed.as_vec3(), Vec3::ZERO)).unwrap();
     let impacts = world.step(dt as f32).unwrap().impacts;
     let v = world.linear_velocity(body).unwrap().as_dvec3();
     let w = world.angular_velocity(body).unwrap().as_dvec3();
@@ -218,8 +220,8 @@ fn what_strikes_with_edges_and_faces_gains_no_energy() {
                 .with_friction(throws[0].friction as f32)
                 .with_restitution(throws[0].restitution as f32);
             let add = |world: &mut World, k: usize, at: Vec3, rotation: Quat, speed: Vec3| {
-                let body = dynamic(throws[k].geometry.clone(), material, at).rotated(rotation);
-                world.add_body(&body.moving(speed, spin[k])).unwrap()
+                let body = dynamic(throws[k].geometry.clone(), material, at).with_rotation(rotation);
+                world.add_body(&body.with_velocity(speed, spin[k])).unwrap()
             };
             let bodies = if alone {
                 world.add_body(&throws[0].floor.desc(material)).unwrap();

@@ -24,7 +24,7 @@ fn bouncy(e: f32, friction: f32) -> Material {
 fn ball(radius: f32, density: f32, material: Material, at: Vec3, v: Vec3) -> BodyDesc {
     let mut shape = shape(Geometry::Sphere { radius }, material);
     shape.density = density;
-    BodyDesc::dynamic().at(at).with_shape(shape).moving(v, Vec3::ZERO)
+    BodyDesc::dynamic().with_position(at).with_shape(shape).with_velocity(v, Vec3::ZERO)
 }
 
 /// Without friction nothing takes energy, by Newton's law of impact with e = 1.
@@ -58,7 +58,8 @@ fn balls_that_meet_off_centre_keep_their_energy() {
 #[test]
 fn what_strikes_something_fixed_keeps_its_energy() {
     let e = bouncy(1.0, 0.0);
-    let sphere = BodyDesc::fixed().at(Vec3::NEG_Y).with_shape(shape(Geometry::Sphere { radius: 1.0 }, e));
+    let sphere =
+        BodyDesc::fixed().with_position(Vec3::NEG_Y).with_shape(shape(Geometry::Sphere { radius: 1.0 }, e));
     let mut floors = Floor::ALL.map(|floor| floor.desc(e)).to_vec();
     floors.push(sphere);
     for (i, floor) in floors.iter().enumerate() {
@@ -70,7 +71,8 @@ fn what_strikes_something_fixed_keeps_its_energy() {
                         world.add_body(floor).unwrap();
                         let way = Vec3::new(slant, -1.0, 0.3 * slant).normalize();
                         let at = Vec3::new(0.1, 0.0, 0.2) - way * (1.0 + 0.37 * speed / hz);
-                        let mut body = dynamic(geometry.clone(), e, at).moving(way * speed, Vec3::ZERO);
+                        let mut body =
+                            dynamic(geometry.clone(), e, at).with_velocity(way * speed, Vec3::ZERO);
                         body.rotation = common::turned(Vec3::X, 40.0);
                         let body = world.add_body(&body).unwrap();
                         let before = world.energy();
@@ -104,13 +106,13 @@ fn gas_of(
     for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
         let extent = Vec3::splat(half + 1.0) * (Vec3::ONE - way.abs()) + way.abs() * 0.5;
         let wall = shape(Geometry::Box { half_extents: extent }, e);
-        world.add_body(&BodyDesc::fixed().at(way * (half + 0.5)).with_shape(wall)).unwrap();
+        world.add_body(&BodyDesc::fixed().with_position(way * (half + 0.5)).with_shape(wall)).unwrap();
     }
     let mut add = |i: usize| {
         let at = Vec3::new((i / 16) as f32, (i / 4 % 4) as f32, (i % 4) as f32) * 0.7 - Vec3::splat(1.05);
         let v = random.cube().normalize() * speed;
         let (geometry, rotation) = body(i, random);
-        let mut desc = dynamic(geometry, e, at).rotated(rotation).moving(v, Vec3::ZERO);
+        let mut desc = dynamic(geometry, e, at).with_rotation(rotation).with_velocity(v, Vec3::ZERO);
         desc.shapes[0].density = 1000.0;
         world.add_body(&desc).unwrap()
     };
@@ -335,7 +337,7 @@ fn what_whirls_keeps_its_energy_over_ten_bounces() {
                     let mut random = Random(seed);
                     let (turned, spin) = (random.rotation(), 20.0 * random.cube());
                     let body = dynamic(geometry.clone(), bouncy(1.0, 0.0), Vec3::new(0.2, 2.0, 0.1));
-                    let mut body = body.moving(Vec3::ZERO, spin);
+                    let mut body = body.with_velocity(Vec3::ZERO, spin);
                     body.rotation = turned;
                     let (kept, most) = bounce_on(floor, &body, (hz, substeps));
                     let case = format!("{geometry:?} on {floor:?} at {hz} Hz, {substeps} substeps, {seed}");
@@ -366,7 +368,7 @@ fn a_ball_with_spin_leaves_the_floor_as_a_hard_one_does() {
                 world.add_body(&floor.desc(material)).unwrap();
                 // What rolls along x turns about -z.
                 let ball = dynamic(Geometry::Sphere { radius: r }, material, Vec3::new(0.3, r + 0.5, 0.2));
-                let ball = ball.moving(Vec3::new(along, -fall, 0.0), Vec3::NEG_Z * spin);
+                let ball = ball.with_velocity(Vec3::new(along, -fall, 0.0), Vec3::NEG_Z * spin);
                 let ball = world.add_body(&ball).unwrap();
                 steps(&mut world, (0.2 * hz) as u32, 1.0 / hz);
                 let slip = along - spin * r;
@@ -417,9 +419,11 @@ fn a_rod_that_is_hit_off_its_centre_turns_as_it_should() {
                 let mut world = world(0.0, 4);
                 let material = bouncy(e, 0.0);
                 let peg = shape(Geometry::Sphere { radius: 0.05 }, material);
-                world.add_body(&BodyDesc::fixed().at(Vec3::new(x, -0.05, 0.0)).with_shape(peg)).unwrap();
+                world
+                    .add_body(&BodyDesc::fixed().with_position(Vec3::new(x, -0.05, 0.0)).with_shape(peg))
+                    .unwrap();
                 let rod = dynamic(Geometry::cuboid(half, thick, thick), material, Vec3::Y * 0.3);
-                let rod = world.add_body(&rod.moving(Vec3::Y * -4.0, Vec3::ZERO)).unwrap();
+                let rod = world.add_body(&rod.with_velocity(Vec3::Y * -4.0, Vec3::ZERO)).unwrap();
                 let mut still = 0;
                 while world.linear_velocity(rod).unwrap().y == -4.0 {
                     world.step(1.0 / hz).unwrap();
@@ -448,7 +452,7 @@ fn the_number_of_collisions_is_that_of_pi() {
             let mut world = World::new(settings).unwrap();
             let e = bouncy(1.0, 0.0);
             let wall = shape(Geometry::cuboid(0.5, 2.0, 2.0), e);
-            world.add_body(&BodyDesc::fixed().at(Vec3::X * -0.5).with_shape(wall)).unwrap();
+            world.add_body(&BodyDesc::fixed().with_position(Vec3::X * -0.5).with_shape(wall)).unwrap();
             world.add_body(&ball(0.2, 1000.0, e, Vec3::X * 2.0, Vec3::ZERO)).unwrap();
             let heavy = ball(0.2, 1000.0 * ratio, e, Vec3::X * 4.0, Vec3::X * -1.0);
             world.add_body(&heavy).unwrap();
@@ -474,8 +478,9 @@ fn what_bounces_comes_to_rest() {
             let at = |x: f32| Vec3::new(x, 1.5, 3.0 * x);
             let bodies = [
                 dynamic(Geometry::Sphere { radius: 0.3 }, e, at(-2.0)),
-                dynamic(Geometry::cuboid(0.4, 0.3, 0.5), e, at(0.0)).rotated(common::turned(Vec3::Z, 20.0)),
-                dynamic(Geometry::capsule(0.4, 0.2), e, at(2.0)).rotated(common::turned(Vec3::X, 70.0)),
+                dynamic(Geometry::cuboid(0.4, 0.3, 0.5), e, at(0.0))
+                    .with_rotation(common::turned(Vec3::Z, 20.0)),
+                dynamic(Geometry::capsule(0.4, 0.2), e, at(2.0)).with_rotation(common::turned(Vec3::X, 70.0)),
             ]
             .map(|desc| world.add_body(&desc).unwrap());
             steps(&mut world, (30.0 * hz) as u32, 1.0 / hz);

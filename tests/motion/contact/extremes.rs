@@ -77,7 +77,8 @@ impl Chain {
                 shape.filter.group = -1;
             }
             let (way, turn) = (lying.way(i), Quat::from_rotation_arc(Vec3::Y, lying.way(i)));
-            let desc = BodyDesc::dynamic().at(at + way.as_dvec3() * (0.5 * length)).rotated(turn);
+            let desc =
+                BodyDesc::dynamic().with_position(at + way.as_dvec3() * (0.5 * length)).with_rotation(turn);
             let body = world.add_body(&desc.with_shape(shape)).unwrap();
             let frames = world.frames_at([last, body], at, Quat::IDENTITY).unwrap();
             joints.push(world.add_joint(&JointDesc::ball([last, body], frames)).unwrap());
@@ -249,7 +250,7 @@ fn a_figure_bears_any_load_at_its_foot() {
             let mut ball = ShapeDesc::new(Geometry::Sphere { radius: 0.3 });
             ball.density = load / (4.0 / 3.0 * std::f32::consts::PI * 0.027);
             let at = low + DVec3::new(0.0, -0.5, 0.0);
-            let ball = world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball)).unwrap();
+            let ball = world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball)).unwrap();
             let frames = world.frames_at([figure.bodies[foot], ball], low, Quat::IDENTITY).unwrap();
             joints.push(world.add_joint(&JointDesc::ball([figure.bodies[foot], ball], frames)).unwrap());
             let (mut worst, mut damped) = (0.0_f64, 0);
@@ -294,7 +295,7 @@ fn no_step_leaves_what_is_no_number() {
                 if step % 20 == 10 {
                     let (force, torque) = (Vec3::new(1.0, -1.0, 0.5), Vec3::new(1.0, 1.0, -1.0));
                     let force = if step % 40 == 10 { force } else { Vec3::ZERO };
-                    world.add_force(pushed[step / 20 % 3], force * scale, torque * scale).unwrap();
+                    world.add_force_and_torque(pushed[step / 20 % 3], force * scale, torque * scale).unwrap();
                 }
                 stopped += world.step(1.0 / 60.0).unwrap().stopped;
                 assert!(all_finite(&world), "{joined} {scale} {step}");

@@ -16,7 +16,7 @@ fn slide(settings: Settings, floor: Floor, material: Material, speed: f32, degre
     let (sin, cos) = degrees.to_radians().sin_cos();
     let push = Vec3::new(cos, 0.0, sin) * speed;
     let start = Vec3::new(-3.1, 0.2, -2.7);
-    let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, start).moving(push, Vec3::ZERO);
+    let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, start).with_velocity(push, Vec3::ZERO);
     let body = world.add_body(&body).unwrap();
     common::steps(&mut world, 240, DT);
     assert!(world.linear_velocity(body).unwrap().length() < 1e-3, "{floor:?}: it still slides");
@@ -53,7 +53,7 @@ fn a_long_box_slides_straight() {
         world.add_body(&Floor::Box.desc(material)).unwrap();
         let push = Vec3::new(1.0, 0.0, 1.0).normalize() * 5.0;
         let body = dynamic(Geometry::cuboid(0.9, 0.2, 0.3), material, Vec3::new(0.0, 0.2, 0.0));
-        let body = world.add_body(&body.moving(push, Vec3::ZERO)).unwrap();
+        let body = world.add_body(&body.with_velocity(push, Vec3::ZERO)).unwrap();
         common::steps(&mut world, 120, DT);
         let way = world.position(body).unwrap();
         let (far, want) = (common::sideways(way), 25.0 / (2.0 * 0.5 * G));
@@ -87,7 +87,7 @@ fn a_spinning_box_stops_after_the_time_that_its_corners_need() {
         let material = Material::default().with_friction(mu as f32);
         world.add_body(&Floor::Box.desc(material)).unwrap();
         let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, Vec3::new(0.0, 0.2, 0.0));
-        let body = world.add_body(&body.moving(Vec3::ZERO, Vec3::Y * spin as f32)).unwrap();
+        let body = world.add_body(&body.with_velocity(Vec3::ZERO, Vec3::Y * spin as f32)).unwrap();
         let dt = 1.0 / 240.0;
         let mut steps = 0;
         while world.angular_velocity(body).unwrap().y > 0.01 {
@@ -105,9 +105,9 @@ fn a_spinning_box_stops_after_the_time_that_its_corners_need() {
 fn on_slope(floor: Floor, degrees: f32, material: Material) -> (World, BodyHandle, Vec3) {
     let tilt: Quat = common::turned(Vec3::Z, -degrees);
     let mut world = World::new(Settings::default()).unwrap();
-    world.add_body(&floor.desc(material).rotated(tilt)).unwrap();
+    world.add_body(&floor.desc(material).with_rotation(tilt)).unwrap();
     let at = tilt * Vec3::new(-8.0, 0.2, 0.0);
-    let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, at).rotated(tilt);
+    let body = dynamic(Geometry::cuboid(0.5, 0.2, 0.5), material, at).with_rotation(tilt);
     let body = world.add_body(&body).unwrap();
     (world, body, tilt * Vec3::X)
 }
@@ -159,7 +159,7 @@ fn a_sliding_ball_ends_up_rolling_at_five_sevenths_of_its_speed() {
         let mut world = World::new(Settings::default()).unwrap();
         world.add_body(&floor.desc(material)).unwrap();
         let body = dynamic(Geometry::Sphere { radius: 0.5 }, material, Vec3::new(-8.3, 0.5, 0.1));
-        let ball = world.add_body(&body.moving(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
+        let ball = world.add_body(&body.with_velocity(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
         common::steps(&mut world, 180, DT);
         let (v, w) = (world.linear_velocity(ball).unwrap(), world.angular_velocity(ball).unwrap());
         let want = 4.0 * 5.0 / 7.0;

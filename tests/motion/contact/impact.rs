@@ -17,7 +17,7 @@ fn world() -> World {
 fn land(floor: Floor, geometry: Geometry, material: Material, throw: Vec3, dt: f32) -> (Vec3, Vec3) {
     let mut world = world();
     world.add_body(&floor.desc(material)).unwrap();
-    let body = dynamic(geometry, material, Vec3::new(-3.1, 1.13, 0.2)).moving(throw, Vec3::ZERO);
+    let body = dynamic(geometry, material, Vec3::new(-3.1, 1.13, 0.2)).with_velocity(throw, Vec3::ZERO);
     let body = world.add_body(&body).unwrap();
     let steps = (1.13 / -throw.y / dt) as u32 + 3;
     common::steps(&mut world, steps, dt);
@@ -60,7 +60,7 @@ fn balls_that_graze_each_other_spin_and_keep_their_momentum() {
         let mut world = world();
         let material = Material::default().with_friction(0.4);
         let ball = |at: Vec3, v: Vec3, r: f32| {
-            dynamic(Geometry::Sphere { radius: r }, material, at).moving(v, Vec3::ZERO)
+            dynamic(Geometry::Sphere { radius: r }, material, at).with_velocity(v, Vec3::ZERO)
         };
         let a = world.add_body(&ball(Vec3::new(-4.0, 0.08, 0.0), Vec3::X * 50.0, 0.1)).unwrap();
         let b = world.add_body(&ball(Vec3::new(4.0, 0.0, 0.03), Vec3::X * -30.0, 0.15)).unwrap();

@@ -24,7 +24,7 @@ fn a_ball_of_any_size_rolls_as_far_as_its_arm_says() {
                     let v = 0.5 * (2.0 * G * f64::from(radius)).sqrt() as f32;
                     let rough = Material::default().with_rolling_friction(arm);
                     let mut ball = dynamic(Geometry::sphere(radius), rough, Vec3::Y * radius)
-                        .moving(Vec3::X * v, Vec3::Z * (-v / radius));
+                        .with_velocity(Vec3::X * v, Vec3::Z * (-v / radius));
                     ball.shapes[0].density = density;
                     let ball = world.add_body(&ball).unwrap();
                     let slows = 5.0 / 7.0 * G * f64::from(arm / radius);
@@ -106,7 +106,7 @@ fn caps_of_any_size_hold_at_any_rate() {
                 let inertia = 0.4 * 0.25 * world.mass(ball).unwrap();
                 let steps = (2.0 * cap / G as f32 * hertz) as u32 + 10;
                 for step in 0..steps {
-                    world.add_force(ball, Vec3::ZERO, Vec3::X * (inertia * G as f32)).unwrap();
+                    world.add_torque(ball, Vec3::X * (inertia * G as f32)).unwrap();
                     world.step(1.0 / hertz).unwrap();
                     let v = world.linear_velocity(ball).unwrap().length();
                     let w = world.angular_velocity(ball).unwrap().length();

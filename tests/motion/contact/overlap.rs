@@ -13,7 +13,7 @@ const BOUND: f32 = 5.0 * 3.0;
 fn crowd(count: usize, spread: f64, geometry: &Geometry, settings: Settings) -> World {
     let mut world = World::new(settings.with_gravity(Vec3::ZERO)).unwrap();
     let mut random = Random(7);
-    let body = |at| BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry.clone()));
+    let body = |at| BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(geometry.clone()));
     let bodies: Vec<BodyDesc> = (0..count).map(|_| body(random.cube64() * 0.5 * spread)).collect();
     world.add_bodies(&bodies).unwrap();
     world
@@ -83,8 +83,10 @@ fn a_crowd_is_pushed_as_fast_as_what_hits_it() {
     let mut world = crowd(30, 0.3, &Geometry::cuboid(0.5, 0.5, 0.5), Settings::default());
     let mut ram = ShapeDesc::new(Geometry::cuboid(1.0, 3.0, 3.0));
     ram.density = 1e6;
-    let ram =
-        BodyDesc::dynamic().at(DVec3::new(-4.0, 0.0, 0.0)).moving(Vec3::X * 40.0, Vec3::ZERO).with_shape(ram);
+    let ram = BodyDesc::dynamic()
+        .with_position(DVec3::new(-4.0, 0.0, 0.0))
+        .with_velocity(Vec3::X * 40.0, Vec3::ZERO)
+        .with_shape(ram);
     let ram = world.add_body(&ram).unwrap();
     // Places from the ram's, of those in its way.
     let before = |world: &World| {

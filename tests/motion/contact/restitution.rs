@@ -109,8 +109,8 @@ fn two_balls_that_meet_head_on_keep_their_momentum() {
                 let mut add = |x: f64, u: f32, density: f32| {
                     let mut ball = shape(Geometry::Sphere { radius: 0.5 }, material);
                     ball.density = density;
-                    let desc = BodyDesc::dynamic().at(DVec3::new(x, 0.0, 0.0)).with_shape(ball);
-                    world.add_body(&desc.moving(Vec3::X * u, Vec3::ZERO)).unwrap()
+                    let desc = BodyDesc::dynamic().with_position(DVec3::new(x, 0.0, 0.0)).with_shape(ball);
+                    world.add_body(&desc.with_velocity(Vec3::X * u, Vec3::ZERO)).unwrap()
                 };
                 let (a, b) = (add(-1.2, speeds[0], density), add(1.3, speeds[1], 1000.0));
                 common::steps(&mut world, (2.0 / dt) as u32, dt);

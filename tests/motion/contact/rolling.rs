@@ -23,7 +23,7 @@ fn rolling(settings: Settings, floor: Floor, body: Geometry, turned: Quat, arm: 
     let mut world = World::new(settings).unwrap();
     world.add_body(&floor.desc(Material::default())).unwrap();
     let mut desc = dynamic(body, resisting(arm, 0.0), Vec3::new(-9.3, R, 0.2))
-        .moving(Vec3::X * speed, Vec3::Z * (-speed / R));
+        .with_velocity(Vec3::X * speed, Vec3::Z * (-speed / R));
     desc.rotation = turned;
     let body = world.add_body(&desc).unwrap();
     (world, body)
@@ -77,7 +77,7 @@ fn a_body_that_rolls_stops_where_its_lever_arm_says_and_sleeps() {
                 );
                 assert!((way.x - far).abs() < 0.02 * far, "{name} {floor:?} {model:?}: {way} for {far}");
                 assert!((stopped - time).abs() < 0.03 * time, "{name} {floor:?}: {stopped} for {time} s");
-                assert!(world.is_asleep(body).unwrap(), "{name} {floor:?} {model:?}: it does not sleep");
+                assert!(world.is_sleeping(body).unwrap(), "{name} {floor:?} {model:?}: it does not sleep");
             }
         }
     }
@@ -118,7 +118,7 @@ fn a_ball_that_spins_stops_in_the_time_that_its_lever_arm_says() {
                 (World::new(Settings::default().with_friction_model(model)).unwrap(), 8.0f32);
             world.add_body(&Floor::Plane.desc(Material::default())).unwrap();
             let ball = dynamic(Geometry::sphere(R), resisting(0.0, arm), Vec3::new(0.0, R, 0.0));
-            let ball = world.add_body(&ball.moving(Vec3::ZERO, Vec3::Y * spin)).unwrap();
+            let ball = world.add_body(&ball.with_velocity(Vec3::ZERO, Vec3::Y * spin)).unwrap();
             let time = spin * 0.4 * R * R / (arm * G as f32);
             let mut stopped = f32::NAN;
             for step in 1..=(2.0 * time / DT) as u32 {
@@ -143,7 +143,7 @@ fn of_two_lever_arms_the_larger_counts() {
         let mut world = World::new(Settings::default()).unwrap();
         world.add_body(&Floor::Plane.desc(resisting(of_floor, 0.0))).unwrap();
         let ball = dynamic(Geometry::sphere(R), resisting(of_ball, 0.0), Vec3::new(0.0, R, 0.0))
-            .moving(Vec3::X, Vec3::Z * (-1.0 / R));
+            .with_velocity(Vec3::X, Vec3::Z * (-1.0 / R));
         let ball = world.add_body(&ball).unwrap();
         common::steps(&mut world, 1200, DT);
         world.position(ball).unwrap().x
@@ -173,7 +173,7 @@ fn scattered(settings: Settings) -> (World, Vec<BodyHandle>) {
                 0.4 + f32::from(i / 6) * 0.45,
                 f32::from(i % 7) * 0.3,
             );
-            world.add_body(&dynamic(geometry, material, at).moving(Vec3::X, Vec3::Y)).unwrap()
+            world.add_body(&dynamic(geometry, material, at).with_velocity(Vec3::X, Vec3::Y)).unwrap()
         })
         .collect();
     (world, bodies)
@@ -212,7 +212,7 @@ fn rolling_bodies_go_the_same_way_on_any_threads_and_from_a_snapshot() {
 fn what_nothing_resists_costs_nothing() {
     let (mut world, bodies) = scattered(Settings::default());
     world.step(DT).unwrap();
-    let part = |world: &World| world.model().part(backstop::Feature::RollingFriction);
+    let part = |world: &World| world.feature_report().part(backstop::Feature::RollingFriction);
     assert!(part(&world).count == 30 && part(&world).bytes > 0, "{:?}", part(&world));
     for &body in &bodies {
         let shape = world.shapes(body).unwrap().next().unwrap();

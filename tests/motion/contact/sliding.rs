@@ -104,7 +104,7 @@ fn world(ground: &Geometry, friction: f32) -> World {
     // A height field may begin at its corner.
     let at = DVec3::new(f64::from(-LONG - low.x), 0.0, f64::from(-WIDE - low.z));
     let at = if matches!(ground, Geometry::HeightField(_)) { at } else { DVec3::ZERO };
-    world.add_body(&BodyDesc::fixed().at(at).with_shape(shape(ground, friction))).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(at).with_shape(shape(ground, friction))).unwrap();
     world
 }
 
@@ -127,8 +127,8 @@ fn nothing_feels_the_edges_of_a_flat_mesh() {
                     let start = DVec3::new(-50.0, HEIGHT, 0.13);
                     let way = Vec3::new(1.0, 0.0, 0.02).normalize();
                     let body = BodyDesc::dynamic()
-                        .at(start)
-                        .moving(way * speed, Vec3::ZERO)
+                        .with_position(start)
+                        .with_velocity(way * speed, Vec3::ZERO)
                         .with_shape(shape(&form, friction));
                     let body = world.add_body(&body).unwrap();
                     let (mut up, mut aside, mut turned, mut lost): (f32, f32, f32, f32) = Default::default();
@@ -169,9 +169,9 @@ fn nothing_round_feels_the_edges_of_a_flat_mesh() {
             for speed in [1.0f32, 10.0, 50.0, 100.0] {
                 let mut world = world(&ground, 0.0);
                 let body = BodyDesc::dynamic()
-                    .at(DVec3::new(-50.0, height, 0.13))
-                    .rotated(turn)
-                    .moving(Vec3::X * speed, Vec3::ZERO)
+                    .with_position(DVec3::new(-50.0, height, 0.13))
+                    .with_rotation(turn)
+                    .with_velocity(Vec3::X * speed, Vec3::ZERO)
                     .with_shape(shape(&form, 0.0));
                 let body = world.add_body(&body).unwrap();
                 let (mut up, mut turned): (f32, f32) = Default::default();
@@ -207,9 +207,9 @@ fn what_rolls_over_a_flat_mesh_does_not_hop() {
             for speed in [1.0f32, 3.0, 10.0] {
                 let mut world = world(&ground, 0.5);
                 let body = BodyDesc::dynamic()
-                    .at(DVec3::new(-50.0, height, 0.13))
-                    .rotated(turn)
-                    .moving(Vec3::X * speed, Vec3::NEG_Z * (speed / 0.25))
+                    .with_position(DVec3::new(-50.0, height, 0.13))
+                    .with_rotation(turn)
+                    .with_velocity(Vec3::X * speed, Vec3::NEG_Z * (speed / 0.25))
                     .with_shape(shape(&form, 0.5));
                 let body = world.add_body(&body).unwrap();
                 let mut up: f32 = 0.0;
@@ -234,8 +234,8 @@ fn no_inner_edge_of_bumpy_ground_stops_a_body_dead() {
         for speed in [1.0f32, 10.0, 50.0] {
             let mut world = world(&ground, 0.0);
             let body = BodyDesc::dynamic()
-                .at(DVec3::new(-50.0, HEIGHT + 0.3, 0.0))
-                .moving(Vec3::X * speed, Vec3::ZERO)
+                .with_position(DVec3::new(-50.0, HEIGHT + 0.3, 0.0))
+                .with_velocity(Vec3::X * speed, Vec3::ZERO)
                 .with_shape(shape(&form, 0.0));
             let body = world.add_body(&body).unwrap();
             let mut before = world.linear_velocity(body).unwrap();
@@ -267,8 +267,10 @@ fn a_wall_in_the_same_mesh_stops_what_slides() {
         for speed in [1.0f32, 10.0, 50.0, 100.0, 400.0] {
             let mut world = world(&ground, 0.0);
             let body = BodyDesc::dynamic()
-                .at(DVec3::new(10.3 - 0.6 - f64::from(speed) * 0.51, HEIGHT, 0.0).max(DVec3::X * -55.0))
-                .moving(Vec3::X * speed, Vec3::ZERO)
+                .with_position(
+                    DVec3::new(10.3 - 0.6 - f64::from(speed) * 0.51, HEIGHT, 0.0).max(DVec3::X * -55.0),
+                )
+                .with_velocity(Vec3::X * speed, Vec3::ZERO)
                 .with_shape(shape(&form, 0.0));
             let body = world.add_body(&body).unwrap();
             for step in 0..90 {

@@ -127,7 +127,7 @@ fn a_ball_on_a_damped_spring_comes_to_rest_and_sleeps() {
                 let speed = world.linear_velocity(body).unwrap().y;
                 turned |= speed > 0.0;
                 assert!(!turned || height(&world, body) < 0.5, "{floor:?} step {step}: it flies up");
-                slept |= world.is_asleep(body).unwrap();
+                slept |= world.is_sleeping(body).unwrap();
             }
             let sag = G / (TAU * 8.0).powi(2);
             let depth = 0.5 - height(&world, body);
@@ -154,7 +154,8 @@ fn what_tumbles_on_a_spring_gains_nothing() {
                 let mut world = world(Settings::default(), Floor::Plane, material);
                 let x = f32::from(seed);
                 let desc = dynamic(geometry.clone(), material, Vec3::new(0.0, 1.5, 0.0));
-                let desc = desc.moving(Vec3::new(1.0, -x, 0.3), Vec3::new(x - 1.0, 0.7, 2.0 - 0.5 * x));
+                let desc =
+                    desc.with_velocity(Vec3::new(1.0, -x, 0.3), Vec3::new(x - 1.0, 0.7, 2.0 - 0.5 * x));
                 let body = world.add_body(&desc).unwrap();
                 let start = world.energy();
                 for step in 0..1200 {
@@ -203,7 +204,7 @@ fn a_body_that_swings_stays_awake() {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for step in 0..3600 {
         world.step(1.0 / 60.0).unwrap();
-        assert!(!world.is_asleep(body).unwrap(), "step {step}");
+        assert!(!world.is_sleeping(body).unwrap(), "step {step}");
         if step > 3400 {
             (low, high) = (low.min(height(&world, body)), high.max(height(&world, body)));
         }
@@ -264,7 +265,8 @@ fn a_box_slides_as_far_on_a_soft_floor() {
             let sag = (G / (TAU * 8.0).powi(2)) as f32;
             let own = Material::default().with_friction(0.3);
             let at = Vec3::new(-4.0, 0.25 - sag, 0.3);
-            let desc = dynamic(Geometry::cuboid(0.5, 0.25, 0.5), own, at).moving(Vec3::X * 4.0, Vec3::ZERO);
+            let desc =
+                dynamic(Geometry::cuboid(0.5, 0.25, 0.5), own, at).with_velocity(Vec3::X * 4.0, Vec3::ZERO);
             let body = world.add_body(&desc).unwrap();
             run(&mut world, 1.0 / 60.0, 4.0);
             let way = world.position(body).unwrap().x + 4.0;
@@ -291,7 +293,7 @@ fn nothing_gets_through_a_soft_wall() {
                     let at = Vec3::new(-2.0 - 0.17 * f32::from(seed), 0.4 * f32::from(seed) - 2.0, 0.1);
                     let spin = Vec3::new(0.0, 0.3 * f32::from(seed), 1.0);
                     let desc = dynamic(geometry.clone(), Material::default(), at);
-                    shots.push(world.add_body(&desc.moving(Vec3::X * speed, spin)).unwrap());
+                    shots.push(world.add_body(&desc.with_velocity(Vec3::X * speed, spin)).unwrap());
                 }
                 for step in 0..120 {
                     world.step(1.0 / 60.0).unwrap();
@@ -380,7 +382,7 @@ fn springs_act_beside_joints_and_rigid_contacts() {
     let frames = world.frames_at(pair, DVec3::new(0.505, 0.5, 0.0), Quat::IDENTITY).unwrap();
     world.add_joint(&backstop::JointDesc::hinge(pair, frames)).unwrap();
     let ledge = shape(Geometry::cuboid(2.0, 0.5, 2.0), Material::default());
-    world.add_body(&BodyDesc::fixed().at(Vec3::new(8.0, -0.49, 0.0)).with_shape(ledge)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(Vec3::new(8.0, -0.49, 0.0)).with_shape(ledge)).unwrap();
     let beam = dynamic(Geometry::cuboid(2.0, 0.2, 0.4), Material::default(), Vec3::new(6.0, 0.3, 0.0));
     let beam = world.add_body(&beam).unwrap();
     run(&mut world, 1.0 / 60.0, 20.0);
@@ -410,7 +412,7 @@ fn heap(settings: Settings) -> (World, Vec<BodyHandle>) {
             let material = if i % 4 == 3 { soft(6.0 + f32::from(i % 5), 0.2) } else { Material::default() };
             let (level, x) = (f32::from(i / 25), f32::from(i % 5) - 2.0);
             let at = Vec3::new(x + 0.05 * level, 0.4 + 0.6 * level, f32::from(i / 5 % 5));
-            world.add_body(&dynamic(geometry, material, at).moving(Vec3::X * 0.5, Vec3::Y)).unwrap()
+            world.add_body(&dynamic(geometry, material, at).with_velocity(Vec3::X * 0.5, Vec3::Y)).unwrap()
         })
         .collect();
     (world, bodies)
@@ -460,7 +462,7 @@ fn soft_contacts_are_the_same_on_any_threads_and_from_a_snapshot() {
 fn what_is_rigid_costs_nothing() {
     let (mut world, bodies) = heap(Settings::default());
     world.step(1.0 / 60.0).unwrap();
-    let part = |world: &World| world.model().part(backstop::Feature::SoftContacts);
+    let part = |world: &World| world.feature_report().part(backstop::Feature::SoftContacts);
     assert!(part(&world).count == 38 && part(&world).bytes > 0, "{:?}", part(&world));
     let floor = world.bodies().find(|b| !bodies.contains(b)).unwrap();
     for body in bodies.into_iter().chain([floor]) {

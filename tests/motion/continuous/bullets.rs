@@ -31,7 +31,7 @@ fn world_with_wall(origin: DVec3) -> World {
     let settings = Settings::default().with_gravity(Vec3::ZERO);
     let mut world = World::new(settings).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(REACH, HALF_WALL, REACH));
-    world.add_body(&BodyDesc::fixed().at(origin).with_shape(wall)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(origin).with_shape(wall)).unwrap();
     world
 }
 
@@ -44,9 +44,9 @@ fn flight(geometry: &Geometry, degrees: f32, before: f32, spin: Vec3, origin: DV
     let start = Vec3::Y * (HALF_WALL + 2.0 * SMALL) - way * before;
     let turn = Quat::from_xyzw(0.3, 0.5, 0.1, 0.8).normalize();
     let bullet = BodyDesc::dynamic()
-        .at(origin + start.as_dvec3())
-        .rotated(turn)
-        .moving(way * SPEED, spin)
+        .with_position(origin + start.as_dvec3())
+        .with_rotation(turn)
+        .with_velocity(way * SPEED, spin)
         .with_shape(ShapeDesc::new(geometry.clone()));
     let bullet = world.add_body(&bullet).unwrap();
     let mut places = Vec::new();

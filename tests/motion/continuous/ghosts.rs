@@ -8,7 +8,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::random::Random;
 use backstop::glam::{DQuat, DVec3, Quat, Vec3};
-use backstop::{BodyDesc, Continuous, ConvexHull, Geometry, Settings, ShapeDesc, TriangleMesh, World};
+use backstop::{BodyDesc, ContinuousMode, ConvexHull, Geometry, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
 
 fn rotation(rng: &mut Random) -> DQuat {
@@ -93,7 +93,7 @@ struct Flight {
     free: Vec<(DVec3, Quat)>,
 }
 
-fn world(continuous: Continuous) -> World {
+fn world(continuous: ContinuousMode) -> World {
     World::new(Settings::default().with_gravity(Vec3::ZERO).with_continuous(continuous)).unwrap()
 }
 
@@ -110,12 +110,12 @@ fn flight(seed: u64, speeds: &[f64]) -> Flight {
     let velocity = way * speed;
     let body = BodyDesc::dynamic()
         .with_shape(ShapeDesc::new(flyer.geometry.clone()))
-        .rotated(rotation(rng).as_quat())
-        .moving(velocity.as_vec3(), spin.as_vec3());
+        .with_rotation(rotation(rng).as_quat())
+        .with_velocity(velocity.as_vec3(), spin.as_vec3());
 
     let length = (3.0 * speed * f64::from(dt) + 1.0).min(120.0 * speed * f64::from(dt));
     let steps = (length / (speed * f64::from(dt))).ceil() as usize + 2;
-    let mut alone = world(Continuous::Segment);
+    let mut alone = world(ContinuousMode::Segment);
     let handle = alone.add_body(&body).unwrap();
     // Orientation at many moments: as it is predicted within each step, and as it is then.
     let mut seen: Vec<(DVec3, DQuat)> = Vec::new();
@@ -161,7 +161,10 @@ fn flight(seed: u64, speeds: &[f64]) -> Flight {
             + up * (lowest.dot(up) - gap - top.dot(up))
             + side * (lowest.dot(side) - top.dot(side));
         posts.push(
-            BodyDesc::fixed().at(place).rotated(turned).with_shape(ShapeDesc::new(post.geometry.clone())),
+            BodyDesc::fixed()
+                .with_position(place)
+                .with_rotation(turned)
+                .with_shape(ShapeDesc::new(post.geometry.clone())),
         );
     }
     Flight { flyer: body, posts, dt, free }
@@ -177,7 +180,7 @@ struct Count {
     worst: f64,
 }
 
-fn fly(seeds: std::ops::Range<u64>, speeds: &[f64], mode: Continuous) -> Count {
+fn fly(seeds: std::ops::Range<u64>, speeds: &[f64], mode: ContinuousMode) -> Count {
     let mut count = Count::default();
     for seed in seeds {
         let flight = flight(seed, speeds);
@@ -212,7 +215,7 @@ const SLOW: [f64; 4] = [0.2, 0.5, 1.0, 2.0];
 
 #[test]
 fn fast_bodies_pass_without_the_slightest_deflection() {
-    let count = fly(0..1500, &FAST, Continuous::Segment);
+    let count = fly(0..1500, &FAST, ContinuousMode::Segment);
     println!("{count:?}");
     assert!(count.deflected.is_empty(), "{count:?}");
     assert_eq!((count.pushed, count.ghosts), (0, 0));
@@ -220,7 +223,7 @@ fn fast_bodies_pass_without_the_slightest_deflection() {
 
 #[test]
 fn slow_bodies_pass_within_the_margin_without_the_slightest_deflection() {
-    let count = fly(0..400, &SLOW, Continuous::Segment);
+    let count = fly(0..400, &SLOW, ContinuousMode::Segment);
     println!("{count:?}");
     assert!(count.deflected.is_empty(), "{count:?}");
     assert_eq!((count.pushed, count.ghosts), (0, 0));
@@ -228,7 +231,7 @@ fn slow_bodies_pass_within_the_margin_without_the_slightest_deflection() {
 
 #[test]
 fn the_larger_volume_brings_no_ghosts() {
-    let count = fly(0..700, &FAST, Continuous::Volume);
+    let count = fly(0..700, &FAST, ContinuousMode::Volume);
     println!("{count:?}");
     assert!(count.deflected.is_empty(), "{count:?}");
     assert_eq!((count.pushed, count.ghosts), (0, 0));
@@ -240,7 +243,7 @@ fn one() {
     let get = |name: &str| std::env::var(name).ok();
     let seed: u64 = get("SEED").unwrap().parse().unwrap();
     let speeds: &[f64] = if get("SLOW").is_some() { &SLOW } else { &FAST };
-    let mode = if get("VOLUME").is_some() { Continuous::Volume } else { Continuous::Segment };
+    let mode = if get("VOLUME").is_some() { ContinuousMode::Volume } else { ContinuousMode::Segment };
     let flight = flight(seed, speeds);
     println!("{:?}\n dt {}", flight.flyer, flight.dt);
     for only in 0..flight.posts.len() {
@@ -274,7 +277,7 @@ fn one() {
 #[ignore = "counts for docs/decisions/ghosts.md"]
 fn counts() {
     for (name, speeds, seeds) in [("fast", &FAST[..], 0..1500u64), ("slow", &SLOW[..], 0..400)] {
-        let c = fly(seeds, speeds, Continuous::Segment);
+        let c = fly(seeds, speeds, ContinuousMode::Segment);
         println!(
             "{name}: passes {} deflected {} pushed {} ghosts {} casts {} worst {}",
             c.passes,

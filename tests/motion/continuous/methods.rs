@@ -6,7 +6,7 @@ use crate::common;
 use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Budget, Continuous, ContinuousMethod, ConvexHull, Geometry, Material, Settings,
+    BodyDesc, BodyHandle, Budget, ContinuousMethod, ContinuousMode, ConvexHull, Geometry, Material, Settings,
     ShapeDesc, Snapshot, World,
 };
 use backstop_scene::builtin;
@@ -15,19 +15,19 @@ const DT: f32 = 1.0 / 60.0;
 const METHODS: [ContinuousMethod; 5] = [OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk];
 
 fn without_gravity(method: ContinuousMethod) -> World {
-    World::new(Settings::default().with_method(method).with_gravity(Vec3::ZERO)).unwrap()
+    World::new(Settings::default().with_continuous_method(method).with_gravity(Vec3::ZERO)).unwrap()
 }
 
 fn ball(radius: f32, at: DVec3, velocity: Vec3, restitution: f32) -> BodyDesc {
     let mut shape = ShapeDesc::new(Geometry::Sphere { radius });
     shape.material = Material::default().with_restitution(restitution).with_friction(0.0);
-    BodyDesc::dynamic().at(at).moving(velocity, Vec3::ZERO).with_shape(shape)
+    BodyDesc::dynamic().with_position(at).with_velocity(velocity, Vec3::ZERO).with_shape(shape)
 }
 
 fn wall(half: Vec3, at: DVec3, restitution: f32) -> BodyDesc {
     let mut shape = ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z));
     shape.material = Material::default().with_restitution(restitution).with_friction(0.0);
-    BodyDesc::fixed().at(at).with_shape(shape)
+    BodyDesc::fixed().with_position(at).with_shape(shape)
 }
 
 /// A bullet of 5 cm at 300 m/s, 5 m a step, and a wall of 1 cm: discrete physics misses it, all others stop
@@ -35,8 +35,10 @@ fn wall(half: Vec3, at: DVec3, restitution: f32) -> BodyDesc {
 #[test]
 fn only_discrete_physics_lets_a_bullet_through_a_thin_wall() {
     let run = |continuous, method, start: f64| {
-        let settings =
-            Settings::default().with_continuous(continuous).with_method(method).with_gravity(Vec3::ZERO);
+        let settings = Settings::default()
+            .with_continuous(continuous)
+            .with_continuous_method(method)
+            .with_gravity(Vec3::ZERO);
         let mut world = World::new(settings).unwrap();
         world.add_body(&wall(Vec3::new(0.005, 5.0, 5.0), DVec3::ZERO, 0.0)).unwrap();
         let bullet = ball(0.05, DVec3::new(start, 0.1, 0.2), Vec3::X * 300.0, 0.0);
@@ -45,14 +47,14 @@ fn only_discrete_physics_lets_a_bullet_through_a_thin_wall() {
         world.position(bullet).unwrap().x
     };
     for start in [-12.0, -11.3, -10.1, -7.77] {
-        assert!(run(Continuous::Discrete, OnePass, start) > 5.0);
+        assert!(run(ContinuousMode::Discrete, OnePass, start) > 5.0);
         for method in METHODS {
-            for continuous in [Continuous::Segment, Continuous::Volume] {
+            for continuous in [ContinuousMode::Segment, ContinuousMode::Volume] {
                 let x = run(continuous, method, start);
                 assert!(x < -0.054 && x > -0.07, "{method:?} {continuous:?} {start}: {x}");
             }
             // Switched off for the whole world, no method does anything.
-            assert!(run(Continuous::Discrete, method, start) > 5.0, "{method:?}");
+            assert!(run(ContinuousMode::Discrete, method, start) > 5.0, "{method:?}");
         }
     }
 }
@@ -87,7 +89,7 @@ fn bullet(shape: usize, at: DVec3, velocity: Vec3) -> BodyDesc {
         2 => Geometry::cuboid(0.05, 0.03, 0.02),
         _ => Geometry::Hull(std::sync::Arc::new(ConvexHull::new(&corners).unwrap())),
     });
-    BodyDesc::dynamic().at(at).moving(velocity, Vec3::ZERO).with_shape(shape)
+    BodyDesc::dynamic().with_position(at).with_velocity(velocity, Vec3::ZERO).with_shape(shape)
 }
 
 /// A wall of 1 m by 1 m by 1 cm, and bullets that reach it straight on and aslant, from places that are not
@@ -144,7 +146,8 @@ fn the_talk_s_method_lets_past_what_misses_the_end_of_a_wall() {
 fn the_gates_of_the_talk_s_method_keep_ghosts_out_of_the_field_of_posts() {
     let scene = builtin::build("posts").unwrap();
     let turned_at = |method| {
-        let (mut world, bodies) = common::world_of(&scene, Settings::default().with_method(method));
+        let (mut world, bodies) =
+            common::world_of(&scene, Settings::default().with_continuous_method(method));
         let velocity = |world: &World| -> Vec<Vec3> {
             bodies.iter().map(|&body| world.linear_velocity(body).unwrap()).collect()
         };
@@ -177,7 +180,7 @@ fn a_linear_cast_does_not_see_what_a_spinning_blade_strikes() {
         let post = wall(Vec3::new(0.02, 0.5, 0.02), DVec3::new(0.0, 0.0, 0.8), 0.0);
         world.add_body(&post).unwrap();
         let spin = Vec3::Y * (0.6 * std::f32::consts::TAU / DT);
-        let blade = BodyDesc::dynamic().moving(Vec3::ZERO, spin);
+        let blade = BodyDesc::dynamic().with_velocity(Vec3::ZERO, spin);
         let blade = blade.with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 0.05, 0.01)));
         let blade = world.add_body(&blade).unwrap();
         world.step(DT).unwrap();
@@ -191,7 +194,7 @@ fn a_linear_cast_does_not_see_what_a_spinning_blade_strikes() {
 #[test]
 fn an_elastic_bounce_keeps_its_energy_under_both_methods_with_sub_steps() {
     for method in [LinearCast, ConservativeAdvancement] {
-        let mut world = World::new(Settings::default().with_method(method)).unwrap();
+        let mut world = World::new(Settings::default().with_continuous_method(method)).unwrap();
         let mut floor = ShapeDesc::new(Geometry::Plane);
         floor.material = Material::default().with_restitution(1.0).with_friction(0.0);
         world.add_body(&BodyDesc::fixed().with_shape(floor)).unwrap();
@@ -288,14 +291,14 @@ fn hash_after(method: ContinuousMethod, threads: usize) -> (u64, u32) {
         body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
     }
     let (mut world, _) =
-        common::world_of(&scene, Settings::default().with_threads(threads).with_method(method));
+        common::world_of(&scene, Settings::default().with_threads(threads).with_continuous_method(method));
     let mut struck = 0;
     for _ in 0..30 {
         world.step(DT).unwrap();
         struck += world.report().struck;
     }
     assert!(common::all_finite(&world));
-    (world.hash(), struck)
+    (world.state_hash(), struck)
 }
 
 #[test]
@@ -319,17 +322,17 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn a_snapshot_keeps_the_method_and_its_future() {
     for method in METHODS {
         let scene = builtin::talk();
-        let (mut world, _) = common::world_of(&scene, Settings::default().with_method(method));
+        let (mut world, _) = common::world_of(&scene, Settings::default().with_continuous_method(method));
         common::steps(&mut world, 20, DT);
         let mut snapshot = Snapshot::new();
         world.snapshot(&mut snapshot);
         common::steps(&mut world, 20, DT);
-        let hash = world.hash();
+        let hash = world.state_hash();
         let (mut other, _) = common::world_of(&scene, Settings::default());
         other.restore(&snapshot).unwrap();
-        assert_eq!(other.settings().method, method);
+        assert_eq!(other.settings().continuous_method, method);
         common::steps(&mut other, 20, DT);
-        assert_eq!(other.hash(), hash, "{method:?}");
+        assert_eq!(other.state_hash(), hash, "{method:?}");
     }
 }
 
@@ -339,7 +342,7 @@ fn the_method_may_be_changed_between_steps() {
     let (mut world, bodies) = common::world_of(&builtin::talk(), Settings::default());
     for step in 0..120_usize {
         let method = METHODS[step % METHODS.len()];
-        world.set_settings(world.settings().clone().with_method(method)).unwrap();
+        world.set_settings(world.settings().clone().with_continuous_method(method)).unwrap();
         world.step(DT).unwrap();
     }
     assert!(common::all_finite(&world));
@@ -360,7 +363,8 @@ fn within_a_budget_touches_are_left_out() {
         // Half of what the steps would take, on top of what the bodies do.
         let mut half = None;
         for _ in 0..2 {
-            let settings = Settings::default().with_method(method).with_budget(Budget::total(1 << 30));
+            let settings =
+                Settings::default().with_continuous_method(method).with_budget(Budget::total(1 << 30));
             let (mut world, _) = common::world_of(&scene, settings);
             let empty = world.memory().total();
             let budget = half.unwrap_or(1 << 30);
@@ -389,7 +393,7 @@ fn a_dumbbell_that_is_struck_at_one_end_turns() {
             shape
         };
         let dumbbell = BodyDesc::dynamic().with_shape(end(-0.5)).with_shape(end(0.5));
-        let dumbbell = world.add_body(&dumbbell.rotated(Quat::from_rotation_z(0.3))).unwrap();
+        let dumbbell = world.add_body(&dumbbell.with_rotation(Quat::from_rotation_z(0.3))).unwrap();
         let at = DVec3::new(0.5 * 0.3_f64.cos(), 0.5 * 0.3_f64.sin() + 1.0, 0.0);
         world.add_body(&ball(0.1, at, Vec3::NEG_Y * 100.0, 0.0)).unwrap();
         common::steps(&mut world, 2, DT);

@@ -40,9 +40,12 @@ impl Plate {
         let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let shape = Geometry::cuboid(0.5 * SIDE, half, 0.5 * SIDE);
         let shape = ShapeDesc::new(shape).with_density(plate_mass / (2.0 * half * SIDE * SIDE));
-        let desc = BodyDesc::dynamic().rotated(turned).moving(Vec3::ZERO, turned * spin);
+        let desc = BodyDesc::dynamic().with_rotation(turned).with_velocity(Vec3::ZERO, turned * spin);
         let plate = world.add_body(&desc.with_shape(shape)).unwrap();
-        let desc = BodyDesc::dynamic().at(turned * at).rotated(turned).moving(turned * velocity, Vec3::ZERO);
+        let desc = BodyDesc::dynamic()
+            .with_position(turned * at)
+            .with_rotation(turned)
+            .with_velocity(turned * velocity, Vec3::ZERO);
         let ball = desc.with_shape(ShapeDesc::new(Geometry::Sphere { radius }));
         let ball = world.add_body(&ball).unwrap();
         Plate { world, plate, ball, half, radius, mass: [plate_mass, ball_mass] }
@@ -144,9 +147,9 @@ fn no_rod_is_stuck_with_an_end_behind_a_wall_of_a_v() {
             let turned = Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.0));
             let spin = random.direction() * random.range(0.0, 50.0);
             let rod = BodyDesc::dynamic()
-                .at(target - way * random.range(3.0, 6.0))
-                .rotated(turned)
-                .moving(way * speed, spin)
+                .with_position(target - way * random.range(3.0, 6.0))
+                .with_rotation(turned)
+                .with_velocity(way * speed, spin)
                 .with_shape(ShapeDesc::new(Geometry::cuboid(0.025, 0.5, 0.025)));
             let rod = world.add_body(&rod).unwrap();
             for _ in 0..(1.25 * rate) as usize {
@@ -182,9 +185,13 @@ fn rods_that_spin_into_each_other_gain_no_energy() {
             let rods: Vec<BodyHandle> = [-1.0, 1.0]
                 .map(|side| {
                     let rod = BodyDesc::dynamic()
-                        .at(Vec3::new(side * 2.0, random.range(-0.3, 0.3), random.range(-0.3, 0.3)))
-                        .rotated(Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.0)))
-                        .moving(
+                        .with_position(Vec3::new(
+                            side * 2.0,
+                            random.range(-0.3, 0.3),
+                            random.range(-0.3, 0.3),
+                        ))
+                        .with_rotation(Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.0)))
+                        .with_velocity(
                             Vec3::X * (-side * random.range(20.0, 100.0)),
                             random.direction() * random.range(0.0, 100.0),
                         )

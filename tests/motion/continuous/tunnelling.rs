@@ -41,14 +41,15 @@ fn no_shot_gets_through_a_target_with_continuous_collision() {
 #[test]
 #[ignore = "counts how often the guard has to help, for docs/decisions/ghosts.md"]
 fn how_often_the_guard_holds() {
-    use backstop::Continuous;
+    use backstop::ContinuousMode;
     use backstop_scene::shots::{SHAPES, TARGETS};
     let targets = Targets::new().unwrap();
     let (mut by_target, mut by_shape) = ([(0, 0); TARGETS.len()], [(0, 0); SHAPES.len()]);
     for number in 0..6000 {
         let shot = Shot::new(&targets, 5, number);
         let mut held = 0;
-        shot.run_seen(&targets, Continuous::Segment, true, |world, _| held += world.report().held()).unwrap();
+        shot.run_seen(&targets, ContinuousMode::Segment, true, |world, _| held += world.report().held())
+            .unwrap();
         for count in [&mut by_target[shot.target], &mut by_shape[shot.shape]] {
             count.0 += 1;
             count.1 += u32::from(held > 0);
@@ -79,7 +80,10 @@ mod moving {
     }
 
     fn body(kind: BodyKind, geometry: Geometry, at: DVec3, velocity: Vec3) -> BodyDesc {
-        BodyDesc::new(kind).at(at).moving(velocity, Vec3::ZERO).with_shape(ShapeDesc::new(geometry))
+        BodyDesc::new(kind)
+            .with_position(at)
+            .with_velocity(velocity, Vec3::ZERO)
+            .with_shape(ShapeDesc::new(geometry))
     }
 
     fn small() -> [Geometry; 5] {
@@ -204,7 +208,7 @@ mod moving {
             let corner = turn * Vec3::new(-0.5, -0.01, 0.0);
             let at = DVec3::new(0.03, 5e-4 - f64::from(corner.y), 0.04);
             let rod = body(BodyKind::Dynamic, Geometry::cuboid(0.5, 0.01, 0.01), at, Vec3::Y * -speed);
-            let rod = world.add_body(&rod.rotated(turn)).unwrap();
+            let rod = world.add_body(&rod.with_rotation(turn)).unwrap();
             world.step(1.0 / 60.0).unwrap();
             let (at, turn) = (world.position(rod).unwrap(), world.rotation(rod).unwrap());
             let lowest = [-0.5, 0.5].map(|x| at.y + f64::from((turn * Vec3::X * x).y));
@@ -222,7 +226,7 @@ mod moving {
                         let shot = |side: f32| {
                             let at = DVec3::X * f64::from(side) * away;
                             body(BodyKind::Dynamic, geometry.clone(), at, Vec3::X * -side * speed)
-                                .rotated(Quat::from_rotation_x(turn))
+                                .with_rotation(Quat::from_rotation_x(turn))
                         };
                         let left = world.add_body(&shot(-1.0)).unwrap();
                         let right = world.add_body(&shot(1.0)).unwrap();
@@ -317,7 +321,7 @@ mod moving {
                     // 10 000 times as heavy and more, let down on it.
                     let mut load = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
                     load.density = 20_000.0;
-                    let load = BodyDesc::dynamic().at(DVec3::Y * 1.0).with_shape(load);
+                    let load = BodyDesc::dynamic().with_position(DVec3::Y * 1.0).with_shape(load);
                     let load = world.add_body(&load).unwrap();
                     for step in 0..400 {
                         world.step(1.0 / 60.0).unwrap();
@@ -371,7 +375,7 @@ mod moving {
                             .add_body(&body(BodyKind::Static, floor.clone(), DVec3::ZERO, Vec3::ZERO))
                             .unwrap();
                         let desc = body(BodyKind::Dynamic, geometry.clone(), DVec3::Y * 0.13, Vec3::ZERO)
-                            .moving(Vec3::ZERO, axis.normalize() * 200.0);
+                            .with_velocity(Vec3::ZERO, axis.normalize() * 200.0);
                         let top = world.add_body(&desc).unwrap();
                         for step in 0..200 {
                             world.step(dt).unwrap();

@@ -38,9 +38,9 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
             let velocity = Vec3::new(random.range(-0.4, 0.4) * down, -down, random.range(-0.4, 0.4) * down);
             let (axis, angle) = (random.direction(), random.range(0.0, 6.0));
             let desc = BodyDesc::dynamic()
-                .at(DVec3::new(x.into(), f64::from(terrain.height(x, z)) + 5.0, z.into()))
-                .rotated(Quat::from_axis_angle(axis, angle))
-                .moving(velocity, random.direction() * random.range(5.0, 30.0))
+                .with_position(DVec3::new(x.into(), f64::from(terrain.height(x, z)) + 5.0, z.into()))
+                .with_rotation(Quat::from_axis_angle(axis, angle))
+                .with_velocity(velocity, random.direction() * random.range(5.0, 30.0))
                 .with_shape(shape);
             world.add_body(&desc).unwrap()
         })

@@ -13,14 +13,16 @@ fn row(world: &mut World, edge: f32, from: f32, to: f32, top: f32) {
             let at = Vec3::new(x + 0.5 * edge, top - 0.5 * edge, k as f32 * edge);
             let half = 0.5 * edge;
             let shape = rough(Geometry::cuboid(half, half, half), 0.0);
-            world.add_body(&BodyDesc::fixed().at(at.as_dvec3()).with_shape(shape)).unwrap();
+            world.add_body(&BodyDesc::fixed().with_position(at.as_dvec3()).with_shape(shape)).unwrap();
         }
         x += edge;
     }
 }
 
 fn push(world: &mut World, geometry: Geometry, height: f32, speed: f32) -> BodyHandle {
-    let body = BodyDesc::dynamic().at(DVec3::Y * f64::from(height)).moving(Vec3::X * speed, Vec3::ZERO);
+    let body = BodyDesc::dynamic()
+        .with_position(DVec3::Y * f64::from(height))
+        .with_velocity(Vec3::X * speed, Vec3::ZERO);
     world.add_body(&body.with_shape(rough(geometry, 0.0))).unwrap()
 }
 
@@ -106,7 +108,7 @@ fn an_inner_corner_holds() {
         for k in 1..=4 {
             row(&mut world, 0.5, 4.0, 4.5, 0.5 * k as f32);
         }
-        let side = BodyDesc::fixed().at(DVec3::new(0.0, 0.5, 1.5));
+        let side = BodyDesc::fixed().with_position(DVec3::new(0.0, 0.5, 1.5));
         world.add_body(&side.with_shape(rough(Geometry::cuboid(6.0, 1.0, 0.5), 0.0))).unwrap();
         let body = push(&mut world, Geometry::sphere(0.25), 0.25, 5.0);
         world.set_linear_velocity(body, Vec3::new(5.0, 0.0, 3.0)).unwrap();
@@ -125,7 +127,7 @@ fn a_lift_of_boxes_is_one_surface() {
         let places =
             (-8..24).flat_map(|i| (-2..3).map(move |k| Vec3::new(0.5 * i as f32, -0.25, 0.5 * k as f32)));
         let shapes = places.map(|at| rough(Geometry::cuboid(0.25, 0.25, 0.25), 0.0).with_position(at));
-        let lift = BodyDesc::kinematic().moving(Vec3::new(3.0, 1.0, 0.0), Vec3::ZERO);
+        let lift = BodyDesc::kinematic().with_velocity(Vec3::new(3.0, 1.0, 0.0), Vec3::ZERO);
         world.add_body(&lift.with_shapes(shapes.collect::<Vec<_>>())).unwrap();
         let body = push(&mut world, Geometry::cuboid(0.2, 0.2, 0.2), 0.2, 8.0);
         world.set_linear_velocity(body, Vec3::new(8.0, 1.0, 0.0)).unwrap();

@@ -143,7 +143,8 @@ impl Floor {
                     let place = shape.position;
                     parts.push(shape.with_position(at + turn * place).with_rotation(turn));
                 } else {
-                    let body = BodyDesc::fixed().at(at.as_dvec3()).rotated(turn).with_shape(shape);
+                    let body =
+                        BodyDesc::fixed().with_position(at.as_dvec3()).with_rotation(turn).with_shape(shape);
                     world.add_body(&body).unwrap();
                 }
             }

@@ -75,7 +75,10 @@ fn slides(seed: u64, count: usize) -> usize {
         let mut world = World::new(Settings::default()).unwrap();
         floor.lay(&mut world, length + 2.0, &mut random);
         let at = DVec3::new(0.0, f64::from(height), f64::from(random.range(-0.2, 0.2)));
-        let body = BodyDesc::dynamic().at(at).rotated(rotation).moving(Vec3::X * speed, Vec3::ZERO);
+        let body = BodyDesc::dynamic()
+            .with_position(at)
+            .with_rotation(rotation)
+            .with_velocity(Vec3::X * speed, Vec3::ZERO);
         // What stands on a point falls over: a character does not.
         let stands = name == "capsule that stands";
         let body = body.with_lock_rotation([stands; 3]).with_shape(rough(geometry, 0.0));
@@ -136,15 +139,16 @@ fn rolling(seed: u64, count: usize, one: Option<f32>) -> usize {
                 let half = 0.5 * length + 4.0;
                 let mesh = quads(half, (2.0 * half / cell) as usize);
                 let turn = Quat::from_rotation_y(floor.yaw);
-                let body = BodyDesc::fixed().at(DVec3::X * f64::from(0.5 * length)).rotated(turn);
+                let body =
+                    BodyDesc::fixed().with_position(DVec3::X * f64::from(0.5 * length)).with_rotation(turn);
                 world.add_body(&body.with_shape(rough(Geometry::mesh(mesh), 0.6))).unwrap();
             } else {
                 floor.lay(&mut world, length + 2.0, random);
             }
             let body = BodyDesc::dynamic()
-                .at(DVec3::Y * f64::from(radius))
-                .rotated(rotation)
-                .moving(Vec3::X * speed, Vec3::Z * (-speed / radius));
+                .with_position(DVec3::Y * f64::from(radius))
+                .with_rotation(rotation)
+                .with_velocity(Vec3::X * speed, Vec3::Z * (-speed / radius));
             let body = world.add_body(&body.with_shape(rough(geometry.clone(), 0.6))).unwrap();
             slide(&mut world, body, radius, speed, length / speed, hz)
         };
@@ -197,9 +201,9 @@ fn over_hills(seed: u64, count: usize) -> usize {
             let at = Vec3::new(0.0, hills(0.0, 0.1, steep) + height + 0.02, 0.1);
             let stands = name == "capsule that stands";
             let body = BodyDesc::dynamic()
-                .at(at.as_dvec3())
-                .rotated(rotation)
-                .moving(Vec3::X * speed, Vec3::ZERO)
+                .with_position(at.as_dvec3())
+                .with_rotation(rotation)
+                .with_velocity(Vec3::X * speed, Vec3::ZERO)
                 .with_lock_rotation([stands; 3]);
             let body = world.add_body(&body.with_shape(rough(geometry.clone(), friction))).unwrap();
             let mut heights = Vec::new();

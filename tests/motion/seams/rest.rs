@@ -22,7 +22,7 @@ fn strewn(random: &mut Random, settings: Settings, count: usize, plane: bool) ->
         let at =
             DVec3::new(random.range(0.0, 5.0).into(), 0.5 + 0.3 * i as f64, random.range(-1.0, 1.0).into());
         let turn = Quat::from_rotation_y(random.range(0.0, TAU));
-        let body = BodyDesc::dynamic().at(at).rotated(turn).with_shape(rough(geometry, 0.6));
+        let body = BodyDesc::dynamic().with_position(at).with_rotation(turn).with_shape(rough(geometry, 0.6));
         world.add_body(&body).unwrap()
     });
     let bodies = bodies.collect();
@@ -99,7 +99,9 @@ fn a_slab_slides_over_hundreds_of_voxels() {
         };
         let mut world = World::new(Settings::default()).unwrap();
         floor.lay(&mut world, 12.0, &mut random);
-        let slab = BodyDesc::dynamic().at(DVec3::new(2.0, 0.2, 0.0)).moving(Vec3::X * 8.0, Vec3::ZERO);
+        let slab = BodyDesc::dynamic()
+            .with_position(DVec3::new(2.0, 0.2, 0.0))
+            .with_velocity(Vec3::X * 8.0, Vec3::ZERO);
         let slab = world.add_body(&slab.with_shape(rough(Geometry::cuboid(1.5, 0.2, 1.0), 0.0))).unwrap();
         let mut rise = f64::MIN;
         for _ in 0..hz as usize {
@@ -125,7 +127,7 @@ fn seams_give_the_same_bits() {
             world.restore(&snapshot).unwrap();
         }
         (0..60).for_each(|_| step(&mut world, 60.0));
-        world.hash()
+        world.state_hash()
     };
     let want = run(1, false);
     for (threads, back) in [(2, false), (3, false), (1, true), (2, true)] {

@@ -10,7 +10,7 @@ fn tray(settings: Settings) -> World {
     let mut world = World::new(settings).unwrap();
     let mut wall = |at: [f64; 3], half: [f32; 3]| {
         let shape = ShapeDesc::new(Geometry::cuboid(half[0], half[1], half[2]));
-        world.add_body(&BodyDesc::fixed().at(DVec3::from(at)).with_shape(shape)).unwrap();
+        world.add_body(&BodyDesc::fixed().with_position(DVec3::from(at)).with_shape(shape)).unwrap();
     };
     wall([0.0, -1.0, 0.0], [100.0, 1.0, 100.0]);
     for side in [-2.0, 2.0] {
@@ -39,7 +39,9 @@ fn heap(settings: Settings, count: usize, half: f32, hull: bool, seed: u64) -> (
             let turn = Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.1));
             let mut shape = ShapeDesc::new(geometry.clone());
             shape.density = 600.0;
-            world.add_body(&BodyDesc::dynamic().at(at).rotated(turn).with_shape(shape)).unwrap()
+            world
+                .add_body(&BodyDesc::dynamic().with_position(at).with_rotation(turn).with_shape(shape))
+                .unwrap()
         })
         .collect();
     (world, bodies)
@@ -110,6 +112,6 @@ fn a_heap_of_a_hundred_planks_falls_asleep() {
     for _ in 0..300 {
         world.step(1.0 / 60.0).unwrap();
     }
-    let awake = bodies.iter().filter(|&&body| !world.is_asleep(body).unwrap()).count();
+    let awake = bodies.iter().filter(|&&body| !world.is_sleeping(body).unwrap()).count();
     assert_eq!(awake, 0);
 }

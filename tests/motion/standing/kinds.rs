@@ -97,7 +97,8 @@ fn lay(world: &mut World, ground: Ground, random: &mut Random) {
     let turn = Quat::from_rotation_z(if ground == Ground::Slope { 0.26 } else { 0.0 });
     let mut fixed = |geometry: Geometry, at: Vec3| {
         let shape = ShapeDesc::new(geometry).with_material(Material::default().with_friction(0.6));
-        let body = BodyDesc::fixed().at((turn * at).as_dvec3()).rotated(turn).with_shape(shape);
+        let body =
+            BodyDesc::fixed().with_position((turn * at).as_dvec3()).with_rotation(turn).with_shape(shape);
         world.add_body(&body).unwrap();
     };
     if ground == Ground::Mesh {
@@ -149,7 +150,9 @@ impl Heap {
         let bodies = (0..self.count).map(|i| {
             let (x, z) = (random.range64(-0.9, 0.9), random.range64(-0.9, 0.9));
             let turn = Quat::from_scaled_axis(random.direction() * random.range(0.0, 0.5 * TAU));
-            let mut body = BodyDesc::dynamic().at(DVec3::new(x, 0.4 + 0.12 * i as f64, z)).rotated(turn);
+            let mut body = BodyDesc::dynamic()
+                .with_position(DVec3::new(x, 0.4 + 0.12 * i as f64, z))
+                .with_rotation(turn);
             let (parts, density) = self.thing.parts(&mut random);
             for (geometry, at) in parts {
                 let mut shape = ShapeDesc::new(geometry).with_material(material);
@@ -276,7 +279,7 @@ fn balls_with_friction_of_rolling_and_spinning_fall_asleep() {
         let heap = Heap::any(Ball, Ground::Tray, 100, hz, 1);
         let (mut world, bodies) = heap.throw(Settings::default().with_sleeping(true));
         heap.look(&mut world, &bodies, &mut 0.0, 5.0);
-        let awake = bodies.iter().filter(|&&body| !world.is_asleep(body).unwrap()).count();
+        let awake = bodies.iter().filter(|&&body| !world.is_sleeping(body).unwrap()).count();
         assert_eq!(awake, 0, "{hz} Hz");
     }
 }

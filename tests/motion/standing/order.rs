@@ -3,7 +3,7 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Error, Frame, Geometry, JointDesc, JointHandle, Limit, Motion,
+    Axes, Axis, BodyDesc, BodyHandle, Error, Frame, Geometry, JointDesc, JointHandle, Limit, Motion, Motor,
     Order, RowGroup, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
 };
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -35,20 +35,20 @@ impl Door {
     }
 
     fn new(world: &mut World, at: DVec3, torque: f32) -> Door {
-        let frame = world.add_body(&BodyDesc::fixed().at(at)).unwrap();
+        let frame = world.add_body(&BodyDesc::fixed().with_position(at)).unwrap();
         let corner = |r: f32, y: f32| Door::along() * r + Vec3::Y * y;
         let corners = vec![corner(0.4, -3.0), corner(4.0, -3.0), corner(4.0, 3.0), corner(0.4, 3.0)];
         let wall = TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
         let wall = ShapeDesc::new(Geometry::Mesh(Arc::new(wall)));
-        let wall = world.add_body(&BodyDesc::fixed().at(at).with_shape(wall)).unwrap();
+        let wall = world.add_body(&BodyDesc::fixed().with_position(at).with_shape(wall)).unwrap();
         let door = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.01));
-        let door = BodyDesc::dynamic().at(at + DVec3::X * 0.5).with_shape(door);
+        let door = BodyDesc::dynamic().with_position(at + DVec3::X * 0.5).with_shape(door);
         let door = world.add_body(&door).unwrap();
         // The frames' x is the world's y.
         let turn = Quat::from_rotation_z(FRAC_PI_2);
         let frames = [Vec3::ZERO, Vec3::X * -0.5].map(|position| Frame { position, rotation: turn });
-        let motor = Drive::motor(Motion::Angular, Axis::X, 5.0, torque);
-        let hinge = world.add_joint(&JointDesc::hinge([frame, door], frames).with_drive(motor)).unwrap();
+        let motor = Motor::velocity(Motion::Angular, Axis::X, 5.0, torque);
+        let hinge = world.add_joint(&JointDesc::hinge([frame, door], frames).with_motor(motor)).unwrap();
         Door { wall, door, hinge, beyond: 0.0, widest: 0.0 }
     }
 
@@ -99,15 +99,15 @@ fn a_motor_that_is_too_strong_drives_no_door_through_a_wall_unless_joints_come_l
 fn pressed(force: f32, facing: f32) -> f64 {
     let mut world = World::new(Settings::default().with_substeps(1).with_iterations(8)).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(1.0, 5.0, 5.0));
-    let wall = world.add_body(&BodyDesc::fixed().at(DVec3::X).with_shape(wall)).unwrap();
+    let wall = world.add_body(&BodyDesc::fixed().with_position(DVec3::X).with_shape(wall)).unwrap();
     let skeleton = Skeleton::humanoid();
     let facing = Quat::from_rotation_y(facing);
     let figure = skeleton.add_to(&mut world, DVec3::NEG_X, facing, Vec3::ZERO).unwrap();
     let hips = figure.bodies[0];
     let frames = world.frames_at([wall, hips], world.position(hips).unwrap(), Quat::IDENTITY).unwrap();
     let joint = JointDesc::new([wall, hips], frames)
-        .with_drive(Drive::motor(Motion::Linear, Axis::X, 1.0, force))
-        .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::X)))
+        .with_motor(Motor::velocity(Motion::Linear, Axis::X, 1.0, force))
+        .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::X)))
         .with_collide(true);
     world.add_joint(&joint).unwrap();
     let mut deepest = 0.0_f64;
@@ -160,9 +160,9 @@ fn a_joint_that_is_solved_after_walls_drives_its_door_into_them_and_no_other() {
         drive(&mut all, &mut all_doors);
         let mut world = world(Order::default(), solver);
         let mut doors = [0.0, 10.0, 20.0].map(|z| Door::new(&mut world, DVec3::Z * z, TORQUE));
-        world.solve_joint_after(doors[1].hinge, Some(PotentialStaticContacts)).unwrap();
+        world.set_joint_solved_after(doors[1].hinge, Some(PotentialStaticContacts)).unwrap();
         // Above what comes before walls changes nothing for them.
-        world.solve_joint_after(doors[2].hinge, Some(PotentialContacts)).unwrap();
+        world.set_joint_solved_after(doors[2].hinge, Some(PotentialContacts)).unwrap();
         drive(&mut world, &mut doors);
         let beyond = doors.map(|door| door.beyond);
         println!("{solver:?}: {beyond:?} m beyond");
@@ -182,7 +182,7 @@ fn a_wall_that_is_solved_after_joints_stops_its_door_and_no_other() {
         let mut world = world(Order::default().reversed(), solver);
         let mut doors = [0.0, 10.0].map(|z| Door::new(&mut world, DVec3::Z * z, TORQUE));
         // The last of the reversed order.
-        world.solve_body_after(doors[1].wall, Some(RowGroup::SoftJoints)).unwrap();
+        world.set_body_solved_after(doors[1].wall, Some(RowGroup::SoftJoints)).unwrap();
         drive(&mut world, &mut doors);
         let beyond = doors.map(|door| door.beyond);
         println!("{solver:?}: {beyond:?} m beyond");
@@ -199,13 +199,17 @@ fn squeezed(solved_after: Option<RowGroup>) -> Vec<f64> {
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 }).with_density(density);
     let balls: Vec<BodyHandle> = (0..11)
         .map(|i| {
-            world.add_body(&BodyDesc::dynamic().at(DVec3::X * f64::from(i)).with_shape(ball.clone())).unwrap()
+            world
+                .add_body(
+                    &BodyDesc::dynamic().with_position(DVec3::X * f64::from(i)).with_shape(ball.clone()),
+                )
+                .unwrap()
         })
         .collect();
-    world.solve_body_after(balls[0], solved_after).unwrap();
+    world.set_body_solved_after(balls[0], solved_after).unwrap();
     for _ in 0..60 {
-        world.add_force(balls[0], Vec3::X * 20.0, Vec3::ZERO).unwrap();
-        world.add_force(balls[10], Vec3::X * -20.0, Vec3::ZERO).unwrap();
+        world.add_force(balls[0], Vec3::X * 20.0).unwrap();
+        world.add_force(balls[10], Vec3::X * -20.0).unwrap();
         world.step(1.0 / 60.0).unwrap();
     }
     let x: Vec<f64> = balls.iter().map(|&ball| world.position(ball).unwrap().x).collect();
@@ -227,10 +231,10 @@ fn what_is_put_back_into_its_own_place_is_as_it_was() {
         let mut world = world(Order::default(), solver);
         let mut doors = [Door::new(&mut world, DVec3::ZERO, TORQUE)];
         if changes {
-            world.solve_joint_after(doors[0].hinge, Some(RowGroup::PotentialStaticContacts)).unwrap();
-            world.solve_body_after(doors[0].door, Some(RowGroup::Contacts)).unwrap();
-            world.solve_joint_after(doors[0].hinge, None).unwrap();
-            world.solve_body_after(doors[0].door, None).unwrap();
+            world.set_joint_solved_after(doors[0].hinge, Some(RowGroup::PotentialStaticContacts)).unwrap();
+            world.set_body_solved_after(doors[0].door, Some(RowGroup::Contacts)).unwrap();
+            world.set_joint_solved_after(doors[0].hinge, None).unwrap();
+            world.set_body_solved_after(doors[0].door, None).unwrap();
         }
         drive(&mut world, &mut doors);
         (world.position(doors[0].door).unwrap(), world.rotation(doors[0].door).unwrap())
@@ -250,7 +254,7 @@ fn bodies_solved_after_a_group_are_the_same_at_any_number_of_threads() {
             .map(|i| {
                 let at =
                     DVec3::new(f64::from(i % 6) * 1.01, 0.5 + f64::from(i / 36) * 1.1, f64::from(i / 6 % 6));
-                let mut body = BodyDesc::dynamic().at(at).with_shape(cube.clone());
+                let mut body = BodyDesc::dynamic().with_position(at).with_shape(cube.clone());
                 body.solved_after = (i % 3 == 0).then_some(groups[i as usize % 7]);
                 world.add_body(&body).unwrap()
             })
@@ -272,8 +276,8 @@ fn stale_handles_are_not_solved_after_a_group() {
     let mut world = World::new(Settings::default()).unwrap();
     let door = Door::new(&mut world, DVec3::ZERO, 1.0);
     world.remove_body(door.door).unwrap();
-    assert!(matches!(world.solve_body_after(door.door, None), Err(Error::StaleBody)));
-    assert!(matches!(world.solve_joint_after(door.hinge, None), Err(Error::StaleJoint)));
+    assert!(matches!(world.set_body_solved_after(door.door, None), Err(Error::StaleBody)));
+    assert!(matches!(world.set_joint_solved_after(door.hinge, None), Err(Error::StaleJoint)));
 }
 
 #[test]

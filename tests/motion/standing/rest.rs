@@ -252,9 +252,11 @@ fn a_box_stays_on_a_slope_at_steps_that_vary() {
         let mut world = World::new(Settings::default()).unwrap();
         let turn = Quat::from_rotation_z(20.0_f32.to_radians());
         let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
-        world.add_body(&BodyDesc::fixed().rotated(turn).with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
+        world
+            .add_body(&BodyDesc::fixed().with_rotation(turn).with_shape(ShapeDesc::new(Geometry::Plane)))
+            .unwrap();
         let start = (turn * Vec3::new(0.0, 0.5, 0.0)).as_dvec3();
-        let body = BodyDesc::dynamic().at(start).rotated(turn).with_shape(cube);
+        let body = BodyDesc::dynamic().with_position(start).with_rotation(turn).with_shape(cube);
         let body = world.add_body(&body).unwrap();
         let (mut time, mut step) = (0.0, 0);
         while time < 120.0 {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 const DT: f32 = 1.0 / 60.0;
 
 fn ball(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
 }
 
 /// A few balls on the ground, in the middle of things.
@@ -34,7 +34,7 @@ fn limit(world: &mut World, budget: Budget) {
 fn state(world: &World) -> (Vec<u8>, backstop::MemoryReport, u64) {
     let mut snapshot = Snapshot::new();
     world.snapshot(&mut snapshot);
-    (snapshot.to_whole_bytes(), world.memory(), world.hash())
+    (snapshot.to_whole_bytes(), world.memory(), world.state_hash())
 }
 
 /// Gives a category no more than it has, and looks what a call says and changes.
@@ -87,9 +87,9 @@ fn each_category_refuses_what_it_has_no_place_for() {
     refuses(&mut world, Category::Shapes, |world| world.add_body(&pebble));
     let terrain = BodyDesc::fixed().with_shape(ShapeDesc::new(common::flat_mesh(20, 1.0)));
     refuses(&mut world, Category::Meshes, |world| world.add_body(&terrain));
-    refuses(&mut world, Category::Bodies, |world| world.add_force(bodies[0], Vec3::Y, Vec3::ZERO));
+    refuses(&mut world, Category::Bodies, |world| world.add_force(bodies[0], Vec3::Y));
     refuses(&mut world, Category::Scratch, |world| {
-        world.solve_body_after(bodies[0], Some(RowGroup::StaticContacts))
+        world.set_body_solved_after(bodies[0], Some(RowGroup::StaticContacts))
     });
     let frames = world.frames_at([bodies[0], bodies[1]], DVec3::Y, Quat::IDENTITY).unwrap();
     let joint = JointDesc::ball([bodies[0], bodies[1]], frames);
@@ -101,7 +101,7 @@ fn each_category_refuses_what_it_has_no_place_for() {
     let first = world.shapes(bodies[2]).unwrap().next().unwrap();
     // Nothing is kept of bodies that bounce, or whose contacts hooks see, but in a step.
     world.set_material(first, elastic).unwrap();
-    world.set_listening(first, false, true).unwrap();
+    world.set_hooks(first, true).unwrap();
     // After all of that it is as good as ever.
     common::steps(&mut world, 10, DT);
     assert!(common::all_finite(&world));

@@ -8,16 +8,18 @@ use backstop::{BodyDesc, Budget, Category, ContinuousMethod, Geometry, Settings,
 /// Hash, what was shed, and the bytes of continuous collision before and after: a box is shot at the ground.
 fn run(ground: &Geometry, budget: Budget) -> (u64, u32, [usize; 2]) {
     let mut settings = Settings::default().with_budget(budget);
-    settings.method = ContinuousMethod::ConservativeAdvancement;
+    settings.continuous_method = ContinuousMethod::ConservativeAdvancement;
     let mut world = World::new(settings).unwrap();
-    world.add_body(&BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(ShapeDesc::new(ground.clone()))).unwrap();
+    world
+        .add_body(&BodyDesc::fixed().with_position(DVec3::NEG_Y).with_shape(ShapeDesc::new(ground.clone())))
+        .unwrap();
     let cuboid = ShapeDesc::new(Geometry::cuboid(0.2, 0.1, 0.15));
-    let body = BodyDesc::dynamic().at(DVec3::new(0.1, 0.4, 0.3)).with_shape(cuboid);
-    world.add_body(&body.moving(Vec3::new(7.0, -100.0, 2.0), Vec3::new(0.5, 1.0, -0.3))).unwrap();
+    let body = BodyDesc::dynamic().with_position(DVec3::new(0.1, 0.4, 0.3)).with_shape(cuboid);
+    world.add_body(&body.with_velocity(Vec3::new(7.0, -100.0, 2.0), Vec3::new(0.5, 1.0, -0.3))).unwrap();
     let bytes = |world: &World| world.memory().category(Category::Continuous).reserved;
     let first = bytes(&world);
     let shed = (0..4).map(|_| world.step(1.0 / 60.0).unwrap().shed).sum();
-    (world.hash(), shed, [first, bytes(&world)])
+    (world.state_hash(), shed, [first, bytes(&world)])
 }
 
 /// Expected: where nothing is told to be shed, nothing was left out: the bits are those of a world without a

@@ -31,7 +31,7 @@ fn run(scene: &Scene, budget: Option<usize>, threads: usize, mut each: impl FnMu
         most = most.max(world.memory().total());
         each(&world);
     }
-    Run { hash: world.hash(), shed, most, first }
+    Run { hash: world.state_hash(), shed, most, first }
 }
 
 fn total(run: &Run) -> u32 {
@@ -169,7 +169,7 @@ fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
 #[test]
 fn bodies_in_the_places_of_removed_ones_take_no_more_memory() {
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
-    let body = |i: u32| BodyDesc::dynamic().at(DVec3::Y * f64::from(i)).with_shape(ball.clone());
+    let body = |i: u32| BodyDesc::dynamic().with_position(DVec3::Y * f64::from(i)).with_shape(ball.clone());
     let mut world = World::new(settings(Some(1 << 20), 1)).unwrap();
     let bodies: Vec<_> = (0..16).map(|i| world.add_body(&body(i)).unwrap()).collect();
     for &body in &bodies[4..] {

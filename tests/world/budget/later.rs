@@ -12,7 +12,7 @@ use backstop::{
 const DT: f32 = 1.0 / 60.0;
 
 fn ball(at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
 }
 
 /// Sixty balls in a heap on the ground.
@@ -44,7 +44,7 @@ fn held(world: &World) -> usize {
 fn state(world: &World) -> (Vec<u8>, backstop::MemoryReport, u64) {
     let mut snapshot = Snapshot::new();
     world.snapshot(&mut snapshot);
-    (snapshot.to_whole_bytes(), world.memory(), world.hash())
+    (snapshot.to_whole_bytes(), world.memory(), world.state_hash())
 }
 
 /// Leaves a call no byte and looks that it is refused and changes nothing; then a byte less than it asks for;
@@ -82,7 +82,7 @@ fn another_world_restores_what_its_own_budget_allows() {
     let mut world = World::new(Settings::default()).unwrap();
     let asked = asks(&mut world, |world| world.restore(&snapshot));
     assert_eq!(world.settings().budget, Budget::total(asked));
-    assert_eq!(world.hash(), from.hash());
+    assert_eq!(world.state_hash(), from.state_hash());
     for _ in 0..60 {
         world.step(DT).unwrap();
         assert!(held(&world) <= asked);
@@ -94,7 +94,7 @@ fn another_world_restores_what_its_own_budget_allows() {
     limit(&mut larger, used);
     larger.restore(&snapshot).unwrap();
     assert!(held(&larger) <= used);
-    assert_eq!(larger.hash(), from.hash());
+    assert_eq!(larger.state_hash(), from.state_hash());
 }
 
 /// The category whose own limit is short is named.
@@ -191,7 +191,7 @@ fn queries_ask_for_their_tree() {
     }
     limit(&mut world, 1 << 30);
     let walls: Vec<BodyDesc> = (0..40)
-        .map(|i| BodyDesc::fixed().at(DVec3::new(9.0, f64::from(i), 0.0)))
+        .map(|i| BodyDesc::fixed().with_position(DVec3::new(9.0, f64::from(i), 0.0)))
         .map(|body| body.with_shape(ShapeDesc::new(Geometry::cuboid(1.0, 0.4, 1.0))))
         .collect();
     world.add_bodies(&walls).unwrap();
@@ -203,7 +203,7 @@ fn queries_ask_for_their_tree() {
 fn what_settings_switch_on_later_is_asked_for() {
     let switches: [fn(&mut Settings); 2] = [
         |settings| settings.sleeping = true,
-        |settings| settings.method = ContinuousMethod::ConservativeAdvancement,
+        |settings| settings.continuous_method = ContinuousMethod::ConservativeAdvancement,
     ];
     for switch in switches {
         let (mut world, _) = heap(wide());
@@ -213,7 +213,7 @@ fn what_settings_switch_on_later_is_asked_for() {
             let result = world.set_settings(settings);
             if result.is_err() {
                 assert!(!world.settings().sleeping);
-                assert_eq!(world.settings().method, Settings::default().method);
+                assert_eq!(world.settings().continuous_method, Settings::default().continuous_method);
             }
             result
         });
@@ -234,13 +234,13 @@ fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
     world.add_bodies(&many).unwrap();
     let bodies = world.memory().category(Category::Bodies).reserved;
     common::steps(&mut world, 120, DT);
-    assert_eq!(world.asleep(), 36);
+    assert_eq!(world.sleeping_body_count(), 36);
     assert_eq!(world.memory().category(Category::Bodies).reserved, bodies);
     let used = held(&world);
     limit(&mut world, used);
     // It wakes all.
     world.set_settings(world.settings().clone().with_gravity(Vec3::Y * -9.0)).unwrap();
-    assert_eq!(world.asleep(), 0);
+    assert_eq!(world.sleeping_body_count(), 0);
     assert!(held(&world) <= used);
     common::steps(&mut world, 10, DT);
     assert!(held(&world) <= used);

@@ -5,9 +5,9 @@ use crate::common;
 
 use backstop::glam::{DVec3, Vec2, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Category, ContactHook, ContactHooks, Continuous, ConvexHull, Drive,
-    Feature, Frame, Geometry, HeightField, JointDesc, Limit, Material, ModelPart, Motion, QueryFilter, Ray,
-    RowGroup, Settings, ShapeDesc, ShapeHandle, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, Category, ContactHook, ContactHooks, ContinuousMode, ConvexHull,
+    Feature, FeatureCost, Frame, Geometry, HeightField, JointDesc, Limit, Material, Motion, Motor,
+    QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Spring, World,
 };
 use std::sync::Arc;
 
@@ -25,17 +25,17 @@ fn ball() -> ShapeDesc {
 
 /// Nothing is continuous in it.
 fn settings() -> Settings {
-    Settings::default().with_continuous(Continuous::Discrete)
+    Settings::default().with_continuous(ContinuousMode::Discrete)
 }
 
 /// A floor without friction, and balls on it that touch each other.
 fn plain(settings: Settings) -> (World, Vec<BodyHandle>) {
     let mut world = World::new(settings).unwrap();
     let floor = smooth(Geometry::cuboid(20.0, 1.0, 20.0));
-    world.add_body(&BodyDesc::fixed().at(DVec3::new(0.0, -1.0, 0.0)).with_shape(floor)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::new(0.0, -1.0, 0.0)).with_shape(floor)).unwrap();
     let balls = (0..4).map(|i| {
         let at = DVec3::new(0.999 * f64::from(i), 0.499, 0.0);
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball())).unwrap()
+        world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball())).unwrap()
     });
     let balls = balls.collect();
     step(&mut world, 3);
@@ -46,8 +46,8 @@ fn step(world: &mut World, steps: u32) {
     (0..steps).for_each(|_| drop(world.step(DT).map(|_| ())));
 }
 
-fn part(world: &World, feature: Feature) -> ModelPart {
-    world.model().part(feature)
+fn part(world: &World, feature: Feature) -> FeatureCost {
+    world.feature_report().part(feature)
 }
 
 fn bytes(world: &World, category: Category) -> usize {
@@ -59,7 +59,7 @@ fn absent(world: &World, feature: Feature) {
     let part = part(world, feature);
     assert_eq!((part.count, part.bytes, part.time_us), (0, 0, None), "{part}");
     assert_eq!(part.to_string(), format!("{feature}: not needed"));
-    assert!(world.model().not_needed().any(|other| other == feature));
+    assert!(world.feature_report().not_needed().any(|other| other == feature));
 }
 
 /// It is asked for so often, and has bytes.
@@ -68,7 +68,7 @@ fn present(world: &World, feature: Feature, count: u32) {
     let part = part(world, feature);
     assert_eq!(part.count, count, "{part}");
     assert!(part.is_needed() && part.bytes > 0, "{part}");
-    assert!(!world.model().not_needed().any(|other| other == feature));
+    assert!(!world.feature_report().not_needed().any(|other| other == feature));
 }
 
 /// It is asked for so often; it has no bytes of its own.
@@ -92,7 +92,7 @@ fn balls_on_a_smooth_floor_need_gravity_and_nothing_else() {
     let (world, balls) = plain(settings());
     assert!(world.report().real >= balls.len() as u32, "they touch");
     let needed: Vec<Feature> =
-        world.model().iter().filter(|part| part.is_needed()).map(|part| part.feature).collect();
+        world.feature_report().iter().filter(|part| part.is_needed()).map(|part| part.feature).collect();
     assert_eq!(needed, [Feature::Acceleration]);
     for feature in Feature::ALL.into_iter().filter(|&feature| feature != Feature::Acceleration) {
         absent(&world, feature);
@@ -169,12 +169,12 @@ fn where_all_is_discrete_nothing_is_kept_of_paths() {
     assert!(bytes(&world, Category::Continuous) > 0);
     // Each body may say so, or the world.
     for &ball in &balls {
-        world.set_continuous(ball, Continuous::Discrete).unwrap();
+        world.set_continuous(ball, ContinuousMode::Discrete).unwrap();
     }
     step(&mut world, 2);
     absent(&world, Feature::ContinuousCollision);
     assert_eq!(bytes(&world, Category::Continuous), 0);
-    world.set_continuous(balls[1], Continuous::Volume).unwrap();
+    world.set_continuous(balls[1], ContinuousMode::Volume).unwrap();
     step(&mut world, 1);
     present(&world, Feature::ContinuousCollision, 1);
     world.set_settings(settings()).unwrap();
@@ -188,7 +188,7 @@ fn without_gravity_and_forces_no_accelerations() {
     let (mut world, balls) = plain(settings().with_gravity(Vec3::ZERO));
     absent(&world, Feature::Acceleration);
     absent(&world, Feature::Forces);
-    world.add_force(balls[0], Vec3::Y, Vec3::ZERO).unwrap();
+    world.add_force(balls[0], Vec3::Y).unwrap();
     present(&world, Feature::Forces, 1);
     step(&mut world, 1);
     present(&world, Feature::Acceleration, 4);
@@ -212,10 +212,10 @@ fn whether_there_is_a_column_of_forces_changes_no_bit() {
         let (mut world, balls) = plain(Settings::default().with_gravity(-9.81 * Vec3::Y));
         world.set_gravity_scale(balls[1], -1.0).unwrap();
         if force {
-            world.add_force(balls[0], Vec3::ZERO, Vec3::ZERO).unwrap();
+            world.add_force(balls[0], Vec3::ZERO).unwrap();
         }
         step(&mut world, 20);
-        world.hash()
+        world.state_hash()
     };
     assert_eq!(run(false), run(true));
 }
@@ -223,7 +223,8 @@ fn whether_there_is_a_column_of_forces_changes_no_bit() {
 #[test]
 fn locked_axes_and_unequal_moments_are_counted() {
     let (mut world, _) = plain(settings());
-    let free = BodyDesc::dynamic().at(DVec3::Y * 5.0).with_shape(smooth(Geometry::cuboid(1.0, 0.5, 0.2)));
+    let free =
+        BodyDesc::dynamic().with_position(DVec3::Y * 5.0).with_shape(smooth(Geometry::cuboid(1.0, 0.5, 0.2)));
     let body = world.add_body(&free).unwrap();
     counted(&world, Feature::GyroscopicTurning, 1);
     let locked = free.with_lock_rotation([true, false, false]);
@@ -331,11 +332,11 @@ fn joints_have_what_their_kind_needs() {
             &[Feature::JointLimits, Feature::JointSprings],
         ),
         (
-            |b, f, _| JointDesc::new(b, f).with_drive(Drive::motor(Motion::Angular, Axis::X, 1.0, 10.0)),
+            |b, f, _| JointDesc::new(b, f).with_motor(Motor::velocity(Motion::Angular, Axis::X, 1.0, 10.0)),
             &[Feature::JointDrives],
         ),
         (
-            |b, f, _| JointDesc::ball(b, f).with_strength(1e9, 1e9),
+            |b, f, _| JointDesc::ball(b, f).with_break_force(1e9, 1e9),
             &[Feature::JointTrees, Feature::BreakableJoints],
         ),
     ];
@@ -362,7 +363,7 @@ fn joints_have_what_their_kind_needs() {
 #[test]
 fn a_net_has_locks_outside_of_trees() {
     let (mut world, _) = plain(settings());
-    let desc = |x: f64, z: f64| BodyDesc::dynamic().at(DVec3::new(x, 5.0, z)).with_shape(ball());
+    let desc = |x: f64, z: f64| BodyDesc::dynamic().with_position(DVec3::new(x, 5.0, z)).with_shape(ball());
     let bodies = [(0.0, 0.0), (2.0, 0.0), (1.0, 2.0), (4.0, 3.0), (3.0, 5.0)]
         .map(|(x, z)| world.add_body(&desc(x, z)).unwrap());
     // Each with each: six loops, more than are cut.
@@ -377,7 +378,7 @@ fn a_net_has_locks_outside_of_trees() {
         .collect();
     step(&mut world, 1);
     present(&world, Feature::Joints, 10);
-    let model = world.model();
+    let model = world.feature_report();
     let (trees, locks) = (model.part(Feature::JointTrees), model.part(Feature::JointLocks));
     assert!(locks.count > 0 && locks.bytes > 0, "{locks}");
     // A ring of the five is left.
@@ -393,7 +394,7 @@ fn a_net_has_locks_outside_of_trees() {
 fn without_sleep_nothing_is_kept_of_rest() {
     let (mut world, _) = plain(settings().with_sleeping(true).with_sleep_time(0.1));
     step(&mut world, 300);
-    assert_eq!(world.asleep(), 4);
+    assert_eq!(world.sleeping_body_count(), 4);
     present(&world, Feature::Sleeping, 4);
     timed(&world, Feature::Sleeping);
     world.set_settings(settings()).unwrap();
@@ -405,7 +406,7 @@ fn without_sleep_nothing_is_kept_of_rest() {
 fn where_nobody_listens_there_are_no_events() {
     let (mut world, balls) = plain(settings());
     let shape = first_shape(&world, balls[0]);
-    world.set_listening(shape, true, false).unwrap();
+    world.set_events(shape, true).unwrap();
     step(&mut world, 1);
     assert!(!world.contact_begins().is_empty());
     present(&world, Feature::ContactEvents, 1);
@@ -423,8 +424,9 @@ fn where_nobody_listens_there_are_no_events() {
 #[test]
 fn without_sensors_nobody_is_in_one() {
     let (mut world, _) = plain(settings());
-    let sensor =
-        BodyDesc::fixed().at(DVec3::Y).with_shape(ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).sensing());
+    let sensor = BodyDesc::fixed()
+        .with_position(DVec3::Y)
+        .with_shape(ShapeDesc::new(Geometry::cuboid(3.0, 1.0, 3.0)).as_sensor());
     let sensor = world.add_body(&sensor).unwrap();
     step(&mut world, 1);
     assert!(!world.sensor_begins().is_empty());
@@ -451,7 +453,7 @@ impl ContactHooks for Belt {
 fn hooks_may_ask_for_friction_restitution_and_moving_surfaces() {
     let (mut world, balls) = plain(settings());
     let shape = first_shape(&world, balls[0]);
-    world.set_listening(shape, false, true).unwrap();
+    world.set_hooks(shape, true).unwrap();
     step(&mut world, 1);
     // They said nothing.
     present(&world, Feature::ContactHooks, 1);
@@ -464,7 +466,7 @@ fn hooks_may_ask_for_friction_restitution_and_moving_surfaces() {
     let surfaces = part(&world, Feature::SurfaceVelocities);
     assert!(surfaces.count > 0 && surfaces.bytes > 0, "{surfaces}");
     assert!(world.linear_velocity(balls[0]).unwrap().z.abs() > 0.0);
-    world.set_listening(shape, false, false).unwrap();
+    world.set_hooks(shape, false).unwrap();
     step(&mut world, 1);
     for feature in
         [Feature::ContactHooks, Feature::SurfaceVelocities, Feature::Friction, Feature::Restitution]
@@ -494,10 +496,10 @@ fn a_tree_for_queries_is_there_while_somebody_asks() {
 #[test]
 fn an_order_of_its_own_only_for_what_is_solved_after_a_group() {
     let (mut world, balls) = plain(settings());
-    world.solve_body_after(balls[0], Some(RowGroup::StaticContacts)).unwrap();
+    world.set_body_solved_after(balls[0], Some(RowGroup::StaticContacts)).unwrap();
     step(&mut world, 1);
     present(&world, Feature::SolvedAfter, 1);
-    world.solve_body_after(balls[0], None).unwrap();
+    world.set_body_solved_after(balls[0], None).unwrap();
     step(&mut world, 1);
     absent(&world, Feature::SolvedAfter);
 }

@@ -1,13 +1,13 @@
 //! What continuous collision costs is told apart from what discrete physics needs too.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::{BodyDesc, Bytes, Category, Continuous, Geometry, Settings, ShapeDesc, World};
+use backstop::{BodyDesc, Bytes, Category, ContinuousMode, Geometry, Settings, ShapeDesc, World};
 
 const BULLETS: usize = 64;
 
 /// Bullets that are about to hit a wall, all in the next step, but are further from it than discrete physics
 /// looks.
-fn volley(continuous: Continuous) -> World {
+fn volley(continuous: ContinuousMode) -> World {
     let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(continuous);
     let mut world = World::new(settings).unwrap();
     let wall = ShapeDesc::new(Geometry::cuboid(0.1, 50.0, 50.0));
@@ -15,7 +15,8 @@ fn volley(continuous: Continuous) -> World {
     for i in 0..BULLETS {
         let at = DVec3::new(-2.0, (i % 8) as f64 - 3.5, (i / 8) as f64 - 3.5);
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.05 });
-        let ball = BodyDesc::dynamic().at(at).moving(Vec3::X * 300.0, Vec3::ZERO).with_shape(ball);
+        let ball =
+            BodyDesc::dynamic().with_position(at).with_velocity(Vec3::X * 300.0, Vec3::ZERO).with_shape(ball);
         world.add_body(&ball).unwrap();
     }
     world
@@ -27,11 +28,11 @@ fn bytes(world: &World, category: Category) -> Bytes {
 
 #[test]
 fn what_only_continuous_collision_finds_counts_as_continuous() {
-    let mut discrete = volley(Continuous::Discrete);
+    let mut discrete = volley(ContinuousMode::Discrete);
     let report = *discrete.step(1.0 / 60.0).unwrap();
     assert_eq!((report.manifolds, bytes(&discrete, Category::Manifolds).reserved), (0, 0));
 
-    let mut world = volley(Continuous::Segment);
+    let mut world = volley(ContinuousMode::Segment);
     let report = *world.step(1.0 / 60.0).unwrap();
     assert_eq!((report.manifolds, report.potential), (64, 64));
     // All contacts are such, and fill their batches, so that nothing of either is left for discrete physics.
@@ -44,7 +45,7 @@ fn what_only_continuous_collision_finds_counts_as_continuous() {
 
 #[test]
 fn what_continuous_collision_no_longer_needs_is_free_for_contacts_that_touch() {
-    let mut world = volley(Continuous::Segment);
+    let mut world = volley(ContinuousMode::Segment);
     world.step(1.0 / 60.0).unwrap();
     let then = bytes(&world, Category::Continuous);
     // Held at the wall by now: what touches needs no continuous collision.

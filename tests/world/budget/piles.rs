@@ -62,7 +62,7 @@ fn a_wide_budget_on_a_running_world_changes_nothing() {
         let shed = worlds.each_mut().map(|world| world.step(PILE.dt).unwrap().shed);
         assert_eq!(shed, [0; 2], "{step}");
     }
-    assert_eq!(worlds[0].hash(), worlds[1].hash());
+    assert_eq!(worlds[0].state_hash(), worlds[1].state_hash());
 }
 
 /// What it takes from share to share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.

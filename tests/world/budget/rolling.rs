@@ -13,14 +13,14 @@ fn balls() -> Scene {
     let mut scene = Scene::new("balls");
     let belt = Material::default().with_surface_velocity(Vec3::X * 0.2);
     let floor = ShapeDesc::new(Geometry::cuboid(40.0, 1.0, 40.0)).with_material(belt);
-    scene.add("floor", BodyDesc::fixed().at(DVec3::NEG_Y).with_shape(floor));
+    scene.add("floor", BodyDesc::fixed().with_position(DVec3::NEG_Y).with_shape(floor));
     let mut random = Random(5);
     let rough = Material::default().with_rolling_friction(0.02).with_spinning_friction(0.01);
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.25 }).with_material(rough);
     for i in 0..300_u16 {
         let at = DVec3::new(f64::from(i % 8), 0.7 * f64::from(i / 64), f64::from(i / 8 % 8)) * 0.6;
         let way = Vec3::new(random.signed(), 0.0, random.signed());
-        let body = BodyDesc::dynamic().at(at + DVec3::Y * 0.3).moving(way, Vec3::ZERO);
+        let body = BodyDesc::dynamic().with_position(at + DVec3::Y * 0.3).with_velocity(way, Vec3::ZERO);
         scene.add("ball", body.with_shape(ball.clone()));
     }
     scene
@@ -36,7 +36,7 @@ fn run(scene: &Scene, budget: Option<usize>, threads: usize) -> (u64, u32, usize
         shed += world.step(DT).unwrap().shed;
         most = most.max(world.memory().total());
     }
-    (world.hash(), shed, most)
+    (world.state_hash(), shed, most)
 }
 
 /// Expected: no step takes more than the budget, at any number of threads alike; and where nothing was shed,

@@ -12,11 +12,13 @@ fn crowd(count: usize, gravity: f32) -> (World, Vec<BodyHandle>) {
     let gravity = Vec3::Y * gravity;
     let settings = Settings::default().with_budget(Budget::total(LIMIT)).with_gravity(gravity);
     let mut world = World::new(settings).unwrap();
-    let floor =
-        BodyDesc::fixed().at(DVec3::Y * -1.0).with_shape(ShapeDesc::new(Geometry::cuboid(100.0, 1.0, 100.0)));
+    let floor = BodyDesc::fixed()
+        .with_position(DVec3::Y * -1.0)
+        .with_shape(ShapeDesc::new(Geometry::cuboid(100.0, 1.0, 100.0)));
     world.add_body(&floor).unwrap();
-    let cube =
-        BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)));
+    let cube = BodyDesc::dynamic()
+        .with_position(DVec3::Y * 0.5)
+        .with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)));
     let bodies = world.add_bodies(&vec![cube; count]).unwrap();
     (world, bodies)
 }

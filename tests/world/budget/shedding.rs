@@ -47,7 +47,7 @@ fn run(scene: &Scene, budget: Budget, threads: usize, mut each: impl FnMut(u32, 
         assert!(budget.limit().is_none_or(|limit| now[10] <= limit), "{}", now[10]);
         each(step, &world);
     }
-    Run { hash: world.hash(), shed, first, most }
+    Run { hash: world.state_hash(), shed, first, most }
 }
 
 /// Nobody's centre is below the floor of the pile's box, or outside its walls.

@@ -39,7 +39,7 @@ fn bad_numbers_are_refused_and_change_nothing() {
     for dt in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(character.walk(&world, &all, Vec3::X, dt).is_err());
     }
-    assert!(character.place(DVec3::NAN).is_err());
+    assert!(character.set_position(DVec3::NAN).is_err());
     assert_eq!(character, before);
     assert!(matches!(Character::new(CharacterSettings::default(), DVec3::NAN), Err(Error::NotFinite { .. })));
     let good = CharacterSettings::default;

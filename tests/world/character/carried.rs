@@ -7,7 +7,8 @@ fn moving_and_turning_ground_carries_it() {
     for before in [false, true] {
         let mut world = world();
         let plate = ShapeDesc::new(Geometry::cylinder(0.5, 6.0));
-        let plate = world.add_body(&BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(plate)).unwrap();
+        let plate =
+            world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(plate)).unwrap();
         let mut character = standing(&world, DVec3::new(4.0, 0.0, 0.0), CharacterSettings::default());
         let mut turned = 0.0;
         let dt = f64::from(DT);
@@ -63,8 +64,8 @@ fn moving_and_turning_ground_carries_it() {
 fn ground_that_is_removed_lets_it_fall_and_a_wall_stops_who_is_carried() {
     let mut world = world();
     let plate = ShapeDesc::new(Geometry::cuboid(3.0, 0.5, 3.0));
-    let plate = BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(plate);
-    let plate = world.add_body(&plate.moving(Vec3::X * 2.0, Vec3::ZERO)).unwrap();
+    let plate = BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(plate);
+    let plate = world.add_body(&plate.with_velocity(Vec3::X * 2.0, Vec3::ZERO)).unwrap();
     cuboid(&mut world, [4.0, 2.0, 0.0], [1.0, 1.5, 9.0]);
     let mut character = standing(&world, DVec3::ZERO, CharacterSettings::default());
     let mut last = Vec3::ZERO;
@@ -84,8 +85,8 @@ fn what_moves_into_it_pushes_it_out() {
     let mut world = world();
     floor(&mut world);
     let ram = ShapeDesc::new(Geometry::cuboid(1.0, 2.0, 2.0));
-    let ram = BodyDesc::kinematic().at(DVec3::X * -3.0).with_shape(ram);
-    world.add_body(&ram.moving(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
+    let ram = BodyDesc::kinematic().with_position(DVec3::X * -3.0).with_shape(ram);
+    world.add_body(&ram.with_velocity(Vec3::X * 4.0, Vec3::ZERO)).unwrap();
     let mut character = standing(&world, DVec3::ZERO, CharacterSettings::default());
     let mut last = Vec3::ZERO;
     for step in 1..=90 {
@@ -127,7 +128,7 @@ fn a_ceiling_ends_a_jump_and_a_platform_may_be_passed_from_below() {
     for _ in 0..180 {
         let above = character.feet().y > 2.6 - 1e-3;
         let sees = |body: BodyHandle, _: ShapeHandle| body != plate || above;
-        let report = character.walk(&world, &QueryFilter::new().when(&sees), velocity, DT).unwrap();
+        let report = character.walk(&world, &QueryFilter::new().with_predicate(&sees), velocity, DT).unwrap();
         velocity = report.velocity - Vec3::Y * G * DT;
         highest = highest.max(character.feet().y);
     }
@@ -145,7 +146,7 @@ fn it_pushes_what_it_can_and_weighs_on_what_it_stands_on() {
     let add = |world: &mut World, at: DVec3, density: f32| {
         let shape =
             ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(density).with_material(material);
-        world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
+        world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape)).unwrap()
     };
     let light = add(&mut world, DVec3::new(2.0, 0.5, 0.0), 20.0);
     let heavy = add(&mut world, DVec3::new(2.0, 0.5, 6.0), 8000.0);
@@ -164,7 +165,9 @@ fn it_pushes_what_it_can_and_weighs_on_what_it_stands_on() {
     near(characters[1].feet().x, 1.5 - 0.32, 1e-3);
     // A seesaw goes down on the side where it stands.
     let beam = ShapeDesc::new(Geometry::cuboid(2.0, 0.05, 0.5)).with_density(50.0);
-    let beam = world.add_body(&BodyDesc::dynamic().at(DVec3::new(0.0, 0.45, -9.0)).with_shape(beam)).unwrap();
+    let beam = world
+        .add_body(&BodyDesc::dynamic().with_position(DVec3::new(0.0, 0.45, -9.0)).with_shape(beam))
+        .unwrap();
     fixed(&mut world, DVec3::new(0.0, 0.2, -9.0), Quat::IDENTITY, Geometry::cuboid(0.05, 0.2, 0.5));
     let mut character = standing(&world, DVec3::new(0.9, 0.5, -9.0), CharacterSettings::default());
     let mut fall = Vec3::ZERO;

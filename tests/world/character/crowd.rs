@@ -55,8 +55,11 @@ fn crowd(random: &mut Random, moving: bool) -> World {
         let turn = random.rotation();
         if moving && i % 2 == 0 {
             let velocity = Vec3::new(random.signed(), 0.3 * random.signed(), random.signed()) * 2.0;
-            let body = BodyDesc::kinematic().at(at).rotated(turn).with_shape(ShapeDesc::new(geometry));
-            world.add_body(&body.moving(velocity, Vec3::ZERO)).unwrap();
+            let body = BodyDesc::kinematic()
+                .with_position(at)
+                .with_rotation(turn)
+                .with_shape(ShapeDesc::new(geometry));
+            world.add_body(&body.with_velocity(velocity, Vec3::ZERO)).unwrap();
         } else {
             fixed(&mut world, at.as_dvec3(), turn, geometry);
         }

@@ -25,7 +25,7 @@ fn forms() -> [(&'static str, Geometry); 3] {
 fn shaped_at(feet: DVec3, form: &Geometry, settings: CharacterSettings) -> Character {
     let mut character = Character::new(settings, DVec3::ZERO).unwrap().with_shape(form.clone()).unwrap();
     let below = character.feet();
-    character.place(feet - below).unwrap();
+    character.set_position(feet - below).unwrap();
     character
 }
 
@@ -121,7 +121,9 @@ fn platforms_ceilings_and_ledges() {
     for (name, form) in forms() {
         let mut carried = world();
         let plate = ShapeDesc::new(Geometry::cylinder(0.5, 6.0));
-        let plate = carried.add_body(&BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(plate)).unwrap();
+        let plate = carried
+            .add_body(&BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(plate))
+            .unwrap();
         let mut character = shaped(&carried, DVec3::new(4.0, 0.0, 0.0), &form);
         let mut turned = 0.0;
         for step in 1..=180 {
@@ -175,7 +177,8 @@ fn it_pushes_and_is_pushed_out() {
         floor(&mut world);
         // 30 kg: its friction is below the strength.
         let crate_ = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(30.0);
-        let crate_ = world.add_body(&BodyDesc::dynamic().at(DVec3::new(1.2, 0.5, 0.0)).with_shape(crate_));
+        let crate_ =
+            world.add_body(&BodyDesc::dynamic().with_position(DVec3::new(1.2, 0.5, 0.0)).with_shape(crate_));
         let crate_ = crate_.unwrap();
         let mut character = shaped(&world, DVec3::ZERO, &form);
         let mut last = Vec3::ZERO;
@@ -190,7 +193,8 @@ fn it_pushes_and_is_pushed_out() {
 
         // A wall that closes in at 1 m/s pushes it along.
         let wall = ShapeDesc::new(Geometry::cuboid(0.2, 2.0, 4.0));
-        let wall = world.add_body(&BodyDesc::kinematic().at(DVec3::new(-2.0, 2.0, 0.0)).with_shape(wall));
+        let wall =
+            world.add_body(&BodyDesc::kinematic().with_position(DVec3::new(-2.0, 2.0, 0.0)).with_shape(wall));
         let wall = wall.unwrap();
         let mut character = shaped(&world, DVec3::new(-1.0, 0.0, 2.0), &form);
         world.set_velocity(wall, Vec3::X, Vec3::ZERO).unwrap();
@@ -237,7 +241,7 @@ fn nothing_gets_through_the_floor_at_any_rate() {
                     assert!(!is_in_anything(&character, &world), "{name} {rate} {step}: {at}");
                     if at.x.abs().max(at.z.abs()) > 30.0 {
                         let up = character.position().y;
-                        character.place(DVec3::new(0.0, up, -5.0)).unwrap();
+                        character.set_position(DVec3::new(0.0, up, -5.0)).unwrap();
                     }
                 }
             }

@@ -32,7 +32,7 @@ fn world() -> World {
 }
 
 fn fixed(world: &mut World, at: DVec3, turn: Quat, geometry: Geometry) -> BodyHandle {
-    let body = BodyDesc::fixed().at(at).rotated(turn);
+    let body = BodyDesc::fixed().with_position(at).with_rotation(turn);
     world.add_body(&body.with_shape(ShapeDesc::new(geometry))).unwrap()
 }
 

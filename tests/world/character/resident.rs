@@ -36,10 +36,11 @@ impl Game {
         for i in 0..140_u8 {
             let at = DVec3::new(f64::from(i % 12) - 5.5, 0.3, f64::from(i / 12) - 5.5) * 1.3;
             let crate_ = ShapeDesc::new(Geometry::cuboid(0.25, 0.25, 0.25));
-            world.add_body(&BodyDesc::dynamic().at(at).with_shape(crate_))?;
+            world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(crate_))?;
         }
         let lift = ShapeDesc::new(Geometry::cuboid(1.0, 0.1, 1.0));
-        let lift = world.add_body(&BodyDesc::kinematic().at(DVec3::new(9.0, 0.1, 0.0)).with_shape(lift))?;
+        let lift = world
+            .add_body(&BodyDesc::kinematic().with_position(DVec3::new(9.0, 0.1, 0.0)).with_shape(lift))?;
         let settings = CharacterSettings::default();
         let at = |x: f64, z: f64| Character::new(settings, DVec3::new(x, 1.5, z));
         let capsule = at(9.0, 0.0)?;
@@ -70,7 +71,7 @@ impl Game {
         frames
             .map(|frame| {
                 self.frame(frame);
-                self.world.hash()
+                self.world.state_hash()
             })
             .collect()
     }
@@ -130,10 +131,10 @@ fn it_walks_as_one_outside_of_the_world() {
             assert_eq!(game.world.walk_character(walker, &filter, velocity, DT).unwrap(), expected);
             assert_eq!(game.world.character(walker).unwrap(), outside);
         }
-        let before = game.world.hash();
+        let before = game.world.state_hash();
         let filter = QueryFilter::new();
         assert!(game.world.walk_character(walker, &filter, Vec3::NAN, DT).is_err());
-        assert_eq!(game.world.hash(), before);
+        assert_eq!(game.world.state_hash(), before);
     }
 }
 
@@ -142,7 +143,7 @@ fn it_walks_as_one_outside_of_the_world() {
 fn characters_come_and_go_under_their_handles() {
     let mut world = world();
     floor(&mut world);
-    let empty = (world.hash(), world.memory().total());
+    let empty = (world.state_hash(), world.memory().total());
     let capsule = Character::new(CharacterSettings::default(), DVec3::Y).unwrap();
     let hulled = capsule.clone().with_shape(hull()).unwrap();
     let first = world.add_character(&capsule).unwrap();
@@ -150,7 +151,7 @@ fn characters_come_and_go_under_their_handles() {
     assert_eq!(world.characters().collect::<Vec<_>>(), [first, second]);
     assert_eq!(world.character(first).as_ref(), Ok(&capsule));
     assert_eq!(world.character(second).as_ref(), Ok(&hulled));
-    assert_ne!(world.hash(), empty.0);
+    assert_ne!(world.state_hash(), empty.0);
     assert!(world.memory().total() > empty.1);
     world.remove_character(first).unwrap();
     assert_eq!(world.remove_character(first), Err(Error::StaleCharacter));
@@ -161,7 +162,7 @@ fn characters_come_and_go_under_their_handles() {
     assert_eq!(world.character(second).as_ref(), Ok(&capsule));
     world.remove_character(second).unwrap();
     world.remove_character(third).unwrap();
-    assert_eq!(world.hash(), empty.0);
+    assert_eq!(world.state_hash(), empty.0);
 
     let held = world.memory().total();
     let budget = Budget::total(held + 64);
@@ -224,6 +225,6 @@ fn recordings_have_characters() {
         let mut replay = Replay::open_with(&bytes[..], move |settings| settings.threads = threads).unwrap();
         let played = replay.run().unwrap();
         assert_eq!(played.divergence, None);
-        assert_eq!(replay.world().hash(), game.world.hash());
+        assert_eq!(replay.world().state_hash(), game.world.state_hash());
     }
 }

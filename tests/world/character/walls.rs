@@ -7,7 +7,8 @@ fn on_level_ground_it_walks_just_as_far_as_it_wants() {
     let field =
         Geometry::HeightField(Arc::new(HeightField::new(41, 41, Vec2::ONE, vec![0.0; 1681]).unwrap()));
     let floors = Floor::ALL.map(|floor| floor.desc(Material::default()));
-    let field = BodyDesc::fixed().at(DVec3::new(-20.0, 0.0, -20.0)).with_shape(ShapeDesc::new(field));
+    let field =
+        BodyDesc::fixed().with_position(DVec3::new(-20.0, 0.0, -20.0)).with_shape(ShapeDesc::new(field));
     for floor in floors.into_iter().chain([field]) {
         let mut world = world();
         world.add_body(&floor).unwrap();

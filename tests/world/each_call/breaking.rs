@@ -7,15 +7,15 @@ use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterHandle, CharacterSettings, ContactHook,
-    ContactHooks, Continuous, ContinuousMethod, CouplingDesc, CouplingHandle, Drive, Error, Frame, Geometry,
-    HeightField, JointDesc, JointHandle, Limit, Motion, QueryFilter, Settings, ShapeDesc, ShapeHandle,
+    ContactHooks, ContinuousMethod, ContinuousMode, CouplingDesc, CouplingHandle, Error, Frame, Geometry,
+    HeightField, JointDesc, JointHandle, Limit, Motion, Motor, QueryFilter, Settings, ShapeDesc, ShapeHandle,
     Skeleton, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
 
 fn block(half: Vec3, at: DVec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)))
+    BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)))
 }
 
 /// Two blocks on a rope over two pulleys.
@@ -29,7 +29,7 @@ struct Pulley {
 impl Pulley {
     fn new(settings: Settings, half: Vec3) -> Pulley {
         let mut world = World::new(settings.with_sleeping(true)).unwrap();
-        let beam = world.add_body(&BodyDesc::fixed().at(DVec3::Y * 9.0)).unwrap();
+        let beam = world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * 9.0)).unwrap();
         let sides = [-1.0, 1.0];
         let bodies = sides.map(|x| world.add_body(&block(half, DVec3::new(x, 4.0, 0.0))).unwrap());
         let ropes = [0, 1].map(|i| {
@@ -42,7 +42,8 @@ impl Pulley {
 }
 
 const HALVES: [Vec3; 2] = [Vec3::splat(0.3), Vec3::new(0.1, 0.3, 0.6)];
-const MODES: [Continuous; 3] = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
+const MODES: [ContinuousMode; 3] =
+    [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
 
 /// Expected: a strength wakes what hangs on a coupling, as that of a joint does; the rope bears the weight of
 /// one block on either side, far more than 1 N, so it breaks in the next step, in which both still hang; then
@@ -53,13 +54,13 @@ fn a_rope_that_is_weakened_while_its_blocks_sleep_breaks_in_the_next_step() {
         let Pulley { mut world, bodies, rope, .. } =
             Pulley::new(Settings::default().with_continuous(mode), half);
         common::steps(&mut world, 60, DT);
-        world.send_to_sleep(bodies[0]).unwrap();
-        assert_eq!(world.asleep(), 2);
-        let strength = world.coupling(rope).unwrap().strength;
-        world.set_coupling_strength(rope, strength).unwrap();
-        assert_eq!(world.asleep(), 2, "a strength that is no other");
-        world.set_coupling_strength(rope, [1.0, 1.0]).unwrap();
-        assert_eq!(world.asleep(), 0);
+        world.sleep(bodies[0]).unwrap();
+        assert_eq!(world.sleeping_body_count(), 2);
+        let strength = world.coupling(rope).unwrap().break_force;
+        world.set_coupling_break_force(rope, strength).unwrap();
+        assert_eq!(world.sleeping_body_count(), 2, "a strength that is no other");
+        world.set_coupling_break_force(rope, [1.0, 1.0]).unwrap();
+        assert_eq!(world.sleeping_body_count(), 0);
         world.step(DT).unwrap();
         assert_eq!((world.broken_couplings(), world.coupling_count()), (&[rope][..], 0));
         let from = bodies.map(|body| world.position(body).unwrap().y);
@@ -80,17 +81,17 @@ fn a_joint_of_a_sleeping_body_breaks_by_what_it_hangs_on() {
     for mode in MODES {
         let mut world = World::new(Settings::default().with_sleeping(true).with_continuous(mode)).unwrap();
         let swing = world.add_body(&block(Vec3::splat(0.2), DVec3::new(1.0, 5.0, 0.0))).unwrap();
-        let hand = world.add_body(&BodyDesc::kinematic().at(DVec3::Y * 5.2)).unwrap();
+        let hand = world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y * 5.2)).unwrap();
         let frames = world.frames_at([hand, swing], DVec3::new(1.0, 5.2, 0.0), Quat::IDENTITY).unwrap();
-        let joint = JointDesc::ball([hand, swing], frames).with_strength(5e3, f32::INFINITY);
+        let joint = JointDesc::ball([hand, swing], frames).with_break_force(5e3, f32::INFINITY);
         let joint = world.add_joint(&joint).unwrap();
         common::steps(&mut world, 30, DT);
-        world.send_to_sleep(swing).unwrap();
-        assert_eq!(world.is_asleep(swing), Ok(true));
+        world.sleep(swing).unwrap();
+        assert_eq!(world.is_sleeping(swing), Ok(true));
         world.set_velocity(hand, Vec3::ZERO, Vec3::Z * 30.0).unwrap();
         world.step(DT).unwrap();
         assert_eq!(world.broken_joints(), [joint]);
-        assert_eq!(world.is_asleep(swing), Ok(false));
+        assert_eq!(world.is_sleeping(swing), Ok(false));
         let from = world.linear_velocity(swing).unwrap().y;
         world.step(DT).unwrap();
         let gained = world.linear_velocity(swing).unwrap().y - from;
@@ -116,7 +117,7 @@ impl Everything {
         let methods =
             [ContinuousMethod::OnePass, ContinuousMethod::LinearCast, ContinuousMethod::Speculative];
         let settings = Settings::default()
-            .with_method(methods[rng.below(3)])
+            .with_continuous_method(methods[rng.below(3)])
             .with_continuous(MODES[rng.below(3)])
             .with_sleep_time([0.0, 0.1, 0.5][rng.below(3)])
             .with_sleep_speed([0.05, 10.0][rng.below(2)])
@@ -137,18 +138,19 @@ impl Everything {
             bodies.push(world.add_body(&desc).unwrap());
         }
         // A chain from a kinematic body.
-        let mut last = world.add_body(&BodyDesc::kinematic().at(DVec3::new(-2.0, 4.0, 2.0))).unwrap();
+        let mut last =
+            world.add_body(&BodyDesc::kinematic().with_position(DVec3::new(-2.0, 4.0, 2.0))).unwrap();
         bodies.push(last);
         for i in 0..3 {
             let at = DVec3::new(-2.0, 3.5 - f64::from(i), 2.0);
             let next = world.add_body(&block(Vec3::splat(0.2), at)).unwrap();
             let frames = world.frames_at([last, next], at + DVec3::Y * 0.5, Quat::IDENTITY).unwrap();
-            let hinge = JointDesc::hinge([last, next], frames).with_strength(1e5, 1e5);
+            let hinge = JointDesc::hinge([last, next], frames).with_break_force(1e5, 1e5);
             joints.push(world.add_joint(&hinge).unwrap());
             bodies.push(next);
             last = next;
         }
-        let gear = CouplingDesc::gear([joints[2], joints[4]], [2.0, 1.0]).with_strength([1e6, 1e6]);
+        let gear = CouplingDesc::gear([joints[2], joints[4]], [2.0, 1.0]).with_break_force([1e6, 1e6]);
         let couplings = vec![rope, world.add_coupling(&gear).unwrap()];
         let doll = Skeleton::humanoid();
         let at = DVec3::new(0.0, 0.1, -2.0);
@@ -178,9 +180,9 @@ impl Everything {
         let axis = [Axis::X, Axis::Y, Axis::Z][rng.below(3)];
         let motion = [Motion::Linear, Motion::Angular][rng.below(2)];
         match rng.below(28) {
-            0..4 => world.set_coupling_strength(coupling, strengths),
-            4..7 => world.set_joint_strength(joint, strengths[0], strengths[1]),
-            7 => world.set_joint_drive(joint, Drive::motor(motion, axis, rng.unit() * 40.0, 1e6)),
+            0..4 => world.set_coupling_break_force(coupling, strengths),
+            4..7 => world.set_joint_break_force(joint, strengths[0], strengths[1]),
+            7 => world.set_joint_motor(joint, Motor::velocity(motion, axis, rng.unit() * 40.0, 1e6)),
             8 => {
                 world.set_joint_limit(joint, Limit::new(motion, backstop::Axes::One(axis), -rng.unit(), 0.1))
             }
@@ -201,13 +203,13 @@ impl Everything {
             20 => world.set_velocity(body, rng.cube() * 300.0, rng.cube() * 30.0),
             21 => world.move_kinematic(body, (rng.cube() * 3.0).as_dvec3(), rng.rotation(), DT),
             22 => world.set_joint_frames(joint, [Frame::at(rng.cube()), Frame::default()]),
-            23 => world.add_force(body, rng.cube() * 1e9, Vec3::ZERO),
+            23 => world.add_force(body, rng.cube() * 1e9),
             24 => world.set_pose(body, (rng.cube() * 3.0 + Vec3::Y).as_dvec3(), rng.rotation()),
             25 => {
                 let (wish, character) = (rng.cube() * 5.0, characters[0]);
                 world.walk_character(character, &QueryFilter::new(), wish, DT).map(drop)
             }
-            _ => world.send_to_sleep(body),
+            _ => world.sleep(body),
         }
     }
 }
@@ -236,7 +238,7 @@ fn nothing_that_breaks_or_wakes_disturbs_a_step() {
             }
             if all.rng.below(3) == 0 {
                 for place in 0..all.bodies.len() {
-                    let _ = all.world.send_to_sleep(all.bodies[place]);
+                    let _ = all.world.sleep(all.bodies[place]);
                 }
             }
             for _ in 0..all.rng.below(3) {

@@ -33,7 +33,7 @@ fn no_method_with_numbers_is_forgotten() {
         "Vec2",
         "Quat",
         "Desc",
-        "Drive",
+        "Motor",
         "Limit",
         "Frame",
         "Material",

@@ -8,8 +8,8 @@ use crate::common;
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Aabb, Axis, BodyDesc, BodyHandle, Character, CharacterHandle, CharacterSettings, ContactHook,
-    ContactHooks, ConvexHull, CouplingDesc, CouplingHandle, Drive, Error, Frame, Geometry, HeightField,
-    JointDesc, JointHandle, Motion, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Skeleton,
+    ContactHooks, ConvexHull, CouplingDesc, CouplingHandle, Error, Frame, Geometry, HeightField, JointDesc,
+    JointHandle, Motion, Motor, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Skeleton,
     Snapshot, TriangleMesh, World,
 };
 use std::sync::Mutex;
@@ -46,7 +46,8 @@ struct Content {
 }
 
 fn block(at: DVec3) -> BodyDesc {
-    let mut desc = BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.3, 0.3, 0.3)));
+    let mut desc =
+        BodyDesc::dynamic().with_position(at).with_shape(ShapeDesc::new(Geometry::cuboid(0.3, 0.3, 0.3)));
     desc.shapes[0].hooks = true;
     desc
 }
@@ -67,8 +68,8 @@ impl Content {
             let wheel = world.add_body(&block(DVec3::new(-2.0, y, 0.0))).unwrap();
             let at = DVec3::new(-2.0, y + 0.2, 0.0);
             let frames = world.frames_at([fixed, wheel], at, Quat::IDENTITY).unwrap();
-            let drive = Drive::motor(Motion::Angular, Axis::X, 1.0, 10.0);
-            world.add_joint(&JointDesc::hinge([fixed, wheel], frames).with_drive(drive)).unwrap()
+            let drive = Motor::velocity(Motion::Angular, Axis::X, 1.0, 10.0);
+            world.add_joint(&JointDesc::hinge([fixed, wheel], frames).with_motor(drive)).unwrap()
         });
         let gear = world.add_coupling(&CouplingDesc::gear(hinges, [1.0, 2.0])).unwrap();
         let walker = Character::new(CharacterSettings::default(), DVec3::new(0.0, 1.0, 3.0)).unwrap();
@@ -82,7 +83,7 @@ impl Content {
     fn state(&self) -> (u64, Vec<u8>) {
         let mut snapshot = Snapshot::new();
         self.world.snapshot(&mut snapshot);
-        (self.world.hash(), snapshot.to_whole_bytes())
+        (self.world.state_hash(), snapshot.to_whole_bytes())
     }
 }
 
@@ -253,12 +254,12 @@ fn changed(calls: &mut Calls) {
             moves(&mut c.world, c.platform, DVec3::Y, Quat::IDENTITY, x as f32)
         });
     }
-    calls.along("force", |c, v| c.world.add_force(c.body, v.as_vec3(), Vec3::ZERO));
-    calls.along("torque", |c, v| c.world.add_force(c.body, Vec3::ZERO, v.as_vec3()));
+    calls.along("force", |c, v| c.world.add_force(c.body, v.as_vec3()));
+    calls.along("torque", |c, v| c.world.add_torque(c.body, v.as_vec3()));
     calls.along("force at", |c, at| c.world.add_force_at(c.body, Vec3::ONE, at));
     calls.along("force there", |c, v| c.world.add_force_at(c.body, v.as_vec3(), DVec3::splat(100.0)));
-    calls.along("impulse", |c, v| c.world.apply_impulse(c.body, v.as_vec3(), DVec3::ZERO));
-    calls.along("impulse at", |c, at| c.world.apply_impulse(c.body, Vec3::ONE, at));
+    calls.along("impulse", |c, v| c.world.apply_impulse_at(c.body, v.as_vec3(), DVec3::ZERO));
+    calls.along("impulse at", |c, at| c.world.apply_impulse_at(c.body, Vec3::ONE, at));
     calls.along("angular impulse", |c, v| c.world.apply_angular_impulse(c.body, v.as_vec3()));
     calls.add("set_gravity_scale", |c, x| c.world.set_gravity_scale(c.body, x as f32));
     calls.add("set_damping", |c, x| c.world.set_damping(c.body, x as f32, 0.0));
@@ -294,7 +295,7 @@ fn changed(calls: &mut Calls) {
     });
     calls.along("place", |c, at| {
         let mut character = c.world.character(c.character)?;
-        character.place(at)?;
+        character.set_position(at)?;
         c.world.set_character(c.character, &character)
     });
 }
@@ -304,13 +305,13 @@ fn joined(calls: &mut Calls) {
     let free = |c: &Content| JointDesc::new([c.fixed, c.body], [Frame::at(Vec3::Y), Frame::default()]);
     for (name, drive) in drives() {
         calls.add(&format!("drive {name}"), move |c, x| {
-            c.world.add_joint(&free(c).with_drive(drive(x as f32))).map(drop)
+            c.world.add_joint(&free(c).with_motor(drive(x as f32))).map(drop)
         });
-        calls.add(&format!("set_joint_drive {name}"), move |c, x| {
-            c.world.set_joint_drive(c.hinge, drive(x as f32))
+        calls.add(&format!("set_joint_motor {name}"), move |c, x| {
+            c.world.set_joint_motor(c.hinge, drive(x as f32))
         });
-        calls.add(&format!("set_joint_drives {name}"), move |c, x| {
-            c.world.set_joint_drives(c.hinge, &[drive(x as f32)])
+        calls.add(&format!("set_joint_motors {name}"), move |c, x| {
+            c.world.set_joint_motors(c.hinge, &[drive(x as f32)])
         });
     }
     for (name, limit) in limits() {
@@ -341,7 +342,7 @@ fn joined(calls: &mut Calls) {
     calls.add("set_joint_target, velocity", |c, x| {
         c.world.set_joint_target(c.hinge, Motion::Angular, Axis::X, 0.0, x as f32)
     });
-    calls.add("set_joint_strength", |c, x| c.world.set_joint_strength(c.hinge, x as f32, x as f32));
+    calls.add("set_joint_break_force", |c, x| c.world.set_joint_break_force(c.hinge, x as f32, x as f32));
     calls.add("set_joint_thresholds", |c, x| c.world.set_joint_thresholds(c.hinge, x as f32, x as f32));
 }
 
@@ -352,7 +353,7 @@ fn coupled(calls: &mut Calls) {
     calls.add("set_coupling_range, max", |c, x| {
         c.world.set_coupling_range(c.gear, Some([f64::NEG_INFINITY, x]))
     });
-    calls.add("set_coupling_strength", |c, x| c.world.set_coupling_strength(c.gear, [x as f32, 1.0]));
+    calls.add("set_coupling_break_force", |c, x| c.world.set_coupling_break_force(c.gear, [x as f32, 1.0]));
     calls.add("add_coupling", |c, x| {
         let desc = c.world.coupling(c.gear)?;
         c.world.remove_coupling(c.gear)?;
@@ -412,10 +413,10 @@ fn asked(calls: &mut Calls) {
             let casts = [
                 ShapeCast::new(&ball, at(x), Vec3::NEG_Y),
                 ShapeCast::new(&ball, DVec3::Y * 5.0, at(x).as_vec3()),
-                ShapeCast::new(&ball, DVec3::Y * 5.0, Vec3::NEG_Y * 6.0).turning(at(x).as_vec3()),
+                ShapeCast::new(&ball, DVec3::Y * 5.0, Vec3::NEG_Y * 6.0).with_spin(at(x).as_vec3()),
                 ShapeCast::new(&ball, DVec3::Y * 5.0, Vec3::NEG_Y * 6.0)
-                    .turning(Vec3::X)
-                    .about(at(x).as_vec3()),
+                    .with_spin(Vec3::X)
+                    .with_pivot(at(x).as_vec3()),
             ];
             let mut sound = true;
             for cast in casts {

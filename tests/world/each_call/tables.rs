@@ -2,7 +2,7 @@
 
 use backstop::glam::{Mat3, Vec3};
 use backstop::{
-    Axes, Axis, CharacterSettings, Drive, Geometry, Limit, MassProperties, Material, Motion, Settings, Spring,
+    Axes, Axis, CharacterSettings, Geometry, Limit, MassProperties, Material, Motion, Motor, Settings, Spring,
 };
 
 pub(super) fn mass() -> MassProperties {
@@ -80,32 +80,32 @@ pub(super) fn settings() -> [Changed<Settings>; 12] {
     ]
 }
 
-pub(super) fn drives() -> [Of<Drive>; 9] {
+pub(super) fn drives() -> [Of<Motor>; 9] {
     [
-        ("velocity", |x| Drive::motor(Motion::Angular, Axis::X, x, 10.0)),
-        ("linear velocity", |x| Drive::motor(Motion::Linear, Axis::Y, x, 10.0)),
-        ("force", |x| Drive::motor(Motion::Angular, Axis::X, 1.0, x)),
+        ("velocity", |x| Motor::velocity(Motion::Angular, Axis::X, x, 10.0)),
+        ("linear velocity", |x| Motor::velocity(Motion::Linear, Axis::Y, x, 10.0)),
+        ("force", |x| Motor::velocity(Motion::Angular, Axis::X, 1.0, x)),
         ("position", |x| {
             let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
-            Drive::spring(Motion::Angular, Axis::X, x, spring)
+            Motor::position(Motion::Angular, Axis::X, x, spring)
         }),
         ("stiffness", |x| {
             let spring = Spring::Coefficients { stiffness: x, damping: 1.0 };
-            Drive::spring(Motion::Angular, Axis::X, 0.1, spring)
+            Motor::position(Motion::Angular, Axis::X, 0.1, spring)
         }),
         ("damping", |x| {
             let spring = Spring::Coefficients { stiffness: 1.0, damping: x };
-            Drive::spring(Motion::Angular, Axis::X, 0.1, spring)
+            Motor::position(Motion::Angular, Axis::X, 0.1, spring)
         }),
         ("acceleration", |x| {
             let spring = Spring::Acceleration { stiffness: x, damping: x };
-            Drive::spring(Motion::Angular, Axis::X, 0.1, spring)
+            Motor::position(Motion::Angular, Axis::X, 0.1, spring)
         }),
         ("hertz", |x| {
-            Drive::spring(Motion::Angular, Axis::X, 0.1, Spring::Frequency { hertz: x, ratio: 1.0 })
+            Motor::position(Motion::Angular, Axis::X, 0.1, Spring::Frequency { hertz: x, ratio: 1.0 })
         }),
         ("ratio", |x| {
-            Drive::spring(Motion::Angular, Axis::X, 0.1, Spring::Frequency { hertz: 2.0, ratio: x })
+            Motor::position(Motion::Angular, Axis::X, 0.1, Spring::Frequency { hertz: 2.0, ratio: x })
         }),
     ]
 }

@@ -59,9 +59,9 @@ fn body() -> BodyDesc {
             .with_user_data(u64::MAX)
     });
     BodyDesc::kinematic()
-        .at(DVec3::new(1e6 + 0.1, -0.25, 3.0))
-        .rotated(rotation)
-        .moving(Vec3::new(0.1, 0.2, 0.3), Vec3::NEG_ONE)
+        .with_position(DVec3::new(1e6 + 0.1, -0.25, 3.0))
+        .with_rotation(rotation)
+        .with_velocity(Vec3::new(0.1, 0.2, 0.3), Vec3::NEG_ONE)
         .with_shapes(shapes)
         .with_mass(MassProperties::of(&Geometry::cuboid(0.1, 0.2, 0.3), 700.0))
         .with_gravity_scale(-0.5)
@@ -69,7 +69,7 @@ fn body() -> BodyDesc {
         .with_angular_damping(0.2)
         .with_lock_translation([true, false, true])
         .with_lock_rotation([false, true, false])
-        .with_continuous(Continuous::Volume)
+        .with_continuous(ContinuousMode::Volume)
         .with_solved_after(RowGroup::StaticContacts)
         .with_can_sleep(false)
         .with_user_data(7)
@@ -86,10 +86,10 @@ fn joint() -> JointDesc {
     JointDesc::wheel(bodies(), frames, 0.3, spring)
         .with_limit(Limit::new(Motion::Angular, Axes::All, f32::NEG_INFINITY, 0.1).with_spring(spring))
         .with_limit(Limit::new(Motion::Linear, Axes::One(Axis::Z), -3.0, f32::INFINITY))
-        .with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 100.0))
-        .with_drive(Drive::spring(Motion::Angular, Axis::Y, 0.3, pull).with_max_force(5.5))
+        .with_motor(Motor::velocity(Motion::Angular, Axis::X, 3.0, 100.0))
+        .with_motor(Motor::position(Motion::Angular, Axis::Y, 0.3, pull).with_max_force(5.5))
         .with_collide(true)
-        .with_strength(1e6, f32::INFINITY)
+        .with_break_force(1e6, f32::INFINITY)
         .with_thresholds(f32::INFINITY, 0.1)
         .with_solved_after(RowGroup::Contacts)
         .with_user_data(9)
@@ -100,10 +100,10 @@ fn couplings() -> [CouplingDesc; 5] {
     let joints = [JointHandle::from_bits(0x1_0000_0002), JointHandle::from_bits(0x5_0000_0000)];
     [
         CouplingDesc::gear(joints, [20.0, -31.0]),
-        CouplingDesc::pulley(joints, 2.1, 4.1).with_strength([0.1, f32::INFINITY]),
+        CouplingDesc::pulley(joints, 2.1, 4.1).with_break_force([0.1, f32::INFINITY]),
         CouplingDesc::screw(joints[1], 1e-4).with_range(Some([-0.1, f64::INFINITY])),
         CouplingDesc::rack(joints[0], joints[1], 0.3).with_range(Some([f64::NEG_INFINITY, f64::INFINITY])),
-        CouplingDesc::gear(joints, [1.0, 0.1]).with_strength([7.0, 0.3]).with_user_data(u64::MAX),
+        CouplingDesc::gear(joints, [1.0, 0.1]).with_break_force([7.0, 0.3]).with_user_data(u64::MAX),
     ]
 }
 
@@ -135,8 +135,8 @@ fn what_is_the_default_may_be_left_out() {
     );
     let joint: JointDesc = serde_json::from_str(&text).unwrap();
     let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
-    let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, spring);
-    assert_eq!(joint, JointDesc::new(bodies(), [Frame::default(); 2]).with_drive(drive));
+    let drive = Motor::position(Motion::Angular, Axis::X, 0.0, spring);
+    assert_eq!(joint, JointDesc::new(bodies(), [Frame::default(); 2]).with_motor(drive));
     let Value::Object(mut text) = serde_json::to_value(couplings()[0]).unwrap() else { panic!() };
     text.retain(|name, _| name == "motions");
     assert_eq!(serde_json::from_value::<CouplingDesc>(text.into()).unwrap(), couplings()[0]);

@@ -38,9 +38,9 @@ fn a_crater_under_a_sleeping_pile_takes_it_down() {
         let (mut world, shape) = world_of(threads, &field);
         let pile = boxes(&mut world, 0.2, 4);
         common::steps(&mut world, 200, 1.0 / 60.0);
-        assert_eq!(world.asleep(), 100);
+        assert_eq!(world.sleeping_body_count(), 100);
         world.set_heights(shape, [12, 12], [14, 14], &[-1.0; 14 * 14]).unwrap();
-        assert_eq!(world.asleep(), 0);
+        assert_eq!(world.sleeping_body_count(), 0);
         assert_eq!(field.aabb().0.y, 0.0);
         common::steps(&mut world, 20, 1.0 / 60.0);
         if restored {
@@ -52,7 +52,7 @@ fn a_crater_under_a_sleeping_pile_takes_it_down() {
         }
         common::steps(&mut world, 300, 1.0 / 60.0);
         let heights: Vec<f64> = pile.iter().map(|&body| world.position(body).unwrap().y).collect();
-        (world.hash(), heights)
+        (world.state_hash(), heights)
     };
     let (hash, heights) = run(1, false);
     assert!(heights.iter().all(|&y| y > -0.81 && y < 0.45), "{heights:?}");
@@ -110,7 +110,7 @@ fn digging_along_a_trench_plays_again() {
     let bytes = buffer.bytes();
     let mut replay = backstop::replay::Replay::open(&bytes[..]).unwrap();
     assert_eq!(replay.run().unwrap().divergence, None);
-    assert_eq!(replay.world().hash(), world.hash());
+    assert_eq!(replay.world().state_hash(), world.state_hash());
 }
 
 /// Two boxes that sleep, and an edit far from them that lowers or raises the field's bounds: it wakes them,
@@ -124,7 +124,7 @@ fn contacts_are_found_right_after_an_edit_that_changes_the_bounds() {
         let cube = |x: f32| common::dynamic(cube.clone(), Material::default(), Vec3::new(x, 0.3, 5.0));
         let pair = [3.0, 6.0].map(|x| world.add_body(&cube(x)).unwrap());
         common::steps(&mut world, 120, 1.0 / 60.0);
-        assert!(pair.iter().all(|&body| world.is_asleep(body).unwrap()));
+        assert!(pair.iter().all(|&body| world.is_sleeping(body).unwrap()));
         world.set_heights(shape, [35, 35], [3, 3], &[height; 9]).unwrap();
         let counts = pair.map(|body| world.contacts_of(body).unwrap().count());
         assert_eq!((counts, world.contacts().count()), ([1, 1], 2));

@@ -26,7 +26,7 @@ fn world_of(threads: usize, field: HeightField) -> (World, BodyHandle) {
 /// where the centre is beyond), and one 0.1 m outside goes.
 #[test]
 fn what_falls_over_a_hole_falls_through_and_what_stands_at_its_rim_stands() {
-    for mode in [backstop::Continuous::Segment, backstop::Continuous::Volume] {
+    for mode in [backstop::ContinuousMode::Segment, backstop::ContinuousMode::Volume] {
         let (mut world, _) = world_of(1, field());
         let mut empty = World::new(Settings::default()).unwrap();
         let ball = |x: f32, z: f32| {
@@ -63,7 +63,7 @@ fn a_fast_ball_passes_the_hole_alone() {
     for (x, passes) in [(10.0, true), (11.3, true), (14.0, false), (7.0, false)] {
         let (mut world, _) = world_of(1, field());
         let desc = common::dynamic(Geometry::sphere(0.3), Material::default(), Vec3::new(x, 20.0, 10.0));
-        let body = world.add_body(&desc.moving(Vec3::NEG_Y * 300.0, Vec3::ZERO)).unwrap();
+        let body = world.add_body(&desc.with_velocity(Vec3::NEG_Y * 300.0, Vec3::ZERO)).unwrap();
         common::steps(&mut world, 30, 1.0 / 60.0);
         assert_eq!(world.position(body).unwrap().y < 0.0, passes, "{x}");
     }
@@ -111,7 +111,7 @@ fn a_hole_that_opens_lets_go_and_snapshots_know_of_it() {
                 .unwrap();
         }
         common::steps(&mut world, 300, 1.0 / 60.0);
-        assert!(world.bodies().filter(|body| world.is_asleep(*body).unwrap()).count() > 100);
+        assert!(world.bodies().filter(|body| world.is_sleeping(*body).unwrap()).count() > 100);
         let mut before = Snapshot::new();
         world.snapshot(&mut before);
         let shape = world.shapes(ground).unwrap().next().unwrap();
@@ -130,8 +130,8 @@ fn a_hole_that_opens_lets_go_and_snapshots_know_of_it() {
         world
     };
     let world = run(1, false);
-    let hash = world.hash();
-    assert_eq!((run(2, false).hash(), run(1, true).hash()), (hash, hash));
+    let hash = world.state_hash();
+    assert_eq!((run(2, false).state_hash(), run(1, true).state_hash()), (hash, hash));
     let fallen = world.bodies().filter(|body| world.position(*body).unwrap().y < -1.0).count();
     println!("{fallen} of 150 fell");
     assert!(fallen > 60 && fallen < 150);
@@ -154,7 +154,7 @@ fn a_trapdoor_opens_and_closes() {
         let cube = |i| common::dynamic(Geometry::cuboid(0.2, 0.2, 0.2), Material::default(), place(i));
         let pile: Vec<BodyHandle> = (0..108).map(|i| world.add_body(&cube(i)).unwrap()).collect();
         common::steps(&mut world, 200, 1.0 / 60.0);
-        assert_eq!(world.asleep(), 108);
+        assert_eq!(world.sleeping_body_count(), 108);
         world.set_holes(shape, [16, 16], [8, 8], &[true; 64]).unwrap();
         assert!(!before.is_hole_at(16, 16));
         common::steps(&mut world, 10, 1.0 / 60.0);
@@ -170,7 +170,7 @@ fn a_trapdoor_opens_and_closes() {
         common::steps(&mut world, 240, 1.0 / 60.0);
         let heights: Vec<(Vec3, f64)> =
             pile.iter().enumerate().map(|(i, &body)| (place(i), world.position(body).unwrap().y)).collect();
-        (world.hash(), heights)
+        (world.state_hash(), heights)
     };
     let (hash, heights) = run(1, false);
     assert_eq!((run(2, false).0, run(1, true).0), (hash, hash));
@@ -197,7 +197,7 @@ fn a_filled_hole_pushes_out_what_is_in_it() {
     let ball =
         |x: f32, y: f32| common::dynamic(Geometry::sphere(0.3), Material::default(), Vec3::new(x, y, 10.1));
     let [above, below] = [(9.1, 0.05), (11.1, -0.05)].map(|(x, y)| world.add_body(&ball(x, y)).unwrap());
-    let fast = ball(10.1, 6.0).moving(Vec3::NEG_Y * 200.0, Vec3::ZERO);
+    let fast = ball(10.1, 6.0).with_velocity(Vec3::NEG_Y * 200.0, Vec3::ZERO);
     world.set_holes(shape, [16, 16], [8, 8], &[false; 64]).unwrap();
     let stopped = world.add_body(&fast).unwrap();
     common::steps(&mut world, 240, 1.0 / 60.0);
@@ -239,7 +239,7 @@ fn holes_that_come_and_go_play_again() {
     let bytes = buffer.bytes();
     let mut replay = backstop::replay::Replay::open(&bytes[..]).unwrap();
     assert_eq!(replay.run().unwrap().divergence, None);
-    assert_eq!(replay.world().hash(), world.hash());
+    assert_eq!(replay.world().state_hash(), world.state_hash());
 }
 
 #[test]
@@ -270,5 +270,5 @@ fn a_recording_holds_the_holes() {
     let bytes = buffer.bytes();
     let mut replay = backstop::replay::Replay::open(&bytes[..]).unwrap();
     assert_eq!(replay.run().unwrap().divergence, None);
-    assert_eq!(replay.world().hash(), world.hash());
+    assert_eq!(replay.world().state_hash(), world.state_hash());
 }

@@ -46,7 +46,7 @@ pub(super) fn grounds(of: impl Fn(f32, f32) -> u8, table: &[Material]) -> [(Geom
 pub(super) fn world_of((ground, at): &(Geometry, DVec3), settings: Settings) -> (World, ShapeHandle) {
     let mut world = World::new(settings).unwrap();
     let ground = ShapeDesc::new(ground.clone()).with_material(smooth());
-    let ground = world.add_body(&BodyDesc::fixed().at(*at).with_shape(ground)).unwrap();
+    let ground = world.add_body(&BodyDesc::fixed().with_position(*at).with_shape(ground)).unwrap();
     let shape = world.shapes(ground).unwrap().next().unwrap();
     (world, shape)
 }
@@ -54,7 +54,10 @@ pub(super) fn world_of((ground, at): &(Geometry, DVec3), settings: Settings) -> 
 /// A flat box that slides along x at 4 m/s.
 fn slider(x: f32, z: f32) -> BodyDesc {
     let shape = ShapeDesc::new(Geometry::cuboid(0.05, 0.02, 0.05)).with_material(smooth());
-    BodyDesc::dynamic().at(Vec3::new(x, 0.02, z)).with_shape(shape).moving(Vec3::X * 4.0, Vec3::ZERO)
+    BodyDesc::dynamic()
+        .with_position(Vec3::new(x, 0.02, z))
+        .with_shape(shape)
+        .with_velocity(Vec3::X * 4.0, Vec3::ZERO)
 }
 
 /// Ice up to x = 0 and rubber beyond it. Expected: 4 m/s on ice; it stops v² / (2 mu g) = 1.631 m past the
@@ -110,7 +113,7 @@ fn a_strip_of_a_ground_is_a_conveyor() {
     let belt = rubber().with_surface_velocity(Vec3::X * 2.0);
     for ground in &grounds(|_, z| u8::from(z.abs() < 1.0), &[belt]) {
         let (mut world, _) = world_of(ground, Settings::default());
-        let place = |z: f32| slider(-6.0, z).moving(Vec3::ZERO, Vec3::ZERO);
+        let place = |z: f32| slider(-6.0, z).with_velocity(Vec3::ZERO, Vec3::ZERO);
         let [on, beside] = [0.1, 3.1].map(|z| world.add_body(&place(z)).unwrap());
         common::steps(&mut world, 24, DT);
         assert!(world.linear_velocity(on).unwrap().x > 1.7);
@@ -132,7 +135,9 @@ fn a_ball_bounces_at_the_restitution_of_its_triangle() {
     for ground in &grounds(|x, _| u8::from(x > 0.0), &[smooth().with_restitution(0.8)]) {
         let (mut world, _) = world_of(ground, Settings::default());
         let shape = ShapeDesc::new(Geometry::sphere(0.1)).with_material(smooth());
-        let ball = |x: f32, y: f32| BodyDesc::dynamic().at(Vec3::new(x, y, 0.2)).with_shape(shape.clone());
+        let ball = |x: f32, y: f32| {
+            BodyDesc::dynamic().with_position(Vec3::new(x, y, 0.2)).with_shape(shape.clone())
+        };
         let [bounces, stays] = [2.1, -2.1].map(|x| world.add_body(&ball(x, 2.1)).unwrap());
         let mut highest = [0.0f64; 2];
         for step in 0..100 {
@@ -149,9 +154,9 @@ fn a_ball_bounces_at_the_restitution_of_its_triangle() {
             ContinuousMethod::LinearCast,
             ContinuousMethod::ConservativeAdvancement,
         ] {
-            let settings = Settings::default().with_method(method).with_gravity(Vec3::ZERO);
+            let settings = Settings::default().with_continuous_method(method).with_gravity(Vec3::ZERO);
             let (mut world, _) = world_of(ground, settings);
-            let bullet = |x: f32| ball(x, 4.45).moving(Vec3::NEG_Y * 60.0, Vec3::ZERO);
+            let bullet = |x: f32| ball(x, 4.45).with_velocity(Vec3::NEG_Y * 60.0, Vec3::ZERO);
             let [bounces, stays] = [2.1, -2.1].map(|x| world.add_body(&bullet(x)).unwrap());
             common::steps(&mut world, 10, DT);
             let [up, none] = [bounces, stays].map(|body| world.linear_velocity(body).unwrap().y);
@@ -168,8 +173,8 @@ fn a_ball_rolls_to_rest_on_the_triangles_that_resist() {
         let (mut world, _) = world_of(ground, Settings::default());
         let shape = ShapeDesc::new(Geometry::sphere(0.2)).with_material(smooth());
         let ball = |z: f32| {
-            let ball = BodyDesc::dynamic().at(Vec3::new(-8.0, 0.2, z)).with_shape(shape.clone());
-            ball.moving(Vec3::X * 2.0, Vec3::NEG_Z * 10.0)
+            let ball = BodyDesc::dynamic().with_position(Vec3::new(-8.0, 0.2, z)).with_shape(shape.clone());
+            ball.with_velocity(Vec3::X * 2.0, Vec3::NEG_Z * 10.0)
         };
         let [free, slows] = [-1.1, 1.1].map(|z| world.add_body(&ball(z)).unwrap());
         common::steps(&mut world, 120, DT);
@@ -186,7 +191,10 @@ fn crowd(world: &mut World) -> Vec<BodyHandle> {
         let geometry = [Geometry::cuboid(0.3, 0.2, 0.3), Geometry::sphere(0.25)][i % 2].clone();
         let shape = ShapeDesc::new(geometry).with_material(smooth());
         let at = Vec3::new(1.5 * x - 4.0, 1.0 + y, 1.5 * z - 4.0);
-        BodyDesc::dynamic().at(at).with_shape(shape).moving(Vec3::new(2.0, 0.0, 1.0), Vec3::ZERO)
+        BodyDesc::dynamic()
+            .with_position(at)
+            .with_shape(shape)
+            .with_velocity(Vec3::new(2.0, 0.0, 1.0), Vec3::ZERO)
     };
     (0..72).map(|i| world.add_body(&place(i)).unwrap()).collect()
 }
@@ -218,7 +226,7 @@ fn materials_of_triangles_give_the_same_bits_everywhere() {
                 }
             }
             common::steps(&mut world, 240, DT);
-            (world.hash(), world, shape)
+            (world.state_hash(), world, shape)
         };
         let (hash, mut world, shape) = run(ground, 1, false);
         assert_eq!((run(ground, 2, false).0, run(ground, 1, true).0), (hash, hash));
@@ -344,14 +352,14 @@ fn a_recording_holds_the_materials() {
         let mut world = World::new(Settings::default()).unwrap();
         world.start_recording(buffer.clone()).unwrap();
         let shape = ShapeDesc::new(ground.0.clone()).with_material(smooth());
-        world.add_body(&BodyDesc::fixed().at(ground.1).with_shape(shape)).unwrap();
+        world.add_body(&BodyDesc::fixed().with_position(ground.1).with_shape(shape)).unwrap();
         crowd(&mut world);
         common::steps(&mut world, 120, DT);
         world.stop_recording().unwrap();
         let bytes = buffer.bytes();
         let mut replay = backstop::replay::Replay::open(&bytes[..]).unwrap();
         assert_eq!(replay.run().unwrap().divergence, None);
-        assert_eq!(replay.world().hash(), world.hash());
+        assert_eq!(replay.world().state_hash(), world.state_hash());
     }
 }
 

@@ -70,7 +70,7 @@ fn a_box_slides_over_the_seams_of_a_mirrored_mesh() {
         let ground = common::shape(Geometry::mesh(flat.scaled(scale).unwrap()), material);
         world.add_body(&BodyDesc::fixed().with_shape(ground)).unwrap();
         let desc = common::dynamic(Geometry::cuboid(0.3, 0.1, 0.3), material, Vec3::new(-1.7, 0.1, 0.05));
-        let body = world.add_body(&desc.moving(Vec3::new(4.0, 0.0, 0.0), Vec3::ZERO)).unwrap();
+        let body = world.add_body(&desc.with_velocity(Vec3::new(4.0, 0.0, 0.0), Vec3::ZERO)).unwrap();
         common::steps(&mut world, 360, 1.0 / 60.0);
         let position = world.position(body).unwrap();
         let way = 16.0 / (2.0 * 0.2 * G);

@@ -147,7 +147,7 @@ fn soft_triangles_give_the_same_bits_everywhere() {
                 world.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
             }
             common::steps(&mut world, 600, DT);
-            (world.hash(), guests.iter().filter(|(body, _)| world.is_asleep(*body).unwrap()).count())
+            (world.state_hash(), guests.iter().filter(|(body, _)| world.is_sleeping(*body).unwrap()).count())
         };
         let (hash, asleep) = run(1, false);
         assert_eq!((run(2, false).0, run(1, true).0, run(2, true).0), (hash, hash, hash));
@@ -163,7 +163,7 @@ fn soft_triangles_come_and_go() {
     for (ground, plain) in patches().iter().zip(&plain) {
         let (mut world, shape) = world_of(ground, Settings::default());
         let guests = guests(&mut world);
-        let part = |world: &World| world.model().part(Feature::SoftContacts);
+        let part = |world: &World| world.feature_report().part(Feature::SoftContacts);
         for round in 0..3 {
             common::steps(&mut world, 480, DT);
             check(&world, &guests, [0.0, sag(8.0), sag(5.0)], "soft");

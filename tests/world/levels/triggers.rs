@@ -14,12 +14,12 @@ fn world_of(threads: usize) -> World {
 }
 
 fn add(world: &mut World, body: BodyDesc, at: DVec3, shape: ShapeDesc) -> (BodyHandle, ShapeHandle) {
-    let body = world.add_body(&body.at(at).with_shape(shape)).unwrap();
+    let body = world.add_body(&body.with_position(at).with_shape(shape)).unwrap();
     (body, world.shapes(body).unwrap().next().unwrap())
 }
 
 fn trigger(half: f32) -> ShapeDesc {
-    ShapeDesc::new(Geometry::cuboid(half, half, half)).sensing().with_senses_static(true)
+    ShapeDesc::new(Geometry::cuboid(half, half, half)).as_sensor().with_senses_static(true)
 }
 
 fn door() -> ShapeDesc {
@@ -28,7 +28,7 @@ fn door() -> ShapeDesc {
 
 fn inside(world: &World, sensor: ShapeHandle) -> Vec<ShapeHandle> {
     let mut found = Vec::new();
-    world.visitors(sensor, &mut found).unwrap();
+    world.sensor_overlaps(sensor, &mut found).unwrap();
     found
 }
 
@@ -137,7 +137,7 @@ fn a_static_trigger_sees_static_shapes_of_every_kind() {
     add(&mut world, BodyDesc::fixed(), DVec3::Y * 0.6, door());
     add(&mut world, BodyDesc::fixed(), DVec3::Y * -1.0, ShapeDesc::new(mesh()));
     assert_eq!(heard(&mut world), (0, 0));
-    let half_space = ShapeDesc::new(Geometry::plane()).sensing().with_senses_static(true);
+    let half_space = ShapeDesc::new(Geometry::plane()).as_sensor().with_senses_static(true);
     let (_, sensor) = add(&mut world, BodyDesc::fixed(), DVec3::ZERO, half_space);
     assert_eq!((heard(&mut world), inside(&world, sensor)), ((1, 0), vec![below]));
 }
@@ -165,7 +165,7 @@ fn a_sensor_enters_the_ground_and_leaves_it() {
             let run = |threads: usize, restored: bool| -> Vec<(u32, bool, SensorEvent)> {
                 let mut world = world_of(threads);
                 add(&mut world, BodyDesc::fixed(), at, ShapeDesc::new(ground.clone()));
-                let ball = ShapeDesc::new(Geometry::sphere(1.0)).sensing().with_senses_static(true);
+                let ball = ShapeDesc::new(Geometry::sphere(1.0)).as_sensor().with_senses_static(true);
                 let (body, _) = add(&mut world, BodyDesc::dynamic(), DVec3::Y * 3.0, ball);
                 world.set_kind(body, kind).unwrap();
                 world.set_velocity(body, Vec3::NEG_Y * speed, Vec3::ZERO).unwrap();
@@ -205,7 +205,7 @@ fn a_sensor_keeps_the_ground_while_it_sleeps() {
     for (ground, at, _) in grounds() {
         let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
         let (floor, _) = add(&mut world, BodyDesc::fixed(), at, ShapeDesc::new(ground));
-        let body = BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(door());
+        let body = BodyDesc::dynamic().with_position(DVec3::Y * 0.5).with_shape(door());
         let body = world.add_body(&body.with_shape(trigger(1.0).with_density(0.0))).unwrap();
         let sensor = world.shapes(body).unwrap().nth(1).unwrap();
         let mut events = (0, 0);
@@ -217,18 +217,18 @@ fn a_sensor_keeps_the_ground_while_it_sleeps() {
             events
         };
         assert_eq!(run(&mut world, 120), (1, 0));
-        assert!(world.is_asleep(body).unwrap() && inside(&world, sensor).len() == 1);
+        assert!(world.is_sleeping(body).unwrap() && inside(&world, sensor).len() == 1);
         let mut snapshot = Snapshot::new();
         world.snapshot(&mut snapshot);
         world.restore(&Snapshot::from_bytes(&snapshot.to_whole_bytes()).unwrap()).unwrap();
         assert_eq!(run(&mut world, 10), (1, 0));
-        assert!(world.is_asleep(body).unwrap() && inside(&world, sensor).len() == 1);
+        assert!(world.is_sleeping(body).unwrap() && inside(&world, sensor).len() == 1);
         world.wake(body).unwrap();
         assert_eq!(run(&mut world, 10), (1, 0));
-        world.send_to_sleep(body).unwrap();
-        assert!(world.is_asleep(body).unwrap());
+        world.sleep(body).unwrap();
+        assert!(world.is_sleeping(body).unwrap());
         world.remove_body(floor).unwrap();
-        assert!(!world.is_asleep(body).unwrap());
+        assert!(!world.is_sleeping(body).unwrap());
         assert_eq!(run(&mut world, 10), (1, 1));
     }
 }

@@ -122,7 +122,7 @@ fn a_moving_shape_touches_every_floor_where_geometry_says() {
         for (shape, below) in &shapes {
             let cast = ShapeCast::new(shape, DVec3::new(0.3, 11.0, 0.2), Vec3::NEG_Y * 20.0);
             let hit = touch(&world, cast).unwrap();
-            let gap = cast.at(hit.fraction).y - below - top;
+            let gap = cast.position_at(hit.fraction).y - below - top;
             assert!((0.0..1e-5).contains(&gap), "{} {shape:?} {hit:?} {gap}", floor.kind_name());
             assert!((hit.normal - Vec3::Y).length() < 1e-3 && hit.depth == 0.0, "{hit:?}");
             assert!((hit.point.y - top).abs() < 1e-4, "{} {shape:?} {hit:?}", floor.kind_name());
@@ -131,8 +131,8 @@ fn a_moving_shape_touches_every_floor_where_geometry_says() {
             assert_eq!(touch(&world, short), None);
             // Where it touched it overlaps nothing; 1 mm further it does.
             let place = |at: DVec3| world.overlap_any(shape, at, Quat::IDENTITY, &ALL()).unwrap();
-            assert!(!place(cast.at(hit.fraction)));
-            assert!(place(cast.at(hit.fraction) - DVec3::Y * 1e-3));
+            assert!(!place(cast.position_at(hit.fraction)));
+            assert!(place(cast.position_at(hit.fraction) - DVec3::Y * 1e-3));
         }
     }
 }
@@ -146,7 +146,7 @@ fn a_shape_that_overlaps_at_the_start_is_told_the_way_out() {
             _ => 0.0,
         };
         let mut world = world();
-        add(&mut world, BodyDesc::fixed().at(Vec3::NEG_Y * deep), floor.clone());
+        add(&mut world, BodyDesc::fixed().with_position(Vec3::NEG_Y * deep), floor.clone());
         for shape in [ball(0.5), Geometry::capsule(0.1, 0.4), Geometry::cuboid(0.5, 0.5, 0.5), cube_hull()] {
             let below = if matches!(shape, Geometry::Hull(_)) { 1.0 } else { 0.5 };
             let at = DVec3::new(3.3, below - 0.1, 3.2);

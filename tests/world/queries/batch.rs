@@ -23,8 +23,8 @@ fn crowd_and_meshes(centre: DVec3) -> World {
     let triangles = (0..n * (n - 1)).filter(|c| c % n < n - 1);
     let triangles = triangles.flat_map(|c| [[c, c + n, c + 1], [c + 1, c + n, c + n + 1]]).collect();
     let rough = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
-    let at = |x: f64, y: f64, z: f64| BodyDesc::fixed().at(centre + DVec3::new(x, y, z));
-    add(&mut world, at(-16.0, -5.0, -16.0).rotated(random.rotation()), rough);
+    let at = |x: f64, y: f64, z: f64| BodyDesc::fixed().with_position(centre + DVec3::new(x, y, z));
+    add(&mut world, at(-16.0, -5.0, -16.0).with_rotation(random.rotation()), rough);
     for _ in 0..2 {
         add(&mut world, at(0.0, -12.0, 0.0), common::flat_mesh(16, 1.0));
         add(&mut world, at(3.0, 4.0, 5.0), Geometry::cuboid(1.0, 2.0, 3.0));
@@ -83,10 +83,10 @@ fn a_batch_has_the_bits_of_one_by_one() {
         let filters = [
             ALL(),
             ALL().skipping_inside(),
-            ALL().with_sensors().without(one),
+            ALL().with_sensors().excluding(one),
             QueryFilter::only_static(),
             QueryFilter::only_dynamic(),
-            ALL().when(&late),
+            ALL().with_predicate(&late),
         ];
         let (mut met, mut triangles, mut inside) = (0, 0, 0);
         for step in 0..2 {

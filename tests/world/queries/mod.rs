@@ -92,13 +92,15 @@ fn crowd(centre: DVec3, seed: u64, order: &[usize]) -> World {
             let kind = [BodyDesc::dynamic(), BodyDesc::fixed(), BodyDesc::kinematic()][i % 3].clone();
             let at = centre + on_grid(&mut random, 20.0);
             let (turned, shape) = (random.rotation(), convex(&mut random, i));
-            kind.at(at).rotated(turned).with_shape(ShapeDesc::new(shape))
+            kind.with_position(at).with_rotation(turned).with_shape(ShapeDesc::new(shape))
         })
         .collect();
     let hill: Vec<f32> = (0..41 * 41).map(|_| random.range(-1.0, 1.0)).collect();
     let hill = HeightField::new(41, 41, Vec2::ONE, hill).unwrap();
     let at = centre - DVec3::new(20.0, 15.0, 20.0);
-    descs.push(BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(Geometry::HeightField(Arc::new(hill)))));
+    descs.push(
+        BodyDesc::fixed().with_position(at).with_shape(ShapeDesc::new(Geometry::HeightField(Arc::new(hill)))),
+    );
     for &i in order {
         let mut desc = descs[i].clone();
         desc.user_data = i as u64;

@@ -17,8 +17,8 @@ fn queries_of_one_body_or_shape_answer_as_a_predicate_would() {
         let shape = world.shapes(body).unwrap().next().unwrap();
         let is_body = move |other: BodyHandle, _: ShapeHandle| other == body;
         let is_shape = move |_: BodyHandle, other: ShapeHandle| other == shape;
-        let of_body: (QueryTarget, QueryFilter<'_>) = (body.into(), ALL().when(&is_body));
-        let of_shape: (QueryTarget, QueryFilter<'_>) = (shape.into(), ALL().when(&is_shape));
+        let of_body: (QueryTarget, QueryFilter<'_>) = (body.into(), ALL().with_predicate(&is_body));
+        let of_shape: (QueryTarget, QueryFilter<'_>) = (shape.into(), ALL().with_predicate(&is_shape));
         for (target, slow) in [of_body, of_shape] {
             let only = QueryFilter::only(target);
             let aim = world.position(body).unwrap();
@@ -31,8 +31,8 @@ fn queries_of_one_body_or_shape_answer_as_a_predicate_would() {
             world.cast_rays(&[ray; 70], &only, &mut batch).unwrap();
             assert!(batch.iter().all(|one| *one == hit));
             let form = convex(&mut random, round);
-            let cast = ShapeCast::new(&form, from, ray.path).rotated(random.rotation());
-            for cast in [cast, cast.turning(random.cube() * 3.0)] {
+            let cast = ShapeCast::new(&form, from, ray.path).with_rotation(random.rotation());
+            for cast in [cast, cast.with_spin(random.cube() * 3.0)] {
                 assert_eq!(world.cast_shape(&cast, &only).unwrap(), world.cast_shape(&cast, &slow).unwrap());
             }
             // How deep it is in it, and the way out.
@@ -59,7 +59,7 @@ fn a_target_needs_no_tree_and_keeps_to_the_filter() {
     let mut world = world();
     let unit = Geometry::cuboid(0.5, 0.5, 0.5);
     let body = add(&mut world, BodyDesc::dynamic(), unit.clone());
-    let other = add(&mut world, BodyDesc::dynamic().at(DVec3::X * 3.0), unit.clone());
+    let other = add(&mut world, BodyDesc::dynamic().with_position(DVec3::X * 3.0), unit.clone());
     let mut sensor = ShapeDesc::new(unit);
     sensor.sensor = true;
     let sensor = world.add_shape(body, &sensor).unwrap();
@@ -70,7 +70,7 @@ fn a_target_needs_no_tree_and_keeps_to_the_filter() {
     assert_eq!(world.memory(), before);
     assert_eq!(world.cast_ray(&down, &QueryFilter::only(sensor)).unwrap(), None);
     assert!(world.cast_ray(&down, &QueryFilter::only(sensor).with_sensors()).unwrap().is_some());
-    assert_eq!(world.cast_ray(&down, &QueryFilter::only(body).without(body)).unwrap(), None);
+    assert_eq!(world.cast_ray(&down, &QueryFilter::only(body).excluding(body)).unwrap(), None);
     world.set_enabled(body, false).unwrap();
     assert_eq!(world.cast_ray(&down, &QueryFilter::only(body)).unwrap(), None);
     world.remove_body(body).unwrap();
@@ -92,7 +92,9 @@ fn boxes_find_all_shapes_whose_boxes_meet_them() {
     for centre in [DVec3::ZERO, DVec3::new(-7e5, 1e3, 2e5)] {
         let mut world = crowd(centre, 4, &order);
         // The box around the half-space of a plane that leans is everywhere.
-        let leans = BodyDesc::fixed().at(centre - DVec3::Y * 60.0).rotated(Quat::from_rotation_z(0.3));
+        let leans = BodyDesc::fixed()
+            .with_position(centre - DVec3::Y * 60.0)
+            .with_rotation(Quat::from_rotation_z(0.3));
         let plane = add(&mut world, leans, Geometry::Plane);
         let mut random = Random(2);
         let mut found = Vec::new();

@@ -47,7 +47,7 @@ fn another_library_says_the_same() {
         let other = in_parry(&geometry);
         let turned = random.rotation();
         let mut world = world();
-        add(&mut world, BodyDesc::fixed().rotated(turned), geometry.clone());
+        add(&mut world, BodyDesc::fixed().with_rotation(turned), geometry.clone());
         let pose = Pose::from_parts(Vector::ZERO, Rotation::from_array(turned.to_array()));
         let from = random.cube() * 5.0;
         let path = (random.cube() * 1.5 - from) * random.range(0.5, 2.0);
@@ -81,7 +81,7 @@ fn another_library_says_the_same() {
         let theirs = intersection_test(&start, &*moving, &pose, &*other).unwrap().intersecting;
         overlaps += usize::from(ours && theirs);
         odd += usize::from(ours != theirs);
-        let cast = ShapeCast::new(&shape, from.as_dvec3(), path).rotated(turn);
+        let cast = ShapeCast::new(&shape, from.as_dvec3(), path).with_rotation(turn);
         let ours = world.cast_shape(&cast, &ALL()).unwrap();
         let options = ShapeCastOptions::with_max_time_of_impact(1.0);
         let theirs =

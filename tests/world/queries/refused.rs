@@ -56,7 +56,9 @@ fn bad_input_is_refused_and_leaves_buffers_as_they_were() {
     for rotation in [Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)] {
         assert!(world.overlap_any(&shape, DVec3::Y, rotation, &ALL()).is_err());
         assert!(
-            world.cast_shape(&ShapeCast::new(&shape, DVec3::Y, Vec3::Y).rotated(rotation), &ALL()).is_err()
+            world
+                .cast_shape(&ShapeCast::new(&shape, DVec3::Y, Vec3::Y).with_rotation(rotation), &ALL())
+                .is_err()
         );
     }
     // As large as may be: no panic, no nonsense.

@@ -7,12 +7,12 @@ fn filters_leave_out_what_they_say() {
     let mut world = world();
     let down = ray([0.0, 100.0, 0.0], [0.0, -200.0, 0.0]);
     let slab = || Geometry::cuboid(1.0, 0.5, 1.0);
-    let fixed = add(&mut world, BodyDesc::fixed().at(DVec3::Y * 10.0), slab());
-    let kinematic = add(&mut world, BodyDesc::kinematic().at(DVec3::Y * 20.0), slab());
-    let dynamic = add(&mut world, BodyDesc::dynamic().at(DVec3::Y * 30.0), slab());
+    let fixed = add(&mut world, BodyDesc::fixed().with_position(DVec3::Y * 10.0), slab());
+    let kinematic = add(&mut world, BodyDesc::kinematic().with_position(DVec3::Y * 20.0), slab());
+    let dynamic = add(&mut world, BodyDesc::dynamic().with_position(DVec3::Y * 30.0), slab());
     let mut red = ShapeDesc::new(slab());
     red.filter = Filter::default().with_category(4).with_mask(8).with_group(0);
-    let red = world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 40.0).with_shape(red)).unwrap();
+    let red = world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 40.0).with_shape(red)).unwrap();
     let order = |filter: &QueryFilter<'_>| {
         let (mut rays, mut casts, mut near, mut over) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         world.cast_ray_all(&down, filter, &mut rays).unwrap();
@@ -37,19 +37,22 @@ fn filters_leave_out_what_they_say() {
     assert_eq!(order(&QueryFilter::only_static()), [fixed]);
     assert_eq!(order(&QueryFilter::only_dynamic()), [red, dynamic]);
     assert_eq!(order(&QueryFilter { dynamic: false, ..ALL() }), [kinematic, fixed]);
-    assert_eq!(order(&ALL().without(red)), [dynamic, kinematic, fixed]);
+    assert_eq!(order(&ALL().excluding(red)), [dynamic, kinematic, fixed]);
     let shape = world.shapes(dynamic).unwrap().next().unwrap();
-    assert_eq!(order(&ALL().without_shape(shape)), [red, kinematic, fixed]);
+    assert_eq!(order(&ALL().excluding_shape(shape)), [red, kinematic, fixed]);
     let bullet = Filter::default().with_category(1);
-    assert_eq!(order(&ALL().collides(bullet)), [dynamic, kinematic, fixed]);
-    assert_eq!(order(&ALL().collides(Filter::default().with_category(8).with_mask(4).with_group(0))), [red]);
+    assert_eq!(order(&ALL().with_filter(bullet)), [dynamic, kinematic, fixed]);
+    assert_eq!(
+        order(&ALL().with_filter(Filter::default().with_category(8).with_mask(4).with_group(0))),
+        [red]
+    );
     let says = |body: BodyHandle, asked: ShapeHandle| body != kinematic && asked != shape;
-    assert_eq!(order(&ALL().when(&says)), [red, fixed]);
-    assert_eq!(order(&ALL().when(&|_, _| false)), []);
+    assert_eq!(order(&ALL().with_predicate(&says)), [red, fixed]);
+    assert_eq!(order(&ALL().with_predicate(&|_, _| false)), []);
     // A handle of another world's, or of what is gone, excludes nothing.
     let mut gone = self::world();
     let other = (0..9).map(|_| add(&mut gone, BodyDesc::fixed(), ball(1.0))).last().unwrap();
-    assert_eq!(order(&ALL().without(other)).len(), 4);
+    assert_eq!(order(&ALL().excluding(other)).len(), 4);
 }
 
 /// Everything on the vertical line through a place, by a ray, by body.
@@ -66,8 +69,8 @@ fn queries_see_the_world_as_it_is_now() {
     let unit = || Geometry::cuboid(0.5, 0.5, 0.5);
     let wall = add(&mut world, BodyDesc::fixed(), unit());
     assert_eq!(below(&world, 0.0), [wall], "before any step");
-    let crate_ = add(&mut world, BodyDesc::dynamic().at(DVec3::Y * 5.0), unit());
-    let lift = add(&mut world, BodyDesc::kinematic().at(DVec3::Y * 9.0), unit());
+    let crate_ = add(&mut world, BodyDesc::dynamic().with_position(DVec3::Y * 5.0), unit());
+    let lift = add(&mut world, BodyDesc::kinematic().with_position(DVec3::Y * 9.0), unit());
     assert_eq!(below(&world, 0.0), [lift, crate_, wall]);
     world.set_pose(crate_, DVec3::X * 3.0, Quat::IDENTITY).unwrap();
     world.set_pose(wall, DVec3::X * 6.0, Quat::IDENTITY).unwrap();
@@ -90,10 +93,13 @@ fn queries_see_the_world_as_it_is_now() {
     world.remove_body(crate_).unwrap();
     assert_eq!(below(&world, -3.0), []);
     // A slot that is used again, by another kind of body.
-    let floor = add(&mut world, BodyDesc::fixed().at(DVec3::X * -3.0), Geometry::cuboid(0.4, 0.1, 0.4));
+    let floor =
+        add(&mut world, BodyDesc::fixed().with_position(DVec3::X * -3.0), Geometry::cuboid(0.4, 0.1, 0.4));
     assert_eq!(below(&world, -3.0), [floor]);
     // Far in a step: seen where it is, not where it was or where a box around its way is.
-    let fast = BodyDesc::dynamic().moving(Vec3::X * 6000.0, Vec3::ZERO).at(DVec3::new(100.0, 0.0, 0.0));
+    let fast = BodyDesc::dynamic()
+        .with_velocity(Vec3::X * 6000.0, Vec3::ZERO)
+        .with_position(DVec3::new(100.0, 0.0, 0.0));
     let fast = add(&mut world, fast, unit());
     for _ in 0..3 {
         world.step(1.0 / 60.0).unwrap();
@@ -104,8 +110,8 @@ fn queries_see_the_world_as_it_is_now() {
         );
     }
     // Planes, which have no box, static and moving.
-    let ground = add(&mut world, BodyDesc::fixed().at(DVec3::Y * -50.0), Geometry::Plane);
-    let tide = add(&mut world, BodyDesc::kinematic().at(DVec3::Y * -40.0), Geometry::Plane);
+    let ground = add(&mut world, BodyDesc::fixed().with_position(DVec3::Y * -50.0), Geometry::Plane);
+    let tide = add(&mut world, BodyDesc::kinematic().with_position(DVec3::Y * -40.0), Geometry::Plane);
     assert_eq!(below(&world, 77.0), [tide, ground]);
     world.set_pose(tide, DVec3::Y * -60.0, Quat::IDENTITY).unwrap();
     assert_eq!(below(&world, 77.0), [ground, tide]);
@@ -119,14 +125,21 @@ fn queries_see_the_world_as_it_is_now() {
 #[test]
 fn what_sleeps_is_seen_as_well() {
     let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
-    let floor = add(&mut world, BodyDesc::fixed().at(DVec3::Y * -0.5), Geometry::cuboid(50.0, 0.5, 5.0));
+    let floor =
+        add(&mut world, BodyDesc::fixed().with_position(DVec3::Y * -0.5), Geometry::cuboid(50.0, 0.5, 5.0));
     let balls: Vec<BodyHandle> = (0..5)
-        .map(|i| add(&mut world, BodyDesc::dynamic().at(DVec3::new(f64::from(i) * 4.0, 1.0, 0.0)), ball(0.5)))
+        .map(|i| {
+            add(
+                &mut world,
+                BodyDesc::dynamic().with_position(DVec3::new(f64::from(i) * 4.0, 1.0, 0.0)),
+                ball(0.5),
+            )
+        })
         .collect();
     for step in 0..400 {
         world.step(1.0 / 60.0).unwrap();
         // Asked now and then, so that many step between two questions.
-        if step % 70 == 0 || world.asleep() > 0 {
+        if step % 70 == 0 || world.sleeping_body_count() > 0 {
             for (i, &ball) in balls.iter().enumerate() {
                 assert_eq!(below(&world, i as f64 * 4.0), [ball, floor]);
                 let top = world.position(ball).unwrap().y + 0.5;
@@ -135,7 +148,7 @@ fn what_sleeps_is_seen_as_well() {
             }
         }
     }
-    assert_eq!(world.asleep(), balls.len());
+    assert_eq!(world.sleeping_body_count(), balls.len());
     assert_eq!(
         world
             .cast_ray(&ray([0.0, 9.0, 0.0], [0.0, -9.0, 0.0]), &QueryFilter::only_dynamic())
@@ -161,7 +174,7 @@ fn answers_are_written_and_read() {
     let hit = world.cast_ray(&down, &ALL()).unwrap().unwrap();
     assert_eq!((again(&down), again(&hit)), (down, hit));
     let form = ball(0.5);
-    let cast = ShapeCast::new(&form, down.from, down.path).turning(Vec3::X);
+    let cast = ShapeCast::new(&form, down.from, down.path).with_spin(Vec3::X);
     let hit = world.cast_shape(&cast, &ALL()).unwrap().unwrap();
     assert_eq!(again(&hit), hit);
     let near = world.closest_point(down.from, 9.0, &ALL()).unwrap().unwrap();

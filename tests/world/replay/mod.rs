@@ -10,8 +10,8 @@ use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, Category, Character, CharacterSettings, ContactHook,
-    ContactHooks, Continuous, ConvexHull, Drive, Error, Filter, Frame, Geometry, HeightField, JointDesc,
-    JointHandle, Limit, MassProperties, Material, Motion, Order, QueryFilter, Ray, RowGroup, Settings,
+    ContactHooks, ContinuousMode, ConvexHull, Error, Filter, Frame, Geometry, HeightField, JointDesc,
+    JointHandle, Limit, MassProperties, Material, Motion, Motor, Order, QueryFilter, Ray, RowGroup, Settings,
     ShapeDesc, ShapeHandle, Skeleton, Snapshot, TriangleMesh, World,
 };
 use backstop_scene::{Scene, Terrain, builtin};
@@ -51,14 +51,14 @@ fn record_scene(scene: &Scene, settings: Settings, steps: u32) -> (Vec<u8>, Reco
     scene.add_to(&mut world).unwrap();
     common::steps(&mut world, steps, DT);
     let recorded = world.stop_recording().unwrap();
-    (buffer.bytes(), recorded, world.hash())
+    (buffer.bytes(), recorded, world.state_hash())
 }
 
 fn play(bytes: &[u8], threads: usize) -> (Played, u64) {
     let run = || {
         let mut replay = Replay::open_with(bytes, move |settings| settings.threads = threads).unwrap();
         let played = replay.run().unwrap();
-        (played, replay.world().hash())
+        (played, replay.world().state_hash())
     };
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }
@@ -105,7 +105,7 @@ fn recording_changes_nothing() {
     let (_, _, hash) = record_scene(&scene, Settings::default(), 60);
     let (mut world, _) = common::world_of(&scene, Settings::default());
     common::steps(&mut world, 60, DT);
-    assert_eq!(world.hash(), hash);
+    assert_eq!(world.state_hash(), hash);
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn hooks_are_not_needed_again() {
     let bodies: Vec<BodyDesc> = (0..12)
         .map(|i| {
             let at = DVec3::new(f64::from(i % 4) * 1.5, 1.0 + f64::from(i / 4) * 1.3, 0.0);
-            BodyDesc::dynamic().at(at).with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)))
+            BodyDesc::dynamic().with_position(at).with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)))
         })
         .collect();
     world.add_bodies(&bodies).unwrap();
@@ -125,7 +125,7 @@ fn hooks_are_not_needed_again() {
         world.step_with(DT, &hooks).unwrap();
     }
     assert!(hooks.0.load(Ordering::Relaxed) > 7000, "they were asked");
-    let hash = world.hash();
+    let hash = world.state_hash();
     world.stop_recording().unwrap();
     plays_again(&buffer.bytes(), hash);
 }

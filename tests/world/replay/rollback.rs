@@ -9,10 +9,10 @@ fn running(sleeping: bool) -> World {
     common::small_pile().add_to(&mut world).unwrap();
     let (vertices, triangles) = Terrain::bumpy(8, 1.0).mesh();
     let mesh = ShapeDesc::new(Geometry::mesh(TriangleMesh::new(vertices, triangles).unwrap()));
-    world.add_body(&BodyDesc::fixed().at(DVec3::Y * -30.0).with_shape(mesh)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * -30.0).with_shape(mesh)).unwrap();
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     let hull = Arc::new(ConvexHull::new(&corners).unwrap());
-    let tetrahedron = BodyDesc::dynamic().at(DVec3::new(0.0, 12.0, 0.0));
+    let tetrahedron = BodyDesc::dynamic().with_position(DVec3::new(0.0, 12.0, 0.0));
     world.add_body(&tetrahedron.with_shape(ShapeDesc::new(Geometry::Hull(hull)))).unwrap();
     Skeleton::humanoid().add_to(&mut world, DVec3::new(0.0, 9.0, 0.0), Quat::IDENTITY, Vec3::X).unwrap();
     let walker = Character::new(CharacterSettings::default(), DVec3::new(3.0, 3.0, 0.0)).unwrap();
@@ -35,7 +35,7 @@ fn a_recording_may_begin_in_the_middle_of_a_run() {
         world.start_recording(buffer.clone()).unwrap();
         for step in 0..60 {
             if step == 20 {
-                let ball = BodyDesc::dynamic().at(DVec3::Y * 14.0);
+                let ball = BodyDesc::dynamic().with_position(DVec3::Y * 14.0);
                 let ball = ball.with_shape(ShapeDesc::new(Geometry::sphere(0.4)));
                 world.add_body(&ball).unwrap();
             }
@@ -44,7 +44,7 @@ fn a_recording_may_begin_in_the_middle_of_a_run() {
         }
         let recorded = world.stop_recording().unwrap();
         assert_eq!(recorded.bytes, buffer.bytes().len() as u64);
-        let played = plays_again(&buffer.bytes(), world.hash());
+        let played = plays_again(&buffer.bytes(), world.state_hash());
         assert_eq!((played.steps, played.calls["restore"]), (60, 1));
     }
 }
@@ -68,9 +68,10 @@ fn a_run_that_rolls_back_plays_again() {
                 for _ in 0..8 {
                     let bodies: Vec<BodyHandle> = world.bodies().collect();
                     let body = random.of(&bodies);
-                    world.apply_impulse(body, random.cube() * 500.0, DVec3::ZERO).unwrap();
+                    world.apply_impulse_at(body, random.cube() * 500.0, DVec3::ZERO).unwrap();
                     if guess && round % 3 == 2 {
-                        let ball = BodyDesc::dynamic().at((random.cube() * 3.0 + Vec3::Y * 9.0).as_dvec3());
+                        let ball = BodyDesc::dynamic()
+                            .with_position((random.cube() * 3.0 + Vec3::Y * 9.0).as_dvec3());
                         let ball = ball.with_shape(ShapeDesc::new(Geometry::sphere(0.3)));
                         world.add_body(&ball).unwrap();
                     }
@@ -82,7 +83,7 @@ fn a_run_that_rolls_back_plays_again() {
             }
         }
         world.stop_recording().unwrap();
-        let played = plays_again(&buffer.bytes(), world.hash());
+        let played = plays_again(&buffer.bytes(), world.state_hash());
         let start = u64::from(!begins_new);
         assert_eq!((played.steps, played.calls["restore"]), (12 * 16, 12 + start));
         assert_eq!(played.calls["part"], 3 + start);
@@ -110,7 +111,7 @@ fn what_was_saved_elsewhere_is_restored_in_the_replay_too() {
     assert!(world.restore(&Snapshot::new()).is_err());
     world.step(DT).unwrap();
     world.stop_recording().unwrap();
-    let played = plays_again(&buffer.bytes(), world.hash());
+    let played = plays_again(&buffer.bytes(), world.state_hash());
     assert_eq!(played.calls["restore"], 4);
 }
 
@@ -132,7 +133,7 @@ fn what_was_edited_and_restored_takes_the_same_memory_in_the_replay() {
     world.step(DT).unwrap();
     let reserved = |world: &World| world.memory().category(Category::Meshes).reserved;
     world.stop_recording().unwrap();
-    plays_again(&buffer.bytes(), world.hash());
+    plays_again(&buffer.bytes(), world.state_hash());
     let bytes = buffer.bytes();
     let mut replay = Replay::open(&bytes[..]).unwrap();
     replay.run().unwrap();
@@ -154,7 +155,7 @@ fn a_recording_outlives_a_step_that_panics() {
     let mut world = World::new(Settings::default()).unwrap();
     common::small_pile().add_to(&mut world).unwrap();
     let shapes: Vec<ShapeHandle> = world.bodies().flat_map(|body| world.shapes(body).unwrap()).collect();
-    shapes.into_iter().for_each(|shape| world.set_listening(shape, false, true).unwrap());
+    shapes.into_iter().for_each(|shape| world.set_hooks(shape, true).unwrap());
     let buffer = RecordingBuffer::default();
     world.start_recording(buffer.clone()).unwrap();
     common::steps(&mut world, 60, DT);
@@ -171,9 +172,9 @@ fn a_recording_outlives_a_step_that_panics() {
     assert!(world.is_recording());
     common::steps(&mut world, 10, DT);
     common::steps(&mut nowhere, 10, DT);
-    assert_eq!(world.hash(), nowhere.hash());
+    assert_eq!(world.state_hash(), nowhere.state_hash());
     world.stop_recording().unwrap();
-    plays_again(&buffer.bytes(), world.hash());
+    plays_again(&buffer.bytes(), world.state_hash());
 }
 
 /// Expected: a limit on bodies holds for those of a snapshot, and settings are changed after it as well.

@@ -9,7 +9,7 @@ fn pair_on_a_joint(seed: u64) -> World {
     let mut random = Random(1 + seed);
     let mut world = World::new(Settings::default()).unwrap();
     let floor = ShapeDesc::new(Geometry::cuboid(50.0, 0.5, 50.0));
-    world.add_body(&BodyDesc::fixed().at(DVec3::Y * -0.5).with_shape(floor)).unwrap();
+    world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * -0.5).with_shape(floor)).unwrap();
     let mut bodies = Vec::new();
     let mut places = Vec::new();
     for _ in 0..2 {
@@ -24,7 +24,10 @@ fn pair_on_a_joint(seed: u64) -> World {
         let mut shape = ShapeDesc::new(shape);
         shape.density = 100.0 * 50.0_f32.powf(random.range(0.0, 1.0));
         let mut vector = |most: f32| Vec3::from_array([0; 3].map(|_| random.range(-most, most)));
-        let body = BodyDesc::dynamic().at(at.as_dvec3()).moving(vector(30.0), vector(15.0)).with_shape(shape);
+        let body = BodyDesc::dynamic()
+            .with_position(at.as_dvec3())
+            .with_velocity(vector(30.0), vector(15.0))
+            .with_shape(shape);
         bodies.push(world.add_body(&body).unwrap());
         places.push(at);
     }
@@ -56,8 +59,12 @@ fn bodies_on_a_joint_go_on_from_any_step_in_any_world() {
             world.snapshot(&mut then[0]);
             new.snapshot(&mut then[1]);
             assert_eq!(then[0].hash(), then[1].hash(), "seed {seed}, step {step}: the whole state");
-            assert_eq!(world.hash(), new.hash(), "seed {seed}, step {step}: in a new world");
-            assert_eq!(world.hash(), elsewhere.hash(), "seed {seed}, step {step}: in one with another past");
+            assert_eq!(world.state_hash(), new.state_hash(), "seed {seed}, step {step}: in a new world");
+            assert_eq!(
+                world.state_hash(),
+                elsewhere.state_hash(),
+                "seed {seed}, step {step}: in one with another past"
+            );
         }
     }
 }
@@ -71,8 +78,8 @@ fn in_a_sensor() -> (World, [BodyHandle; 3], [ShapeHandle; 3]) {
     let ball = with_events(Geometry::Sphere { radius: 0.5 });
     let bodies = [
         BodyDesc::fixed().with_shape(room),
-        BodyDesc::kinematic().at(DVec3::Y * -0.5).with_shape(floor),
-        BodyDesc::dynamic().at(DVec3::Y * 0.499).with_shape(ball),
+        BodyDesc::kinematic().with_position(DVec3::Y * -0.5).with_shape(floor),
+        BodyDesc::dynamic().with_position(DVec3::Y * 0.499).with_shape(ball),
     ]
     .map(|body| world.add_body(&body).unwrap());
     let shapes = bodies.map(|body| world.shapes(body).unwrap().next().unwrap());
@@ -80,7 +87,7 @@ fn in_a_sensor() -> (World, [BodyHandle; 3], [ShapeHandle; 3]) {
         world.step(DT).unwrap();
     }
     let mut inside = Vec::new();
-    world.visitors(shapes[0], &mut inside).unwrap();
+    world.sensor_overlaps(shapes[0], &mut inside).unwrap();
     assert_eq!(inside, [shapes[1], shapes[2]], "both are in the sensor");
     (world, bodies, shapes)
 }
@@ -130,10 +137,11 @@ fn a_snapshot_between_a_change_and_its_step_keeps_what_ended() {
 #[test]
 fn a_world_takes_its_own_snapshot_after_a_strength_was_lowered() {
     let mut world = World::new(Settings::default()).unwrap();
-    let ceiling = world.add_body(&BodyDesc::fixed().at(DVec3::Y * 9.0)).unwrap();
+    let ceiling = world.add_body(&BodyDesc::fixed().with_position(DVec3::Y * 9.0)).unwrap();
     let cube = ShapeDesc::new(Geometry::cuboid(0.3, 0.3, 0.3));
     let joints = [-1.0, 1.0].map(|x| {
-        let body = BodyDesc::dynamic().at(DVec3::new(f64::from(x), 4.0, 0.0)).with_shape(cube.clone());
+        let body =
+            BodyDesc::dynamic().with_position(DVec3::new(f64::from(x), 4.0, 0.0)).with_shape(cube.clone());
         let body = world.add_body(&body).unwrap();
         let frames = [Frame::at(Vec3::X * x), Frame::default()];
         world.add_joint(&JointDesc::new([ceiling, body], frames)).unwrap()
@@ -143,7 +151,7 @@ fn a_world_takes_its_own_snapshot_after_a_strength_was_lowered() {
         world.step(DT).unwrap();
     }
     // Each cube weighs 2,119 N.
-    world.set_coupling_strength(pulley, [100.0, 100.0]).unwrap();
+    world.set_coupling_break_force(pulley, [100.0, 100.0]).unwrap();
     let mut snapshot = Snapshot::new();
     world.snapshot(&mut snapshot);
     let mut new = World::new(Settings::default()).unwrap();
@@ -151,7 +159,7 @@ fn a_world_takes_its_own_snapshot_after_a_strength_was_lowered() {
     for _ in 0..3 {
         world.step(DT).unwrap();
         new.step(DT).unwrap();
-        assert_eq!(world.hash(), new.hash());
+        assert_eq!(world.state_hash(), new.state_hash());
     }
     assert_eq!([world.coupling_count(), new.coupling_count()], [0, 0], "it broke in both");
 }

@@ -39,7 +39,7 @@ fn whole_bytes_go_to_a_world_that_has_the_geometry() {
     let (mut other, _) = common::world_of(&fewer, Settings::default());
     other.restore(&snapshot).unwrap();
     common::steps(&mut other, 20, DT);
-    assert_eq!(other.hash(), world.hash());
+    assert_eq!(other.state_hash(), world.state_hash());
     // An empty world lacks them, and stays empty.
     let mut empty = World::new(Settings::default()).unwrap();
     assert!(matches!(empty.restore(&snapshot), Err(Error::ForeignSnapshot { .. })));
@@ -53,13 +53,13 @@ fn a_snapshot_of_another_world_is_refused_and_changes_nothing() {
     let bytes = snapshot_of(&world).to_bytes();
     let (mut other, _) = common::world_of(&pile_of(31), Settings::default());
     common::steps(&mut other, 10, DT);
-    let before = (other.hash(), snapshot_of(&other).to_bytes());
+    let before = (other.state_hash(), snapshot_of(&other).to_bytes());
     assert!(matches!(
         other.restore(&Snapshot::from_bytes(&bytes).unwrap()),
         Err(Error::ForeignSnapshot { .. })
     ));
     assert!(matches!(other.restore(&Snapshot::new()), Err(Error::BrokenSnapshot { .. })));
-    assert_eq!((other.hash(), snapshot_of(&other).to_bytes()), before);
+    assert_eq!((other.state_hash(), snapshot_of(&other).to_bytes()), before);
     let mut newer = bytes.clone();
     newer[4] += 1;
     assert!(matches!(Snapshot::from_bytes(&newer), Err(Error::SnapshotVersion { .. })));
@@ -99,7 +99,7 @@ fn any_bytes_are_refused_or_can_be_stepped_on() {
             }
             assert!(bytes == good || Snapshot::from_bytes(&bytes).is_err());
             common::snapshots::fix_checksum(&mut bytes);
-            let before = game.world.hash();
+            let before = game.world.state_hash();
             let restored = Snapshot::from_bytes(&bytes).and_then(|snapshot| game.world.restore(&snapshot));
             if restored.is_ok() {
                 taken += 1;
@@ -110,7 +110,7 @@ fn any_bytes_are_refused_or_can_be_stepped_on() {
             } else {
                 refused += 1;
             }
-            assert_eq!(game.world.hash(), before);
+            assert_eq!(game.world.state_hash(), before);
         }
         println!("whole {whole}: {refused} refused, {taken} taken");
         assert!(refused > 500 && taken > 100);

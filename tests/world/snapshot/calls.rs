@@ -71,13 +71,13 @@ fn handles_are_those_of_the_time() {
     common::steps(&mut world, 3, DT);
     let mut snapshot = Snapshot::new();
     world.snapshot(&mut snapshot);
-    let hash = world.hash();
+    let hash = world.state_hash();
     world.remove_body(a).unwrap();
     let c = world.add_body(&ball(2.0, 3)).unwrap();
     let d = world.add_body(&ball(3.0, 4)).unwrap();
     common::steps(&mut world, 2, DT);
     world.restore(&snapshot).unwrap();
-    assert_eq!((world.hash(), world.body_count(), world.joint_count()), (hash, 3, 1));
+    assert_eq!((world.state_hash(), world.body_count(), world.joint_count()), (hash, 3, 1));
     assert_eq!((world.user_data(a), world.user_data(b)), (Ok(1), Ok(2)));
     assert_eq!(world.user_data(c), Err(Error::StaleBody));
     assert_eq!(world.user_data(d), Err(Error::StaleBody));
@@ -97,16 +97,19 @@ fn events_go_on_where_they_were() {
             let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
             let cube = || ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_events();
             world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
-            let sensor = ShapeDesc::new(Geometry::cuboid(9.0, 2.0, 9.0)).sensing();
+            let sensor = ShapeDesc::new(Geometry::cuboid(9.0, 2.0, 9.0)).as_sensor();
             world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
-            let away = world.add_body(&BodyDesc::fixed().at(DVec3::X * 3.0).with_shape(cube())).unwrap();
+            let away =
+                world.add_body(&BodyDesc::fixed().with_position(DVec3::X * 3.0).with_shape(cube())).unwrap();
             let bodies: Vec<_> = (0..6)
                 .map(|i| {
                     let at = DVec3::new(f64::from(i % 3) * 1.5, 0.6 + f64::from(i) * 0.9, 0.0);
-                    world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+                    world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(cube())).unwrap()
                 })
                 .collect();
-            let lift = world.add_body(&BodyDesc::kinematic().at(DVec3::Z * 3.0).with_shape(cube())).unwrap();
+            let lift = world
+                .add_body(&BodyDesc::kinematic().with_position(DVec3::Z * 3.0).with_shape(cube()))
+                .unwrap();
             for body in [away, lift, bodies[4]] {
                 world.set_enabled(body, false).unwrap();
             }
@@ -138,7 +141,7 @@ fn events_go_on_where_they_were() {
             let run = |world: &mut World| {
                 let one = |step| {
                     act(world, &bodies, lift, step);
-                    (world.hash(), heard(world), world.asleep())
+                    (world.state_hash(), heard(world), world.sleeping_body_count())
                 };
                 (at..220).map(one).collect::<Vec<_>>()
             };

@@ -4,7 +4,7 @@
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, ConvexHull, Drive, Geometry, HeightField, JointDesc, Motion, Settings,
+    Axis, BodyDesc, BodyHandle, ConvexHull, Geometry, HeightField, JointDesc, Motion, Motor, Settings,
     ShapeDesc, Snapshot, TriangleMesh, World,
 };
 use std::sync::Arc;
@@ -41,14 +41,16 @@ fn world(which: usize, shared: &Shared) -> World {
         .with_sleep_time(0.1)
         .with_gravity(if which == 2 { Vec3::ZERO } else { Vec3::Y * -9.81 });
     let mut world = World::new(settings).unwrap();
-    let fixed = |at: DVec3, geometry: Geometry| BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry));
+    let fixed = |at: DVec3, geometry: Geometry| {
+        BodyDesc::fixed().with_position(at).with_shape(ShapeDesc::new(geometry))
+    };
     world.add_body(&fixed(DVec3::Y * -0.5, Geometry::cuboid(6.0, 0.5, 6.0))).unwrap();
     world.add_body(&fixed(DVec3::Y * 0.02, Geometry::Mesh(shared.mesh.clone()))).unwrap();
     world.add_body(&fixed(DVec3::X * 8.0, Geometry::HeightField(shared.field.clone()))).unwrap();
     if which == 1 {
         world.add_body(&fixed(DVec3::Y * -0.3, Geometry::Plane)).unwrap();
     }
-    let sensor = ShapeDesc::new(Geometry::Sphere { radius: 2.0 }).sensing().with_events();
+    let sensor = ShapeDesc::new(Geometry::Sphere { radius: 2.0 }).as_sensor().with_events();
     world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
     let bodies: Vec<BodyHandle> = (0..12)
         .map(|i| {
@@ -64,17 +66,17 @@ fn world(which: usize, shared: &Shared) -> World {
             shape.material.rolling_friction = if which == 1 { 0.02 } else { 0.0 };
             shape.material.contact_hertz = if which == 1 && i % 3 == 0 { 10.0 } else { 0.0 };
             let at = DVec3::new(f64::from(i % 4) - 2.0, 0.4 + f64::from(i / 4) * 0.7, f64::from(i % 3));
-            world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape)).unwrap()
+            world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape)).unwrap()
         })
         .collect();
     let mut lift = ShapeDesc::new(Geometry::cuboid(0.5, 0.1, 0.5));
     lift.material.surface_velocity = if which == 1 { Vec3::Z } else { Vec3::ZERO };
-    let lift = BodyDesc::kinematic().at(DVec3::new(3.0, 1.0, 3.0)).with_shape(lift);
-    world.add_body(&lift.clone().moving(Vec3::X, Vec3::Y)).unwrap();
-    world.add_body(&lift.at(DVec3::new(-3.0, 1.0, -3.0))).unwrap();
+    let lift = BodyDesc::kinematic().with_position(DVec3::new(3.0, 1.0, 3.0)).with_shape(lift);
+    world.add_body(&lift.clone().with_velocity(Vec3::X, Vec3::Y)).unwrap();
+    world.add_body(&lift.with_position(DVec3::new(-3.0, 1.0, -3.0))).unwrap();
     let rider = ShapeDesc::new(Geometry::cuboid(0.2, 0.2, 0.2));
     for x in [-3.3, -2.7] {
-        let rider = BodyDesc::dynamic().at(DVec3::new(x, 1.3, -3.0)).with_shape(rider.clone());
+        let rider = BodyDesc::dynamic().with_position(DVec3::new(x, 1.3, -3.0)).with_shape(rider.clone());
         world.add_body(&rider).unwrap();
     }
     for i in 0..if which == 2 { 6 } else { 3 } {
@@ -82,9 +84,14 @@ fn world(which: usize, shared: &Shared) -> World {
         let frames = world.frames_at(pair, world.position(pair[0]).unwrap(), Quat::IDENTITY).unwrap();
         let joint = match i % 5 {
             0 => JointDesc::ball(pair, frames),
-            1 => JointDesc::hinge(pair, frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 10.0)),
+            1 => JointDesc::hinge(pair, frames).with_motor(Motor::velocity(
+                Motion::Angular,
+                Axis::X,
+                3.0,
+                10.0,
+            )),
             2 => JointDesc::slider(pair, frames),
-            3 => JointDesc::distance(pair, frames, 0.1, 2.0).with_strength(1e5, 1e5),
+            3 => JointDesc::distance(pair, frames, 0.1, 2.0).with_break_force(1e5, 1e5),
             _ => JointDesc::fixed(pair, frames),
         };
         world.add_joint(&joint).unwrap();
@@ -94,7 +101,7 @@ fn world(which: usize, shared: &Shared) -> World {
     for _ in 0..40 {
         world.step(DT).unwrap();
     }
-    world.add_force(bodies[8], Vec3::Y, Vec3::X).unwrap();
+    world.add_force_and_torque(bodies[8], Vec3::Y, Vec3::X).unwrap();
     world
 }
 
@@ -146,7 +153,7 @@ fn change(rng: &mut Random, words: &mut [u32]) {
 
 /// Refused and unchanged, or taken and stepped on.
 fn is_taken(world: &mut World, bytes: &[u8], good: &Snapshot) -> bool {
-    let before = world.hash();
+    let before = world.state_hash();
     let restored = Snapshot::from_bytes(bytes).and_then(|snapshot| world.restore(&snapshot));
     if restored.is_ok() {
         for _ in 0..3 {
@@ -158,7 +165,7 @@ fn is_taken(world: &mut World, bytes: &[u8], good: &Snapshot) -> bool {
         world.step(DT).unwrap();
         world.restore(good).unwrap();
     }
-    assert_eq!(world.hash(), before, "a refusal changed the world");
+    assert_eq!(world.state_hash(), before, "a refusal changed the world");
     restored.is_ok()
 }
 

@@ -16,7 +16,9 @@ impl Game {
         let mut game = Game { world: World::new(settings).unwrap(), ..Game::default() };
         game.world.add_body(&common::Floor::Mesh.desc(Material::default())).unwrap();
         let wall = ShapeDesc::new(Geometry::cuboid(0.2, 1.0, 4.0));
-        game.bodies.push(game.world.add_body(&BodyDesc::fixed().at(Vec3::X * 4.0).with_shape(wall)).unwrap());
+        game.bodies.push(
+            game.world.add_body(&BodyDesc::fixed().with_position(Vec3::X * 4.0).with_shape(wall)).unwrap(),
+        );
         let mut rng = Random(7);
         for _ in 0..40 {
             game.add(&mut rng);
@@ -38,15 +40,21 @@ impl Game {
         shape.material.restitution = if rng.below(4) == 0 { 0.6 } else { 0.0 };
         let at = rng.cube() * 3.0 + Vec3::Y * 4.0;
         let desc = match rng.below(12) {
-            0 => BodyDesc::kinematic().at(at).with_shape(shape).moving(rng.cube(), rng.cube()),
-            1 => BodyDesc::fixed().at(at - Vec3::Y * 3.5).with_shape(shape),
-            2 => BodyDesc::dynamic().at(at).with_shape(shape).moving(rng.cube() * 300.0, rng.cube() * 20.0),
+            0 => BodyDesc::kinematic()
+                .with_position(at)
+                .with_shape(shape)
+                .with_velocity(rng.cube(), rng.cube()),
+            1 => BodyDesc::fixed().with_position(at - Vec3::Y * 3.5).with_shape(shape),
+            2 => BodyDesc::dynamic()
+                .with_position(at)
+                .with_shape(shape)
+                .with_velocity(rng.cube() * 300.0, rng.cube() * 20.0),
             3 => {
                 let mut second = ShapeDesc::new(Game::geometry(rng));
                 second.position = rng.cube() * 0.3;
-                BodyDesc::dynamic().at(at).with_shape(shape).with_shape(second)
+                BodyDesc::dynamic().with_position(at).with_shape(shape).with_shape(second)
             }
-            _ => BodyDesc::dynamic().at(at).with_shape(shape),
+            _ => BodyDesc::dynamic().with_position(at).with_shape(shape),
         };
         self.bodies.push(self.world.add_body(&desc).unwrap());
     }
@@ -71,7 +79,7 @@ impl Game {
                 let frames = [Frame::at(rng.cube() * 0.4), Frame::at(rng.cube() * 0.4)];
                 let desc = match rng.below(4) {
                     0 => JointDesc::ball([body, other], frames),
-                    1 => JointDesc::hinge([body, other], frames).with_strength(3000.0, 3000.0),
+                    1 => JointDesc::hinge([body, other], frames).with_break_force(3000.0, 3000.0),
                     2 => JointDesc::distance([body, other], frames, 0.1, 1.0),
                     _ => JointDesc::slider([body, other], frames).with_collide(true),
                 };
@@ -84,9 +92,9 @@ impl Game {
             7 if !self.joints.is_empty() => {
                 let joint = self.joints[rng.below(self.joints.len())];
                 let limit = Limit::new(Motion::Linear, backstop::Axes::All, 0.0, 0.5);
-                let drive = Drive::friction(Motion::Angular, backstop::Axis::X, 0.5);
+                let drive = Motor::friction(Motion::Angular, backstop::Axis::X, 0.5);
                 let _ = world.set_joint_limits(joint, &[limit]);
-                let _ = world.set_joint_drive(joint, drive);
+                let _ = world.set_joint_motor(joint, drive);
                 let _ = world.set_joint_target(joint, drive.motion, drive.axis, 0.0, rng.unit());
                 let _ = world.set_joint_thresholds(joint, rng.unit() * 1000.0, f32::INFINITY);
             }
@@ -101,16 +109,16 @@ impl Game {
         match what {
             8 => {
                 // What joints have thrown beyond all speeds takes none.
-                let _ = world.apply_impulse(body, rng.cube() * 100.0, DVec3::Y);
+                let _ = world.apply_impulse_at(body, rng.cube() * 100.0, DVec3::Y);
             }
-            9 => world.add_force(body, rng.cube() * 500.0, rng.cube()).unwrap(),
+            9 => world.add_force_and_torque(body, rng.cube() * 500.0, rng.cube()).unwrap(),
             10 => world.set_velocity(body, rng.cube() * 5.0, rng.cube()).unwrap(),
             11 => {
                 let at = (rng.cube() * 3.0 + Vec3::Y * 2.0).as_dvec3();
                 world.set_pose(body, at, Quat::IDENTITY).unwrap();
             }
             12 => world.wake(body).unwrap(),
-            13 => world.send_to_sleep(body).unwrap(),
+            13 => world.sleep(body).unwrap(),
             14 => {
                 let shape = world.shapes(body).unwrap().next();
                 if let Some(shape) = shape {
@@ -136,7 +144,7 @@ impl Game {
             }
             18 => world.set_gravity_scale(body, rng.unit()).unwrap(),
             19 => {
-                let modes = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
+                let modes = [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
                 world.set_continuous(body, modes[rng.below(3)]).unwrap();
             }
             20 => world.set_can_sleep(body, rng.below(2) == 0).unwrap(),
@@ -156,7 +164,7 @@ impl Game {
                     )
                     .unwrap();
             }
-            22 => world.solve_body_after(body, None).unwrap(),
+            22 => world.set_body_solved_after(body, None).unwrap(),
             _ => world.set_origin(rng.cube().as_dvec3()).unwrap(),
         }
     }
@@ -168,6 +176,6 @@ impl Game {
         self.world.step(DT).unwrap();
         let world = &self.world;
         self.joints.retain(|&joint| world.contains_joint(joint));
-        self.world.hash()
+        self.world.state_hash()
     }
 }

@@ -13,18 +13,18 @@ fn goes_on(case: &Case, threads: usize) {
         if case.at.contains(&step) {
             let mut snapshot = Snapshot::new();
             world.snapshot(&mut snapshot);
-            snapshots.push((step, world.hash(), snapshot));
+            snapshots.push((step, world.state_hash(), snapshot));
         }
         hashes.extend(advance(&mut world, &bodies, case, step, 1));
     }
-    assert!(!case.sleeping || world.asleep() > 0, "{}: something is to sleep", case.name);
+    assert!(!case.sleeping || world.sleeping_body_count() > 0, "{}: something is to sleep", case.name);
     let (mut other, _) = world_of(case, threads);
     for (step, hash, snapshot) in snapshots.iter().rev().chain(&snapshots) {
         for (which, world) in [(0, &mut world), (1, &mut other)] {
             let world: &mut World = world;
             let threads = world.settings().threads;
             world.restore(snapshot).unwrap();
-            assert_eq!(world.hash(), *hash, "{} at {step}", case.name);
+            assert_eq!(world.state_hash(), *hash, "{} at {step}", case.name);
             assert_eq!(world.settings().threads, threads);
             let mut again = Snapshot::new();
             world.snapshot(&mut again);

@@ -14,8 +14,8 @@ use game::Game;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Continuous, Drive, Error, Filter, Frame, Geometry, JointDesc, JointHandle, Limit,
-    Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot, World,
+    BodyDesc, BodyHandle, ContinuousMode, Error, Filter, Frame, Geometry, JointDesc, JointHandle, Limit,
+    Material, Motion, Motor, Settings, ShapeDesc, ShapeHandle, Snapshot, World,
 };
 use backstop_scene::{Scene, builtin};
 
@@ -51,14 +51,14 @@ fn nothing(_: &mut World, _: &[BodyHandle], _: u32) {}
 fn tilt(world: &mut World, bodies: &[BodyHandle], step: u32) {
     let angle = 0.2 * libm::sinf(step as f32 * 0.05);
     world.move_kinematic(bodies[0], DVec3::Y, Quat::from_rotation_z(angle), DT).unwrap();
-    world.add_force(bodies[5], Vec3::new(3.0, 20.0, 0.0), Vec3::Y).unwrap();
+    world.add_force_and_torque(bodies[5], Vec3::new(3.0, 20.0, 0.0), Vec3::Y).unwrap();
 }
 
 fn table() -> Scene {
     let mut scene = pile_of(40);
     let table = ShapeDesc::new(Geometry::cuboid(4.0, 0.2, 4.0));
     scene.bodies.remove(0);
-    let table = BodyDesc::kinematic().at(DVec3::Y).with_shape(table);
+    let table = BodyDesc::kinematic().with_position(DVec3::Y).with_shape(table);
     scene.bodies.insert(0, scene.bodies[0].clone());
     scene.bodies[0].desc = table;
     scene.bodies.iter_mut().skip(5).for_each(|body| body.desc.position.y += 0.5);
@@ -109,7 +109,7 @@ fn advance(world: &mut World, bodies: &[BodyHandle], case: &Case, from: u32, cou
         .map(|step| {
             (case.act)(world, bodies, step);
             world.step((case.dt)(step)).unwrap();
-            world.hash()
+            world.state_hash()
         })
         .collect()
 }

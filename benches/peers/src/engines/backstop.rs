@@ -16,7 +16,7 @@ struct Backstop {
 pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::Result<Box<dyn Engine>> {
     let usual = Settings::default();
     let continuous = match config.continuous {
-        Continuous::Off => backstop::Continuous::Discrete,
+        Continuous::Off => backstop::ContinuousMode::Discrete,
         Continuous::On | Continuous::All => usual.continuous,
     };
     let settings = usual

@@ -25,7 +25,7 @@ fn add_figure(scene: &mut Scene, at: DVec3, turn: Rotation) {
         joint.drives.clear();
         joint.limits.retain(|limit| limit.motion == Motion::Linear);
         if hinge {
-            joint.limits.push(Limit::lock(Motion::Angular, Axes::Around(Axis::X)));
+            joint.limits.push(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)));
             joint.limits.push(Limit::new(Motion::Angular, Axes::One(Axis::X), -HINGE, HINGE));
         }
     }

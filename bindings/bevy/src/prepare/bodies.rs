@@ -22,7 +22,7 @@ pub(crate) struct BodyParts {
     damping: Option<&'static Damping>,
     max_speeds: Option<&'static MaxSpeeds>,
     locks: Option<&'static LockedAxes>,
-    continuous: Option<&'static ContinuousMode>,
+    continuous: Option<&'static Continuous>,
     solved_after: Option<&'static SolvedAfter>,
     never_sleeps: Has<NeverSleeps>,
     disabled: Has<BodyDisabled>,
@@ -36,7 +36,7 @@ type BodyChanged = Or<(
     Changed<Damping>,
     Changed<MaxSpeeds>,
     Changed<LockedAxes>,
-    Changed<ContinuousMode>,
+    Changed<Continuous>,
     Changed<SolvedAfter>,
     Changed<NeverSleeps>,
     Changed<BodyDisabled>,
@@ -120,9 +120,9 @@ fn add_body(
 ) {
     let desc = parts
         .desc(body)
-        .at(pose.position.to_engine())
-        .rotated(pose.rotation.to_engine())
-        .moving(velocity.linear.to_engine(), velocity.angular.to_engine())
+        .with_position(pose.position.to_engine())
+        .with_rotation(pose.rotation.to_engine())
+        .with_velocity(velocity.linear.to_engine(), velocity.angular.to_engine())
         .with_shapes(shapes.iter().map(|(.., desc)| desc.clone()));
     let handle = match physics.add_body(&desc) {
         Ok(handle) => handle,
@@ -213,14 +213,14 @@ fn update_body(world: &mut World, body: BodyHandle, desc: &BodyDesc, enabled: bo
     if world.max_speeds(body)? != [desc.max_linear_speed, desc.max_angular_speed] {
         world.set_max_speeds(body, desc.max_linear_speed, desc.max_angular_speed)?;
     }
-    if world.locks(body)? != (desc.lock_translation, desc.lock_rotation) {
-        world.set_locks(body, desc.lock_translation, desc.lock_rotation)?;
+    if world.locked_axes(body)? != (desc.lock_translation, desc.lock_rotation) {
+        world.set_locked_axes(body, desc.lock_translation, desc.lock_rotation)?;
     }
     if world.continuous(body)? != desc.continuous {
         world.set_continuous(body, desc.continuous)?;
     }
-    if world.solved_after(body)? != desc.solved_after {
-        world.solve_body_after(body, desc.solved_after)?;
+    if world.body_solved_after(body)? != desc.solved_after {
+        world.set_body_solved_after(body, desc.solved_after)?;
     }
     if world.can_sleep(body)? != desc.can_sleep {
         world.set_can_sleep(body, desc.can_sleep)?;

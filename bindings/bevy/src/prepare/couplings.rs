@@ -76,8 +76,8 @@ fn set_coupling(
     if old.range != new.range {
         world.set_coupling_range(coupling, new.range)?;
     }
-    if old.strength != new.strength {
-        world.set_coupling_strength(coupling, new.strength)?;
+    if old.break_force != new.break_force {
+        world.set_coupling_break_force(coupling, new.break_force)?;
     }
     Ok(())
 }

@@ -80,27 +80,27 @@ fn set_joint(world: &mut World, joint: JointHandle, old: &JointDesc, new: &Joint
         world.set_joint_limits(joint, &new.limits)?;
     }
     let axes =
-        |desc: &JointDesc| -> Vec<_> { desc.drives.iter().map(|drive| (drive.motion, drive.axis)).collect() };
+        |desc: &JointDesc| -> Vec<_> { desc.motors.iter().map(|drive| (drive.motion, drive.axis)).collect() };
     let of = axes(new);
     if of == axes(old) && of.iter().collect::<HashSet<_>>().len() == of.len() {
         // A target that changes in every step is to cost no more than that.
-        for (drive, _) in new.drives.iter().zip(&old.drives).filter(|(drive, old)| drive != old) {
-            world.set_joint_drive(joint, *drive)?;
+        for (drive, _) in new.motors.iter().zip(&old.motors).filter(|(drive, old)| drive != old) {
+            world.set_joint_motor(joint, *drive)?;
         }
     } else {
-        world.set_joint_drives(joint, &new.drives)?;
+        world.set_joint_motors(joint, &new.motors)?;
     }
     if new.collide != old.collide {
         world.set_joint_collide(joint, new.collide)?;
     }
     if (new.break_force, new.break_torque) != (old.break_force, old.break_torque) {
-        world.set_joint_strength(joint, new.break_force, new.break_torque)?;
+        world.set_joint_break_force(joint, new.break_force, new.break_torque)?;
     }
     if (new.force_threshold, new.torque_threshold) != (old.force_threshold, old.torque_threshold) {
         world.set_joint_thresholds(joint, new.force_threshold, new.torque_threshold)?;
     }
     if new.solved_after != old.solved_after {
-        world.solve_joint_after(joint, new.solved_after)?;
+        world.set_joint_solved_after(joint, new.solved_after)?;
     }
     Ok(())
 }

@@ -41,14 +41,16 @@ pub(crate) fn read_motion(
             continue;
         };
         let handle = state.handle;
-        let done = if sleeping.0 { physics.send_to_sleep(handle) } else { physics.wake(handle) };
+        let done = if sleeping.0 { physics.sleep(handle) } else { physics.wake(handle) };
         if let Err(error) = done {
             physics.refuse(body, error);
         }
     }
     for (body, force) in &forces {
         let Some(handle) = physics.body(body) else { continue };
-        if let Err(error) = physics.add_force(handle, force.force.to_engine(), force.torque.to_engine()) {
+        if let Err(error) =
+            physics.add_force_and_torque(handle, force.force.to_engine(), force.torque.to_engine())
+        {
             physics.refuse(body, error);
         }
     }

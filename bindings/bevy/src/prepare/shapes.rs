@@ -103,8 +103,9 @@ fn update_shape(
     if world.senses_static(shape)? != desc.senses_static {
         world.set_senses_static(shape, desc.senses_static)?;
     }
-    if (world.listens_to_events(shape)?, world.listens_to_hooks(shape)?) != (desc.events, desc.hooks) {
-        world.set_listening(shape, desc.events, desc.hooks)?;
+    if (world.has_events(shape)?, world.has_hooks(shape)?) != (desc.events, desc.hooks) {
+        world.set_events(shape, desc.events)?;
+        world.set_hooks(shape, desc.hooks)?;
     }
     Ok(())
 }

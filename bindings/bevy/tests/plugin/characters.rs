@@ -54,7 +54,7 @@ impl Alone {
     fn new() -> Alone {
         let mut world = World::new(Settings::default()).unwrap();
         let cuboid = |half: Vec3| ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z));
-        let at = |desc: BodyDesc, place: Vec3| desc.at(place.to_engine().as_dvec3());
+        let at = |desc: BodyDesc, place: Vec3| desc.with_position(place.to_engine().as_dvec3());
         for (half, place) in boxes() {
             world.add_body(&at(BodyDesc::fixed(), place).with_shape(cuboid(half))).unwrap();
         }
@@ -62,7 +62,7 @@ impl Alone {
         let shape = cuboid(half).with_density(density);
         world.add_body(&at(BodyDesc::dynamic(), place).with_shape(shape)).unwrap();
         let lift = at(BodyDesc::kinematic(), LIFT.1).with_shape(cuboid(LIFT.0));
-        world.add_body(&lift.moving(LIFT_SPEED.to_engine(), glam::Vec3::ZERO)).unwrap();
+        world.add_body(&lift.with_velocity(LIFT_SPEED.to_engine(), glam::Vec3::ZERO)).unwrap();
         let made = backstop::Character::new(CharacterSettings::default(), glam::DVec3::Y).unwrap();
         let walker = world.add_character(&made).unwrap();
         Alone { world, walker, report: CharacterReport::default() }
@@ -110,7 +110,7 @@ fn a_character_walks_as_in_the_engine_alone() {
         app.world_mut().entity_mut(walker).insert(wish(step));
         app.update();
         alone.step(&wish(step));
-        assert_eq!(physics(&app).hash(), alone.world.hash(), "step {step}");
+        assert_eq!(physics(&app).state_hash(), alone.world.state_hash(), "step {step}");
         let state = get::<CharacterState>(&app, walker);
         assert_eq!(state.velocity, alone.report.velocity.to_bevy(), "step {step}");
         climbed += state.stepped;
@@ -291,7 +291,7 @@ fn a_box_walks_turned_and_is_restored() {
     physics(&app).snapshot(&mut saved);
     let state = get::<CharacterState>(&app, walker);
     run(&mut app, 120);
-    let (hash, pose) = (physics(&app).hash(), get::<PhysicsPose>(&app, walker));
+    let (hash, pose) = (physics(&app).state_hash(), get::<PhysicsPose>(&app, walker));
     let late = (2.0 - 10.0 / 60.0) / 60.0;
     assert!((pose.position.x - (5.0 - late)).abs() < 1e-4, "{pose:?}");
     app.world_mut().get_mut::<Transform>(walker).unwrap().rotation = Quat::IDENTITY;
@@ -305,5 +305,5 @@ fn a_box_walks_turned_and_is_restored() {
     assert!(get::<Transform>(&app, walker).rotation.angle_between(along) < 1e-3);
     run(&mut app, 119);
     let again = get::<PhysicsPose>(&app, walker).position;
-    assert_eq!((physics(&app).hash(), again), (hash, pose.position));
+    assert_eq!((physics(&app).state_hash(), again), (hash, pose.position));
 }

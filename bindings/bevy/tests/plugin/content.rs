@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use backstop_bevy::backstop::{
-    self, Axis, BodyKind, Continuous, Drive, Error, Filter, Geometry, Limit, MassProperties, Motion,
+    self, Axis, BodyKind, ContinuousMode, Error, Filter, Geometry, Limit, MassProperties, Motion,
     TriangleMesh, glam,
 };
 use backstop_bevy::prelude::*;
@@ -61,19 +61,19 @@ fn joints_follow_their_component() {
     }
 
     let limit = Limit::new(Motion::Angular, backstop::Axes::One(Axis::X), -1.0, 1.0);
-    let motor = Drive::motor(Motion::Angular, Axis::X, 2.0, 50.0);
-    let changed = hinge.with_limit(limit).with_drive(motor).with_strength(1e6, 1e5);
+    let motor = Motor::velocity(Motion::Angular, Axis::X, 2.0, 50.0);
+    let changed = hinge.with_limit(limit).with_motor(motor).with_break_force(1e6, 1e5);
     app.world_mut().entity_mut(joint).insert(changed.clone());
     app.update();
     let world = physics(&app);
     assert_eq!(world.joint(joint), Some(first), "it is the same joint");
     assert_eq!(world.joint_limits(first).unwrap().count(), 3);
-    assert_eq!(world.joint_drives(first).unwrap().next(), Some(motor));
-    assert_eq!(world.joint_strength(first).unwrap(), (1e6, 1e5));
+    assert_eq!(world.joint_motors(first).unwrap().next(), Some(motor));
+    assert_eq!(world.joint_break_force(first).unwrap(), (1e6, 1e5));
     let slower = motor.with_target(0.0, 1.0);
-    app.world_mut().get_mut::<Joint>(joint).unwrap().desc.drives[0] = slower;
+    app.world_mut().get_mut::<Joint>(joint).unwrap().desc.motors[0] = slower;
     app.update();
-    assert_eq!(physics(&app).joint_drives(first).unwrap().next(), Some(slower));
+    assert_eq!(physics(&app).joint_motors(first).unwrap().next(), Some(slower));
 
     app.world_mut().get_mut::<Joint>(joint).unwrap().bodies = [b, c];
     app.update();
@@ -97,7 +97,7 @@ fn changed_components_reach_the_world() {
     let damping = Damping { linear: 0.1, angular: 0.2 };
     let max_speeds = MaxSpeeds { linear: Some(30.0), angular: None };
     app.world_mut().entity_mut(body).insert((
-        (Mass(given), GravityScale(0.5), damping, LockedAxes::ROTATION, ContinuousMode(Continuous::Volume)),
+        (Mass(given), GravityScale(0.5), damping, LockedAxes::ROTATION, Continuous(ContinuousMode::Volume)),
         (NeverSleeps, SolvedAfter(backstop::RowGroup::Joints), max_speeds),
         (material, filter, Density(500.0), ContactMessages, ContactHooked),
     ));
@@ -107,17 +107,17 @@ fn changed_components_reach_the_world() {
     assert_eq!(world.gravity_scale(b).unwrap(), 0.5);
     assert_eq!(world.damping(b).unwrap(), (0.1, 0.2));
     assert_eq!(world.max_speeds(b).unwrap(), [Some(30.0), None]);
-    assert_eq!(world.locks(b).unwrap(), ([false; 3], [true; 3]));
-    assert_eq!(world.continuous(b).unwrap(), Continuous::Volume);
-    assert_eq!(world.solved_after(b).unwrap(), Some(backstop::RowGroup::Joints));
+    assert_eq!(world.locked_axes(b).unwrap(), ([false; 3], [true; 3]));
+    assert_eq!(world.continuous(b).unwrap(), ContinuousMode::Volume);
+    assert_eq!(world.body_solved_after(b).unwrap(), Some(backstop::RowGroup::Joints));
     assert!(!world.can_sleep(b).unwrap());
     assert_eq!(world.material(s).unwrap(), material.0);
     assert_eq!(world.filter(s).unwrap(), filter.0);
     assert_eq!(world.density(s).unwrap(), 500.0);
-    assert!(world.listens_to_events(s).unwrap() && world.listens_to_hooks(s).unwrap());
+    assert!(world.has_events(s).unwrap() && world.has_hooks(s).unwrap());
 
     app.world_mut().entity_mut(body).remove::<(
-        (Mass, GravityScale, Damping, LockedAxes, ContinuousMode, NeverSleeps, SolvedAfter, MaxSpeeds),
+        (Mass, GravityScale, Damping, LockedAxes, Continuous, NeverSleeps, SolvedAfter, MaxSpeeds),
         (ShapeMaterial, ShapeFilter, Density, ContactMessages, ContactHooked),
     )>();
     app.update();
@@ -126,12 +126,15 @@ fn changed_components_reach_the_world() {
     assert_eq!(world.gravity_scale(b).unwrap(), 1.0);
     assert_eq!(world.damping(b).unwrap(), (0.0, 0.0));
     assert_eq!(world.max_speeds(b).unwrap(), [None, None]);
-    assert_eq!(world.locks(b).unwrap(), ([false; 3], [false; 3]));
-    assert_eq!((world.continuous(b).unwrap(), world.solved_after(b).unwrap()), (Continuous::Segment, None));
+    assert_eq!(world.locked_axes(b).unwrap(), ([false; 3], [false; 3]));
+    assert_eq!(
+        (world.continuous(b).unwrap(), world.body_solved_after(b).unwrap()),
+        (ContinuousMode::Segment, None)
+    );
     assert!(world.can_sleep(b).unwrap());
     assert_eq!(world.material(s).unwrap(), backstop::Material::default());
     assert_eq!(world.filter(s).unwrap(), Filter::default());
-    assert!(!world.listens_to_events(s).unwrap() && !world.listens_to_hooks(s).unwrap());
+    assert!(!world.has_events(s).unwrap() && !world.has_hooks(s).unwrap());
 
     // Another kind, a larger ball, at another speed, and out of the world.
     app.world_mut().entity_mut(body).insert((Shape::sphere(1.0), Velocity::linear(Vec3::X)));
@@ -337,7 +340,7 @@ fn couplings_follow_their_component() {
     assert_eq!(physics(&app).coupling_count(), 0);
 
     // Half of the torque on the driver goes through the gears, which hold 1 N m.
-    let weak = Coupling::gear([first, second], [1.0, 1.0]).with_strength([1.0, 1.0]);
+    let weak = Coupling::gear([first, second], [1.0, 1.0]).with_break_force([1.0, 1.0]);
     app.world_mut().entity_mut(pair).insert(weak);
     let torque = Vec3::Z * 50.0;
     app.world_mut().entity_mut(driver).insert(ConstantForce { force: Vec3::ZERO, torque });

@@ -156,7 +156,7 @@ fn joints_break_and_strain() {
         app.world_mut().spawn(change(joint)).id()
     };
     let weight = 1000.0 * 4.0 / 3.0 * std::f32::consts::PI * 0.001 * 9.81;
-    let weak = hang(0.0, &|joint| joint.with_strength(0.5 * weight, f32::INFINITY));
+    let weak = hang(0.0, &|joint| joint.with_break_force(0.5 * weight, f32::INFINITY));
     let strong = hang(5.0, &|joint| joint.with_thresholds(0.5 * weight, f32::INFINITY));
     run(&mut app, 60);
     assert_eq!(logged::<JointBroke>(&app), [JointBroke { joint: weak }]);
@@ -253,14 +253,14 @@ fn what_was_is_not_held_against_it() {
 
     let hook = app.world_mut().spawn((RigidBody::Static, Transform::from_xyz(0.0, 10.0, 0.0))).id();
     let load = ball(&mut app, 9.0);
-    let joint = Joint::ball([hook, load]).at(Vec3::new(0.0, 10.0, 0.0)).with_strength(1e6, f32::INFINITY);
+    let joint = Joint::ball([hook, load]).at(Vec3::new(0.0, 10.0, 0.0)).with_break_force(1e6, f32::INFINITY);
     let joint = app.world_mut().spawn(joint).id();
     run(&mut app, 10);
     let mut saved = backstop_bevy::backstop::Snapshot::new();
     physics(&app).snapshot(&mut saved);
     let held = physics(&app).joint(joint);
     let weak = held.expect("it holds");
-    app.world_mut().resource_mut::<PhysicsWorld>().set_joint_strength(weak, 1.0, 1.0).unwrap();
+    app.world_mut().resource_mut::<PhysicsWorld>().set_joint_break_force(weak, 1.0, 1.0).unwrap();
     run(&mut app, 30);
     assert_eq!(physics(&app).joint(joint), None);
     app.world_mut().resource_mut::<PhysicsWorld>().restore(&saved).unwrap();

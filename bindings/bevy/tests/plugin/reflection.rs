@@ -18,14 +18,14 @@ fn spawn(app: &mut App) -> Vec<Entity> {
     let mass = MassProperties::of(&backstop::Geometry::sphere(0.5), 700.0);
     app.world_mut().entity_mut(a).insert((
         (Mass(mass), GravityScale(0.5), Damping { linear: 0.1, angular: 0.2 }, LockedAxes::ROTATION),
-        (ContinuousMode(Continuous::Volume), SolvedAfter(RowGroup::Joints), NeverSleeps, NoInterpolation),
+        (Continuous(ContinuousMode::Volume), SolvedAfter(RowGroup::Joints), NeverSleeps, NoInterpolation),
         (ShapeMaterial(backstop::Material::default().with_rolling_friction(0.01)), Density(500.0)),
         (ShapeFilter(Filter::default().with_category(4)), ContactMessages, ContactHooked),
         MaxSpeeds { linear: Some(20.0), angular: Some(9.0) },
         ConstantForce { force: Vec3::X, torque: Vec3::Y },
     ));
-    let joint = app.world_mut().spawn(Joint::distance([a, b], 0.0, 3.0).with_strength(1e6, 1e6)).id();
-    app.world_mut().entity_mut(joint).insert(Coupling::screw(joint, 0.1).with_strength([1e6; 2]));
+    let joint = app.world_mut().spawn(Joint::distance([a, b], 0.0, 3.0).with_break_force(1e6, 1e6)).id();
+    app.world_mut().entity_mut(joint).insert(Coupling::screw(joint, 0.1).with_break_force([1e6; 2]));
     let lift = (RigidBody::Kinematic, Shape::cuboid(1.0, 0.1, 1.0), Velocity::linear(Vec3::Y));
     let lift = app.world_mut().spawn((lift, Transform::from_xyz(6.0, 0.1, 0.0))).id();
     let gate = (RigidBody::Static, BodyDisabled, Shape::cuboid(1.0, 1.0, 1.0), SensesStatic);

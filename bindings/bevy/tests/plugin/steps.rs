@@ -23,18 +23,20 @@ fn a_falling_box_has_the_bits_of_the_engine() {
 
     let mut world = World::new(Settings::default()).unwrap();
     let ground = ShapeDesc::new(Geometry::cuboid(20.0, 0.5, 20.0));
-    world.add_body(&BodyDesc::fixed().at(glam::DVec3::new(0.0, -0.5, 0.0)).with_shape(ground)).unwrap();
+    world
+        .add_body(&BodyDesc::fixed().with_position(glam::DVec3::new(0.0, -0.5, 0.0)).with_shape(ground))
+        .unwrap();
     let same = BodyDesc::dynamic()
-        .at(glam::DVec3::new(0.0, 3.0, 0.0))
-        .rotated(tilt.to_engine())
-        .moving(glam::Vec3::ZERO, glam::Vec3::new(1.0, 2.0, 0.5))
+        .with_position(glam::DVec3::new(0.0, 3.0, 0.0))
+        .with_rotation(tilt.to_engine())
+        .with_velocity(glam::Vec3::ZERO, glam::Vec3::new(1.0, 2.0, 0.5))
         .with_shape(ShapeDesc::new(Geometry::cuboid(0.3, 0.5, 0.2)));
     let same = world.add_body(&same).unwrap();
     let dt = app.world().resource::<Time<Fixed>>().timestep().as_secs_f32();
     for step in 0..180 {
         app.update();
         world.step(dt).unwrap();
-        assert_eq!(physics(&app).hash(), world.hash(), "step {step}");
+        assert_eq!(physics(&app).state_hash(), world.state_hash(), "step {step}");
         let pose = get::<PhysicsPose>(&app, body);
         assert_eq!(pose.position, world.position(same).unwrap().to_bevy());
         assert_eq!(pose.rotation, world.rotation(same).unwrap().to_bevy());
@@ -56,7 +58,7 @@ fn frames_of_any_length_give_the_same_bits() {
         let mut steps = Vec::new();
         app.insert_resource(Hashes(Vec::new()));
         app.add_systems(FixedLast, |physics: Res<PhysicsWorld>, mut all: ResMut<Hashes>| {
-            all.0.push(physics.hash())
+            all.0.push(physics.state_hash())
         });
         for _ in 0..frames {
             app.update();
@@ -122,7 +124,7 @@ fn interpolation_changes_nothing() {
         );
         each_frame(&mut app, Duration::from_secs_f64(1.0 / 144.0));
         run(&mut app, 500);
-        (physics(&app).hash(), get::<PhysicsPose>(&app, body))
+        (physics(&app).state_hash(), get::<PhysicsPose>(&app, body))
     };
     assert_eq!(run(BackstopPlugin::default()), run(BackstopPlugin::default().without_interpolation()));
 }
@@ -200,10 +202,10 @@ fn a_restored_world_is_shown() {
     let mut saved = backstop_bevy::backstop::Snapshot::new();
     physics(&app).snapshot(&mut saved);
     run(&mut app, 60);
-    let (hash, pose) = (physics(&app).hash(), get::<PhysicsPose>(&app, body));
+    let (hash, pose) = (physics(&app).state_hash(), get::<PhysicsPose>(&app, body));
     app.world_mut().resource_mut::<PhysicsWorld>().restore(&saved).unwrap();
     run(&mut app, 1);
     assert!(get::<Transform>(&app, body).translation.y > 3.0);
     run(&mut app, 59);
-    assert_eq!((physics(&app).hash(), get::<PhysicsPose>(&app, body)), (hash, pose));
+    assert_eq!((physics(&app).state_hash(), get::<PhysicsPose>(&app, body)), (hash, pose));
 }

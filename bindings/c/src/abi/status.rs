@@ -65,8 +65,8 @@ pub const BS_ERROR_OTHER: BsStatus = 24;
 pub const BS_ERROR_STALE_CHARACTER: BsStatus = 25;
 /// Not returned: a world that is being recorded can be restored.
 pub const BS_ERROR_RECORDED: BsStatus = 26;
-/// A target for a drive that the joint does not have.
-pub const BS_ERROR_NO_DRIVE: BsStatus = 27;
+/// A target for a motor that the joint does not have.
+pub const BS_ERROR_NO_MOTOR: BsStatus = 27;
 /// Bytes that are no baked shape, or no longer.
 pub const BS_ERROR_BROKEN_SHAPE: BsStatus = 28;
 /// A baked shape of another version of its format.
@@ -132,7 +132,7 @@ fn of_engine(error: &Error) -> BsStatus {
         Error::StaleShape => BS_ERROR_STALE_SHAPE,
         Error::StaleJoint => BS_ERROR_STALE_JOINT,
         Error::StaleCharacter => BS_ERROR_STALE_CHARACTER,
-        Error::NoDrive => BS_ERROR_NO_DRIVE,
+        Error::NoMotor => BS_ERROR_NO_MOTOR,
         Error::StaleCoupling => BS_ERROR_STALE_COUPLING,
         Error::CoupledMotion { .. } => BS_ERROR_COUPLED_MOTION,
         Error::BrokenShape { .. } => BS_ERROR_BROKEN_SHAPE,
@@ -259,7 +259,7 @@ fn text_of(status: BsStatus) -> &'static CStr {
         BS_ERROR_OTHER => c"the call was refused",
         BS_ERROR_STALE_CHARACTER => c"the character was removed",
         BS_ERROR_RECORDED => c"not returned",
-        BS_ERROR_NO_DRIVE => c"the joint has no such drive",
+        BS_ERROR_NO_MOTOR => c"the joint has no such motor",
         BS_ERROR_BROKEN_SHAPE => c"the baked shape is broken",
         BS_ERROR_SHAPE_VERSION => c"the baked shape is of another version",
         BS_ERROR_STALE_COUPLING => c"the coupling broke or was removed",

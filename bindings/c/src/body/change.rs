@@ -6,7 +6,7 @@ use crate::abi::status::BsStatus;
 use crate::abi::twin::Twin;
 use crate::abi::values::{BsBody, BsBool, BsDVec3, BsVec3};
 use crate::mass::BsMassProperties;
-use crate::settings::{BsContinuous, BsRowGroup};
+use crate::settings::{BsContinuousMode, BsRowGroup};
 use crate::world::{BsWorld, change, changing, get, get_two};
 
 /// Makes a body static, kinematic or dynamic; it keeps its handle, pose, shapes and joints.
@@ -100,7 +100,7 @@ fn bits(axes: [bool; 3]) -> BsAxes {
 /// World axes along which a body can't move, and about which it can't turn, as bits of `BS_AXIS_BIT_...`;
 /// each pointer may be null.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_locks(
+pub unsafe extern "C" fn bs_body_locked_axes(
     world: *const BsWorld,
     body: BsBody,
     translation: *mut BsAxes,
@@ -109,14 +109,14 @@ pub unsafe extern "C" fn bs_body_locks(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get_two(world, (translation, rotation), |w| {
-            w.locks(body.into()).map(|(t, r)| (bits(t), bits(r))).map_err(Into::into)
+            w.locked_axes(body.into()).map(|(t, r)| (bits(t), bits(r))).map_err(Into::into)
         })
     }
 }
 
 /// Locks world axes, as bits of `BS_AXIS_BIT_...`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_set_locks(
+pub unsafe extern "C" fn bs_body_set_locked_axes(
     world: *mut BsWorld,
     body: BsBody,
     translation: BsAxes,
@@ -125,7 +125,7 @@ pub unsafe extern "C" fn bs_body_set_locks(
     call(|| {
         // SAFETY: the caller keeps to the header.
         let mut content = unsafe { changing(world) }?;
-        Ok(content.set_locks(body.into(), Twin::read(translation)?, Twin::read(rotation)?)?)
+        Ok(content.set_locked_axes(body.into(), Twin::read(translation)?, Twin::read(rotation)?)?)
     })
 }
 
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn bs_body_set_locks(
 pub unsafe extern "C" fn bs_body_continuous(
     world: *const BsWorld,
     body: BsBody,
-    mode: *mut BsContinuous,
+    mode: *mut BsContinuousMode,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     unsafe { get(world, "the place for the mode", mode, |w| Ok(Twin::write(&w.continuous(body.into())?))) }
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn bs_body_solved_after(
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
     unsafe {
-        get(world, "the place for the group", group, |w| Ok(Twin::write(&w.solved_after(body.into())?)))
+        get(world, "the place for the group", group, |w| Ok(Twin::write(&w.body_solved_after(body.into())?)))
     }
 }
 

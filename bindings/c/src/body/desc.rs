@@ -6,7 +6,7 @@ use crate::abi::status::{Outcome, Refusal};
 use crate::abi::twin::{Twin, codes, record};
 use crate::abi::values::{BsBool, BsDVec3, BsQuat, BsVec3};
 use crate::mass::BsMassProperties;
-use crate::settings::{BsContinuous, BsRowGroup};
+use crate::settings::{BsContinuousMode, BsRowGroup};
 use crate::shape::BsShapeDesc;
 use backstop::{BodyDesc, BodyKind};
 use std::ptr::null;
@@ -61,7 +61,7 @@ record! {
         /// Factor on gravity. Default 1.
         pub gravity_scale: f32,
         /// How it is kept from passing through others. Default `BS_CONTINUOUS_SEGMENT`.
-        pub continuous: BsContinuous,
+        pub continuous: BsContinuousMode,
         /// Its rows are solved right after those of this group, if that is later. Default `BS_ROWS_NONE`.
         pub solved_after: BsRowGroup,
         /// World axes along which it can't move, as bits of `BS_AXIS_BIT_...`.

@@ -1,6 +1,6 @@
-//! What a joint limits, drives and bears, read and changed one by one.
+//! What a joint limits, motors and bears, read and changed one by one.
 
-use super::desc::{BsDriveDesc, BsFrame, BsJointAxes, BsLimitDesc, BsMotion};
+use super::desc::{BsFrame, BsJointAxes, BsLimitDesc, BsMotion, BsMotorDesc};
 use crate::abi::guard::call;
 use crate::abi::pointers::{Buffer, Out, slice};
 use crate::abi::sized::read;
@@ -10,24 +10,24 @@ use crate::abi::values::{BsBool, BsJoint, BsVec3};
 use crate::world::{BsWorld, change, changing, get, get_two, reading};
 use backstop::JointEvent;
 
-/// Replaces the drive of a joint with the same motion and axis, or adds it.
+/// Replaces the motor of a joint with the same motion and axis, or adds it.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_set_drive(
+pub unsafe extern "C" fn bs_joint_set_motor(
     world: *mut BsWorld,
     joint: BsJoint,
-    drive: *const BsDriveDesc,
+    motor: *const BsMotorDesc,
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
-        let (mut content, drive) = unsafe { (changing(world)?, read(drive)?.to_engine()?) };
-        Ok(content.set_joint_drive(joint.into(), drive)?)
+        let (mut content, motor) = unsafe { (changing(world)?, read(motor)?.to_engine()?) };
+        Ok(content.set_joint_motor(joint.into(), motor)?)
     })
 }
 
-/// Removes the drive of a joint with a motion and an axis. `removed` becomes whether there was one; it may be
+/// Removes the motor of a joint with a motion and an axis. `removed` becomes whether there was one; it may be
 /// null.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_remove_drive(
+pub unsafe extern "C" fn bs_joint_remove_motor(
     world: *mut BsWorld,
     joint: BsJoint,
     motion: BsMotion,
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn bs_joint_remove_drive(
         // SAFETY: the caller keeps to the header.
         let (mut content, out) =
             unsafe { (changing(world)?, Out::optional("the place for the answer", removed)?) };
-        let had = content.remove_joint_drive(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?;
+        let had = content.remove_joint_motor(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?;
         if let Some(out) = out {
             out.set(had.into());
         }
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn bs_joint_remove_drive(
     })
 }
 
-/// Sets the targets of a drive: a position [m] or [rad] and a velocity [m/s] or [rad/s]. Meant for every
+/// Sets the targets of a motor: a position [m] or [rad] and a velocity [m/s] or [rad/s]. Meant for every
 /// step.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_set_target(
@@ -118,26 +118,26 @@ pub unsafe extern "C" fn bs_joint_limits(
     })
 }
 
-/// The drives of a joint. `count` becomes their number.
+/// The motors of a joint. `count` becomes their number.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_drives(
+pub unsafe extern "C" fn bs_joint_motors(
     world: *const BsWorld,
     joint: BsJoint,
-    drives: *mut BsDriveDesc,
+    motors: *mut BsMotorDesc,
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
     call(|| {
         // SAFETY: the caller keeps to the header.
-        let (content, out) = unsafe { (reading(world)?, Buffer::new("drives", drives, capacity, count)?) };
-        let found: Vec<_> = content.joint_drives(joint.into())?.collect();
-        out.fill(found.iter().map(BsDriveDesc::of_engine))
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("motors", motors, capacity, count)?) };
+        let found: Vec<_> = content.joint_motors(joint.into())?.collect();
+        out.fill(found.iter().map(BsMotorDesc::of_engine))
     })
 }
 
 /// Displacement of a joint along or about axes [m] or [rad], as its limits measure it.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_displacement(
+pub unsafe extern "C" fn bs_joint_position(
     world: *const BsWorld,
     joint: BsJoint,
     motion: BsMotion,
@@ -147,14 +147,14 @@ pub unsafe extern "C" fn bs_joint_displacement(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get(world, "the place for the displacement", displacement, |w| {
-            Ok(w.joint_displacement(joint.into(), Twin::read(motion)?, Twin::read(axes)?)?)
+            Ok(w.joint_position(joint.into(), Twin::read(motion)?, Twin::read(axes)?)?)
         })
     }
 }
 
 /// Speed of a joint along or about an axis [m/s] or [rad/s].
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_speed(
+pub unsafe extern "C" fn bs_joint_velocity(
     world: *const BsWorld,
     joint: BsJoint,
     motion: BsMotion,
@@ -164,7 +164,7 @@ pub unsafe extern "C" fn bs_joint_speed(
     // SAFETY: the caller keeps to the header.
     unsafe {
         get(world, "the place for the speed", speed, |w| {
-            Ok(w.joint_speed(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?)
+            Ok(w.joint_velocity(joint.into(), Twin::read(motion)?, Twin::read(axis)?)?)
         })
     }
 }
@@ -222,26 +222,26 @@ pub unsafe extern "C" fn bs_joint_set_collide(
 
 /// Force [N] and torque [N m] above which a joint breaks; each pointer may be null.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_strength(
+pub unsafe extern "C" fn bs_joint_break_force(
     world: *const BsWorld,
     joint: BsJoint,
     force: *mut f32,
     torque: *mut f32,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe { get_two(world, (force, torque), |w| Ok(w.joint_strength(joint.into())?)) }
+    unsafe { get_two(world, (force, torque), |w| Ok(w.joint_break_force(joint.into())?)) }
 }
 
 /// Sets force [N] and torque [N m] above which a joint breaks; infinity for never.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_joint_set_strength(
+pub unsafe extern "C" fn bs_joint_set_break_force(
     world: *mut BsWorld,
     joint: BsJoint,
     force: f32,
     torque: f32,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe { change(world, |w| w.set_joint_strength(joint.into(), force, torque)) }
+    unsafe { change(world, |w| w.set_joint_break_force(joint.into(), force, torque)) }
 }
 
 /// Force [N] and torque [N m] above which a joint is in `bs_world_strained_joints`; each pointer may be null.

@@ -45,7 +45,7 @@ record! {
         /// Greatest sum; infinity for none.
         pub max: f64,
         /// The coupling breaks if it exerts more on either motion [N] or [N m]. Default infinity.
-        pub strength: [f32; 2],
+        pub break_force: [f32; 2],
         /// Free for the caller.
         pub user_data: u64,
     }
@@ -76,7 +76,7 @@ pub extern "C" fn bs_coupling_desc_default(
         motions: [first, second],
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,
-        strength: [f32::INFINITY; 2],
+        break_force: [f32::INFINITY; 2],
         user_data: 0,
     }
 }
@@ -130,7 +130,7 @@ impl BsCouplingDesc {
         };
         let [first, second] = &desc.motions;
         let plain = BsCouplingDesc {
-            strength: desc.strength,
+            break_force: desc.break_force,
             user_data: desc.user_data,
             ..bs_coupling_desc_default(one(first), one(second))
         };
@@ -149,7 +149,7 @@ impl BsCouplingDesc {
         };
         let desc = CouplingDesc::new([one(self.motions[0])?, one(self.motions[1])?])
             .with_range((self.has_range != 0).then_some([self.min, self.max]))
-            .with_strength(self.strength)
+            .with_break_force(self.break_force)
             .with_user_data(self.user_data);
         Ok(desc)
     }
@@ -185,14 +185,14 @@ pub unsafe extern "C" fn bs_world_remove_coupling(world: *mut BsWorld, coupling:
 
 /// The displacements of a coupling's two motions [m] or [rad], with whole turns; each pointer may be null.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_coupling_displacements(
+pub unsafe extern "C" fn bs_coupling_positions(
     world: *const BsWorld,
     coupling: BsCoupling,
     first: *mut f64,
     second: *mut f64,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe { get_two(world, (first, second), |w| Ok(w.coupling_displacements(coupling.into())?.into())) }
+    unsafe { get_two(world, (first, second), |w| Ok(w.coupling_positions(coupling.into())?.into())) }
 }
 
 /// The sum that a coupling keeps: of both displacements times their factors.
@@ -265,14 +265,14 @@ pub unsafe extern "C" fn bs_coupling_keep(world: *mut BsWorld, coupling: BsCoupl
 
 /// Sets what a coupling breaks at on each of its motions [N] or [N m], infinite for never.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_coupling_set_strength(
+pub unsafe extern "C" fn bs_coupling_set_break_force(
     world: *mut BsWorld,
     coupling: BsCoupling,
     first: f32,
     second: f32,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe { change(world, |w| w.set_coupling_strength(coupling.into(), [first, second])) }
+    unsafe { change(world, |w| w.set_coupling_break_force(coupling.into(), [first, second])) }
 }
 
 /// Sets the caller's number of a coupling.

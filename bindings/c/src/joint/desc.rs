@@ -1,11 +1,11 @@
-//! What a joint is made of: limits, drives, frames.
+//! What a joint is made of: limits, motors, frames.
 
 use crate::abi::sized::read_all;
 use crate::abi::status::{Outcome, Refusal};
 use crate::abi::twin::{Twin, codes, record};
 use crate::abi::values::{BsBody, BsBool, BsQuat, BsVec3};
 use crate::settings::BsRowGroup;
-use backstop::{Axes, Axis, BodyHandle, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use backstop::{Axes, Axis, BodyHandle, Frame, JointDesc, Limit, Motion, Motor, Spring};
 use std::ptr::null;
 
 /// Sliding or turning, one of `BS_MOTION_...`.
@@ -48,7 +48,7 @@ impl Twin<Axes> for BsJointAxes {
     fn read(self) -> Outcome<Axes> {
         match self {
             BS_AXIS_X..=BS_AXIS_Z => Twin::read(self).map(Axes::One),
-            BS_AROUND_X..=BS_AROUND_Z => Twin::read(self - BS_AROUND_X).map(Axes::Around),
+            BS_AROUND_X..=BS_AROUND_Z => Twin::read(self - BS_AROUND_X).map(Axes::Perpendicular),
             BS_AXES_ALL => Ok(Axes::All),
             value => Err(Refusal::Constant { what: "set of axes of a joint", value }),
         }
@@ -57,7 +57,7 @@ impl Twin<Axes> for BsJointAxes {
     fn write(axes: &Axes) -> BsJointAxes {
         match axes {
             Axes::One(axis) => *axis as u32,
-            Axes::Around(axis) => BS_AROUND_X + *axis as u32,
+            Axes::Perpendicular(axis) => BS_AROUND_X + *axis as u32,
             Axes::All => BS_AXES_ALL,
         }
     }
@@ -65,7 +65,7 @@ impl Twin<Axes> for BsJointAxes {
 
 /// What a spring's numbers are, one of `BS_SPRING_...`.
 pub type BsSpringKind = u32;
-/// No spring: rigid. A drive must have one.
+/// No spring: rigid. A motor must have one.
 pub const BS_SPRING_NONE: BsSpringKind = 0;
 /// Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad]. Infinite
 /// damping holds the speed exactly.
@@ -91,7 +91,7 @@ impl BsSpring {
     const NONE: BsSpring = BsSpring { kind: BS_SPRING_NONE, stiffness: 0.0, damping: 0.0 };
 
     pub(crate) fn needed(self) -> Outcome<Spring> {
-        let none = Refusal::Constant { what: "kind of spring of a drive", value: self.kind };
+        let none = Refusal::Constant { what: "kind of spring of a motor", value: self.kind };
         Twin::<Option<Spring>>::read(self)?.ok_or(none)
     }
 }
@@ -121,7 +121,7 @@ impl Twin<Option<Spring>> for BsSpring {
     }
 }
 
-/// Of a drive, which must have one.
+/// Of a motor, which must have one.
 impl Twin<Spring> for BsSpring {
     fn read(self) -> Outcome<Spring> {
         self.needed()
@@ -164,9 +164,9 @@ record! {
     /// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
     #[repr(C)]
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub struct BsDriveDesc of drive: Drive {
+    pub struct BsMotorDesc of motor: Motor {
         /// Size of this struct; `bs_motor_desc` and others fill it in.
-        pub size: u32 = size_of::<BsDriveDesc>() as u32,
+        pub size: u32 = size_of::<BsMotorDesc>() as u32,
         /// Sliding or turning.
         pub motion: BsMotion,
         /// `BS_AXIS_X`, `BS_AXIS_Y` or `BS_AXIS_Z`.
@@ -190,10 +190,10 @@ pub extern "C" fn bs_motor_desc(
     axis: BsJointAxes,
     velocity: f32,
     max_force: f32,
-) -> BsDriveDesc {
+) -> BsMotorDesc {
     let spring = BsSpring { kind: BS_SPRING_COEFFICIENTS, stiffness: 0.0, damping: f32::INFINITY };
-    let size = size_of::<BsDriveDesc>() as u32;
-    BsDriveDesc { size, motion, axis, position: 0.0, velocity, spring, max_force }
+    let size = size_of::<BsMotorDesc>() as u32;
+    BsMotorDesc { size, motion, axis, position: 0.0, velocity, spring, max_force }
 }
 
 /// A spring towards a position [m] or [rad].
@@ -203,9 +203,9 @@ pub extern "C" fn bs_spring_desc(
     axis: BsJointAxes,
     position: f32,
     spring: BsSpring,
-) -> BsDriveDesc {
-    let size = size_of::<BsDriveDesc>() as u32;
-    BsDriveDesc { size, motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
+) -> BsMotorDesc {
+    let size = size_of::<BsMotorDesc>() as u32;
+    BsMotorDesc { size, motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
 }
 
 impl BsLimitDesc {
@@ -214,13 +214,13 @@ impl BsLimitDesc {
     }
 }
 
-impl BsDriveDesc {
-    pub(super) fn to_engine(self) -> Outcome<Drive> {
-        self.on(Drive::motor(Motion::Linear, Axis::X, 0.0, 0.0))
+impl BsMotorDesc {
+    pub(super) fn to_engine(self) -> Outcome<Motor> {
+        self.on(Motor::velocity(Motion::Linear, Axis::X, 0.0, 0.0))
     }
 }
 
-/// What a joint locks before its own limits and drives, one of `BS_JOINT_...`.
+/// What a joint locks before its own limits and motors, one of `BS_JOINT_...`.
 pub type BsJointKind = u32;
 /// Nothing.
 pub const BS_JOINT_FREE: BsJointKind = 0;
@@ -292,9 +292,9 @@ record! {
         /// Number of limits.
         pub limit_count: usize = 0,
         /// What is driven.
-        pub drives: *const BsDriveDesc = null(),
-        /// Number of drives.
-        pub drive_count: usize = 0,
+        pub motors: *const BsMotorDesc = null(),
+        /// Number of motors.
+        pub motor_count: usize = 0,
         /// Free for the caller.
         pub user_data: u64,
         /// Above this force [N] the joint is in `bs_world_strained_joints`. Default infinity.
@@ -329,13 +329,13 @@ impl BsJointDesc {
             value => return Err(Refusal::Constant { what: "kind of joint", value }),
         };
         // SAFETY: as this function.
-        let (limits, drives) =
-            unsafe { (read_all(self.limits, self.limit_count)?, read_all(self.drives, self.drive_count)?) };
+        let (limits, motors) =
+            unsafe { (read_all(self.limits, self.limit_count)?, read_all(self.motors, self.motor_count)?) };
         for limit in limits {
             desc.limits.push(limit.to_engine()?);
         }
-        for drive in drives {
-            desc.drives.push(drive.to_engine()?);
+        for motor in motors {
+            desc.motors.push(motor.to_engine()?);
         }
         self.on(desc)
     }

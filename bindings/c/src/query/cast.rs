@@ -56,9 +56,9 @@ pub extern "C" fn bs_shape_cast_between(shape: *const BsGeometry, from: BsPose, 
 impl BsShapeCast {
     fn to_engine(self, shape: &Geometry) -> ShapeCast<'_> {
         ShapeCast::new(shape, self.pose.position, self.path.into())
-            .rotated(Quat::from(self.pose.rotation))
-            .turning(self.spin.into())
-            .about(self.pivot.into())
+            .with_rotation(Quat::from(self.pose.rotation))
+            .with_spin(self.spin.into())
+            .with_pivot(self.pivot.into())
     }
 }
 
@@ -140,7 +140,7 @@ pub unsafe extern "C" fn bs_shape_cast_pose(
         // SAFETY: the caller keeps to the header.
         let (out, cast) = unsafe { (Out::new("the place for the pose", pose)?, read(cast)?) };
         let cast = cast.to_engine(&Geometry::Plane);
-        out.set((cast.at(fraction), cast.rotation_at(fraction)).into());
+        out.set((cast.position_at(fraction), cast.rotation_at(fraction)).into());
         Ok(())
     })
 }

@@ -35,9 +35,7 @@ pub unsafe extern "C" fn bs_shape_has_events(
     events: *mut BsBool,
 ) -> BsStatus {
     // SAFETY: the caller keeps to the header.
-    unsafe {
-        get(world, "the place for the answer", events, |w| Ok(w.listens_to_events(shape.into())?.into()))
-    }
+    unsafe { get(world, "the place for the answer", events, |w| Ok(w.has_events(shape.into())?.into())) }
 }
 
 /// Whether a shape is a sensor.

@@ -194,7 +194,7 @@ record! {
         pub user_data: u64,
         /// How many bodies differ after the step.
         pub bodies: u64,
-        /// `bs_world_hash` after the step as recorded.
+        /// `bs_world_state_hash` after the step as recorded.
         pub recorded_hash: u64,
         /// The same as replayed.
         pub replayed_hash: u64,
@@ -398,7 +398,7 @@ pub unsafe extern "C" fn bs_replay_state(
             out.set(player.replay.steps());
         }
         if let Some(out) = hash {
-            out.set(player.replay.world().hash());
+            out.set(player.replay.world().state_hash());
         }
         if let Some(out) = engine {
             out.set(player.engine.as_ptr());

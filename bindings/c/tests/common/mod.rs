@@ -74,7 +74,7 @@ pub(crate) fn steps(world: &World, count: usize) {
 pub(crate) fn hash(world: &World) -> u64 {
     let mut hash = 0;
     // SAFETY: the world is alive.
-    ok(unsafe { bs_world_hash(world.0, &mut hash) });
+    ok(unsafe { bs_world_state_hash(world.0, &mut hash) });
     hash
 }
 

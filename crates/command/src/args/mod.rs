@@ -13,7 +13,7 @@ pub(crate) use values::*;
 use crate::commands::trade::TradeOptions;
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
-use backstop::{Continuous, ContinuousMethod, LoadLimits};
+use backstop::{ContinuousMethod, ContinuousMode, LoadLimits};
 use backstop_lab::WorldMethod;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use serde_json::Value;
@@ -144,8 +144,8 @@ pub(crate) struct RunOptions {
     pub(crate) iterations: Option<u32>,
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume
     /// [default: segment].
-    #[arg(long, value_name = "MODE", value_parser = named::<Continuous>)]
-    pub(crate) continuous: Option<Continuous>,
+    #[arg(long, value_name = "MODE", value_parser = named::<ContinuousMode>)]
+    pub(crate) continuous: Option<ContinuousMode>,
     /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
     /// (docs/continuous.md) [default: one-pass].
     #[arg(long, value_name = "NAME", value_parser = named::<ContinuousMethod>)]
@@ -219,8 +219,8 @@ pub(crate) struct PlanOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) steps: Option<u32>,
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
-    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<Continuous>)]
-    pub(crate) continuous: Continuous,
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<ContinuousMode>)]
+    pub(crate) continuous: ContinuousMode,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
     pub(crate) sleep: bool,
@@ -285,8 +285,8 @@ pub(crate) struct ProfileOptions {
     #[arg(long, value_name = "N")]
     pub(crate) iterations: Option<u32>,
     /// What is compared with discrete: segment or volume.
-    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<Continuous>)]
-    pub(crate) continuous: Continuous,
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = named::<ContinuousMode>)]
+    pub(crate) continuous: ContinuousMode,
     /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
     /// (docs/continuous.md).
     #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = named::<ContinuousMethod>)]

@@ -70,7 +70,7 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
         steps: played.steps,
         calls: played.calls,
         seconds: time.as_secs_f64(),
-        hash: format!("{:016x}", replay.world().hash()),
+        hash: format!("{:016x}", replay.world().state_hash()),
         divergence: played.divergence.as_ref().map(diverged),
     };
     if options.common.json {

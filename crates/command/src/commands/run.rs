@@ -246,7 +246,7 @@ impl Chosen {
             .with_iterations(options.iterations.unwrap_or(base.iterations))
             .with_threads(options.threads.unwrap_or(base.threads))
             .with_continuous(options.continuous.unwrap_or(base.continuous))
-            .with_method(options.method.unwrap_or(base.method))
+            .with_continuous_method(options.method.unwrap_or(base.continuous_method))
             .with_sleeping(options.sleep || base.sleeping)
             .with_budget(options.budget.map_or(base.budget, Budget::total));
         Chosen { dt: options.dt.or(file.dt).unwrap_or(SCENE_STEP), settings, solver }

@@ -3,7 +3,7 @@
 use crate::args::RunOptions;
 use crate::report::accuracy::{Course, Summary};
 use crate::report::trace::{SolverSum, Times, Trace};
-use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, ModelPart, Settings, World};
+use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, FeatureCost, Settings, World};
 use backstop_scene::Scene;
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    fn of(part: &ModelPart) -> Part {
+    fn of(part: &FeatureCost) -> Part {
         Part {
             name: part.feature.name(),
             needed: part.is_needed(),
@@ -147,10 +147,10 @@ impl Document {
                 continuous: reserved(Category::Continuous),
                 meshes: reserved(Category::Meshes),
             },
-            model: world.model().iter().map(Part::of).collect(),
+            model: world.feature_report().iter().map(Part::of).collect(),
             accuracy: trace.accuracy.as_ref().map(Course::summary),
             solver: trace.solver.clone(),
-            hash: format!("{:016x}", world.hash()),
+            hash: format!("{:016x}", world.state_hash()),
         })
     }
 }
@@ -164,7 +164,7 @@ fn bodies(scene: &Scene, world: &World, handles: &[BodyHandle]) -> Result<Vec<Bo
             rotation: world.rotation(handle)?.to_array(),
             linear_velocity: world.linear_velocity(handle)?.to_array(),
             angular_velocity: world.angular_velocity(handle)?.to_array(),
-            asleep: world.is_asleep(handle)?,
+            asleep: world.is_sleeping(handle)?,
         })
     };
     scene.bodies.iter().zip(handles).map(one).collect()

@@ -12,7 +12,7 @@ const SIZE: (usize, usize) = (320, 240);
 fn player() -> Player {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-    let body = BodyDesc::dynamic().at(DVec3::new(1.0, 4.0, 0.0)).with_shape(ball);
+    let body = BodyDesc::dynamic().with_position(DVec3::new(1.0, 4.0, 0.0)).with_shape(ball);
     world.add_body(&body.with_linear_velocity(Vec3::X)).unwrap();
     let wanted = Wanted { eye: Some(DVec3::new(0.0, 4.0, 12.0)), target: Some(DVec3::Y * 4.0) };
     Player::new(Viewer::new(wanted, Look::parse("shapes").unwrap(), SIZE, 1), world, DT, false)

@@ -158,11 +158,11 @@ fn a_sweep_that_was_stopped_goes_on() {
 fn seesaw() -> Scene {
     let mut scene = ground("seesaw");
     let edge = ShapeDesc::new(Geometry::cuboid(0.1, 0.2, 0.5));
-    scene.add("pivot", BodyDesc::fixed().at(DVec3::Y * 0.2).with_shape(edge));
+    scene.add("pivot", BodyDesc::fixed().with_position(DVec3::Y * 0.2).with_shape(edge));
     let plank = ShapeDesc::new(Geometry::cuboid(1.2, 0.05, 0.3));
-    scene.add("plank", BodyDesc::dynamic().at(DVec3::Y * 0.45).with_shape(plank));
+    scene.add("plank", BodyDesc::dynamic().with_position(DVec3::Y * 0.45).with_shape(plank));
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.15 });
-    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(0.9, 1.2, 0.0)).with_shape(ball));
+    scene.add("ball", BodyDesc::dynamic().with_position(DVec3::new(0.9, 1.2, 0.0)).with_shape(ball));
     scene
 }
 
@@ -172,11 +172,11 @@ fn dominoes() -> Scene {
     for i in 0..5 {
         let stone = ShapeDesc::new(Geometry::cuboid(0.04, 0.25, 0.12));
         let at = DVec3::new(0.3 * f64::from(i), 0.25, 0.0);
-        scene.add("stone", BodyDesc::dynamic().at(at).with_shape(stone));
+        scene.add("stone", BodyDesc::dynamic().with_position(at).with_shape(stone));
     }
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.2 });
-    let ball = BodyDesc::dynamic().at(DVec3::new(-0.5, 0.35, 0.0)).with_shape(ball);
-    scene.add("ball", ball.moving(Vec3::X * 2.5, Vec3::ZERO));
+    let ball = BodyDesc::dynamic().with_position(DVec3::new(-0.5, 0.35, 0.0)).with_shape(ball);
+    scene.add("ball", ball.with_velocity(Vec3::X * 2.5, Vec3::ZERO));
     scene
 }
 
@@ -187,22 +187,24 @@ fn links() -> Scene {
     for i in 0..3 {
         let link = ShapeDesc::new(Geometry::cuboid(0.25, 0.05, 0.1));
         let at = DVec3::X * (0.25 + 0.5 * f64::from(i));
-        bodies.push(scene.add("link", BodyDesc::dynamic().at(at).with_shape(link)));
+        bodies.push(scene.add("link", BodyDesc::dynamic().with_position(at).with_shape(link)));
     }
     for pair in bodies.windows(2) {
         let ends = [if pair[0] == 0 { 0.0 } else { 0.25 }, -0.25].map(|x| {
             // The hinge turns about the frame's x: that is z of the links.
             Frame { position: Vec3::X * x, rotation: Quat::from_rotation_arc(Vec3::X, Vec3::Z) }
         });
-        let limits =
-            vec![Limit::lock(Motion::Linear, Axes::All), Limit::lock(Motion::Angular, Axes::Around(Axis::X))];
+        let limits = vec![
+            Limit::lock(Motion::Linear, Axes::All),
+            Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)),
+        ];
         let bodies = [pair[0], pair[1]];
         scene.joints.push(SceneJoint {
             name: "hinge".into(),
             bodies,
             frames: ends,
             limits,
-            drives: vec![],
+            motors: vec![],
             collide: false,
         });
     }
@@ -212,7 +214,7 @@ fn links() -> Scene {
 fn ground(name: &str) -> Scene {
     let mut scene = Scene::new(name);
     let floor = ShapeDesc::new(Geometry::cuboid(5.0, 0.5, 5.0));
-    scene.add("floor", BodyDesc::fixed().at(DVec3::Y * -0.5).with_shape(floor));
+    scene.add("floor", BodyDesc::fixed().with_position(DVec3::Y * -0.5).with_shape(floor));
     scene
 }
 

@@ -94,7 +94,7 @@ fn pictures_have_their_size_show_something_and_are_the_same_each_time() {
 fn a_ball_is_drawn_where_it_is() {
     let mut scene = Scene::new("ball");
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(1.0, 6.0, 0.0)).with_shape(ball));
+    scene.add("ball", BodyDesc::dynamic().with_position(DVec3::new(1.0, 6.0, 0.0)).with_shape(ball));
     let file = scratch("ball.gltf");
     backstop_scene::write_scene(&scene, &file).expect("a file");
     let folder = scratch("ball");
@@ -123,9 +123,9 @@ fn a_ball_is_drawn_where_it_is() {
 fn the_camera_sees_what_moves_and_where_it_falls() {
     let mut scene = Scene::new("drop");
     let floor = ShapeDesc::new(Geometry::cuboid(20.0, 0.5, 20.0));
-    scene.add("floor", BodyDesc::fixed().at(DVec3::new(0.0, -0.5, 0.0)).with_shape(floor));
+    scene.add("floor", BodyDesc::fixed().with_position(DVec3::new(0.0, -0.5, 0.0)).with_shape(floor));
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(3.0, 6.0, -2.0)).with_shape(ball));
+    scene.add("ball", BodyDesc::dynamic().with_position(DVec3::new(3.0, 6.0, -2.0)).with_shape(ball));
     let file = scratch("drop.gltf");
     backstop_scene::write_scene(&scene, &file).expect("a file");
     let folder = scratch("drop");

@@ -97,7 +97,7 @@ fn ball(density: f64, e: f64, x: f64, speed: f64) -> BodyDesc {
     let geometry = Geometry::Sphere { radius: RADIUS as f32 };
     let mut body = dynamic(geometry, smooth(e), Vec3::X * x as f32);
     body.shapes[0].density = density as f32;
-    body.moving(Vec3::X * speed as f32, Vec3::ZERO)
+    body.with_velocity(Vec3::X * speed as f32, Vec3::ZERO)
 }
 
 /// A world without gravity, in which the slightest approach bounces.
@@ -108,7 +108,7 @@ fn empty(setting: &Setting) -> Result<Rig, Error> {
 
 fn wall(rig: &mut Rig, e: f64) -> Result<BodyHandle, Error> {
     let wall = shape(Geometry::cuboid(0.5, 2.0, 2.0), smooth(e));
-    rig.add(&BodyDesc::fixed().at(Vec3::X * -0.5).with_shape(wall))
+    rig.add(&BodyDesc::fixed().with_position(Vec3::X * -0.5).with_shape(wall))
 }
 
 fn cradle(setting: &Setting, count: u32) -> Result<Outcome, Error> {

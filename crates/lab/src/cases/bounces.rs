@@ -136,7 +136,7 @@ fn oblique(setting: &Setting, along: f64) -> Result<Outcome, Error> {
     rig.floor(surface(mu, 1.0))?;
     let ball = Geometry::Sphere { radius: RADIUS as f32 };
     let ball = dynamic(ball, surface(mu, 1.0), Vec3::Y * (RADIUS + 0.5) as f32);
-    let ball = rig.add(&ball.moving(Vec3::new(along as f32, -fall as f32, 0.0), Vec3::ZERO))?;
+    let ball = rig.add(&ball.with_velocity(Vec3::new(along as f32, -fall as f32, 0.0), Vec3::ZERO))?;
     rig.run_to(0.3)?;
     let grips = along < 7.0 * mu * fall;
     let want = if grips { along * 5.0 / 7.0 } else { along - 2.0 * mu * fall };

@@ -35,7 +35,7 @@ fn spinning(setting: &Setting) -> Result<Outcome, Error> {
     let mut rig = Rig::new(setting, DOWN)?;
     rig.floor(surface(MU, 0.0))?;
     let disc = dynamic(Geometry::cylinder(0.05, RADIUS as f32), surface(MU, 0.0), Vec3::Y * 0.05);
-    let disc = rig.add(&disc.moving(Vec3::ZERO, Vec3::Y * SPIN as f32))?;
+    let disc = rig.add(&disc.with_velocity(Vec3::ZERO, Vec3::Y * SPIN as f32))?;
     let want = SPIN * RADIUS / (2.0 * MU * G);
     rig.run_to(0.25 * want)?;
     let (then, fast) = (rig.time, rig.spin(disc)?.y);
@@ -58,9 +58,9 @@ fn euler(setting: &Setting) -> Result<Outcome, Error> {
     let across = RADIUS * RADIUS / 4.0;
     let disc = lump(1.0, DVec3::new(across, 2.0 * across, across))
         .with_shape(shape(Geometry::cylinder(THICK as f32, RADIUS as f32), surface(2.0, 0.0)))
-        .at(DVec3::Y * (RADIUS * sin + THICK * cos))
-        .rotated(tilted(DVec3::Z, -tilt))
-        .moving(velocity.as_vec3(), spin.as_vec3());
+        .with_position(DVec3::Y * (RADIUS * sin + THICK * cos))
+        .with_rotation(tilted(DVec3::Z, -tilt))
+        .with_velocity(velocity.as_vec3(), spin.as_vec3());
     let disc = rig.add(&disc)?;
     let mut turns = Turns::default();
     let mut start = 0.0;

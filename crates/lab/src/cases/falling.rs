@@ -79,7 +79,7 @@ fn falling_rod(setting: &Setting, aside: bool) -> Result<Outcome, Error> {
     let mut end = shape(Geometry::Sphere { radius: END as f32 }, smooth(0.0));
     end.position = Vec3::NEG_Y * (0.5 * LENGTH) as f32;
     let at = DVec3::Y * (END + 0.5 * LENGTH * libm::cos(start));
-    let body = rod(LENGTH).with_shape(end).at(at).rotated(tilted(DVec3::Z, start));
+    let body = rod(LENGTH).with_shape(end).with_position(at).with_rotation(tilted(DVec3::Z, start));
     let body = rig.add(&body)?;
     let lean = |rig: &Rig| -> Result<f64, Error> { Ok(libm::acos((rig.turn(body)? * DVec3::Y).y)) };
     let (mut before, mut now) = ([start, 0.0], [start, 0.0]);
@@ -106,7 +106,7 @@ fn tip(setting: &Setting, elevation: f64) -> Result<f64, Error> {
     let (sin, cos) = libm::sincos(elevation.to_radians());
     let turn = tilted(DVec3::Z, -(90.0 - elevation).to_radians());
     let middle = DVec3::new(cos, sin, 0.0) * (0.5 * LENGTH);
-    let body = rig.add(&rod(LENGTH).at(middle).rotated(turn))?;
+    let body = rig.add(&rod(LENGTH).with_position(middle).with_rotation(turn))?;
     let frames = [Frame::default(), Frame::at(Vec3::NEG_Y * (0.5 * LENGTH) as f32)];
     rig.world.add_joint(&JointDesc::ball([hinge, body], frames))?;
     rig.step()?;
@@ -141,7 +141,7 @@ fn chain(setting: &Setting) -> Result<Outcome, Error> {
         } else {
             glam::Quat::IDENTITY
         };
-        let link = rig.add(&rod(1.0).at(place + way * 0.5).rotated(turn))?;
+        let link = rig.add(&rod(1.0).with_position(place + way * 0.5).with_rotation(turn))?;
         rig.world.add_joint(&JointDesc::ball([last, link], [Frame::at(joint), Frame::at(-half)]))?;
         (last, joint, place) = (link, half, place + way);
     }

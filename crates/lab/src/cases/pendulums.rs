@@ -44,7 +44,7 @@ fn pendulum(setting: &Setting, degrees: f64) -> Result<(Rig, BodyHandle), Error>
     let pivot = rig.add(&BodyDesc::fixed())?;
     let turn = turned(DVec3::Z, degrees.to_radians());
     let mass = lump(1.0, DVec3::splat(INERTIA));
-    let mass = mass.at(turn * DVec3::NEG_Y * LENGTH).rotated(turn.as_quat().normalize());
+    let mass = mass.with_position(turn * DVec3::NEG_Y * LENGTH).with_rotation(turn.as_quat().normalize());
     let mass = rig.add(&mass)?;
     let frames = [Frame::default(), Frame::at(Vec3::Y * LENGTH as f32)];
     rig.world.add_joint(&JointDesc::ball([pivot, mass], frames))?;

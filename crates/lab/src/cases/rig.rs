@@ -108,7 +108,7 @@ pub(super) fn shape(geometry: Geometry, material: Material) -> ShapeDesc {
 }
 
 pub(super) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyDesc {
-    BodyDesc::dynamic().at(at).with_shape(shape(geometry, material))
+    BodyDesc::dynamic().with_position(at).with_shape(shape(geometry, material))
 }
 
 /// A body with given mass [kg] and principal moments [kg m²], still without a shape.

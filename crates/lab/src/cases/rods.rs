@@ -71,8 +71,8 @@ fn rod_end(setting: &Setting, degrees: f64, spin: bool) -> Result<Outcome, Error
     let turn = tilted(DVec3::Z, -(90.0 + degrees).to_radians());
     let (sin, cos) = libm::sincos(degrees.to_radians());
     let at = DVec3::Y * (0.5 * LENGTH * sin + POINT + 0.31);
-    let body = touched_at(0.5 * LENGTH, E).at(at).rotated(turn);
-    let body = rig.add(&body.moving(Vec3::NEG_Y * SPEED as f32, Vec3::ZERO))?;
+    let body = touched_at(0.5 * LENGTH, E).with_position(at).with_rotation(turn);
+    let body = rig.add(&body.with_velocity(Vec3::NEG_Y * SPEED as f32, Vec3::ZERO))?;
     struck(&mut rig, body, -SPEED)?;
     let impulse = SPEED * (1.0 + E) / (1.0 + 3.0 * cos * cos);
     Ok(if spin {
@@ -92,9 +92,9 @@ fn percussion(setting: &Setting) -> Result<Outcome, Error> {
     // The rod lies along x: its own y is x, and the ball comes from below.
     let level = tilted(DVec3::Z, -std::f64::consts::FRAC_PI_2);
     let at = LENGTH / 6.0;
-    let body = rig.add(&touched_at(at, E).rotated(level))?;
+    let body = rig.add(&touched_at(at, E).with_rotation(level))?;
     let ball = dynamic(Geometry::Sphere { radius: 0.1 }, smooth(E), Vec3::new(at as f32, -0.7, 0.0));
-    rig.add(&ball.moving(Vec3::Y * SPEED as f32, Vec3::ZERO))?;
+    rig.add(&ball.with_velocity(Vec3::Y * SPEED as f32, Vec3::ZERO))?;
     struck(&mut rig, body, 0.0)?;
     let end = rig.velocity(body)?.y - 0.5 * LENGTH * rig.spin(body)?.z;
     // A body that was never struck proves nothing by standing still.

@@ -112,7 +112,7 @@ fn thrown(setting: &Setting, speed: f64, spin: f64) -> Result<(Rig, BodyHandle),
     let mut rig = Rig::new(setting, DOWN)?;
     rig.floor(surface(MU, 0.0))?;
     let ball = dynamic(BALL, surface(MU, 0.0), Vec3::Y * RADIUS as f32);
-    let ball = rig.add(&ball.moving(Vec3::X * speed as f32, Vec3::Z * spin as f32))?;
+    let ball = rig.add(&ball.with_velocity(Vec3::X * speed as f32, Vec3::Z * spin as f32))?;
     Ok((rig, ball))
 }
 
@@ -169,13 +169,13 @@ fn on_slope(
 ) -> Result<(Rig, BodyHandle, DVec3), Error> {
     let tilt = tilted(DVec3::Z, -SLOPE.to_radians());
     let mut rig = Rig::new(setting, DOWN)?;
-    rig.add(&BodyDesc::fixed().rotated(tilt).with_shape(shape(Geometry::Plane, material)))?;
+    rig.add(&BodyDesc::fixed().with_rotation(tilt).with_shape(shape(Geometry::Plane, material)))?;
     let at = tilt * (Vec3::Y * RADIUS as f32);
     let mut body = match roller {
         Roller::Sphere => dynamic(BALL, material, at),
         Roller::Cylinder | Roller::Hoop => {
             let across = tilted(DVec3::X, FRAC_PI_2);
-            dynamic(Geometry::cylinder(0.3, RADIUS as f32), material, at).rotated(across)
+            dynamic(Geometry::cylinder(0.3, RADIUS as f32), material, at).with_rotation(across)
         }
     };
     if let Roller::Hoop = roller {
@@ -216,7 +216,7 @@ fn turntable(setting: &Setting) -> Result<Outcome, Error> {
     const RATE: f64 = 7.0;
     let mut rig = Rig::new(setting, DOWN)?;
     let table = BodyDesc::kinematic().with_shape(shape(Geometry::Plane, surface(1.0, 0.0)));
-    rig.add(&table.moving(Vec3::ZERO, Vec3::Y * RATE as f32))?;
+    rig.add(&table.with_velocity(Vec3::ZERO, Vec3::Y * RATE as f32))?;
     // It starts on its circle about the axis with the spin of rolling: v - w x r = the table's velocity
     // there.
     let speed = 1.0;
@@ -225,7 +225,7 @@ fn turntable(setting: &Setting) -> Result<Outcome, Error> {
     let slip = DVec3::NEG_Z * (RATE * at.x) - velocity;
     let spin = slip.cross(DVec3::Y) / 0.1;
     let ball = dynamic(Geometry::Sphere { radius: 0.1 }, surface(1.0, 0.0), at.as_vec3());
-    let ball = rig.add(&ball.moving(velocity.as_vec3(), spin.as_vec3()))?;
+    let ball = rig.add(&ball.with_velocity(velocity.as_vec3(), spin.as_vec3()))?;
     let mut turns = Turns::default();
     rig.until(10.0, |rig| {
         let v = rig.velocity(ball)?;

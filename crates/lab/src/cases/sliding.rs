@@ -98,7 +98,7 @@ fn slider(setting: &Setting, way: DVec3) -> Result<(Rig, BodyHandle), Error> {
     let material = surface(MU, 0.0);
     rig.floor(material)?;
     let body = dynamic(Geometry::Box { half_extents: BOX }, material, Vec3::Y * BOX.y);
-    let body = rig.add(&body.moving((way * SPEED).as_vec3(), Vec3::ZERO))?;
+    let body = rig.add(&body.with_velocity((way * SPEED).as_vec3(), Vec3::ZERO))?;
     Ok((rig, body))
 }
 
@@ -129,9 +129,9 @@ fn on_slope(
 ) -> Result<(Rig, BodyHandle, DVec3), Error> {
     let tilt: Quat = tilted(DVec3::Z, -angle);
     let mut rig = Rig::new(setting, DOWN)?;
-    rig.add(&BodyDesc::fixed().rotated(tilt).with_shape(shape(Geometry::Plane, material)))?;
+    rig.add(&BodyDesc::fixed().with_rotation(tilt).with_shape(shape(Geometry::Plane, material)))?;
     let body = dynamic(Geometry::Box { half_extents: half }, material, tilt * (Vec3::Y * half.y));
-    let body = rig.add(&body.rotated(tilt))?;
+    let body = rig.add(&body.with_rotation(tilt))?;
     Ok((rig, body, (tilt * Vec3::X).as_dvec3()))
 }
 
@@ -185,7 +185,9 @@ fn painleve(setting: &Setting) -> Result<Outcome, Error> {
     let height = f64::from(END) + 0.5 * LENGTH * libm::cos(30f64.to_radians());
     let mut body = rod(LENGTH);
     body.shapes = ends.to_vec();
-    rig.add(&body.at(DVec3::Y * height).rotated(lean).moving(Vec3::X * 5.0, Vec3::ZERO))?;
+    rig.add(
+        &body.with_position(DVec3::Y * height).with_rotation(lean).with_velocity(Vec3::X * 5.0, Vec3::ZERO),
+    )?;
     let before = rig.world.energy();
     let mut most = before;
     rig.until(2.0, |rig| {

@@ -61,7 +61,7 @@ fn boxcar(setting: &Setting) -> Result<Outcome, Error> {
             // The force rises from 0 to twice the limit of friction.
             let force = grip * rig.time / 5.0;
             let torque = -force * (height - f64::from(half.y));
-            rig.world.add_force(body, Vec3::X * force as f32, Vec3::Z * torque as f32)?;
+            rig.world.add_force_and_torque(body, Vec3::X * force as f32, Vec3::Z * torque as f32)?;
             rig.step()?;
             if rig.turn(body)?.z.abs() > 0.025 {
                 return Ok(true);
@@ -84,7 +84,7 @@ fn leaning(foot: f64, lean: f64, friction: f64) -> BodyDesc {
     let (sin, cos) = libm::sincos(lean);
     let at = Vec3::new((foot + 0.5 * LENGTH * sin) as f32, (RADIUS + 0.5 * LENGTH * cos) as f32, 0.0);
     let capsule = Geometry::capsule(0.5 * LENGTH as f32, RADIUS as f32);
-    let body = dynamic(capsule, surface(friction, 0.0), at).rotated(tilted(DVec3::Z, -lean));
+    let body = dynamic(capsule, surface(friction, 0.0), at).with_rotation(tilted(DVec3::Z, -lean));
     // The problem is planar.
     body.with_lock_translation([false, false, true]).with_lock_rotation([true, true, false])
 }
@@ -114,7 +114,7 @@ fn ladder(setting: &Setting) -> Result<Outcome, Error> {
         rig.floor(surface(friction, 0.0))?;
         let wall = shape(Geometry::Plane, smooth(0.0));
         let to_left = tilted(DVec3::Z, std::f64::consts::FRAC_PI_2);
-        rig.add(&BodyDesc::fixed().at(DVec3::X * RADIUS).rotated(to_left).with_shape(wall))?;
+        rig.add(&BodyDesc::fixed().with_position(DVec3::X * RADIUS).with_rotation(to_left).with_shape(wall))?;
         let body = rig.add(&leaning(-LENGTH * sin, lean, friction))?;
         let start = rig.place(body)?.y;
         Ok(!rig.until(4.0, |rig| Ok(rig.place(body)?.y < start - 0.05))?)
@@ -145,7 +145,7 @@ fn wedge(setting: &Setting) -> Result<Outcome, Error> {
             // The inner face touches the wedge's, so its normal is rotated by the angle.
             let turn = tilted(DVec3::Z, -side * angle);
             let at = Vec3::X * (side * middle) as f32 + turn * (Vec3::X * (0.1 * side) as f32);
-            let jaw = dynamic(Geometry::cuboid(0.1, 0.2, 0.3), material, at).rotated(turn);
+            let jaw = dynamic(Geometry::cuboid(0.1, 0.2, 0.3), material, at).with_rotation(turn);
             let jaw = jaw.with_lock_translation([false, true, true]).with_lock_rotation([true; 3]);
             (side, jaw)
         });
@@ -155,7 +155,7 @@ fn wedge(setting: &Setting) -> Result<Outcome, Error> {
         }
         while rig.time < 3.0 {
             for &(side, jaw) in &pressed {
-                rig.world.add_force(jaw, Vec3::X * (-100_000.0 * side) as f32, Vec3::ZERO)?;
+                rig.world.add_force(jaw, Vec3::X * (-100_000.0 * side) as f32)?;
             }
             rig.step()?;
             if rig.place(wedge)?.length() > 0.05 {

@@ -77,7 +77,7 @@ fn overhang(setting: &Setting, count: u32) -> Result<Outcome, Error> {
         let mut rig = Rig::new(setting, DOWN)?;
         let material = surface(1.0, 0.0);
         let table = shape(Geometry::cuboid(2.0, 0.5, 1.0), material);
-        rig.add(&BodyDesc::fixed().at(Vec3::new(-2.0, -0.5, 0.0)).with_shape(table))?;
+        rig.add(&BodyDesc::fixed().with_position(Vec3::new(-2.0, -0.5, 0.0)).with_shape(table))?;
         let (mut edge, mut blocks) = (0.0, Vec::new());
         for i in (1..=count).rev() {
             edge += factor / (2.0 * f64::from(i));
@@ -117,7 +117,8 @@ fn arch(setting: &Setting) -> Result<Outcome, Error> {
                 }
             }
             let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners)?));
-            let stone = rig.add(&BodyDesc::dynamic().at(middle).with_shape(shape(hull, material)))?;
+            let stone =
+                rig.add(&BodyDesc::dynamic().with_position(middle).with_shape(shape(hull, material)))?;
             crown = crown.or((i == STONES / 2).then_some(stone));
         }
         let Some(crown) = crown else { return Ok(false) };
@@ -161,7 +162,7 @@ fn dominoes(setting: &Setting, height: f64, spin: f64) -> Result<f64, Error> {
             // Rotation about its lower front edge.
             let turn = DVec3::NEG_Z * spin;
             let arm = DVec3::new(-half.x, half.y, 0.0);
-            stone = stone.moving(turn.cross(arm).as_vec3(), turn.as_vec3());
+            stone = stone.with_velocity(turn.cross(arm).as_vec3(), turn.as_vec3());
             stone.rotation = tilted(DVec3::Z, 0.0);
         }
         stones.push(rig.add(&stone)?);

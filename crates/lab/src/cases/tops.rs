@@ -94,7 +94,7 @@ fn free_top(setting: &Setting, space: bool) -> Result<Outcome, Error> {
     let inertia = DVec3::new(0.02, 0.03, 0.02);
     let mut rig = Rig::new(setting, Vec3::ZERO)?;
     let spin = DVec3::new(6.0, 20.0, 0.0);
-    let top = rig.add(&lump(1.0, inertia).moving(Vec3::ZERO, spin.as_vec3()))?;
+    let top = rig.add(&lump(1.0, inertia).with_velocity(Vec3::ZERO, spin.as_vec3()))?;
     let momentum = inertia * spin;
     let (e1, e2) = momentum.normalize().any_orthonormal_pair();
     let mut turns = Turns::default();
@@ -131,8 +131,9 @@ fn top(setting: &Setting, lean: f64, spin: DVec3) -> Result<(Rig, BodyHandle), E
     let turn = turned(DVec3::Z, -lean);
     let own = ACROSS - ARM * ARM;
     let arm = turn * DVec3::Y * ARM;
-    let body = lump(1.0, DVec3::new(own, ALONG, own)).at(arm).rotated(turn.as_quat().normalize());
-    let body = rig.add(&body.moving(spin.cross(arm).as_vec3(), spin.as_vec3()))?;
+    let body =
+        lump(1.0, DVec3::new(own, ALONG, own)).with_position(arm).with_rotation(turn.as_quat().normalize());
+    let body = rig.add(&body.with_velocity(spin.cross(arm).as_vec3(), spin.as_vec3()))?;
     let frames = [Frame::default(), Frame::at(Vec3::NEG_Y * ARM as f32)];
     rig.world.add_joint(&JointDesc::ball([point, body], frames))?;
     Ok((rig, body))
@@ -220,7 +221,7 @@ fn racket(setting: &Setting, what: Racket) -> Result<Outcome, Error> {
     let inertia = DVec3::new(17.0 / 1200.0, 1.0 / 240.0, 1.0 / 60.0);
     let spin = DVec3::new(10.0, 0.1, 0.0);
     let mut rig = Rig::new(setting, Vec3::ZERO)?;
-    let body = rig.add(&lump(1.0, inertia).moving(Vec3::ZERO, spin.as_vec3()))?;
+    let body = rig.add(&lump(1.0, inertia).with_velocity(Vec3::ZERO, spin.as_vec3()))?;
     let kept = |spin: DVec3| ((inertia * spin).length(), 0.5 * spin.dot(inertia * spin));
     let before = kept(spin);
     let mut passages = Passages::default();

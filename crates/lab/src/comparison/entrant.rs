@@ -20,7 +20,7 @@ impl Entrant {
             Settings::default()
                 .with_gravity(scene.gravity)
                 .with_continuous(method.continuous)
-                .with_method(method.method)
+                .with_continuous_method(method.method)
                 .with_threads(threads),
         )?;
         let bodies = scene.add_to(&mut world)?.bodies;

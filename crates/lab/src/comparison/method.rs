@@ -1,6 +1,6 @@
 //! The methods that are compared.
 
-use backstop::{Continuous, ContinuousMethod};
+use backstop::{ContinuousMethod, ContinuousMode};
 
 /// A method as a world's settings choose it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub struct Method {
     /// Its name in tables.
     pub name: &'static str,
     /// [`backstop::Settings::continuous`].
-    pub continuous: Continuous,
+    pub continuous: ContinuousMode,
     /// [`backstop::Settings::method`].
     pub method: ContinuousMethod,
 }
@@ -16,17 +16,17 @@ pub struct Method {
 /// What is compared, in the order of every result; the last is the reference of the others.
 pub const METHODS: [Method; 7] = {
     use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
-    const fn method(name: &'static str, continuous: Continuous, method: ContinuousMethod) -> Method {
+    const fn method(name: &'static str, continuous: ContinuousMode, method: ContinuousMethod) -> Method {
         Method { name, continuous, method }
     }
     [
-        method("discrete", Continuous::Discrete, OnePass),
-        method("linear-cast", Continuous::Segment, LinearCast),
-        method("speculative", Continuous::Segment, Speculative),
-        method("talk-method", Continuous::Segment, Talk),
-        method("segment", Continuous::Segment, OnePass),
-        method("volume", Continuous::Volume, OnePass),
-        method("conservative-advancement", Continuous::Segment, ConservativeAdvancement),
+        method("discrete", ContinuousMode::Discrete, OnePass),
+        method("linear-cast", ContinuousMode::Segment, LinearCast),
+        method("speculative", ContinuousMode::Segment, Speculative),
+        method("talk-method", ContinuousMode::Segment, Talk),
+        method("segment", ContinuousMode::Segment, OnePass),
+        method("volume", ContinuousMode::Volume, OnePass),
+        method("conservative-advancement", ContinuousMode::Segment, ConservativeAdvancement),
     ]
 };
 

@@ -26,7 +26,7 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
         ShapeDesc::new(Geometry::Sphere { radius: RADIUS }).with_material(material).with_density(density);
     for i in 0..SIDE * SIDE {
         let at = DVec3::new(2.0 * f64::from(i / SIDE), HEIGHT, 2.0 * f64::from(i % SIDE));
-        run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball.clone()))?;
+        run.world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball.clone()))?;
     }
     let start = run.world.energy();
     let (mut errors, steps) = (0.0, f64::from(run.steps.max(1)));

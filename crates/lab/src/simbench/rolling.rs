@@ -56,14 +56,14 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
     let density = BOX_MASS / (edge * edge * height);
     let shape = ShapeDesc::new(geometry).with_material(crate_).with_density(density);
     let at = DVec3::Y * (0.5 * f64::from(height) - PENETRATION);
-    let pushed = run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape))?;
+    let pushed = run.world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape))?;
     let density = sphere_density(BALL_MASS, RADIUS);
     let shape = ShapeDesc::new(Geometry::Sphere { radius: RADIUS }).with_material(ball).with_density(density);
     let high = f64::from(height) + f64::from(RADIUS) - 3.0 * PENETRATION;
     let mut first = None;
     for i in 0..SIDE * SIDE {
         let at = DVec3::new(f64::from(i / SIDE) * 2.0 - 4.0, high, f64::from(i % SIDE) * 2.0 - 4.0);
-        let ball = run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape.clone()))?;
+        let ball = run.world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape.clone()))?;
         first.get_or_insert(ball);
     }
     // As in SimBenchmark, the first ball represents all.
@@ -72,7 +72,7 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
     let (mut errors, mut expected) = (0.0, 0.0);
     let (steps, dt) = (run.steps, f64::from(setting.dt));
     run.go(setting, |world, step| {
-        world.add_force(pushed, DIRECTION * FORCE, Vec3::ZERO)?;
+        world.add_force(pushed, DIRECTION * FORCE)?;
         for (body, a) in [(pushed, a), (rolls, a_ball)] {
             let should = DIRECTION.as_dvec3() * (a * dt * f64::from(step));
             if step % 400 == 1 && std::env::var_os("SHOW").is_some() {

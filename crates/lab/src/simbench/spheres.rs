@@ -38,7 +38,7 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
         let at = DVec3::new(f64::from(i / (SIDE * SIDE)), f64::from(i % SIDE), f64::from(i / SIDE % SIDE));
         let out = DVec3::from_array(std::array::from_fn(|_| 0.5 + 0.5 * random()));
         let at = at * PITCH + out * PERTURBATION + DVec3::Y * HEIGHT;
-        balls.push(run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball.clone()))?);
+        balls.push(run.world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(ball.clone()))?);
     }
     let (mut errors, steps) = (0.0, f64::from(run.steps.max(1)));
     let mut places = Vec::new();

@@ -62,7 +62,8 @@ fn build(run: &mut Run, material: Material) -> Result<Vec<(BodyHandle, DVec3)>, 
         let ground = 2.0 * high * f64::from(storey);
         let mut add = |shape: &ShapeDesc, x: f64, y: f64, z: f64| {
             let at = DVec3::new(x, ground + y, z);
-            let body = run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape.clone()))?;
+            let body =
+                run.world.add_body(&BodyDesc::dynamic().with_position(at).with_shape(shape.clone()))?;
             all.push((body, at));
             Ok::<_, Error>(())
         };

@@ -7,7 +7,7 @@ use backstop::BodyDesc;
 use backstop::Error;
 use backstop::World;
 use backstop::limits::{positive, within};
-use backstop::{Continuous, Settings};
+use backstop::{ContinuousMode, Settings};
 use backstop::{Geometry, Material, ShapeDesc};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -31,13 +31,14 @@ pub fn is_stable(stepper: &'static Stepper, frequency: f64, damping: f64, dt: f3
     let gravity = 9.81;
     let depth = gravity / (TAU * frequency).powi(2);
     within("depth at rest", depth as f32, 0.0, 0.4, "at most 0.4 m: a higher frequency")?;
-    let settings =
-        Settings::default().with_gravity(Vec3::NEG_Y * gravity as f32).with_continuous(Continuous::Discrete);
+    let settings = Settings::default()
+        .with_gravity(Vec3::NEG_Y * gravity as f32)
+        .with_continuous(ContinuousMode::Discrete);
     let mut world = World::new(settings)?;
     let material = Material::default().with_friction(0.0).with_restitution(0.0);
     let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
     world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane)))?;
-    let ball = BodyDesc::dynamic().at(DVec3::Y * (0.5 - 0.9 * depth));
+    let ball = BodyDesc::dynamic().with_position(DVec3::Y * (0.5 - 0.9 * depth));
     let ball = world.add_body(&ball.with_shape(shape(Geometry::Sphere { radius: 0.5 })))?;
     let mut solver = WorldSolver::new(WorldMethod::Step(stepper));
     (solver.effort.frequency, solver.effort.damping) = (frequency, damping);

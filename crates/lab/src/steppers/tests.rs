@@ -26,7 +26,12 @@ fn huddle(restitution: f32) -> System {
         let place = DVec3::new(x, y, 0.0);
         let speed = if i < 3 { Vec3::ZERO } else { (DVec3::new(0.5, 0.3, 0.0) - place).as_vec3() };
         world
-            .add_body(&BodyDesc::dynamic().at(place).moving(speed, Vec3::ZERO).with_shape(ball.clone()))
+            .add_body(
+                &BodyDesc::dynamic()
+                    .with_position(place)
+                    .with_velocity(speed, Vec3::ZERO)
+                    .with_shape(ball.clone()),
+            )
             .unwrap();
     }
     world.measure_accuracy(true);

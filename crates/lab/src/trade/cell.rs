@@ -1,19 +1,19 @@
 //! A setting that is measured.
 
 use crate::WorldSolver;
-use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+use backstop::{ContinuousMethod, ContinuousMode, FrictionCone, FrictionModel, Settings};
 use backstop_scene::Scene;
 
 /// How fast bodies are kept from passing through others: the mode and the method in one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ContinuousMode {
-    /// [`Continuous::Discrete`].
+pub enum ContinuousChoice {
+    /// [`ContinuousMode::Discrete`].
     Discrete,
-    /// [`Continuous::Segment`] in one pass.
+    /// [`ContinuousMode::Segment`] in one pass.
     #[default]
     Segment,
-    /// [`Continuous::Volume`] in one pass.
+    /// [`ContinuousMode::Volume`] in one pass.
     Volume,
     /// [`ContinuousMethod::Speculative`].
     Speculative,
@@ -25,42 +25,42 @@ pub enum ContinuousMode {
     ConservativeAdvancement,
 }
 
-impl ContinuousMode {
+impl ContinuousChoice {
     /// All of them.
-    pub const ALL: [ContinuousMode; 7] = [
-        ContinuousMode::Discrete,
-        ContinuousMode::Segment,
-        ContinuousMode::Volume,
-        ContinuousMode::Speculative,
-        ContinuousMode::TalkMethod,
-        ContinuousMode::LinearCast,
-        ContinuousMode::ConservativeAdvancement,
+    pub const ALL: [ContinuousChoice; 7] = [
+        ContinuousChoice::Discrete,
+        ContinuousChoice::Segment,
+        ContinuousChoice::Volume,
+        ContinuousChoice::Speculative,
+        ContinuousChoice::TalkMethod,
+        ContinuousChoice::LinearCast,
+        ContinuousChoice::ConservativeAdvancement,
     ];
 
     /// As the command line names it.
     pub fn name(self) -> &'static str {
         match self {
-            ContinuousMode::Discrete => "discrete",
-            ContinuousMode::Segment => "segment",
-            ContinuousMode::Volume => "volume",
-            ContinuousMode::Speculative => "speculative",
-            ContinuousMode::TalkMethod => "talk-method",
-            ContinuousMode::LinearCast => "linear-cast",
-            ContinuousMode::ConservativeAdvancement => "conservative-advancement",
+            ContinuousChoice::Discrete => "discrete",
+            ContinuousChoice::Segment => "segment",
+            ContinuousChoice::Volume => "volume",
+            ContinuousChoice::Speculative => "speculative",
+            ContinuousChoice::TalkMethod => "talk-method",
+            ContinuousChoice::LinearCast => "linear-cast",
+            ContinuousChoice::ConservativeAdvancement => "conservative-advancement",
         }
     }
 
     /// What a world is set to.
-    pub fn settings(self) -> (Continuous, ContinuousMethod) {
+    pub fn settings(self) -> (ContinuousMode, ContinuousMethod) {
         match self {
-            ContinuousMode::Discrete => (Continuous::Discrete, ContinuousMethod::OnePass),
-            ContinuousMode::Segment => (Continuous::Segment, ContinuousMethod::OnePass),
-            ContinuousMode::Volume => (Continuous::Volume, ContinuousMethod::OnePass),
-            ContinuousMode::Speculative => (Continuous::Segment, ContinuousMethod::Speculative),
-            ContinuousMode::TalkMethod => (Continuous::Segment, ContinuousMethod::Talk),
-            ContinuousMode::LinearCast => (Continuous::Segment, ContinuousMethod::LinearCast),
-            ContinuousMode::ConservativeAdvancement => {
-                (Continuous::Segment, ContinuousMethod::ConservativeAdvancement)
+            ContinuousChoice::Discrete => (ContinuousMode::Discrete, ContinuousMethod::OnePass),
+            ContinuousChoice::Segment => (ContinuousMode::Segment, ContinuousMethod::OnePass),
+            ContinuousChoice::Volume => (ContinuousMode::Volume, ContinuousMethod::OnePass),
+            ContinuousChoice::Speculative => (ContinuousMode::Segment, ContinuousMethod::Speculative),
+            ContinuousChoice::TalkMethod => (ContinuousMode::Segment, ContinuousMethod::Talk),
+            ContinuousChoice::LinearCast => (ContinuousMode::Segment, ContinuousMethod::LinearCast),
+            ContinuousChoice::ConservativeAdvancement => {
+                (ContinuousMode::Segment, ContinuousMethod::ConservativeAdvancement)
             }
         }
     }
@@ -119,7 +119,7 @@ pub struct Cell {
     /// Friction.
     pub friction: FrictionLaw,
     /// Continuous collision.
-    pub continuous: ContinuousMode,
+    pub continuous: ContinuousChoice,
     /// Whether contacts of pairs that hardly moved are kept.
     pub recycling: bool,
     /// Whether joints that make trees are solved exactly, or row by row.
@@ -137,7 +137,7 @@ impl Default for Cell {
             substeps: 4,
             iterations: 1,
             friction: FrictionLaw::Patch,
-            continuous: ContinuousMode::Segment,
+            continuous: ContinuousChoice::Segment,
             recycling: true,
             joint_trees: true,
             solver: None,
@@ -154,7 +154,7 @@ impl Cell {
             substeps: 1,
             iterations: 8,
             friction: FrictionLaw::Point,
-            continuous: ContinuousMode::Segment,
+            continuous: ContinuousChoice::Segment,
             recycling: false,
             joint_trees: true,
             solver: None,
@@ -180,7 +180,7 @@ impl Cell {
             .with_substeps(self.substeps)
             .with_iterations(self.iterations)
             .with_continuous(continuous)
-            .with_method(method)
+            .with_continuous_method(method)
             .with_friction_cone(friction_cone)
             .with_friction_model(friction_model)
             .with_recycling(self.recycling)

@@ -1,6 +1,6 @@
 //! Which settings are measured.
 
-use super::{Cell, ContinuousMode, FrictionLaw};
+use super::{Cell, ContinuousChoice, FrictionLaw};
 use crate::WorldMethod;
 use backstop::Error;
 use backstop::limits::within;
@@ -19,7 +19,7 @@ pub struct Grid {
     /// Friction.
     pub friction: Vec<FrictionLaw>,
     /// Continuous collision.
-    pub continuous: Vec<ContinuousMode>,
+    pub continuous: Vec<ContinuousChoice>,
     /// Whether contacts of pairs that hardly moved are kept.
     pub recycling: Vec<bool>,
     /// Whether trees of joints are solved exactly.
@@ -37,7 +37,7 @@ impl Grid {
     /// The full grid for a scene with or without joints. Conservative advancement, which is slow, the talk's
     /// method and boxes of friction are left out.
     pub fn full(joints: bool) -> Grid {
-        use ContinuousMode::{Discrete, LinearCast, Segment, Speculative, Volume};
+        use ContinuousChoice::{Discrete, LinearCast, Segment, Speculative, Volume};
         Grid {
             hz: vec![30, 60, 120, 240],
             substeps: vec![1, 2, 4, 8, 16],
@@ -58,7 +58,7 @@ impl Grid {
             substeps: vec![1, 2, 4, 8],
             iterations: vec![1, 4],
             most_passes: 8,
-            continuous: vec![ContinuousMode::Discrete, ContinuousMode::Segment],
+            continuous: vec![ContinuousChoice::Discrete, ContinuousChoice::Segment],
             recycling: vec![true],
             solvers: Vec::new(),
             ..Grid::full(joints)

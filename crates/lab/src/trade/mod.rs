@@ -27,7 +27,7 @@ mod front;
 mod grid;
 mod reference;
 
-pub use cell::{Cell, ContinuousMode, FrictionLaw};
+pub use cell::{Cell, ContinuousChoice, FrictionLaw};
 pub use errors::{Errors, Measure};
 pub use front::{best_within, cheapest_within, front};
 pub use grid::{Axis, Grid};

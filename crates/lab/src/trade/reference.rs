@@ -133,7 +133,7 @@ impl Track {
         let gravity = f64::from(scene.gravity.length());
         let lift: f64 = states.iter().zip(&widths).map(|(body, width)| body.mass * gravity * width).sum();
         let scale = kinetic.max(lift).max(f64::MIN_POSITIVE);
-        Ok(Track { span, frames, widths, scale, hash: run.world.hash() })
+        Ok(Track { span, frames, widths, scale, hash: run.world.state_hash() })
     }
 
     /// Hash of all poses and velocities at the end. It differs if any bit differs, so it tells versions of

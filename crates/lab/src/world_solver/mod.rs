@@ -19,7 +19,7 @@
 //! let mut world = World::new(Settings::default())?;
 //! world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
 //! let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
-//! world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(cube))?;
+//! world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 0.5).with_shape(cube))?;
 //! world.solve_with(WorldSolver::by_name("admm"));
 //! for _ in 0..60 {
 //!     world.step(1.0 / 60.0)?;

@@ -5,8 +5,8 @@
 use crate::common::{self, Floor, G, shape};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material,
-    Motion, Settings, ShapeDesc, World,
+    Axes, Axis, BodyDesc, BodyHandle, Frame, FrictionModel, Geometry, JointDesc, Limit, Material, Motion,
+    Motor, Settings, ShapeDesc, World,
 };
 use backstop_lab::Accuracy;
 use backstop_lab::LabWorld;
@@ -27,7 +27,7 @@ fn boxed(half: f32, density: f32, at: DVec3, friction: f32) -> BodyDesc {
     let material = Material::default().with_friction(friction);
     let mut shape = shape(Geometry::cuboid(half, half, half), material);
     shape.density = density;
-    BodyDesc::dynamic().at(at).with_shape(shape)
+    BodyDesc::dynamic().with_position(at).with_shape(shape)
 }
 
 fn ball(at: DVec3, velocity: Vec3, restitution: f32) -> BodyDesc {
@@ -35,7 +35,7 @@ fn ball(at: DVec3, velocity: Vec3, restitution: f32) -> BodyDesc {
     let mut shape = shape(Geometry::Sphere { radius: 0.5 }, material);
     // 1 kg.
     shape.density = 1.0 / (4.0 / 3.0 * std::f32::consts::PI * 0.125);
-    BodyDesc::dynamic().at(at).moving(velocity, Vec3::ZERO).with_shape(shape)
+    BodyDesc::dynamic().with_position(at).with_velocity(velocity, Vec3::ZERO).with_shape(shape)
 }
 
 fn accuracy(world: &World) -> &Accuracy {
@@ -128,8 +128,12 @@ fn on_ramp(degrees: f32, mu: f32) -> (World, BodyHandle) {
     let mut world = world(Settings::default());
     let floor = shape(Geometry::cuboid(20.0, 1.0, 20.0), Material::default().with_friction(mu));
     let up = turn * Vec3::Y;
-    world.add_body(&BodyDesc::fixed().at((up * -1.0).as_dvec3()).rotated(turn).with_shape(floor)).unwrap();
-    let body = boxed(0.5, 1.0, (up * 0.5).as_dvec3(), mu).rotated(turn);
+    world
+        .add_body(
+            &BodyDesc::fixed().with_position((up * -1.0).as_dvec3()).with_rotation(turn).with_shape(floor),
+        )
+        .unwrap();
+    let body = boxed(0.5, 1.0, (up * 0.5).as_dvec3(), mu).with_rotation(turn);
     let body = world.add_body(&body).unwrap();
     (world, body)
 }
@@ -218,12 +222,12 @@ fn a_door_with_a_motor_gains_what_the_motor_gives() {
     let post = world.add_body(&BodyDesc::fixed()).unwrap();
     let mut door = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.05));
     door.density = 100.0;
-    let door = world.add_body(&BodyDesc::dynamic().at(DVec3::X * 0.5).with_shape(door)).unwrap();
+    let door = world.add_body(&BodyDesc::dynamic().with_position(DVec3::X * 0.5).with_shape(door)).unwrap();
     // x of the frame is the world's y.
     let turn = common::turned(Vec3::Z, 90.0);
     let frames = world.frames_at([post, door], DVec3::ZERO, turn).unwrap();
-    let motor = Drive::motor(Motion::Angular, Axis::X, 2.0, f32::INFINITY);
-    world.add_joint(&JointDesc::hinge([post, door], frames).with_drive(motor)).unwrap();
+    let motor = Motor::velocity(Motion::Angular, Axis::X, 2.0, f32::INFINITY);
+    world.add_joint(&JointDesc::hinge([post, door], frames).with_motor(motor)).unwrap();
     world.step(DT).unwrap();
     // 20 kg; about its middle m (a² + b²) / 3, and m d² by Steiner.
     let inertia = 20.0 * ((0.25 + 0.0025) / 3.0 + 0.25);
@@ -334,7 +338,7 @@ fn measuring_changes_nothing() {
                 assert!(numbers.iter().all(|x| x.is_finite()), "{one:?}");
             }
         }
-        world.hash()
+        world.state_hash()
     };
     assert_eq!(run(true), run(false));
 }

@@ -33,7 +33,7 @@ fn swerve(geometry: &Geometry, inactive: bool) -> f64 {
         let start = DVec3::new(-12.0, 0.7 + 0.05 * f64::from(i), 0.13 * f64::from(i));
         let along = Vec3::new(10.0, 0.0, 1.0);
         let spin = Vec3::new(3.0 - i as f32, 1.0 + i as f32, 5.0 - 2.0 * i as f32);
-        let desc = BodyDesc::dynamic().at(start).moving(along, spin);
+        let desc = BodyDesc::dynamic().with_position(start).with_velocity(along, spin);
         let body = world.add_body(&desc.with_shape(shape(geometry.clone()))).unwrap();
         for _ in 0..120 {
             world.step(1.0 / 60.0).unwrap();

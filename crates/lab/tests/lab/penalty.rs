@@ -1,7 +1,7 @@
 //! Penalty methods: how stiff they may be, and the way out of what was entered.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::{BodyDesc, Continuous, Geometry, Material, Settings, ShapeDesc, World};
+use backstop::{BodyDesc, ContinuousMode, Geometry, Material, Settings, ShapeDesc, World};
 use backstop_lab::LabWorld;
 use backstop_lab::WorldSolver;
 use backstop_lab::steppers::Stepper;
@@ -38,12 +38,13 @@ fn a_penalty_is_stable_up_to_its_limit() {
 #[test]
 fn what_went_in_comes_out_where_it_went_in() {
     let end = |direction_memory| {
-        let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(Continuous::Discrete);
+        let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(ContinuousMode::Discrete);
         let mut world = World::new(settings).unwrap();
         let material = Material::default().with_friction(0.0).with_restitution(0.0);
         let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
         world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::cuboid(2.0, 0.1, 2.0)))).unwrap();
-        let cube = BodyDesc::dynamic().at(DVec3::Y * 0.21).moving(Vec3::NEG_Y * 5.0, Vec3::ZERO);
+        let cube =
+            BodyDesc::dynamic().with_position(DVec3::Y * 0.21).with_velocity(Vec3::NEG_Y * 5.0, Vec3::ZERO);
         let cube = world.add_body(&cube.with_shape(shape(Geometry::cuboid(0.1, 0.1, 0.1)))).unwrap();
         let mut solver = WorldSolver { direction_memory, ..WorldSolver::by_name("penalty").unwrap() };
         // Four points share the mass.

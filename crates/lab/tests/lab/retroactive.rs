@@ -1,20 +1,21 @@
 //! Time of impact with retroactive detection.
 
 use backstop::glam::{DVec3, Vec3};
-use backstop::{BodyDesc, BodyHandle, Continuous, Geometry, Material, Settings, ShapeDesc, World};
+use backstop::{BodyDesc, BodyHandle, ContinuousMode, Geometry, Material, Settings, ShapeDesc, World};
 use backstop_lab::retroactive::Retroactive;
 
 const DT: f32 = 1.0 / 60.0;
 
 /// A ball of 0.2 m that flies at a wall of half a metre without continuous collision: 0.67 m a step.
 fn shot(restitution: f32) -> (World, BodyHandle) {
-    let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(Continuous::Discrete);
+    let settings = Settings::default().with_gravity(Vec3::ZERO).with_continuous(ContinuousMode::Discrete);
     let mut world = World::new(settings).unwrap();
     let material = Material::default().with_restitution(restitution);
     let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
-    let wall = BodyDesc::fixed().at(DVec3::X * 5.25).with_shape(shape(Geometry::cuboid(0.25, 2.0, 2.0)));
+    let wall =
+        BodyDesc::fixed().with_position(DVec3::X * 5.25).with_shape(shape(Geometry::cuboid(0.25, 2.0, 2.0)));
     world.add_body(&wall).unwrap();
-    let ball = BodyDesc::dynamic().moving(Vec3::X * 40.0, Vec3::ZERO);
+    let ball = BodyDesc::dynamic().with_velocity(Vec3::X * 40.0, Vec3::ZERO);
     let ball = world.add_body(&ball.with_shape(shape(Geometry::Sphere { radius: 0.2 }))).unwrap();
     (world, ball)
 }

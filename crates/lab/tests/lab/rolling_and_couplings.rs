@@ -32,7 +32,7 @@ fn slope(world: &mut World, material: Material) -> BodyHandle {
     world.add_body(&Floor::Plane.desc(Material::default().with_friction(1.0))).unwrap();
     let mut ball = shape(Geometry::Sphere { radius: 0.5 }, material);
     ball.density = 2.0 / (4.0 / 3.0 * std::f32::consts::PI * 0.125);
-    world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(ball)).unwrap()
+    world.add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 0.5).with_shape(ball)).unwrap()
 }
 
 fn leaning(angle: f64) -> Settings {
@@ -119,7 +119,8 @@ fn gears(settings: Settings, teeth: [f64; 2]) -> (World, [BodyHandle; 2], Coupli
         .map(|(inertia, at)| {
             let inertia = Mat3::from_diagonal(Vec3::splat(inertia));
             let mass = MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia };
-            wheels.push(world.add_body(&BodyDesc::dynamic().with_mass(Some(mass)).at(at)).unwrap());
+            wheels
+                .push(world.add_body(&BodyDesc::dynamic().with_mass(Some(mass)).with_position(at)).unwrap());
             let frames = [Frame::at(at), Frame::default()];
             world.add_joint(&JointDesc::hinge([ground, wheels[wheels.len() - 1]], frames)).unwrap()
         })
@@ -137,7 +138,7 @@ fn the_row_of_a_gear_bears_what_newton_says() {
         for teeth in [[30.0, 10.0], [20.0, 31.0], [100.0, 1.0]] {
             let (mut world, [a, _], gear) = gears(Settings::default().with_substeps(substeps), teeth);
             for _ in 0..60 {
-                world.add_force(a, Vec3::ZERO, Vec3::X * 1.5).unwrap();
+                world.add_torque(a, Vec3::X * 1.5).unwrap();
                 world.step(DT).unwrap();
             }
             let k = teeth[0] / teeth[1];
@@ -167,7 +168,7 @@ fn the_ends_of_a_range_are_rows_of_one_direction() {
     world.set_coupling_range(gear, Some([f64::NEG_INFINITY, 15.0])).unwrap();
     let (mut slack, mut taut) = (0.0, 0.0);
     for step in 0..120 {
-        world.add_force(a, Vec3::ZERO, Vec3::X * 1.5).unwrap();
+        world.add_torque(a, Vec3::X * 1.5).unwrap();
         world.step(DT).unwrap();
         let system = world.system().unwrap();
         let law = system.laws.iter().find(|law| law.owner == Owner::Coupling(gear)).unwrap();
@@ -208,7 +209,7 @@ fn methods_of_the_lab_solve_rolling_friction_and_gears() {
         let (mut world, [a, b], _) = gears(Settings::default(), [30.0, 10.0]);
         world.solve_with(WorldSolver::by_name(method));
         for _ in 0..60 {
-            world.add_force(a, Vec3::ZERO, Vec3::X * 1.5).unwrap();
+            world.add_torque(a, Vec3::X * 1.5).unwrap();
             world.step(DT).unwrap();
         }
         solved(&world);

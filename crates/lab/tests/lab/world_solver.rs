@@ -3,7 +3,7 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Material, Motion, Settings, ShapeDesc,
+    Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, Material, Motion, Motor, Settings, ShapeDesc,
     World,
 };
 use backstop_lab::LabWorld;
@@ -19,7 +19,9 @@ fn stack(count: usize, ratio: f64, most: f64) -> (World, Vec<BodyHandle>) {
     let boxes = (0..count).map(|i| {
         let density = ratio.powi(i as i32).min(most) as f32;
         let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(density);
-        world.add_body(&BodyDesc::dynamic().at(DVec3::Y * (i as f64 + 0.5)).with_shape(cube)).unwrap()
+        world
+            .add_body(&BodyDesc::dynamic().with_position(DVec3::Y * (i as f64 + 0.5)).with_shape(cube))
+            .unwrap()
     });
     let boxes = boxes.collect();
     (world, boxes)
@@ -88,7 +90,8 @@ fn cradle(count: usize, restitution: f32, method: &str) -> Vec<f64> {
     let balls: Vec<BodyHandle> = (0..count)
         .map(|i| {
             let speed = if i == 0 { Vec3::X * 2.0 } else { Vec3::ZERO };
-            let desc = BodyDesc::dynamic().at(DVec3::X * i as f64).moving(speed, Vec3::ZERO);
+            let desc =
+                BodyDesc::dynamic().with_position(DVec3::X * i as f64).with_velocity(speed, Vec3::ZERO);
             world.add_body(&desc.with_shape(ball.clone())).unwrap()
         })
         .collect();
@@ -137,7 +140,8 @@ fn an_inelastic_collapse_ends() {
         let balls: Vec<BodyHandle> = (0..3)
             .map(|i| {
                 let speed = Vec3::X * [100.0, 0.0, -100.0][i];
-                let desc = BodyDesc::dynamic().at(DVec3::X * i as f64).moving(speed, Vec3::ZERO);
+                let desc =
+                    BodyDesc::dynamic().with_position(DVec3::X * i as f64).with_velocity(speed, Vec3::ZERO);
                 world.add_body(&desc.with_shape(ball.clone())).unwrap()
             })
             .collect();
@@ -164,9 +168,13 @@ fn two_balls_on_a_plane_end() {
             let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
             world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
             let ball = shape(Geometry::Sphere { radius: 0.5 });
-            let fast = BodyDesc::dynamic().at(DVec3::new(-1.5, 0.5, 0.0)).moving(Vec3::X * 3.0, Vec3::ZERO);
+            let fast = BodyDesc::dynamic()
+                .with_position(DVec3::new(-1.5, 0.5, 0.0))
+                .with_velocity(Vec3::X * 3.0, Vec3::ZERO);
             let a = world.add_body(&fast.with_shape(ball.clone())).unwrap();
-            let b = world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(ball.clone())).unwrap();
+            let b = world
+                .add_body(&BodyDesc::dynamic().with_position(DVec3::Y * 0.5).with_shape(ball.clone()))
+                .unwrap();
             world.solve_with(WorldSolver::by_name(method));
             for _ in 0..120 {
                 world.step(DT).unwrap();
@@ -208,7 +216,10 @@ fn a_box_that_falls_flat_does_not_turn() {
             world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
             // Turned by a quarter its points come in another order.
             let turn = Quat::from_rotation_y(quarter as f32 * std::f32::consts::FRAC_PI_2);
-            let desc = BodyDesc::dynamic().at(DVec3::Y * 0.8).rotated(turn).moving(Vec3::NEG_Y, Vec3::ZERO);
+            let desc = BodyDesc::dynamic()
+                .with_position(DVec3::Y * 0.8)
+                .with_rotation(turn)
+                .with_velocity(Vec3::NEG_Y, Vec3::ZERO);
             let cube = world.add_body(&desc.with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)))).unwrap();
             world.solve_with(WorldSolver::by_name(method));
             for _ in 0..60 {
@@ -241,11 +252,11 @@ fn warm_starting_knows_all_rows_of_a_joint() {
         let mut world = World::new(Settings::default()).unwrap();
         let wall = world.add_body(&BodyDesc::fixed()).unwrap();
         let bar = ShapeDesc::new(Geometry::cuboid(0.1, 0.1, 0.5));
-        let bar = world.add_body(&BodyDesc::dynamic().at(DVec3::Z * 0.5).with_shape(bar)).unwrap();
+        let bar = world.add_body(&BodyDesc::dynamic().with_position(DVec3::Z * 0.5).with_shape(bar)).unwrap();
         let frames = [Frame::at(Vec3::ZERO), Frame::at(Vec3::NEG_Z * 0.5)];
         // Its axis is x; far more than the 200 N m that hold it.
-        let friction = Drive::friction(Motion::Angular, Axis::X, 1e6);
-        world.add_joint(&JointDesc::hinge([wall, bar], frames).with_drive(friction)).unwrap();
+        let friction = Motor::friction(Motion::Angular, Axis::X, 1e6);
+        world.add_joint(&JointDesc::hinge([wall, bar], frames).with_motor(friction)).unwrap();
         world.solve_with(Some(WorldSolver { guess, ..WorldSolver::by_name("gs-cone").unwrap() }));
         let report = run(&mut world, 1.0);
         assert_eq!(report.solved, 60, "{report:?}");
@@ -262,7 +273,9 @@ fn what_is_not_solved_is_the_fast_paths() {
     let mut finals = Vec::new();
     let away = |world: &mut World| {
         let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
-        world.add_body(&BodyDesc::dynamic().at(DVec3::new(5.0, 0.5, 0.0)).with_shape(cube)).unwrap()
+        world
+            .add_body(&BodyDesc::dynamic().with_position(DVec3::new(5.0, 0.5, 0.0)).with_shape(cube))
+            .unwrap()
     };
     for case in 0..3 {
         let (mut world, boxes) = stack(5, 3.0, 100.0);
@@ -314,7 +327,9 @@ fn a_ball_keeps_bouncing() {
         let material = Material::default().with_friction(0.0).with_restitution(1.0);
         let shape = |geometry| ShapeDesc::new(geometry).with_material(material);
         world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
-        let ball = BodyDesc::dynamic().at(DVec3::Y * 2.5).with_shape(shape(Geometry::Sphere { radius: 0.5 }));
+        let ball = BodyDesc::dynamic()
+            .with_position(DVec3::Y * 2.5)
+            .with_shape(shape(Geometry::Sphere { radius: 0.5 }));
         let ball = world.add_body(&ball).unwrap();
         world.solve_with(WorldSolver::by_name(method));
         let energy = |world: &World| {

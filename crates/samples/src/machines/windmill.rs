@@ -2,7 +2,7 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, Drive, Error, Geometry, JointDesc, Motion, Settings, ShapeDesc, World,
+    Axis, BodyDesc, BodyHandle, Motor, Error, Geometry, JointDesc, Motion, Settings, ShapeDesc, World,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -25,8 +25,8 @@ fn build() -> Result<(World, BodyHandle), Error> {
     let hub = world.add_body(&hub)?;
     // A hinge turns about the x of its frames: here the z of the world.
     let frames = world.frames_at([ground, hub], DVec3::Y * 3.0, Quat::from_rotation_y(-FRAC_PI_2))?;
-    let motor = Drive::motor(Motion::Angular, Axis::X, SPEED, 5_000.0);
-    world.add_joint(&JointDesc::hinge([ground, hub], frames).with_drive(motor))?;
+    let motor = Motor::velocity(Motion::Angular, Axis::X, SPEED, 5_000.0);
+    world.add_joint(&JointDesc::hinge([ground, hub], frames).with_motor(motor))?;
     for i in 0..20 {
         let place = Vec3::new(-1.5 + 0.15 * i as f32, 6.0 + 0.5 * i as f32, 0.0);
         let ball = ShapeDesc::new(Geometry::sphere(0.2)).with_density(50.0);

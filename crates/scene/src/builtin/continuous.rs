@@ -44,7 +44,7 @@ pub fn posts() -> Scene {
         let way = Vec3::new(1.0, 0.0, rng.range(-0.1, 0.1));
         let velocity = way * rng.range(60.0, 300.0);
         let spin = rng.direction() * rng.range(0.0, 20.0);
-        let body = dynamic(shape, at).rotated(rng.rotation()).moving(velocity, spin);
+        let body = dynamic(shape, at).with_rotation(rng.rotation()).with_velocity(velocity, spin);
         scene.add("thrown", bouncy(body, 0.3));
     }
     scene
@@ -66,7 +66,7 @@ pub fn blades() -> Scene {
         let towards = Vec3::new(libm::cosf(angle), 0.0, -libm::sinf(angle));
         scene.add("post", fixed(Geometry::cylinder(0.5, POST[1]), centre + towards * POST[0]));
         let blade = dynamic(Geometry::cuboid(1.0, 0.05, POST[2]), centre);
-        scene.add("blade", bouncy(blade.moving(Vec3::ZERO, Vec3::Y * (turns * TAU)), 0.3));
+        scene.add("blade", bouncy(blade.with_velocity(Vec3::ZERO, Vec3::Y * (turns * TAU)), 0.3));
     }
     scene
 }
@@ -103,7 +103,7 @@ pub fn deflector() -> Scene {
         let speed = rng.range(100.0, 250.0);
         let aside = rng.range(0.1, 0.2);
         let at = centre + Vec3::new(-rng.range(3.0, 8.0), aside, 0.0);
-        let body = dynamic(Geometry::Sphere { radius: 0.1 }, at).moving(Vec3::X * speed, Vec3::ZERO);
+        let body = dynamic(Geometry::Sphere { radius: 0.1 }, at).with_velocity(Vec3::X * speed, Vec3::ZERO);
         scene.add("ball", bouncy(body, 0.2));
     }
     scene
@@ -131,8 +131,8 @@ pub fn head_on() -> Scene {
             let out = turn * Vec3::new(1.0, rng.range(-0.05, 0.05), 0.0);
             let speed = rng.range(50.0, 200.0);
             let spin = rng.direction() * rng.range(0.0, 20.0);
-            let body = dynamic(shape, centre + out * (speed * time)).rotated(rng.rotation());
-            scene.add("body", bouncy(body.moving(-out * speed, spin), 0.3));
+            let body = dynamic(shape, centre + out * (speed * time)).with_rotation(rng.rotation());
+            scene.add("body", bouncy(body.with_velocity(-out * speed, spin), 0.3));
         }
     }
     scene

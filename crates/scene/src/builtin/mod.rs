@@ -112,7 +112,7 @@ pub(super) fn throw_at(scene: &mut Scene, terrain: &Terrain, i: usize, shape: Ge
     let spin = rng.direction() * rng.range(10.0, 30.0);
     let position = Vec3::new(x, terrain.height(x, z) + above, z);
     let name = format!("{} {}", shape.kind_name(), i + 1);
-    let desc = dynamic(shape, position).rotated(rotation).moving(velocity, spin);
+    let desc = dynamic(shape, position).with_rotation(rotation).with_velocity(velocity, spin);
     scene.add(name, desc);
 }
 
@@ -148,7 +148,10 @@ pub fn bullets(thin_boxes: bool) -> Scene {
             Vec3::new((column as f32 - 15.5) * 2.5, rng.range(3.0, 12.0), (row as f32 - 15.5) * 2.5);
         let rotation = rng.rotation();
         let spin = rng.direction() * spin;
-        scene.add("bullet", dynamic(shape, position).rotated(rotation).moving(direction * speed, spin));
+        scene.add(
+            "bullet",
+            dynamic(shape, position).with_rotation(rotation).with_velocity(direction * speed, spin),
+        );
     }
     scene
 }
@@ -164,7 +167,7 @@ pub fn joint_grid(side: usize) -> Scene {
             let at = Vec3::new(k as f32, -(i as f32), 0.0);
             let still = i == 0 && held.contains(&k);
             let desc = if still { BodyDesc::fixed() } else { BodyDesc::dynamic() };
-            scene.add("ball", desc.at(at).with_shape(ball()));
+            scene.add("ball", desc.with_position(at).with_shape(ball()));
         }
     }
     let mut join = |a: usize, b: usize, half: Vec3| {
@@ -200,9 +203,10 @@ pub fn chain(level: bool) -> Scene {
     scene.add("hook", BodyDesc::fixed());
     for i in 0..20 {
         let at = along * (pitch * (i as f32 + 0.5));
-        scene.add("link", dynamic(Geometry::capsule(half, radius), at).rotated(turn));
+        scene.add("link", dynamic(Geometry::capsule(half, radius), at).with_rotation(turn));
     }
-    let mut end = dynamic(Geometry::Sphere { radius: ball }, along * (pitch * 20.0 + ball)).rotated(turn);
+    let mut end =
+        dynamic(Geometry::Sphere { radius: ball }, along * (pitch * 20.0 + ball)).with_rotation(turn);
     let volume = 2.0 * half * radius * radius + 4.0 / 3.0 * radius * radius * radius;
     end.shapes[0].density *= 1000.0 * volume / (4.0 / 3.0 * ball * ball * ball);
     scene.add("ball", end);
@@ -281,7 +285,7 @@ pub fn pile() -> Scene {
             (z as f32 - 7.5) * 0.98 + jitter(),
         );
         let name = shape.kind_name();
-        scene.add(name, dynamic(shape, position).rotated(rng.small_rotation(0.3)));
+        scene.add(name, dynamic(shape, position).with_rotation(rng.small_rotation(0.3)));
     }
     scene
 }
@@ -317,19 +321,19 @@ fn ball_joint(bodies: [usize; 2], at: [Vec3; 2]) -> SceneJoint {
         bodies,
         frames: at.map(Frame::at),
         limits: vec![Limit::lock(Motion::Linear, Axes::All)],
-        drives: Vec::new(),
+        motors: Vec::new(),
         collide: false,
     }
 }
 
 /// A dynamic body of one shape, at `position` [m].
 pub fn dynamic(geometry: Geometry, position: Vec3) -> BodyDesc {
-    BodyDesc::dynamic().at(position).with_shape(ShapeDesc::new(geometry))
+    BodyDesc::dynamic().with_position(position).with_shape(ShapeDesc::new(geometry))
 }
 
 /// A static body of one shape, at `position` [m].
 pub fn fixed(geometry: Geometry, position: Vec3) -> BodyDesc {
-    BodyDesc::fixed().at(position).with_shape(ShapeDesc::new(geometry))
+    BodyDesc::fixed().with_position(position).with_shape(ShapeDesc::new(geometry))
 }
 
 pub(super) fn add_terrain(scene: &mut Scene, terrain: &Terrain) {

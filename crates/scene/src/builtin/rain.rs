@@ -26,7 +26,7 @@ impl Scene {
             let jitter = Vec3::new(rng.range(-0.2, 0.2), rng.range(-0.2, 0.2), rng.range(-0.2, 0.2));
             let place = ground.place(i) + jitter * ground.size;
             let (name, desc) = drop(i, ground.size, &mut rng);
-            self.add(format!("{name} {}", i + 1), desc.at(place).rotated(rng.rotation()));
+            self.add(format!("{name} {}", i + 1), desc.with_position(place).with_rotation(rng.rotation()));
         }
     }
 }

@@ -82,7 +82,7 @@ fn tower() -> Scene {
     }
     for (i, (x, y)) in [(-20.0, 2.0), (-26.0, 4.0), (-32.0, 5.5)].into_iter().enumerate() {
         let ball = dynamic(Geometry::Sphere { radius: 0.4 }, Vec3::new(x, y, 0.2 * i as f32));
-        scene.add(format!("ball {}", i + 1), ball.moving(Vec3::new(30.0, 2.0, 0.0), Vec3::ZERO));
+        scene.add(format!("ball {}", i + 1), ball.with_velocity(Vec3::new(30.0, 2.0, 0.0), Vec3::ZERO));
     }
     scene
 }
@@ -102,11 +102,11 @@ fn playground() -> Scene {
     for i in 0..5 {
         let x = -12.0 + 3.0 * i as f32;
         let friction = 0.2 * i as f32;
-        let mut ramp = fixed(Geometry::cuboid(1.2, 0.1, 4.0), Vec3::new(x, 2.0, 0.0)).rotated(tilt);
+        let mut ramp = fixed(Geometry::cuboid(1.2, 0.1, 4.0), Vec3::new(x, 2.0, 0.0)).with_rotation(tilt);
         ramp.shapes[0].material = least.with_friction(friction);
         scene.add(format!("ramp {friction:.1}"), ramp);
         let above = Vec3::new(x, 2.0, 0.0) + tilt * Vec3::new(0.0, 0.41, -3.0);
-        let mut slider = dynamic(Geometry::cuboid(0.4, 0.3, 0.4), above).rotated(tilt);
+        let mut slider = dynamic(Geometry::cuboid(0.4, 0.3, 0.4), above).with_rotation(tilt);
         slider.shapes[0].material = least;
         scene.add("slider", slider);
     }
@@ -119,15 +119,15 @@ fn playground() -> Scene {
     for i in 0..3 {
         let part = |geometry, y| ShapeDesc::new(geometry).with_position(Vec3::new(0.0, y, 0.0));
         let dumbbell = BodyDesc::dynamic()
-            .at(Vec3::new(4.0 + 2.0 * i as f32, 5.0, 3.0))
-            .rotated(axis_angle(Vec3::Z, 0.4 + i as f32))
+            .with_position(Vec3::new(4.0 + 2.0 * i as f32, 5.0, 3.0))
+            .with_rotation(axis_angle(Vec3::Z, 0.4 + i as f32))
             .with_shape(part(Geometry::cylinder(0.5, 0.1), 0.0))
             .with_shape(part(Geometry::Sphere { radius: 0.3 }, -0.6))
             .with_shape(part(Geometry::cuboid(0.25, 0.25, 0.25), 0.6));
         scene.add(format!("dumbbell {}", i + 1), dumbbell);
     }
     let mut paddle = BodyDesc::kinematic()
-        .at(Vec3::new(6.0, 0.6, 8.0))
+        .with_position(Vec3::new(6.0, 0.6, 8.0))
         .with_shape(ShapeDesc::new(Geometry::cuboid(3.0, 0.2, 0.2)));
     paddle.angular_velocity = Vec3::new(0.0, 1.5, 0.0);
     scene.add("paddle", paddle);

@@ -8,7 +8,7 @@ use backstop::BodyHandle;
 use backstop::Error;
 use backstop::World;
 use backstop::{BodyDesc, BodyKind};
-use backstop::{Continuous, Settings};
+use backstop::{ContinuousMode, Settings};
 use backstop::{Frame, JointDesc};
 use backstop::{Geometry, ShapeDesc};
 use glam::{DVec3, Quat, Vec3};
@@ -67,9 +67,9 @@ impl MovingShot {
         let away = 2.0 * reach + 0.01 + speed * steps[0] * rng.range(0.0, 1.5);
         let shape = ShapeDesc::new(geometry).with_density(log_range(&mut rng, 100.0, 8000.0));
         let bullet = BodyDesc::dynamic()
-            .at((aim - direction * away).as_dvec3())
-            .rotated(rng.rotation())
-            .moving(direction * speed, spin)
+            .with_position((aim - direction * away).as_dvec3())
+            .with_rotation(rng.rotation())
+            .with_velocity(direction * speed, spin)
             .with_shape(shape);
         MovingShot { target, steps: until(steps, away / speed + AFTER), bullet, boxes }
     }
@@ -80,7 +80,7 @@ impl MovingShot {
     ///
     /// # Errors
     /// None that a shot of [`MovingShot::new`] should give.
-    pub fn passes(&self, mode: Continuous, guard: bool) -> Result<bool, Error> {
+    pub fn passes(&self, mode: ContinuousMode, guard: bool) -> Result<bool, Error> {
         let settings = Settings::default().with_continuous(mode).with_guard(guard).with_gravity(Vec3::ZERO);
         let mut world = World::new(settings)?;
         let mut boxes: Vec<(BodyHandle, DVec3)> = Vec::new();
@@ -156,7 +156,7 @@ fn crosses(a: DVec3, b: DVec3, half: DVec3) -> bool {
 fn boxes(target: usize, rng: &mut Rng) -> Vec<(BodyDesc, Vec3)> {
     let one = |half: Vec3, at: Vec3| {
         let shape = ShapeDesc::new(Geometry::Box { half_extents: half });
-        (BodyDesc::dynamic().at(at.as_dvec3()).with_shape(shape), half)
+        (BodyDesc::dynamic().with_position(at.as_dvec3()).with_shape(shape), half)
     };
     match MOVING_TARGETS[target] {
         // 1 to 5 cm thick.
@@ -199,7 +199,7 @@ mod tests {
     fn most_pass_without_continuous_collision() {
         let mut count = 0;
         for number in 0..200 {
-            count += u32::from(MovingShot::new(5, number).passes(Continuous::Discrete, true).unwrap());
+            count += u32::from(MovingShot::new(5, number).passes(ContinuousMode::Discrete, true).unwrap());
         }
         assert!(count > 100, "{count} of 200");
     }

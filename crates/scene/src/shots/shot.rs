@@ -7,10 +7,11 @@ use backstop::BodyDesc;
 use backstop::BodyHandle;
 use backstop::Error;
 use backstop::World;
-use backstop::{Continuous, Settings};
+use backstop::{ContinuousMode, Settings};
 
 /// The modes that shots are run with, in the order of every count.
-pub const MODES: [Continuous; 3] = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
+pub const MODES: [ContinuousMode; 3] =
+    [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
 
 /// Substeps and iterations that a shot may be solved with.
 const SOLVERS: [(u32, u32); 3] = [(1, 1), (1, 8), (4, 1)];
@@ -128,7 +129,8 @@ impl Shot {
         let flight = (start.distance(aim) / speed).max(1.5 * reach / (steep * speed));
         let mut body = BodyDesc::dynamic();
         body.shapes = shapes;
-        let body = body.at(start).rotated(rng.rotation()).moving(direction * speed, spin);
+        let body =
+            body.with_position(start).with_rotation(rng.rotation()).with_velocity(direction * speed, spin);
         Shot { shape, target, solver, steps: until(steps, 2.0 * flight + AFTER), body }
     }
 
@@ -136,7 +138,7 @@ impl Shot {
     ///
     /// # Errors
     /// None that a shot of [`Shot::new`] should give.
-    pub fn run(&self, targets: &Targets, mode: Continuous, guard: bool) -> Result<Flight, Error> {
+    pub fn run(&self, targets: &Targets, mode: ContinuousMode, guard: bool) -> Result<Flight, Error> {
         self.run_seen(targets, mode, guard, |_, _| {})
     }
 
@@ -147,7 +149,7 @@ impl Shot {
     pub fn run_seen(
         &self,
         targets: &Targets,
-        mode: Continuous,
+        mode: ContinuousMode,
         guard: bool,
         mut see: impl FnMut(&World, BodyHandle),
     ) -> Result<Flight, Error> {

@@ -20,10 +20,10 @@ fn metric(limit: &Limit, frames: Frames) -> f64 {
     // Arc cosines lose small angles: arc tangents of the same.
     match (limit.motion, limit.axes) {
         (Motion::Linear, Axes::One(i)) => e(i).dot(apart),
-        (Motion::Linear, Axes::Around(k)) => (apart - e(k) * e(k).dot(apart)).length(),
+        (Motion::Linear, Axes::Perpendicular(k)) => (apart - e(k) * e(k).dot(apart)).length(),
         (Motion::Linear, Axes::All) => apart.length(),
         (Motion::Angular, Axes::One(i)) => 2.0 * turn.xyz().dot(e(i)).atan2(turn.w),
-        (Motion::Angular, Axes::Around(k)) => {
+        (Motion::Angular, Axes::Perpendicular(k)) => {
             let (a, b) = (e(k), turn * e(k));
             a.cross(b).length().atan2(a.dot(b))
         }
@@ -39,7 +39,7 @@ fn with_hinges(limits: &[Limit]) -> Vec<Limit> {
     let open: Vec<Axis> = Axis::ALL.into_iter().filter(free).collect();
     let [open] = open[..] else { return limits.to_vec() };
     let rest = limits.iter().filter(|l| !Axis::ALL.iter().any(|&a| **l == lock(a)));
-    rest.copied().chain([Limit::lock(Motion::Angular, Axes::Around(open))]).collect()
+    rest.copied().chain([Limit::lock(Motion::Angular, Axes::Perpendicular(open))]).collect()
 }
 
 /// How far the limits of a joint were ever left [m], [rad].

@@ -75,7 +75,7 @@ fn mass_centre_and_inertia_are_as_given() {
     let centre = run.world.centre_of_mass(body).unwrap().as_vec3();
     near3(centre, Vec3::new(0.1, 0.2, -0.3), 1e-6, "centre");
     let (impulse, arm) = (Vec3::new(1.0, -2.0, 0.5), Vec3::new(0.4, 0.3, 0.2));
-    run.world.apply_impulse(body, impulse, (centre + arm).as_dvec3()).unwrap();
+    run.world.apply_impulse_at(body, impulse, (centre + arm).as_dvec3()).unwrap();
     near3(run.body(0).linear, impulse / 4.0, 1e-6, "linear");
     let inverse = |v: Vec3| turn * ((turn.inverse() * v) / Vec3::new(1.0, 2.0, 2.5));
     near3(run.body(0).angular, inverse(arm.cross(impulse)), 1e-5, "angular");
@@ -144,7 +144,7 @@ fn infinite_inertia_about_an_axis_locks_it() {
     let scene = cubes("lock", &[motion]);
     let mut run = Run::new(&scene);
     let arm = DVec3::new(0.5, 0.4, 0.3);
-    run.world.apply_impulse(run.bodies[0], Vec3::new(1.0, -2.0, 0.5), arm).unwrap();
+    run.world.apply_impulse_at(run.bodies[0], Vec3::new(1.0, -2.0, 0.5), arm).unwrap();
     let is = run.body(0);
     assert!(is.angular.x.abs() > 0.1 && is.angular.y.abs() > 0.1, "{is:?}");
     assert_eq!(is.angular.z, 0.0);

@@ -84,9 +84,12 @@ fn grounds() -> Vec<(&'static str, Geometry, f32, bool)> {
 fn scene(ground: &Geometry, top: f32, faller: &Geometry, above: f32, rotation: Quat) -> Scene {
     let mut scene = Scene::new("pair");
     let below = DVec3::new(0.0, -top as f64, 0.0);
-    scene.add("ground", BodyDesc::fixed().at(below).with_shape(ShapeDesc::new(ground.clone())));
+    scene.add("ground", BodyDesc::fixed().with_position(below).with_shape(ShapeDesc::new(ground.clone())));
     let start = DVec3::new(0.0, above as f64, 0.0);
-    let faller = BodyDesc::dynamic().at(start).rotated(rotation).with_shape(ShapeDesc::new(faller.clone()));
+    let faller = BodyDesc::dynamic()
+        .with_position(start)
+        .with_rotation(rotation)
+        .with_shape(ShapeDesc::new(faller.clone()));
     scene.add("faller", faller);
     scene
 }

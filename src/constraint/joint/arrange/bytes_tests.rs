@@ -2,7 +2,7 @@
 
 use super::{AnyTable, JointRows, bytes_of_trees};
 use crate::{
-    Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, MassProperties, Motion, Settings,
+    Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, MassProperties, Motion, Motor, Settings,
     ShapeDesc, World,
 };
 use glam::{Mat3, Vec3};
@@ -37,7 +37,7 @@ fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
     let mut ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
     ball.mass = Some(MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY });
     let bodies: Vec<BodyHandle> =
-        (0..5).map(|i| world.add_body(&ball.clone().at(Vec3::X * i as f32)).unwrap()).collect();
+        (0..5).map(|i| world.add_body(&ball.clone().with_position(Vec3::X * i as f32)).unwrap()).collect();
     for &[a, b] in pairs {
         let frames = [Frame::at(Vec3::X * 0.5), Frame::at(Vec3::X * -0.5)];
         world.add_joint(&make([bodies[a], bodies[b]], frames)).unwrap();
@@ -51,7 +51,7 @@ fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
 #[test]
 fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     let drive: Make = |bodies, frames| {
-        JointDesc::new(bodies, frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 1.0, 1.0))
+        JointDesc::new(bodies, frames).with_motor(Motor::velocity(Motion::Angular, Axis::X, 1.0, 1.0))
     };
     let rod: Make = |bodies, frames| JointDesc::distance(bodies, frames, 1.0, 1.0);
     let chain: Pairs = &[[0, 1], [1, 2]];
@@ -80,7 +80,7 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
 fn joints_that_are_gone_are_not_live() {
     let mut world = World::new(Settings::default()).unwrap();
     let ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
-    let [a, b] = [0.0, 1.0].map(|x| world.add_body(&ball.clone().at(Vec3::X * x)).unwrap());
+    let [a, b] = [0.0, 1.0].map(|x| world.add_body(&ball.clone().with_position(Vec3::X * x)).unwrap());
     let joint = world.add_joint(&JointDesc::slider([a, b], [Frame::default(); 2])).unwrap();
     world.step(1.0 / 60.0).unwrap();
     assert!(tables(&world.buffers.joints).iter().any(|table| table.1.0 > 0));

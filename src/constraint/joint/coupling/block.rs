@@ -119,7 +119,7 @@ impl CouplingBlock {
     /// Reports the impulses of drives.
     pub(in crate::constraint::joint) fn report_drives(&self, to: &mut impl Report) {
         for row in &self.rows {
-            if let Owner::Drive(owner) = row.owner {
+            if let Owner::Motor(owner) = row.owner {
                 let lever = &row.motions[0].lever;
                 let (force, torque) = (lever.force.lane(0), lever.torque.lane(0));
                 to.row(owner, RowImpulse { ends: [row.impulse[0], 0.0], force, torque, now: None });

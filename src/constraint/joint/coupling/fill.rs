@@ -16,7 +16,7 @@ impl CouplingRow {
     pub(super) fn new(owner: Owner, input: &PrepareInput<'_>) -> CouplingRow {
         let mut row = match owner {
             Owner::Coupling(slot) => of_coupling(slot, input),
-            Owner::Drive(index) => of_drive(index, input),
+            Owner::Motor(index) => of_drive(index, input),
         };
         let p = row.impulse[0] - row.impulse[1];
         for motion in row.motions_mut() {
@@ -60,7 +60,7 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     let term = Term { joint: row.joint, motion: row.motion, axes: row.axes };
     let (motion, value) = coupled(index, &term, 1.0, input);
     let (position, velocity, spring, max_force) = match row.kind {
-        RowKind::Drive { position, velocity, spring, max_force } => (position, velocity, spring, max_force),
+        RowKind::Motor { position, velocity, spring, max_force } => (position, velocity, spring, max_force),
         RowKind::Limit { .. } | RowKind::Yielding { .. } => (0.0, 0.0, RIGID, 0.0),
     };
     let mut off = value - position;
@@ -69,7 +69,7 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
         off -= TAU * (off / TAU).round();
     }
     let mut made = CouplingRow {
-        owner: Owner::Drive(index),
+        owner: Owner::Motor(index),
         motions: [motion; 2],
         drive: Some(Spring::default()),
         displacements: [0.0; 2],

@@ -152,7 +152,7 @@ pub(crate) enum Owner {
     /// A coupling, by its slot.
     Coupling(u32),
     /// The drive of a coupled motion, by the index of its row.
-    Drive(u32),
+    Motor(u32),
 }
 
 /// The row of a coupling, or of a drive of what it couples.

@@ -83,9 +83,9 @@ impl Plan {
                 for row in joints.row_range(term.joint) {
                     let one = &joints.rows[row];
                     let same = (one.motion, one.axes) == (term.motion, term.axes);
-                    if same && matches!(one.kind, RowKind::Drive { .. }) && !self.drives[row] {
+                    if same && matches!(one.kind, RowKind::Motor { .. }) && !self.drives[row] {
                         self.drives[row] = true;
-                        members.push(Member { place, root, owner: Owner::Drive(row as u32) });
+                        members.push(Member { place, root, owner: Owner::Motor(row as u32) });
                     }
                 }
             }

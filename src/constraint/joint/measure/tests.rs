@@ -88,9 +88,9 @@ fn displacements_change_as_their_rows_say() {
     let mut checked = 0;
     for axis in Axis::ALL {
         checked += check::<Slide<f32>>(Axes::One(axis), false, false);
-        checked += check::<Distance<f32>>(Axes::Around(axis), false, false);
+        checked += check::<Distance<f32>>(Axes::Perpendicular(axis), false, false);
         checked += check::<Twist<f32>>(Axes::One(axis), true, true);
-        checked += check::<Tilt<f32>>(Axes::Around(axis), true, false);
+        checked += check::<Tilt<f32>>(Axes::Perpendicular(axis), true, false);
     }
     checked += check::<Distance<f32>>(Axes::All, false, false);
     checked += check::<Turn<f32>>(Axes::All, true, false);
@@ -117,10 +117,10 @@ fn there_is_always_a_direction() {
         for second in [Quat::IDENTITY, exp_map(Vec3::Y * std::f32::consts::PI)] {
             let levers = [
                 lever::<Slide<f32>>(second, Axes::One(axis)),
-                lever::<Distance<f32>>(second, Axes::Around(axis)),
+                lever::<Distance<f32>>(second, Axes::Perpendicular(axis)),
                 lever::<Distance<f32>>(second, Axes::All),
                 lever::<Twist<f32>>(second, Axes::One(axis)),
-                lever::<Tilt<f32>>(second, Axes::Around(axis)),
+                lever::<Tilt<f32>>(second, Axes::Perpendicular(axis)),
                 lever::<Turn<f32>>(second, Axes::All),
             ];
             for Lever { force, torque, .. } in levers {

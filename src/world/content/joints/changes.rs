@@ -9,7 +9,7 @@ use crate::constraint::arranged_alike;
 use crate::error::Error;
 use crate::handle::JointHandle;
 use crate::joint::{
-    Axes, Axis, Drive, Frame, JointAdditions, Limit, Motion, Row, RowKind, STRENGTH, THRESHOLD, check_loads,
+    Axes, Axis, Frame, JointAdditions, Limit, Motion, Motor, Row, RowKind, STRENGTH, THRESHOLD, check_loads,
 };
 use crate::world::{Addition, Change, World};
 
@@ -20,7 +20,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
-    pub fn set_joint_drive(&mut self, joint: JointHandle, drive: Drive) -> Result<(), Error> {
+    pub fn set_joint_motor(&mut self, joint: JointHandle, drive: Motor) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         drive.validate()?;
         let row = self.joints.drive_row(slot, drive.motion, drive.axis);
@@ -28,7 +28,7 @@ impl World {
         if row.is_some_and(|row| self.change_row(slot, row, drive.kind(), change)) {
             return Ok(());
         }
-        let same = |other: &Drive| (other.motion, other.axis) == (drive.motion, drive.axis);
+        let same = |other: &Motor| (other.motion, other.axis) == (drive.motion, drive.axis);
         let (limits, mut drives) = self.rows_of(slot);
         match drives.iter_mut().find(|other| same(other)) {
             Some(other) => *other = drive,
@@ -41,7 +41,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, or the budget does not allow the rows of the joint to be arranged again.
-    pub fn remove_joint_drive(
+    pub fn remove_joint_motor(
         &mut self,
         joint: JointHandle,
         motion: Motion,
@@ -63,7 +63,7 @@ impl World {
     /// than looking up the row. A target that is no other wakes nobody.
     ///
     /// # Errors
-    /// If the handle is stale, a number is out of range, or there is no such drive ([`Error::NoDrive`]).
+    /// If the handle is stale, a number is out of range, or there is no such drive ([`Error::NoMotor`]).
     pub fn set_joint_target(
         &mut self,
         joint: JointHandle,
@@ -73,8 +73,8 @@ impl World {
         velocity: f32,
     ) -> Result<(), Error> {
         let slot = self.joint(joint)?;
-        let row = self.joints.drive_row(slot, motion, axis).ok_or(Error::NoDrive)?;
-        let drive = self.joints.rows[row].drive().ok_or(Error::NoDrive)?.with_target(position, velocity);
+        let row = self.joints.drive_row(slot, motion, axis).ok_or(Error::NoMotor)?;
+        let drive = self.joints.rows[row].drive().ok_or(Error::NoMotor)?.with_target(position, velocity);
         drive.validate()?;
         let change = Change::SetJointTarget(joint, motion, axis, [position, velocity]);
         self.change_row(slot, row, drive.kind(), change);
@@ -150,9 +150,9 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
-    pub fn set_joint_drives(&mut self, joint: JointHandle, drives: &[Drive]) -> Result<(), Error> {
+    pub fn set_joint_motors(&mut self, joint: JointHandle, drives: &[Motor]) -> Result<(), Error> {
         let slot = self.joint(joint)?;
-        drives.iter().try_for_each(Drive::validate)?;
+        drives.iter().try_for_each(Motor::validate)?;
         let (limits, old) = self.rows_of(slot);
         if old == drives {
             return Ok(());
@@ -204,7 +204,12 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale, a number is not at least zero, or the budget does not allow it.
-    pub fn set_joint_strength(&mut self, joint: JointHandle, force: f32, torque: f32) -> Result<(), Error> {
+    pub fn set_joint_break_force(
+        &mut self,
+        joint: JointHandle,
+        force: f32,
+        torque: f32,
+    ) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         check_loads(STRENGTH, [force, torque])?;
         if self.joints.all[slot as usize].strength == [force, torque] {
@@ -254,7 +259,11 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn solve_joint_after(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
+    pub fn set_joint_solved_after(
+        &mut self,
+        joint: JointHandle,
+        above: Option<RowGroup>,
+    ) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         if self.joints.all[slot as usize].solved_after == above {
             return Ok(());
@@ -290,7 +299,7 @@ impl World {
         &self,
         joint: u32,
         axis: Axis,
-        drive: Option<Drive>,
+        drive: Option<Motor>,
         most: usize,
     ) -> JointAdditions {
         let old = self.joints.drive_row(joint, Motion::Angular, axis).map(|row| self.joints.rows[row]);
@@ -306,7 +315,7 @@ impl World {
         JointAdditions::of(&limits, &drives)
     }
 
-    fn rows_of(&self, joint: u32) -> (Vec<Limit>, Vec<Drive>) {
+    fn rows_of(&self, joint: u32) -> (Vec<Limit>, Vec<Motor>) {
         (self.joints.limits_of(joint).collect(), self.joints.drives_of(joint).collect())
     }
 
@@ -314,7 +323,7 @@ impl World {
         &mut self,
         joint: u32,
         limits: &[Limit],
-        drives: &[Drive],
+        drives: &[Motor],
         change: Change<'_>,
     ) -> Result<(), Error> {
         self.reserve(Addition::Joints(JointAdditions::of(limits, drives), true))?;

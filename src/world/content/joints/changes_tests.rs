@@ -17,11 +17,12 @@ fn doors(world: &mut World) -> Vec<JointHandle> {
     let doors = SPRINGS.into_iter().cycle().take(12).enumerate().map(|(i, spring)| {
         let at = Vec3::Y * (2.0 * i as f32);
         let leaf = ShapeDesc::new(Geometry::cuboid(0.1, 0.5, 0.5));
-        let door = world.add_body(&BodyDesc::dynamic().at(at.as_dvec3()).with_shape(leaf)).unwrap();
+        let door =
+            world.add_body(&BodyDesc::dynamic().with_position(at.as_dvec3()).with_shape(leaf)).unwrap();
         let frames = [Frame::at(at + Vec3::Z * 0.5), Frame::at(Vec3::Z * 0.5)];
         let desc = JointDesc::hinge([ground, door], frames)
             .with_limit(Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 1.0))
-            .with_drive(Drive::spring(Motion::Angular, Axis::X, 0.0, spring));
+            .with_motor(Motor::position(Motion::Angular, Axis::X, 0.0, spring));
         world.add_joint(&desc).unwrap()
     });
     doors.collect()
@@ -39,10 +40,10 @@ fn nothing_is_arranged_for_other_values() {
     for step in 0..600_u16 {
         let t = f32::from(step) * 0.05;
         for (i, &joint) in joints.iter().enumerate() {
-            let drive = world.joint_drives(joint).unwrap().next().unwrap();
+            let drive = world.joint_motors(joint).unwrap().next().unwrap();
             let before = world.joints.rows[world.joints.row_range(joint.slot)].to_vec();
             world.set_joint_target(joint, Motion::Angular, Axis::X, 0.5 * libm::sinf(t), 0.1).unwrap();
-            world.set_joint_drive(joint, drive.with_max_force(50.0 + t)).unwrap();
+            world.set_joint_motor(joint, drive.with_max_force(50.0 + t)).unwrap();
             let ends = Limit::new(Motion::Angular, Axes::One(Axis::X), -1.0, 0.5 + 0.1 * libm::cosf(t));
             world.set_joint_limit(joint, ends).unwrap();
             let after = &world.joints.rows[world.joints.row_range(joint.slot)];
@@ -54,13 +55,13 @@ fn nothing_is_arranged_for_other_values() {
     }
     assert!(world.joints.rows.iter().any(|row| row.impulse[0] != 0.0));
     // A motor of a tree that is a row of its own from now on.
-    let drive = Drive::spring(Motion::Angular, Axis::X, 0.0, SPRINGS[1]);
-    world.set_joint_drive(joints[0], drive).unwrap();
+    let drive = Motor::position(Motion::Angular, Axis::X, 0.0, SPRINGS[1]);
+    world.set_joint_motor(joints[0], drive).unwrap();
     assert!(world.joints.changed);
     world.step(1.0 / 60.0).unwrap();
     assert_ne!(arranged(&world), first);
     let held: Vec<Vec3> = world.joints.locks.iter().map(|lock| lock.impulse).collect();
-    world.set_joint_drive(joints[3], Drive::friction(Motion::Angular, Axis::Y, 1.0)).unwrap();
+    world.set_joint_motor(joints[3], Motor::friction(Motion::Angular, Axis::Y, 1.0)).unwrap();
     assert!(world.joints.changed);
     // Locks keep what they bear, whosever they are, and at whichever place.
     let sorted = |mut all: Vec<Vec3>| {
@@ -86,7 +87,7 @@ fn snapshots_keep_targets_and_share_the_list() {
             }
             world.step(1.0 / 60.0).unwrap();
         }
-        world.hash()
+        world.state_hash()
     };
     turn(&mut world, 0..100);
     let (mut old, mut new) = (Snapshot::new(), Snapshot::new());
@@ -101,7 +102,7 @@ fn snapshots_keep_targets_and_share_the_list() {
         for _ in 0..60 {
             world.step(1.0 / 60.0).unwrap();
         }
-        world.hash()
+        world.state_hash()
     };
     let ends = [go(&mut world, &old), go(&mut world, &new)];
     assert_ne!(ends[0], ends[1]);

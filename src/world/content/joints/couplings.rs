@@ -27,7 +27,7 @@ impl World {
             terms,
             factors: desc.motions.map(|motion| motion.factor),
             range: [0.0; 2],
-            strength: desc.strength,
+            strength: desc.break_force,
             user_data: desc.user_data,
             displacements,
             impulse: [0.0; 2],
@@ -92,7 +92,7 @@ impl World {
             CoupledMotion { joint, motion, axes, factor: coupling.factors[i] }
         };
         let desc = CouplingDesc::new([motion(0), motion(1)]).with_range(Some(coupling.range));
-        Ok(desc.with_strength(coupling.strength).with_user_data(coupling.user_data))
+        Ok(desc.with_break_force(coupling.strength).with_user_data(coupling.user_data))
     }
 
     /// The displacements of the two motions of a coupling [m] or [rad], angles with the whole turns since it
@@ -100,7 +100,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn coupling_displacements(&self, coupling: CouplingHandle) -> Result<[f64; 2], Error> {
+    pub fn coupling_positions(&self, coupling: CouplingHandle) -> Result<[f64; 2], Error> {
         let coupling = self.coupling_of(coupling)?;
         Ok(self.displacements_of(coupling))
     }
@@ -175,7 +175,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale or a number is negative.
-    pub fn set_coupling_strength(
+    pub fn set_coupling_break_force(
         &mut self,
         coupling: CouplingHandle,
         strength: [f32; 2],

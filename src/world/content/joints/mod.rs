@@ -10,7 +10,7 @@ use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Frame, JointAdditions, JointDesc, JointEvent, JointFrame};
 use crate::math::Quat;
 use crate::world::{Addition, Change, World};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// # Joints
 impl World {
@@ -93,6 +93,32 @@ impl World {
             *frame = Frame { position: back * (point - at).as_vec3(), rotation };
         }
         Ok(frames)
+    }
+
+    /// Frames of a joint of two bodies at a point of the world [m] whose x axes are along an axis of the world,
+    /// of any length: a hinge turns about it, a slider slides along it.
+    ///
+    /// ```
+    /// # use backstop::{BodyDesc, Error, Geometry, JointDesc, Settings, ShapeDesc, World, glam::{DVec3, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let post = world.add_body(&BodyDesc::fixed())?;
+    /// # let panel = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.02));
+    /// # let door = world.add_body(&BodyDesc::dynamic().with_position(Vec3::X * 0.5).with_shape(panel))?;
+    /// let frames = world.frames_about([post, door], DVec3::ZERO, Vec3::Y)?;
+    /// let hinge = world.add_joint(&JointDesc::hinge([post, door], frames))?;
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a handle is stale, the point is out of range, or the axis is zero or not finite.
+    pub fn frames_about(
+        &self,
+        bodies: [BodyHandle; 2],
+        point: DVec3,
+        axis: Vec3,
+    ) -> Result<[Frame; 2], Error> {
+        let axis = crate::limits::direction("axis", axis)?;
+        self.frames_at(bodies, point, Quat::from_rotation_arc(Vec3::X, axis).into())
     }
 
     /// Removes a joint.

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Axes, Axis, Drive, Frame, Joint, Limit, Motion, Placed};
+use crate::joint::{Axes, Axis, Frame, Joint, Limit, Motion, Motor, Placed};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -31,7 +31,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_drives(&self, joint: JointHandle) -> Result<impl Iterator<Item = Drive> + '_, Error> {
+    pub fn joint_motors(&self, joint: JointHandle) -> Result<impl Iterator<Item = Motor> + '_, Error> {
         Ok(self.joints.drives_of(self.joint(joint)?))
     }
 
@@ -42,7 +42,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_displacement(&self, joint: JointHandle, motion: Motion, axes: Axes) -> Result<f32, Error> {
+    pub fn joint_position(&self, joint: JointHandle, motion: Motion, axes: Axes) -> Result<f32, Error> {
         let slot = self.joint(joint)?;
         let displacement = self.placed(self.joint_of(joint)?).displacement(motion, axes);
         let turns = motion == Motion::Angular && matches!(axes, Axes::One(_));
@@ -56,7 +56,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_speed(&self, joint: JointHandle, motion: Motion, axis: Axis) -> Result<f32, Error> {
+    pub fn joint_velocity(&self, joint: JointHandle, motion: Motion, axis: Axis) -> Result<f32, Error> {
         let joint = self.joint_of(joint)?;
         let velocity = self.dense_bodies(joint).map(|body| self.bodies.velocity[body]);
         Ok(self.placed(joint).speed(motion, axis, velocity))
@@ -120,7 +120,7 @@ impl World {
     ///
     /// # Errors
     /// If the handle is stale.
-    pub fn joint_strength(&self, joint: JointHandle) -> Result<(f32, f32), Error> {
+    pub fn joint_break_force(&self, joint: JointHandle) -> Result<(f32, f32), Error> {
         let [force, torque] = self.joint_of(joint)?.strength;
         Ok((force, torque))
     }

@@ -9,7 +9,7 @@ use crate::report::output;
 use crate::report::trace::Times;
 use crate::threads::with_threads;
 use anyhow::{Context, bail};
-use backstop::{Continuous, ContinuousMethod};
+use backstop::{ContinuousMethod, ContinuousMode};
 use backstop_lab::comparison::{Contest, METHODS, SCENES, Verdict};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -34,7 +34,7 @@ pub(crate) struct SceneResult {
 #[derive(Debug, Serialize)]
 pub(crate) struct MethodResult {
     pub(crate) name: &'static str,
-    pub(crate) continuous: Continuous,
+    pub(crate) continuous: ContinuousMode,
     pub(crate) method: ContinuousMethod,
     /// Times of steps, each the median of its rounds.
     pub(crate) time_us: Times,

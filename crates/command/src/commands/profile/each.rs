@@ -8,7 +8,7 @@ use crate::report::trace::median;
 use anyhow::Context;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Continuous, ConvexHull, Geometry, Settings, ShapeDesc, Snapshot, TriangleMesh,
+    BodyDesc, BodyHandle, ContinuousMode, ConvexHull, Geometry, Settings, ShapeDesc, Snapshot, TriangleMesh,
     World,
 };
 use indicatif::ProgressBar;
@@ -105,12 +105,12 @@ impl Pairing {
             .with_gravity(Vec3::NEG_Y * 9.81)
             .with_sleeping(false)
             .with_recycling(false);
-        let discrete = continuous.clone().with_continuous(Continuous::Discrete);
+        let discrete = continuous.clone().with_continuous(ContinuousMode::Discrete);
         let mut world = World::new(continuous.clone())?;
         world.add_body(&BodyDesc::fixed().with_shape(ground_of(ground)?))?;
         let (geometry, height, lies) = shape_of(shape)?;
         let bodies = (0..COUNT).map(|i| {
-            let body = BodyDesc::dynamic().at(place(i, height)).rotated(lies);
+            let body = BodyDesc::dynamic().with_position(place(i, height)).with_rotation(lies);
             Ok(world.add_body(&body.with_shape(ShapeDesc::new(geometry.clone())))?)
         });
         let bodies = bodies.collect::<anyhow::Result<_>>()?;

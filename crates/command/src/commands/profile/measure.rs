@@ -2,7 +2,7 @@
 
 use crate::report::trace::{STAGES, median};
 use anyhow::Context;
-use backstop::{Category, Continuous, MemoryReport, Settings, Snapshot, StepReport, World};
+use backstop::{Category, ContinuousMode, MemoryReport, Settings, Snapshot, StepReport, World};
 use backstop_scene::Scene;
 use serde::Serialize;
 use std::time::Instant;
@@ -95,7 +95,7 @@ impl Times {
 pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyhow::Result<Measured> {
     let mut world = World::new(way.settings.clone()).context("these settings are refused")?;
     scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
-    let discrete = way.settings.clone().with_continuous(Continuous::Discrete);
+    let discrete = way.settings.clone().with_continuous(ContinuousMode::Discrete);
     let modes = [discrete, way.settings.clone()];
     let mut before = Snapshot::new();
     let mut times: [Times; 2] = Default::default();
@@ -144,7 +144,7 @@ pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyho
         frames,
         stages: STAGES.iter().enumerate().map(stage).collect(),
         memory,
-        hash: world.hash(),
+        hash: world.state_hash(),
     })
 }
 

@@ -72,7 +72,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         .with_substeps(options.substeps.unwrap_or(default.substeps))
         .with_iterations(options.iterations.unwrap_or(default.iterations))
         .with_continuous(options.continuous)
-        .with_method(options.method);
+        .with_continuous_method(options.method);
     let bar =
         output::progress(!options.common.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
     let mut runs = Vec::new();

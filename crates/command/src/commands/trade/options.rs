@@ -2,7 +2,7 @@
 
 use crate::args::{CommonOptions, positive, threads};
 use backstop_lab::WorldMethod;
-use backstop_lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
+use backstop_lab::trade::{ContinuousChoice, FrictionLaw, Grid, Measure};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -44,7 +44,7 @@ pub(crate) struct TradeOptions {
     /// Continuous collision: discrete, segment, volume, speculative, talk-method, linear-cast or
     /// conservative-advancement.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = continuous)]
-    pub(crate) continuous: Vec<ContinuousMode>,
+    pub(crate) continuous: Vec<ContinuousChoice>,
     /// Recycling of contacts: on or off.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = recycling)]
     pub(crate) recycling: Vec<Switch>,
@@ -172,8 +172,8 @@ fn friction(text: &str) -> Result<FrictionLaw, String> {
     named(&FrictionLaw::ALL, FrictionLaw::name, text)
 }
 
-fn continuous(text: &str) -> Result<ContinuousMode, String> {
-    named(&ContinuousMode::ALL, ContinuousMode::name, text)
+fn continuous(text: &str) -> Result<ContinuousChoice, String> {
+    named(&ContinuousChoice::ALL, ContinuousChoice::name, text)
 }
 
 fn recycling(text: &str) -> Result<Switch, String> {

@@ -66,7 +66,7 @@ impl Motion {
             let rotation = world.rotation(handles[i]).unwrap_or_default();
             self.positions.push((position - self.origin).as_vec3().to_array());
             self.rotations.push(rotation.to_array().map(|x| (x.clamp(-1.0, 1.0) * 32767.0).round() as i16));
-            self.asleep.push(world.is_asleep(handles[i]).unwrap_or(false));
+            self.asleep.push(world.is_sleeping(handles[i]).unwrap_or(false));
         }
     }
 
@@ -115,7 +115,10 @@ mod tests {
         scene.add("floor", BodyDesc::fixed());
         let far = DVec3::new(5000.25, 0.0, 0.0);
         let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
-        scene.add("ball", BodyDesc::dynamic().at(far).moving(Vec3::X, Vec3::ZERO).with_shape(ball));
+        scene.add(
+            "ball",
+            BodyDesc::dynamic().with_position(far).with_velocity(Vec3::X, Vec3::ZERO).with_shape(ball),
+        );
         let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
         let handles = scene.add_to(&mut world).unwrap().bodies;
         let mut motion = Motion { max_bytes: 10 * POSE_BYTES, ..Motion::new(&scene, 0.5) };

@@ -30,14 +30,14 @@ fn a_file_with_joints_runs_and_is_filmed() {
     use backstop_scene::{Scene, SceneJoint};
     let mut scene = Scene::new("rope");
     let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
-    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(0.5, 2.0, 0.0)).with_shape(ball));
+    scene.add("ball", BodyDesc::dynamic().with_position(DVec3::new(0.5, 2.0, 0.0)).with_shape(ball));
     scene.add("world", BodyDesc::fixed());
     scene.joints.push(SceneJoint {
         name: "rope".into(),
         bodies: [1, 0],
         frames: [Frame::at(Vec3::new(0.0, 2.0, 0.0)), Frame::default()],
         limits: vec![Limit::new(Motion::Linear, Axes::All, 0.0, 1.0)],
-        drives: Vec::new(),
+        motors: Vec::new(),
         collide: false,
     });
     let [file, film] = ["rope.gltf", "rope-moving.glb"].map(scratch);

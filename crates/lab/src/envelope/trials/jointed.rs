@@ -54,7 +54,7 @@ pub(super) fn chain(c: &Conditions) -> Setup {
     for i in 0..LINKS {
         let shape = Geometry::capsule(0.5 * length - thick, thick);
         let at = Vec3::new((i as f32 + 0.5) * length, 0.0, 0.0);
-        let link = scene.add("link", dynamic(shape, at).rotated(level));
+        let link = scene.add("link", dynamic(shape, at).with_rotation(level));
         let point = DVec3::new(f64::from(i as f32 * length), 0.0, 0.0);
         join(&mut scene, [last, link], point, Quat::IDENTITY, JointDesc::ball);
         last = link;
@@ -66,7 +66,7 @@ pub(super) fn chain(c: &Conditions) -> Setup {
     let mass = mass_of(&ball).mass;
     weight(&mut ball, c.mass_ratio * link_mass / mass);
     let sideways = Vec3::Z * c.speed.unwrap_or(0.0) * c.size;
-    let ball = scene.add("ball", ball.moving(sideways, Vec3::Z * c.spin.unwrap_or(0.0)));
+    let ball = scene.add("ball", ball.with_velocity(sideways, Vec3::Z * c.spin.unwrap_or(0.0)));
     join(&mut scene, [last, ball], DVec3::new(f64::from(end), 0.0, 0.0), Quat::IDENTITY, JointDesc::ball);
     let total: f32 = scene.bodies.iter().map(|body| mass_of(&body.desc).mass).sum();
     let fall = f64::from(total * 9.81 * c.gravity * end);
@@ -114,7 +114,7 @@ pub(super) fn hinge(c: &Conditions) -> Setup {
     let arm = turn * Vec3::new(0.0, -0.5 * c.size, 0.0);
     // Without a spin of its own it is a pendulum.
     let spin = Vec3::Z * c.spin.unwrap_or(0.0);
-    let mut body = dynamic(rod, arm).rotated(turn).moving(spin.cross(arm), spin);
+    let mut body = dynamic(rod, arm).with_rotation(turn).with_velocity(spin.cross(arm), spin);
     weight(&mut body, c.mass_ratio);
     let rod = scene.add("rod", body);
     join(&mut scene, [post, rod], DVec3::ZERO, x_to_z(), JointDesc::hinge);
@@ -140,7 +140,8 @@ pub(super) fn rotor(c: &Conditions) -> Setup {
     };
     let shape = Geometry::Box { half_extents: half * c.size };
     let spin = tilt * Vec3::X * c.spin.unwrap_or(50.0);
-    let disc = scene.add("disc", dynamic(shape, Vec3::ZERO).rotated(tilt).moving(Vec3::ZERO, spin));
+    let disc =
+        scene.add("disc", dynamic(shape, Vec3::ZERO).with_rotation(tilt).with_velocity(Vec3::ZERO, spin));
     weight(&mut scene.bodies[disc].desc, c.mass_ratio);
     join(&mut scene, [post, disc], DVec3::ZERO, tilt, JointDesc::hinge);
     let kept = Gauge { measure: Measure::Spin { body: disc }, bounds: [0.02, 0.3] };
@@ -156,12 +157,13 @@ pub(super) fn cart(c: &Conditions) -> Setup {
     let radius = 0.3 * c.size;
     let along = Vec3::X * speed;
     let chassis = Geometry::cuboid(c.size, 0.15 * c.size, 0.5 * c.size);
-    let mut body = dynamic(chassis, Vec3::new(0.0, 0.6 * c.size, 0.0)).moving(along, Vec3::ZERO);
+    let mut body = dynamic(chassis, Vec3::new(0.0, 0.6 * c.size, 0.0)).with_velocity(along, Vec3::ZERO);
     weight(&mut body, c.mass_ratio);
     let chassis = scene.add("chassis", body);
     for (x, z) in [(-0.8, -0.8), (-0.8, 0.8), (0.8, -0.8), (0.8, 0.8)] {
         let at = Vec3::new(x * c.size, radius, z * c.size);
-        let wheel = dynamic(Geometry::Sphere { radius }, at).moving(along, Vec3::NEG_Z * (speed / radius));
+        let wheel =
+            dynamic(Geometry::Sphere { radius }, at).with_velocity(along, Vec3::NEG_Z * (speed / radius));
         let wheel = scene.add("wheel", wheel);
         join(&mut scene, [chassis, wheel], at.as_dvec3(), x_to_z(), JointDesc::hinge);
     }

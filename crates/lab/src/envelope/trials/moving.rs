@@ -54,10 +54,10 @@ pub(super) fn pile(c: &Conditions) -> Setup {
     for i in 0..60 {
         let cell = |n: usize| (n as f32 - 1.5) * 1.2;
         let at = Vec3::new(cell(i % 4), cell(i / 4 % 4), cell(i / 16)) * c.size;
-        let mut body = dynamic(mixed(i, 0.4 * c.size, &mut rng), at).rotated(rng.rotation());
+        let mut body = dynamic(mixed(i, 0.4 * c.size, &mut rng), at).with_rotation(rng.rotation());
         weight(&mut body, if i % 2 == 0 { c.mass_ratio } else { 1.0 });
         let velocity = rng.direction() * c.speed.unwrap_or(0.0) * c.size;
-        scene.add("body", body.moving(velocity, rng.direction() * c.spin.unwrap_or(0.0)));
+        scene.add("body", body.with_velocity(velocity, rng.direction() * c.spin.unwrap_or(0.0)));
     }
     Setup { scene, boundaries, gauges: vec![inside(), shallow(0.4 * c.size, 0.05)] }
 }
@@ -83,7 +83,7 @@ pub(super) fn bullets(c: &Conditions) -> Setup {
         }
         let spin = rng.direction() * c.spin.unwrap_or(20.0);
         let velocity = direction * (c.speed.unwrap_or(300.0) * c.size);
-        scene.add("bullet", dynamic(shape, at).rotated(rng.rotation()).moving(velocity, spin));
+        scene.add("bullet", dynamic(shape, at).with_rotation(rng.rotation()).with_velocity(velocity, spin));
     }
     Setup { scene, boundaries, gauges: vec![inside(), shallow(RADIUS * c.size, 0.1)] }
 }
@@ -95,7 +95,7 @@ pub(super) fn ball(c: &Conditions) -> Setup {
     let boundaries = floor(&mut scene, 66.0 * speed + 20.0 * c.size, c.size);
     let radius = 0.5 * c.size;
     let body = dynamic(Geometry::Sphere { radius }, Vec3::Y * radius);
-    let body = scene.add("ball", body.moving(Vec3::X * speed, Vec3::NEG_Z * (speed / radius)));
+    let body = scene.add("ball", body.with_velocity(Vec3::X * speed, Vec3::NEG_Z * (speed / radius)));
     let kept = Gauge { measure: Measure::Speed { body }, bounds: [0.02, 0.3] };
     Setup { scene, boundaries, gauges: vec![kept, shallow(radius, 0.02), inside()] }
 }
@@ -110,7 +110,7 @@ pub(super) fn tumbling(c: &Conditions) -> Setup {
     };
     let spin = Vec3::new(0.1, 1.0, 0.02) * c.spin.unwrap_or(10.0);
     let body = dynamic(Geometry::Box { half_extents: half * c.size }, Vec3::ZERO);
-    scene.add("brick", body.moving(Vec3::X * c.speed.unwrap_or(0.0) * c.size, spin));
+    scene.add("brick", body.with_velocity(Vec3::X * c.speed.unwrap_or(0.0) * c.size, spin));
     let mass = super::super::measures::mass_of(&scene.bodies[0].desc);
     let energy = 0.5 * f64::from((mass.inertia * spin).dot(spin));
     let gauge = |measure, bounds| Gauge { measure, bounds };
@@ -128,7 +128,7 @@ pub(super) fn shards(c: &Conditions) -> Setup {
     let mut rng = Rng::new(3);
     for i in 0..20 {
         let at = Vec3::new((i % 5) as f32 - 2.0, 0.6, (i / 5) as f32 - 1.5) * (1.5 * c.size);
-        let body: BodyDesc = dynamic(shard(c, i, &mut rng), at).rotated(rng.rotation());
+        let body: BodyDesc = dynamic(shard(c, i, &mut rng), at).with_rotation(rng.rotation());
         scene.add("body", body);
     }
     let boundaries = vec![Boundary { point: DVec3::ZERO, normal: Vec3::Y }];

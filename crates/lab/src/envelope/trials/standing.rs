@@ -65,7 +65,7 @@ pub(super) fn card_house(c: &Conditions) -> Setup {
         let body = dynamic(shape, Vec3::new(at[0], at[1], 0.0) * c.size);
         scene.add(
             "card",
-            body.rotated(Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * lean), libm::cosf(0.5 * lean))),
+            body.with_rotation(Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * lean), libm::cosf(0.5 * lean))),
         );
     };
     let mut base = 0.0;
@@ -111,7 +111,7 @@ pub(super) fn arch(c: &Conditions) -> Setup {
         let (sin, cos) = (libm::sinf(angle), libm::cosf(angle));
         let turn = Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * angle), libm::cosf(0.5 * angle));
         let body = dynamic(Geometry::Hull(wedge.clone()), Vec3::new(cos, sin, 0.0) * (middle * c.size));
-        scene.add("wedge", body.rotated(turn));
+        scene.add("wedge", body.with_rotation(turn));
     }
     Setup { scene, boundaries, gauges: stands(0.8 * c.size) }
 }

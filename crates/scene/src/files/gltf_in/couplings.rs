@@ -41,7 +41,7 @@ impl Loader<'_> {
             axes: [axes_a, axes_b],
             factors: [a.factor, b.factor],
             range: coupling.range.map(infinite),
-            strength: coupling.strength.map(|most| most.unwrap_or(f32::INFINITY)),
+            break_force: coupling.strength.map(|most| most.unwrap_or(f32::INFINITY)),
             user_data: coupling.user_data,
         };
         let handles: Vec<JointHandle> =

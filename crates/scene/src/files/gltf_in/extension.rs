@@ -205,7 +205,7 @@ pub(super) struct Filter {
 #[serde(default)]
 pub(super) struct Joint {
     pub(super) limits: Vec<Limit>,
-    pub(super) drives: Vec<Drive>,
+    pub(super) drives: Vec<Motor>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -221,7 +221,7 @@ pub(super) struct Limit {
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Drive {
+pub(super) struct Motor {
     #[serde(rename = "type")]
     pub(super) kind: String,
     pub(super) mode: String,

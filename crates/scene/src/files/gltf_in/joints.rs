@@ -7,7 +7,7 @@ use super::problem::{Problem, problem};
 use crate::{SceneError, SceneJoint};
 use backstop::Error;
 use backstop::limits::finite3;
-use backstop::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
+use backstop::{Axes, Axis, Frame, Limit, Motion, Motor, Spring};
 use backstop::{BodyDesc, BodyKind};
 use glam::DQuat;
 
@@ -15,7 +15,7 @@ use glam::DQuat;
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     limits: Vec<Limit>,
-    drives: Vec<Drive>,
+    drives: Vec<Motor>,
 }
 
 /// All descriptions of a file.
@@ -64,13 +64,13 @@ pub(super) fn axes(list: &[usize]) -> Result<Axes, String> {
     let only = |wanted: bool| Axis::ALL.into_iter().find(|&axis| has[axis as usize] == wanted);
     match (list.len(), only(true), only(false)) {
         (1, Some(axis), _) => Ok(Axes::One(axis)),
-        (2, _, Some(axis)) => Ok(Axes::Around(axis)),
+        (2, _, Some(axis)) => Ok(Axes::Perpendicular(axis)),
         (3, ..) => Ok(Axes::All),
         _ => Err("it has no axes".into()),
     }
 }
 
-fn drive(drive: &extension::Drive) -> Result<Drive, String> {
+fn drive(drive: &extension::Motor) -> Result<Motor, String> {
     let motion = match drive.kind.as_str() {
         "linear" => Motion::Linear,
         "angular" => Motion::Angular,
@@ -82,7 +82,7 @@ fn drive(drive: &extension::Drive) -> Result<Drive, String> {
         "acceleration" => Spring::Acceleration { stiffness, damping },
         other => return Err(format!("the mode {other:?} is not known")),
     };
-    let drive = Drive {
+    let drive = Motor {
         motion,
         axis: Axis::ALL.get(drive.axis).copied().ok_or_else(|| beyond(drive.axis))?,
         position: drive.position_target,
@@ -161,7 +161,7 @@ impl Loader<'_> {
         let Rows { limits, drives } = self.joints[joint.joint].clone();
         let (name, collide) = (self.name(node), joint.enable_collision);
         self.joint_at.insert(node, Some(self.scene.joints.len()));
-        self.scene.joints.push(SceneJoint { name, bodies, frames, limits, drives, collide });
+        self.scene.joints.push(SceneJoint { name, bodies, frames, limits, motors: drives, collide });
         Ok(())
     }
 

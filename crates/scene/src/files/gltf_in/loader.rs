@@ -158,7 +158,8 @@ impl<'a> Loader<'a> {
     fn add_body(&mut self, node: usize, kind: BodyKind) -> Result<usize, SceneError> {
         self.tally.bodies.take(1).map_err(|e| problem(self.parts, node, e.into()))?;
         let rotation = self.tree.rotation[node].as_quat();
-        let desc = BodyDesc::new(kind).at(self.tree.global[node].translation).rotated(rotation);
+        let desc =
+            BodyDesc::new(kind).with_position(self.tree.global[node].translation).with_rotation(rotation);
         self.scene.bodies.push(SceneBody { name: self.name(node), node: Some(node), desc });
         Ok(self.scene.bodies.len() - 1)
     }

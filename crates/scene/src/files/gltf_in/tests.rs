@@ -5,7 +5,7 @@ use crate::random::Random;
 use crate::{Scene, SceneError, SceneJoint, load};
 use backstop::BodyKind;
 use backstop::LoadLimits;
-use backstop::{Axes, Axis, Drive, Frame, Motion, Spring};
+use backstop::{Axes, Axis, Frame, Motion, Motor, Spring};
 use backstop::{Combine, Geometry, TriangleMesh};
 use glam::{DVec3, Quat, Vec3};
 use serde_json::{Value, json};
@@ -329,9 +329,9 @@ fn limits_and_drives_are_those_of_the_file() {
     let none = f32::INFINITY;
     let expected = [
         (Motion::Linear, Axes::All, -none, 0.5),
-        (Motion::Linear, Axes::Around(Axis::Y), 0.0, 0.0),
+        (Motion::Linear, Axes::Perpendicular(Axis::Y), 0.0, 0.0),
         (Motion::Angular, Axes::One(Axis::Z), -0.5, none),
-        (Motion::Angular, Axes::Around(Axis::X), -none, 1.0),
+        (Motion::Angular, Axes::Perpendicular(Axis::X), -none, 1.0),
         (Motion::Angular, Axes::One(Axis::X), -1.0, -1.0),
         (Motion::Angular, Axes::All, -none, none),
     ];
@@ -341,7 +341,7 @@ fn limits_and_drives_are_those_of_the_file() {
     // Damping alone does not make a limit soft.
     assert_eq!(springs, [None, None, None, soft(0.0), soft(4.0), None]);
     let [pull, turn] = [
-        Drive {
+        Motor {
             motion: Motion::Linear,
             axis: Axis::Y,
             position: 1.0,
@@ -349,7 +349,7 @@ fn limits_and_drives_are_those_of_the_file() {
             spring: Spring::Coefficients { stiffness: 2.0, damping: 0.0 },
             max_force: 7.0,
         },
-        Drive {
+        Motor {
             motion: Motion::Angular,
             axis: Axis::Z,
             position: 0.0,
@@ -358,7 +358,7 @@ fn limits_and_drives_are_those_of_the_file() {
             max_force: f32::INFINITY,
         },
     ];
-    assert_eq!(joint.drives, [pull, turn]);
+    assert_eq!(joint.motors, [pull, turn]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::super::gltf_in::extension::RIGID_BODIES;
 use super::build::{Builder, alone, intern, place};
 use crate::{SceneBody, SceneCoupling, SceneJoint};
 use backstop::BodyKind;
-use backstop::{Axes, Drive, Frame, Limit, Motion, Spring, SpringCoefficients};
+use backstop::{Axes, Frame, Limit, Motion, Motor, Spring, SpringCoefficients};
 use serde_json::{Value, json};
 
 impl Builder<'_> {
@@ -53,8 +53,8 @@ impl Builder<'_> {
             out["range"] = json!(range);
         }
         // An infinite number is null.
-        if coupling.strength != [f32::INFINITY; 2] {
-            out["strength"] = json!(coupling.strength);
+        if coupling.break_force != [f32::INFINITY; 2] {
+            out["strength"] = json!(coupling.break_force);
         }
         if coupling.user_data != 0 {
             out["userData"] = json!(coupling.user_data);
@@ -91,7 +91,7 @@ impl Builder<'_> {
 fn description(joint: &SceneJoint) -> Value {
     let mut out = json!({});
     let limits: Vec<Value> = joint.limits.iter().map(limit).collect();
-    let drives: Vec<Value> = joint.drives.iter().map(drive).collect();
+    let drives: Vec<Value> = joint.motors.iter().map(drive).collect();
     for (name, list) in [("limits", limits), ("drives", drives)] {
         if !list.is_empty() {
             out[name] = json!(list);
@@ -110,7 +110,7 @@ fn axes_name(motion: Motion) -> &'static str {
 fn axes(axes: Axes) -> Vec<usize> {
     match axes {
         Axes::One(axis) => vec![axis as usize],
-        Axes::Around(axis) => (0..3).filter(|&i| i != axis as usize).collect(),
+        Axes::Perpendicular(axis) => (0..3).filter(|&i| i != axis as usize).collect(),
         Axes::All => vec![0, 1, 2],
     }
 }
@@ -129,7 +129,7 @@ fn limit(limit: &Limit) -> Value {
     out
 }
 
-fn drive(drive: &Drive) -> Value {
+fn drive(drive: &Motor) -> Value {
     let SpringCoefficients { stiffness, damping, per_mass } = drive.spring.coefficients();
     let mut out = json!({
         "type": match drive.motion { Motion::Linear => "linear", Motion::Angular => "angular" },

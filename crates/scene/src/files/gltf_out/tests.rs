@@ -5,7 +5,7 @@ use super::super::testing::scratch;
 use crate::files::assets;
 use crate::{Recorder, SHIPPED, Scene, SceneJoint, load, shipped, write_animation, write_scene};
 use backstop::BodyHandle;
-use backstop::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use backstop::{Axes, Axis, Frame, JointDesc, Limit, Motion, Motor, Spring};
 use backstop::{BodyDesc, BodyKind};
 use backstop::{Geometry, ShapeDesc};
 use backstop::{LoadLimits, Tally};
@@ -72,7 +72,7 @@ fn joints_load_back_as_they_were() {
     let turn = |angle| Quat::from_rotation_y(angle) * Quat::from_rotation_x(2.0 * angle);
     scene.add(
         "frame",
-        BodyDesc::fixed().at(DVec3::new(3.0, 1.0, 0.0)).rotated(turn(0.3)).with_shape(
+        BodyDesc::fixed().with_position(DVec3::new(3.0, 1.0, 0.0)).with_rotation(turn(0.3)).with_shape(
             ShapeDesc::new(Geometry::cuboid(0.1, 2.0, 0.1))
                 .with_position(Vec3::new(0.0, 0.5, 0.0))
                 .with_rotation(turn(0.7)),
@@ -80,7 +80,7 @@ fn joints_load_back_as_they_were() {
     );
     for i in 0..3 {
         let at = DVec3::new(0.0, 2.0 + f64::from(i), 100.0);
-        scene.add(format!("block {i}"), block().at(at).rotated(turn(i as f32)));
+        scene.add(format!("block {i}"), block().with_position(at).with_rotation(turn(i as f32)));
     }
     scene.add("world", BodyDesc::fixed());
     let frames = [Frame { position: Vec3::new(0.1, 0.2, 0.3), rotation: turn(0.4) }, Frame::at(Vec3::NEG_Y)];
@@ -89,9 +89,9 @@ fn joints_load_back_as_they_were() {
         world.add_bodies(&scene.descs()).unwrap()
     };
     let mut join = |a: usize, b: usize, desc: fn([BodyHandle; 2], [Frame; 2]) -> JointDesc| {
-        let JointDesc { limits, drives, .. } = desc([handles[a], handles[b]], frames);
+        let JointDesc { limits, motors, .. } = desc([handles[a], handles[b]], frames);
         let name = format!("joint {a} {b}");
-        scene.joints.push(SceneJoint { name, bodies: [a, b], frames, limits, drives, collide: b == 2 });
+        scene.joints.push(SceneJoint { name, bodies: [a, b], frames, limits, motors, collide: b == 2 });
     };
     // In no order of bodies, and the first description twice.
     join(3, 4, JointDesc::hinge);
@@ -104,8 +104,8 @@ fn joints_load_back_as_they_were() {
                 Limit::new(Motion::Angular, Axes::One(Axis::Z), f32::NEG_INFINITY, 0.3).with_spring(spring),
             )
             .with_limit(Limit::new(Motion::Linear, Axes::All, 0.1, f32::INFINITY))
-            .with_drive(Drive::motor(Motion::Angular, Axis::Y, -2.0, 5.0))
-            .with_drive(Drive::spring(
+            .with_motor(Motor::velocity(Motion::Angular, Axis::Y, -2.0, 5.0))
+            .with_motor(Motor::position(
                 Motion::Linear,
                 Axis::Z,
                 0.2,
@@ -146,14 +146,14 @@ fn a_scene_is_added_as_a_whole_or_not_at_all() {
     let mut scene = Scene::new("pair");
     let ball = || BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
     scene.add("a", ball());
-    scene.add("b", ball().at(DVec3::X));
+    scene.add("b", ball().with_position(DVec3::X));
     let frames = [Frame::default(); 2];
     let joint = |bodies| SceneJoint {
         name: String::new(),
         bodies,
         frames,
         limits: vec![],
-        drives: vec![],
+        motors: vec![],
         collide: true,
     };
     scene.joints = vec![joint([0, 1])];
