@@ -75,7 +75,7 @@ impl World {
         Ok(own.map(|(slot, _)| couplings.handle(slot)))
     }
 
-    /// Couplings that broke in the last step ([`CouplingDesc::with_strength`]). Their handles are stale.
+    /// Couplings that broke in the last step ([`CouplingDesc::with_break_force`]). Their handles are stale.
     pub fn broken_couplings(&self) -> &[CouplingHandle] {
         &self.joints.couplings.broken
     }
