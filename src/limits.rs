@@ -35,7 +35,7 @@ pub const MAX_POSITION: f64 = 1e9;
 pub const MAX_SPEED: f32 = 1e6;
 /// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and
 /// what gravity, springs and impacts add to that in honest steps. A body that would be faster is stopped
-/// ([`StepReport::stopped`](crate::StepReport::stopped)).
+/// ([`StepReport::faulted`](crate::StepReport::stopped)).
 pub const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
 /// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over
 /// them is a number.

@@ -13,6 +13,22 @@ use crate::world::{ContactHooks, NoHooks, Part, Stage, StepCounts, StepReport, W
 impl World {
     /// Moves the world on by `dt` seconds. Returns the report of the step.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// for _ in 0..60 {
+    ///     let report = world.step(1.0 / 60.0)?;
+    ///     assert_eq!(report.faulted, 0);
+    /// }
+    /// // It fell by 1.5 m and lies on the ground.
+    /// assert!((world.position(body)?.y - 0.5).abs() < 0.01);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a
     /// step panicked before.
@@ -24,6 +40,29 @@ impl World {
     ///
     /// A panic in a hook passes through this call, and leaves the step half done: from then on the world
     /// can't be stepped ([`Error::Poisoned`]) until [`World::restore`] brings it back to a valid state.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// /// Lets nothing collide: for a ghost.
+    /// struct Ghost;
+    /// impl ContactHooks for Ghost {
+    ///     fn contact(&self, contact: &mut ContactHook<'_>) {
+    ///         contact.veto();
+    ///     }
+    /// }
+    /// let shape = world.shapes(body)?.next().expect("its cube");
+    /// world.set_hooks(shape, true)?;
+    /// for _ in 0..120 {
+    ///     world.step_with(1.0 / 60.0, &Ghost)?;
+    /// }
+    /// assert!(world.position(body)?.y < -5.0);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a

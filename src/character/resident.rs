@@ -183,6 +183,24 @@ impl World {
     /// [`Character::walk`] of a character of the world. For many at the same time from several threads, walk
     /// copies of them ([`World::character`]) and set these afterwards.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let hero = Character::new(CharacterSettings::default(), DVec3::new(5.0, 1.0, 0.0))?;
+    /// let hero = world.add_character(&hero)?;
+    /// let dt = 1.0 / 60.0;
+    /// for _ in 0..60 {
+    ///     world.walk_character(hero, &QueryFilter::default(), Vec3::new(2.0, -1.0, 0.0), dt)?;
+    ///     world.step(dt)?;
+    /// }
+    /// assert!((world.character(hero)?.position().x - 7.0).abs() < 0.1);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, and as there; then nothing has changed.
     pub fn walk_character(

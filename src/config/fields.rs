@@ -146,7 +146,7 @@ mod tests {
         );
         // Its first bracket is a link.
         assert_eq!(named(Settings::FIELDS, "contact_hertz").unit(), Some("Hz"));
-        assert_eq!(named(StepReport::FIELDS, "stopped").unit(), None);
+        assert_eq!(named(StepReport::FIELDS, "faulted").unit(), None);
     }
 
     /// The pages have each setting, and each part of a material that glTF has no name for, with its unit.

@@ -137,6 +137,14 @@ pub enum FrictionModel {
 fields! {
     /// Settings of a world. Change them between steps with
     /// [`World::set_settings`](crate::World::set_settings).
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// let settings = Settings::default().with_substeps(8).with_sleeping(true).with_threads(2);
+    /// assert!(settings.validate().is_ok());
+    /// let world = World::new(settings)?;
+    /// # Ok::<(), Error>(())
+    /// ```
     #[derive(Clone, Debug, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
     #[non_exhaustive]

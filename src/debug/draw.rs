@@ -9,6 +9,27 @@ impl World {
     ///
     /// What moves is drawn where it is now; contacts, swept ways and colours are those of the last step.
     /// Changes nothing, and costs nothing but the time of the call.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// /// Counts what would be drawn.
+    /// #[derive(Default)]
+    /// struct Counted(usize);
+    /// impl debug::DebugDraw for Counted {
+    ///     fn shape(&mut self, _: &debug::DrawnShape<'_>) {
+    ///         self.0 += 1;
+    ///     }
+    /// }
+    /// let mut counted = Counted::default();
+    /// world.draw(&debug::DrawOptions::default(), &mut counted);
+    /// assert_eq!(counted.0, 2);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn draw(&self, options: &DrawOptions, out: &mut dyn DebugDraw) {
         if options.shapes {
             shapes::draw(self, options, out);

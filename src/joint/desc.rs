@@ -189,6 +189,15 @@ impl Spring {
 }
 
 /// Keeps a displacement within a range. A range of no width locks.
+///
+/// ```
+/// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+/// // A knee bends between 0 and 2.4 rad, and gives way softly at the end.
+/// let stop = Spring::Frequency { hertz: 10.0, ratio: 1.0 };
+/// let knee = Limit::new(Motion::Angular, Axes::One(Axis::X), 0.0, 2.4).with_spring(stop);
+/// assert!(knee.validate().is_ok());
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Limit {
@@ -259,6 +268,20 @@ impl Limit {
 ///
 /// A spring without damping is an oscillator, one with infinite damping and no stiffness a motor that holds
 /// its velocity up to `max_force`, and such a motor at rest is friction.
+///
+/// ```
+/// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+/// let fan = Motor::velocity(Motion::Angular, Axis::X, 20.0, 5.0);
+/// let servo = Motor::position(
+///     Motion::Angular,
+///     Axis::X,
+///     0.5,
+///     Spring::Frequency { hertz: 5.0, ratio: 1.0 },
+/// );
+/// let stiff_hinge = Motor::friction(Motion::Angular, Axis::X, 2.0);
+/// assert!([fan, servo, stiff_hinge].iter().all(|motor| motor.validate().is_ok()));
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Motor {
@@ -409,6 +432,20 @@ impl JointDesc {
     }
 
     /// No relative motion.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// // A weld which breaks above 10 kN or 500 N m.
+    /// let weld = JointDesc::fixed([ground, body], frames).with_break_force(10_000.0, 500.0);
+    /// world.add_joint(&weld)?;
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn fixed(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         let joint = JointDesc::ball(bodies, frames);
         joint.with_limit(Limit::lock(Motion::Angular, Axes::All))
@@ -416,17 +453,58 @@ impl JointDesc {
 
     /// The two frames' origins stay together; all rotation is free. Add a limit around an axis for a cone,
     /// about it for a twist.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// // The head of a lamp: it turns freely about a point.
+    /// let joint = world.add_joint(&JointDesc::ball([ground, body], frames))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn ball(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         JointDesc::new(bodies, frames).with_limit(Limit::lock(Motion::Linear, Axes::All))
     }
 
     /// Turns about the frames' x only.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// // A door about the vertical axis.
+    /// let frames = world.frames_about([ground, body], DVec3::new(-0.5, 2.0, 0.0), Vec3::Y)?;
+    /// let door = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn hinge(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         let joint = JointDesc::ball(bodies, frames);
         joint.with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
     }
 
     /// Slides along the frames' x only.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// // A drawer: 0.4 m along the frames' x.
+    /// let range = Limit::new(Motion::Linear, Axes::One(Axis::X), 0.0, 0.4);
+    /// let drawer = world.add_joint(&JointDesc::slider([ground, body], frames).with_limit(range))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn slider(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         JointDesc::new(bodies, frames)
             .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::X)))
@@ -435,6 +513,19 @@ impl JointDesc {
 
     /// The frames' origins stay at a distance between `min` and `max` [m]: a rod if they are equal, a rope if
     /// `min` is zero.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// // A rope of 3 m.
+    /// let rope = world.add_joint(&JointDesc::distance([ground, body], frames, 0.0, 3.0))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn distance(bodies: [BodyHandle; 2], frames: [Frame; 2], min: f32, max: f32) -> JointDesc {
         JointDesc::new(bodies, frames).with_limit(Limit::new(Motion::Linear, Axes::All, min, max))
     }

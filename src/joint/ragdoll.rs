@@ -58,6 +58,19 @@ pub struct Bone {
 }
 
 /// Bones in the pose in which no joint is bent, y up, and what they are made of.
+///
+/// ```
+/// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+/// # let mut world = World::new(Settings::default())?;
+/// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+/// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+/// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+/// # let body = world.add_body(&desc)?;
+/// let skeleton = Skeleton::humanoid().with_friction(5.0);
+/// let ragdoll = skeleton.add_to(&mut world, DVec3::X * 4.0, Quat::IDENTITY, Vec3::ZERO)?;
+/// assert_eq!((ragdoll.bodies.len(), ragdoll.joints.len()), (11, 10));
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

@@ -16,6 +16,20 @@ impl World {
     /// turned box, [`World::overlap`] answers. [`QueryFilter::skip_inside`] has no effect. When, where and
     /// how often it may be asked: as [`World::cast_ray`].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let mut found = Vec::new();
+    /// let area = Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(3.0) };
+    /// world.overlap_aabb(&area, &QueryFilter::only_dynamic(), &mut found)?;
+    /// assert_eq!(found.len(), 1);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// A corner is not finite or beyond 1e15, or the low one is not below the high one, or the budget does
     /// not allow the tree of what moves (see [`World::cast_ray`]); then `found` is as it was.

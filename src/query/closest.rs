@@ -39,6 +39,18 @@ impl World {
     /// triangles the one with the lower index. [`QueryFilter::skip_inside`] has no effect. When, where and
     /// how often it may be asked: as [`World::cast_ray`].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let near = world.closest_point(DVec3::Y * 4.0, 5.0, &QueryFilter::default())?.expect("the cube");
+    /// assert!((near.distance - 1.5).abs() < 1e-5);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or
     /// the budget does not allow the tree of what moves (see [`World::cast_ray`]).

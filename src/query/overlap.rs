@@ -31,6 +31,20 @@ impl World {
     /// path of zero. [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked:
     /// as [`World::cast_ray`].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let mut found = Vec::new();
+    /// let zone = Geometry::sphere(1.0);
+    /// world.overlap(&zone, DVec3::Y * 2.0, Quat::IDENTITY, &QueryFilter::default(), &mut found)?;
+    /// assert!(found.iter().any(|overlap| overlap.body == body));
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
     /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then

@@ -13,6 +13,13 @@ use glam::{DVec3, Vec3};
 const FURTHEST: f32 = 1e15;
 
 /// A straight line from one point to another.
+///
+/// ```
+/// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+/// let down = Ray::new(DVec3::Y * 2.0, Vec3::NEG_Y * 10.0);
+/// let between = Ray::between(DVec3::ZERO, DVec3::X * 5.0);
+/// assert_eq!(down.at(0.5), DVec3::NEG_Y * 3.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
@@ -135,6 +142,20 @@ impl World {
 
     /// All shapes that a ray meets, each where it is met first, by fraction and then by [`ShapeHandle`]. They
     /// replace what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let mut hits = Vec::new();
+    /// let ray = Ray::new(DVec3::Y * 5.0, Vec3::NEG_Y * 10.0);
+    /// world.cast_ray_all(&ray, &QueryFilter::default(), &mut hits)?;
+    /// assert_eq!(hits.iter().map(|hit| hit.body).collect::<Vec<_>>(), [body, ground]);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// As there; then `hits` is as it was.

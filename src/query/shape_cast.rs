@@ -166,6 +166,22 @@ impl World {
     ///
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // A sphere of 0.3 m which sweeps 10 m downwards meets the cube after 2.2 m.
+    /// let sphere = Geometry::sphere(0.3);
+    /// let cast = ShapeCast::new(&sphere, DVec3::Y * 5.0, Vec3::NEG_Y * 10.0);
+    /// let hit = world.cast_shape(&cast, &QueryFilter::default())?.expect("the cube is below");
+    /// assert_eq!(hit.body, body);
+    /// assert!((hit.fraction - 0.22).abs() < 1e-4);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
     /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).

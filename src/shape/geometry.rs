@@ -142,6 +142,13 @@ impl Geometry {
         Geometry::HeightField(field.into())
     }
     /// A capsule of one radius.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// // A person of 1.8 m.
+    /// let person = Geometry::capsule(0.6, 0.3);
+    /// assert!((person.radius() - 0.9).abs() < 1e-6);
+    /// ```
     pub fn capsule(half_height: f32, radius: f32) -> Self {
         Geometry::Capsule { half_height, radius_bottom: radius, radius_top: radius }
     }
@@ -150,6 +157,12 @@ impl Geometry {
         Geometry::Cylinder { half_height, radius_bottom: radius, radius_top: radius }
     }
     /// A box by its half extents.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// // Two metres wide, one high, four deep.
+    /// let slab = Geometry::cuboid(1.0, 0.5, 2.0);
+    /// ```
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }

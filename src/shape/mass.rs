@@ -28,6 +28,13 @@ impl MassProperties {
     pub const ZERO: Self = MassProperties { mass: 0.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::ZERO };
 
     /// Moments of a solid of even density [kg/m³]. Planes, meshes and height fields have no mass.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// let ball = MassProperties::of(&Geometry::sphere(0.5), 1000.0);
+    /// assert!((ball.mass - 523.6).abs() < 0.1);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn of(geometry: &Geometry, density: f32) -> Self {
         geometry.moments().scaled(density.into()).rounded()
     }

@@ -139,6 +139,12 @@ macro_rules! materials {
             /// first of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies`
             /// has it). Of rolling and of spinning friction the larger of the two counts, surface velocities
             /// add up, and the softer surface decides how the contact yields.
+            ///
+            /// ```
+            /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+            /// let ice = Material::default().with_friction(0.02);
+            /// let rubber = Material::default().with_friction(1.0).with_restitution(0.8);
+            /// ```
             #[derive(Clone, Copy, Debug, PartialEq)]
             #[cfg_attr(
                 feature = "serde",

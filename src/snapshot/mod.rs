@@ -126,6 +126,22 @@ impl World {
     /// [`World::report`] stay as they are. A world that a panic left half stepped ([`Error::Poisoned`]) is
     /// valid again.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let mut snapshot = Snapshot::new();
+    /// world.snapshot(&mut snapshot);
+    /// let before = world.state_hash();
+    /// world.step(1.0 / 60.0)?;
+    /// world.restore(&snapshot)?;
+    /// assert_eq!(world.state_hash(), before);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the world's budget does not allow what the snapshot needs; and for snapshots from bytes: if they
     /// are broken, or the world lacks what they refer to.

@@ -63,6 +63,23 @@ impl World {
     /// that sleeps, and all that sleep for static and kinematic ones. Allocates nothing. For the contacts of
     /// most bodies go once through [`World::contacts`].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// for _ in 0..180 {
+    ///     world.step(1.0 / 60.0)?;
+    /// }
+    /// // In each of a step's four substeps it bears a quarter of the weight's impulse.
+    /// let impulse: f32 = world.contacts_of(body)?.map(|contact| contact.impulse()).sum();
+    /// let weight = 9.81 * world.mass(body)? / 60.0 / 4.0;
+    /// assert!((impulse - weight).abs() < 0.02 * weight, "{impulse} N s, not {weight}");
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale.
     pub fn contacts_of(&self, body: BodyHandle) -> Result<impl Iterator<Item = BodyContact> + '_, Error> {

@@ -13,6 +13,24 @@ impl World {
     /// Pairs that began to touch in the last step and of which one shape asks for
     /// [`events`](crate::ShapeDesc::events); sorted by their handles. Shapes that touched and separated again
     /// within the step count as touching, if they were pushed.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let shape = world.shapes(body)?.next().expect("its cube");
+    /// world.set_events(shape, true)?;
+    /// let mut landed = 0;
+    /// for _ in 0..60 {
+    ///     world.step(1.0 / 60.0)?;
+    ///     landed += world.contact_begins().len();
+    /// }
+    /// assert_eq!(landed, 1);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn contact_begins(&self) -> &[ContactEvent] {
         &self.events.begins
     }
@@ -30,6 +48,24 @@ impl World {
 
     /// Shapes that entered sensors in the last step, however fast. A shape that crossed one within the step
     /// is here and in [`World::sensor_ends`].
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let zone = ShapeDesc::new(Geometry::cuboid(3.0, 0.5, 3.0)).as_sensor();
+    /// world.add_body(&BodyDesc::fixed().with_position(Vec3::Y * 0.5).with_shape(zone))?;
+    /// let mut entered = false;
+    /// for _ in 0..60 {
+    ///     world.step(1.0 / 60.0)?;
+    ///     entered |= !world.sensor_begins().is_empty();
+    /// }
+    /// assert!(entered);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn sensor_begins(&self) -> &[SensorEvent] {
         &self.events.entered
     }

@@ -81,7 +81,7 @@ fields! {
         /// They stay where they were, at rest, and the others move as if those had not moved at all: the
         /// result of a step is always finite. A count above zero means that forces, speeds or joints ask for
         /// the impossible; [`World::faulted_bodies`] lists their handles.
-        pub stopped: u32,
+        pub faulted: u32,
         /// Impacts that were solved one by one at their times, by methods that do so
         /// ([`ContinuousMethod`](crate::ContinuousMethod)).
         pub struck: u32,

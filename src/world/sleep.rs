@@ -13,6 +13,22 @@ use crate::threads::Workers;
 impl World {
     /// Whether a body is asleep.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.set_settings(Settings::default().with_sleeping(true))?;
+    /// for _ in 0..180 {
+    ///     world.step(1.0 / 60.0)?;
+    /// }
+    /// assert!(world.is_sleeping(body)?);
+    /// world.wake(body)?;
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale.
     pub fn is_sleeping(&self, body: BodyHandle) -> Result<bool, Error> {

@@ -30,7 +30,7 @@ impl World {
             settled: held.settled,
             weighted_trees: self.buffers.joints.weighted_trees(),
             damped_trees: self.buffers.joints.damped_trees(),
-            stopped: self.faults.stopped.len() as u32,
+            faulted: self.faults.stopped.len() as u32,
             struck: met.struck,
             stood: met.stood,
             shed: did.shed() + met.shed,
@@ -45,6 +45,25 @@ impl World {
 
     /// Hash of all poses and velocities, bit by bit, in the order of the bodies' handles, and of the world's
     /// characters.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // Two worlds that were made and stepped alike have the same bits.
+    /// let mut other = World::new(Settings::default())?;
+    /// other.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// other.add_body(&desc)?;
+    /// for _ in 0..60 {
+    ///     world.step(1.0 / 60.0)?;
+    ///     other.step(1.0 / 60.0)?;
+    /// }
+    /// assert_eq!(world.state_hash(), other.state_hash());
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn state_hash(&self) -> u64 {
         let mut order: Vec<(u32, usize)> =
             self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
@@ -66,6 +85,22 @@ impl World {
 
     /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to
     /// the world's zero [J].
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let before = world.energy();
+    /// for _ in 0..30 {
+    ///     world.step(1.0 / 60.0)?;
+    /// }
+    /// // It falls freely: potential energy became kinetic.
+    /// assert!((world.energy() - before).abs() < 0.01 * before.abs());
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn energy(&self) -> f64 {
         self.bodies
             .all_dynamic()

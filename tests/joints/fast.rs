@@ -51,7 +51,7 @@ fn two_balls(make: Make, turn: Quat) -> (World, [BodyHandle; 2]) {
 fn most_energy(world: &mut World, what: &str) -> f64 {
     let start = world.energy();
     (0..120).fold(0.0, |most: f64, step| {
-        let stopped = world.step(DT).unwrap().stopped;
+        let stopped = world.step(DT).unwrap().faulted;
         let energy = world.energy();
         assert!(stopped == 0 && energy.is_finite(), "{what}: step {step}, {stopped} stopped, {energy} J");
         most.max(energy / start)

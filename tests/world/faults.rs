@@ -37,7 +37,7 @@ fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
         let places: Vec<DVec3> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
         world.add_force(bodies[which], force * MAX_FORCE).unwrap();
         let report = *world.step(DT).unwrap();
-        assert_eq!((report.stopped, world.faulted_bodies()), (1, &[bodies[which]][..]));
+        assert_eq!((report.faulted, world.faulted_bodies()), (1, &[bodies[which]][..]));
         assert_eq!(world.position(bodies[which]).unwrap(), places[which]);
         assert_eq!(world.linear_velocity(bodies[which]).unwrap(), Vec3::ZERO);
         for step in 0..60 {
@@ -46,7 +46,7 @@ fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
                 let moved = world.position(body).unwrap().distance(*place);
                 assert!(moved < 2e-3, "force on {which}, step {step}: {moved}");
             }
-            assert_eq!(world.step(DT).unwrap().stopped, 0);
+            assert_eq!(world.step(DT).unwrap().faulted, 0);
             assert!(world.faulted_bodies().is_empty());
         }
     }
@@ -58,7 +58,7 @@ fn a_torque_beyond_all_bounds_stops_its_body() {
     let (mut world, bodies) = stacks(Settings::default());
     world.add_torque(bodies[8], Vec3::X * MAX_FORCE).unwrap();
     let at = (world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap());
-    assert_eq!(world.step(DT).unwrap().stopped, 1);
+    assert_eq!(world.step(DT).unwrap().faulted, 1);
     assert_eq!((world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap()), at);
 }
 
@@ -105,7 +105,7 @@ fn joints_that_make_no_numbers_stop_what_they_join() {
     }
     let place = world.position(bodies[5]).unwrap();
     for _ in 0..120 {
-        let stopped = world.step(DT).unwrap().stopped;
+        let stopped = world.step(DT).unwrap().faulted;
         assert_eq!(stopped as usize, world.faulted_bodies().len());
         assert!(common::all_finite(&world));
     }
@@ -157,7 +157,7 @@ fn faults_do_not_depend_on_threads() {
                 }
                 let report = *world.step(DT).unwrap();
                 assert!(common::all_finite(&world));
-                (world.state_hash(), report.stopped, world.faulted_bodies().to_vec())
+                (world.state_hash(), report.faulted, world.faulted_bodies().to_vec())
             })
             .collect::<Vec<_>>()
     };
@@ -243,7 +243,7 @@ fn impacts_with_what_spins_beyond_reason_leave_numbers() {
             .with_shape(plane);
         world.add_body(&plane).unwrap();
         for step in 0..120 {
-            stopped += world.step(1.0 / 30.0).unwrap().stopped;
+            stopped += world.step(1.0 / 30.0).unwrap().faulted;
             for body in world.bodies() {
                 let (at, v) = (world.position(body).unwrap(), world.linear_velocity(body).unwrap());
                 let w = world.angular_velocity(body).unwrap();

@@ -44,7 +44,7 @@ record! {
         pub weighted_trees: u32,
         pub damped_trees: u32,
         /// Bodies that had to be stopped, see `bs_world_faulted_bodies`.
-        pub stopped: u32,
+        pub faulted: u32,
         /// Impacts that were solved one by one at their times.
         pub struck: u32,
         pub stood: u32,

@@ -131,7 +131,7 @@ fn reports_are_where_they_were() {
         size 0, step_us 4, broad_us 8, narrow_us 12, prepare_us 16, solve_us 20, finish_us 24, pairs 28,
         moved 32, swept 36, manifolds 40, real 44, potential 48, pushed 52, ghosts 56, recycled 60,
         casts 64, impacts 68, batches 72, uncoloured 76, cut 80, lifted 84, settled 88,
-        weighted_trees 92, damped_trees 96, stopped 100, struck 104, stood 108, asleep 112, slept 116,
+        weighted_trees 92, damped_trees 96, faulted 100, struck 104, stood 108, asleep 112, slept 116,
         woke 120, events_lost 124, shed 128,
     ]);
     pinned!(BsBytes, 24, 8, [

@@ -197,8 +197,8 @@ fn same_reports(c: &World, rust: &backstop::World) {
         ok(bs_world_energy(c.0, &mut energy));
     }
     let engine = rust.report();
-    let counts = (report.pairs, report.manifolds, report.real, report.potential, report.stopped);
-    assert_eq!(counts, (engine.pairs, engine.manifolds, engine.real, engine.potential, engine.stopped));
+    let counts = (report.pairs, report.manifolds, report.real, report.potential, report.faulted);
+    assert_eq!(counts, (engine.pairs, engine.manifolds, engine.real, engine.potential, engine.faulted));
     assert!(report.real > 0 && report.step_us > 0.0);
     assert_eq!(memory.total, rust.memory().total() as u64);
     assert_eq!(memory.of.iter().map(|of| of.reserved).sum::<u64>(), memory.total);

@@ -73,6 +73,26 @@ impl CoupledMotion {
 ///
 /// With the feature `serde` all but the motions may be left out where it is the default. Where numbers are
 /// text an infinite one is `"infinity"` or `"-infinity"`.
+///
+/// ```
+/// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+/// # let mut world = World::new(Settings::default())?;
+/// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+/// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+/// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+/// # let body = world.add_body(&desc)?;
+/// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+/// # let other = world.add_body(&desc.with_position(Vec3::new(2.0, 2.0, 0.0)))?;
+/// # let second = world.frames_about([ground, other], DVec3::new(2.0, 2.0, 0.0), Vec3::Z)?;
+/// let small = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+/// let large = world.add_joint(&JointDesc::hinge([ground, other], second))?;
+/// let gear = world.add_coupling(&CouplingDesc::gear([small, large], [20.0, 40.0]))?;
+/// world.set_angular_velocity(body, Vec3::Z * 2.0)?;
+/// world.step(1.0 / 60.0)?;
+/// let [fast, slow] = [body, other].map(|wheel| world.angular_velocity(wheel));
+/// assert!((fast?.z + 2.0 * slow?.z).abs() < 1e-3);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

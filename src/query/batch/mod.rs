@@ -33,6 +33,20 @@ impl World {
     /// Faster than one by one where neighbours in the slice go about the same way, as those of a camera or a
     /// sensor do; others are cast one by one. Uses about 64 kB of the stack.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let rays = [-2.0, 0.0, 2.0].map(|x| Ray::new(DVec3::new(x, 5.0, 0.0), Vec3::NEG_Y * 10.0));
+    /// let mut hits = [None; 3];
+    /// world.cast_rays(&rays, &QueryFilter::default(), &mut hits)?;
+    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.body)), [Some(ground), Some(body), Some(ground)]);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15, or
     /// the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `hits` is as it was.

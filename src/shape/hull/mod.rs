@@ -72,6 +72,14 @@ impl ConvexHull {
     ///
     /// A triangle mesh on a dynamic body moves as the hull of its vertices.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    /// let wedge = ConvexHull::new(&corners)?;
+    /// assert_eq!((wedge.vertices().len(), wedge.faces().len()), (4, 4));
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If a coordinate is not finite or beyond 1e6, if no side of the points' box is 1e-6 long, or if all
     /// points are equal, on a line or in a plane.

@@ -48,6 +48,15 @@ impl TriangleMesh {
     ///
     /// Equal vertices become one; triangles without area, or given twice, are dropped.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// let corners = vec![Vec3::ZERO, Vec3::Z * 9.0, Vec3::X * 9.0, Vec3::new(9.0, 0.0, 9.0)];
+    /// let floor = TriangleMesh::new(corners, vec![[0, 1, 2], [1, 3, 2]])?;
+    /// assert_eq!(floor.triangle_count(), 2);
+    /// let floor = BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::mesh(floor)));
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there
     /// are more than 2^28 triangles.

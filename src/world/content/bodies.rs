@@ -13,6 +13,19 @@ use glam::Vec3;
 impl World {
     /// Adds a body.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let ball = ShapeDesc::new(Geometry::sphere(0.2)).with_density(500.0);
+    /// let ball = world.add_body(&BodyDesc::dynamic().with_position(Vec3::Y * 5.0).with_shape(ball))?;
+    /// assert_eq!(world.position(ball)?.y, 5.0);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If its description is out of range, a dynamic body has no mass or a shape that only a static one may
     /// have, or the budget does not allow it.
@@ -24,6 +37,19 @@ impl World {
     }
 
     /// Adds many bodies: all of them, or none.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let row = |i: u32| desc.clone().with_position(Vec3::X * (2 * i) as f32);
+    /// let bodies = world.add_bodies(&(1..=10).map(row).collect::<Vec<_>>())?;
+    /// assert_eq!(bodies.len(), 10);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// As for [`World::add_body`], and which of several it is ([`Error::One`]).
@@ -40,6 +66,18 @@ impl World {
     }
 
     /// Removes a body with its shapes.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.remove_body(body)?;
+    /// assert!(matches!(world.position(body), Err(Error::StaleBody)));
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale.
@@ -75,6 +113,21 @@ impl World {
     /// Disables a body, or enables it again, with its shapes and joints. A disabled body does not move,
     /// touches nothing, and is invisible to queries; its joints have no effect. It keeps its handles, its
     /// pose and its velocities, and may be changed in the meantime.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // Far away from the player: kept, but not simulated.
+    /// world.set_enabled(body, false)?;
+    /// world.step(1.0 / 60.0)?;
+    /// assert_eq!(world.position(body)?.y, 2.0);
+    /// world.set_enabled(body, true)?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale, or the budget no longer allows it to be enabled.
@@ -116,6 +169,18 @@ impl World {
 
     /// All bodies: first dynamic ones, then kinematic ones, then dynamic ones that are asleep and those that
     /// are disabled, then static ones.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let lowest = world.bodies().filter_map(|body| world.position(body).ok()).map(|at| at.y).min_by(f64::total_cmp);
+    /// assert_eq!(lowest, Some(0.0));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
         (0..self.bodies.len()).map(|index| self.handle_of(index))
     }

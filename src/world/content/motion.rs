@@ -69,6 +69,18 @@ impl World {
     /// Moves a body to a pose of its origin, at once. The pose that it has, as [`World::position`] and
     /// [`World::rotation`] return it, changes nothing and wakes nobody.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.set_pose(body, DVec3::new(10.0, 1.0, 0.0), Quat::from_rotation_y(0.5))?;
+    /// assert_eq!(world.position(body)?.x, 10.0);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, the pose is not one, or it is beyond [`limits::MAX_POSITION`].
     pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: glam::Quat) -> Result<(), Error> {
@@ -118,6 +130,18 @@ impl World {
 
     /// Sets the velocity of a body's centre of mass [m/s]. Has no effect on a static body.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.set_linear_velocity(body, Vec3::X * 3.0)?;
+    /// assert_eq!(world.linear_velocity(body)?, Vec3::X * 3.0);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
     pub fn set_linear_velocity(&mut self, body: BodyHandle, linear: Vec3) -> Result<(), Error> {
@@ -162,6 +186,19 @@ impl World {
 
     /// Velocity of the point of a body that is at a point of the world now [m/s].
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.set_angular_velocity(body, Vec3::Y * 2.0)?;
+    /// let rim = world.velocity_at(body, DVec3::new(0.5, 2.0, 0.0))?;
+    /// assert!((rim - Vec3::NEG_Z).length() < 1e-6);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale or the point is beyond [`limits::MAX_POSITION`].
     pub fn velocity_at(&self, body: BodyHandle, point: DVec3) -> Result<Vec3, Error> {
@@ -177,6 +214,26 @@ impl World {
     /// moves on**, as with a velocity that was set: call it before each step, or
     /// [`World::move_kinematic_and_stop`]. The last call before a step counts; setting the pose or the
     /// velocity takes it back. A dynamic body just gets the velocity, a static one stays.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // A lift: bodies on it are carried along.
+    /// let slab = ShapeDesc::new(Geometry::cuboid(2.0, 0.1, 2.0));
+    /// let lift = world.add_body(&BodyDesc::kinematic().with_position(Vec3::X * 9.0).with_shape(slab))?;
+    /// let dt = 1.0 / 60.0;
+    /// for i in 1..=60 {
+    ///     let height = f64::from(i) / 60.0;
+    ///     world.move_kinematic(lift, DVec3::new(9.0, height, 0.0), Quat::IDENTITY, dt)?;
+    ///     world.step(dt)?;
+    /// }
+    /// assert!((world.position(lift)?.y - 1.0).abs() < 1e-4);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale, the pose is not one, `dt` is not the length of a step, the velocity is beyond
@@ -254,6 +311,21 @@ impl World {
     /// Adds a force [N] at the centre of mass of a dynamic body, for the next step. Forces and impulses on
     /// other bodies, here and below, are checked and have no effect.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // As strong as its weight: it hovers.
+    /// let weight = 9.81 * world.mass(body)?;
+    /// world.add_force(body, Vec3::Y * weight)?;
+    /// world.step(1.0 / 60.0)?;
+    /// assert!(world.linear_velocity(body)?.y.abs() < 1e-3);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the
     /// first force of a world, the budget does not allow it.
@@ -329,6 +401,20 @@ impl World {
 
     /// Changes the linear velocity of a dynamic body by an impulse [N s] at its centre of mass.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // A jump of 3 m/s.
+    /// let impulse = 3.0 * world.mass(body)?;
+    /// world.apply_impulse(body, Vec3::Y * impulse)?;
+    /// assert!((world.linear_velocity(body)?.y - 3.0).abs() < 1e-5);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As for [`World::apply_impulse_at`].
     pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3) -> Result<(), Error> {
@@ -336,6 +422,19 @@ impl World {
     }
 
     /// Changes the velocity of a dynamic body by an impulse [N s] at a point of the world [m].
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // A kick above the centre also turns it.
+    /// world.apply_impulse_at(body, Vec3::X * 100.0, DVec3::new(-0.5, 2.3, 0.0))?;
+    /// assert!(world.angular_velocity(body)?.z < 0.0);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale, a number is beyond [`limits::MAX_FORCE`], or the velocity would be beyond

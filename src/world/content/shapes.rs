@@ -13,6 +13,19 @@ use crate::world::{Addition, Change, World};
 impl World {
     /// Adds a shape to a body; the mass follows if it is that of the shapes.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let top = ShapeDesc::new(Geometry::sphere(0.3)).with_position(Vec3::Y * 0.8);
+    /// let top = world.add_shape(body, &top)?;
+    /// assert_eq!(world.body_of(top)?, body);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, or the shape or the budget does not allow it.
     pub fn add_shape(&mut self, body: BodyHandle, shape: &ShapeDesc) -> Result<ShapeHandle, Error> {
@@ -107,6 +120,18 @@ impl World {
 
     /// Changes the material of a shape: a belt that starts, ice that melts. One that is no other changes
     /// nothing and wakes nobody.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let shape = world.shapes(body)?.next().expect("its cube");
+    /// world.set_material(shape, Material::default().with_friction(0.05).with_restitution(0.3))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale, a value is out of range, or the budget does not allow it.

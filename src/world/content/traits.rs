@@ -26,6 +26,19 @@ impl World {
     /// becomes dynamic gets its given mass again, or that of its shapes. Joints between bodies of which none
     /// is dynamic stay, and have no effect meanwhile.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // Held by the player, then dropped.
+    /// world.set_kind(body, BodyKind::Kinematic)?;
+    /// world.set_kind(body, BodyKind::Dynamic)?;
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale; if a body that would become dynamic has no mass, or a shape that a dynamic one
     /// can't have; or if the budget does not allow it.
@@ -173,6 +186,17 @@ impl World {
     /// while it is not dynamic; one that is faster slows down in the next step. A sleeping body goes on
     /// sleeping.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// world.set_max_speeds(body, Some(50.0), Some(30.0))?;
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, a number is not in 0..=[`limits::MAX_SPEED`], or the budget does not allow it.
     pub fn set_max_speeds(
@@ -204,6 +228,18 @@ impl World {
     /// Sets the world axes along which a body can't move, and those about which it can't turn: see
     /// [`BodyDesc::lock_translation`](crate::BodyDesc::lock_translation). The next step takes away the
     /// velocity that it has along and about them.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // It moves in the plane z = 0 and does not tumble.
+    /// world.set_locked_axes(body, [false, false, true], [true, true, true])?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale.
@@ -237,6 +273,18 @@ impl World {
 
     /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes;
     /// static bodies have none.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// // A bullet which is long and spins: its whole volume is swept.
+    /// world.set_continuous(body, ContinuousMode::Volume)?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale.

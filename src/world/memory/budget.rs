@@ -72,6 +72,21 @@ pub(crate) enum Addition<'a> {
 /// # Memory
 impl World {
     /// Bytes by category.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let memory = world.memory();
+    /// for (category, bytes) in memory.iter() {
+    ///     println!("{}: {} of {} bytes", category.name(), bytes.live, bytes.reserved);
+    /// }
+    /// assert!(memory.total() > 0);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn memory(&self) -> MemoryReport {
         let mut report = self.buffers_by_category();
         let (manifolds, rows) = self.buffers.prepare.ahead_bytes();

@@ -13,7 +13,7 @@ impl World {
     /// Bodies that the last step stopped, because their new position or velocity was not finite or out of
     /// range. Each is where it was before the step, or where the impact was that left it none, at rest, and
     /// takes part in the next one.
-    /// [`StepReport::stopped`](crate::StepReport::stopped) is their number.
+    /// [`StepReport::faulted`](crate::StepReport::stopped) is their number.
     pub fn faulted_bodies(&self) -> &[BodyHandle] {
         &self.faults.stopped
     }

@@ -111,7 +111,7 @@ fn check_chain(
     let case = format!("{links} links, 1 : {ratio:e}, {hertz} Hz x {substeps} x {iterations}, x {scale}");
     for step in 0..seconds * hertz {
         let report = chain.world.step(1.0 / hertz as f32).unwrap();
-        let (stopped, weighted) = (report.stopped, report.weighted_trees);
+        let (stopped, weighted) = (report.faulted, report.weighted_trees);
         assert_eq!(weighted, u32::from(ratio > 2.1e4), "{case}");
         worst = worst.max(chain.open() / (LINK * scale));
         if stopped > 0 || !all_finite(&chain.world) || worst > 0.01 {
@@ -257,7 +257,7 @@ fn a_figure_bears_any_load_at_its_foot() {
             let seconds = if case == CASES[0] { 60 } else { 20 };
             for step in 0..seconds * hertz {
                 let report = world.step(1.0 / hertz as f32).unwrap();
-                let stopped = report.stopped;
+                let stopped = report.faulted;
                 damped += report.damped_trees;
                 worst = joints.iter().map(|&joint| gap(&world, joint)).fold(worst, f64::max);
                 if !all_finite(&world) || worst > 0.001 {
@@ -297,7 +297,7 @@ fn no_step_leaves_what_is_no_number() {
                     let force = if step % 40 == 10 { force } else { Vec3::ZERO };
                     world.add_force_and_torque(pushed[step / 20 % 3], force * scale, torque * scale).unwrap();
                 }
-                stopped += world.step(1.0 / 60.0).unwrap().stopped;
+                stopped += world.step(1.0 / 60.0).unwrap().faulted;
                 assert!(all_finite(&world), "{joined} {scale} {step}");
             }
             // By 1e18 N a ton is gone from the world within a step: 1e18 / 1e3 / 60 m/s.

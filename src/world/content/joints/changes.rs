@@ -18,6 +18,19 @@ impl World {
     /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
     /// changes is cheaper set by [`World::set_joint_target`]; a drive that is no other wakes nobody.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let hinge = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+    /// world.set_joint_motor(hinge, Motor::velocity(Motion::Angular, Axis::X, 1.0, 500.0))?;
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
     pub fn set_joint_motor(&mut self, joint: JointHandle, drive: Motor) -> Result<(), Error> {
@@ -62,6 +75,25 @@ impl World {
     /// [rad] and a velocity [m/s] or [rad/s]. Meant for targets that change in every step: it costs no more
     /// than looking up the row. A target that is no other wakes nobody.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let spring = Spring::Frequency { hertz: 3.0, ratio: 1.0 };
+    /// let desc = JointDesc::hinge([ground, body], frames);
+    /// let servo = world.add_joint(&desc.with_motor(Motor::position(Motion::Angular, Axis::X, 0.0, spring)))?;
+    /// world.set_joint_target(servo, Motion::Angular, Axis::X, 0.5, 0.0)?;
+    /// for _ in 0..120 {
+    ///     world.step(1.0 / 60.0)?;
+    /// }
+    /// assert!((world.joint_position(servo, Motion::Angular, Axes::One(Axis::X))? - 0.5).abs() < 0.05);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale, a number is out of range, or there is no such drive ([`Error::NoMotor`]).
     pub fn set_joint_target(
@@ -83,6 +115,19 @@ impl World {
 
     /// Sets a limit of a joint: it replaces the first of the same motion and axes, or is added. A limit from
     /// minus infinity to infinity is taken away. A limit that is no other wakes nobody.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let door = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+    /// world.set_joint_limit(door, Limit::new(Motion::Angular, Axes::One(Axis::X), -1.5, 0.0))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.

@@ -16,6 +16,26 @@ use glam::{DVec3, Vec3};
 impl World {
     /// Adds a joint.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let desc = JointDesc::hinge([ground, body], frames).with_motor(Motor::velocity(
+    ///     Motion::Angular,
+    ///     Axis::X,
+    ///     2.0,
+    ///     1e6,
+    /// ));
+    /// let hinge = world.add_joint(&desc)?;
+    /// world.step(1.0 / 60.0)?;
+    /// assert!((world.joint_velocity(hinge, Motion::Angular, Axis::X)? - 2.0).abs() < 1e-3);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If a handle is stale, a number is out of range, both bodies are the same or neither is dynamic, or the
     /// budget does not allow it.
@@ -75,6 +95,18 @@ impl World {
 
     /// Frames on two bodies that coincide at the bodies' current poses: at a point of the world, with the
     /// axes that a rotation gives x, y and z.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// let frames = world.frames_at([ground, body], DVec3::Y * 2.5, Quat::IDENTITY)?;
+    /// let ball_joint = world.add_joint(&JointDesc::ball([ground, body], frames))?;
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If a handle is stale or a number not finite.

@@ -40,6 +40,20 @@ impl World {
     /// step on. Any other twist about one axis is in `-pi..=pi`; limits and drives take it with the whole
     /// turns that bring it nearest to the middle of the range or to the target.
     ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let hinge = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+    /// let angle = world.joint_position(hinge, Motion::Angular, Axes::One(Axis::X))?;
+    /// assert!(angle.abs() < 1e-6);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the handle is stale.
     pub fn joint_position(&self, joint: JointHandle, motion: Motion, axes: Axes) -> Result<f32, Error> {
@@ -64,6 +78,22 @@ impl World {
 
     /// Force [N] and torque [N m] of a joint on its second body in the last substep, in world axes; the first
     /// body gets the opposite. The torque is about the joint.
+    ///
+    /// ```
+    /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
+    /// # let mut world = World::new(Settings::default())?;
+    /// # let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane())))?;
+    /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+    /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
+    /// # let body = world.add_body(&desc)?;
+    /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
+    /// let hinge = world.add_joint(&JointDesc::hinge([ground, body], frames))?;
+    /// world.step(1.0 / 60.0)?;
+    /// let (force, _torque) = world.joint_force(hinge)?;
+    /// let weight = 9.81 * world.mass(body)?;
+    /// assert!((force.length() - weight).abs() < 0.01 * weight);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     /// If the handle is stale.
