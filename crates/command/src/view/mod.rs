@@ -1,6 +1,6 @@
 //! Pictures of a scene: in a window, or as PNG files where there is no display.
 //!
-//! Both show what `World::draw` draws, on a canvas of our own (docs/decisions/pictures.md says why). The
+//! Both show what `World::draw` draws, on a canvas of our own (docs/decisions/packages.md says why). The
 //! window is winit's and softbuffer's, text on it is embedded-graphics', PNG is written by the crate of that
 //! name.
 
