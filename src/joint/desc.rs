@@ -1,4 +1,4 @@
-//! What a joint is made of: limits and drives between two frames.
+//! Descriptions of joints: limits and motors between two frames.
 
 use crate::config::RowGroup;
 use crate::error::{Error, each, within};
@@ -111,7 +111,7 @@ pub enum Spring {
         #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
         damping: f32,
     },
-    /// The same by how it moves what is joined, whatever the mass.
+    /// The same by frequency and damping ratio of the joined bodies, independent of their mass.
     Frequency {
         /// Undamped [Hz], up to 1e9.
         hertz: f32,
@@ -192,7 +192,7 @@ impl Spring {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Limit {
-    /// What is limited.
+    /// The limited axes.
     pub motion: Motion,
     /// Along or about which axes.
     pub axes: Axes,
@@ -202,7 +202,7 @@ pub struct Limit {
     /// Most allowed, not below `min`; infinity for none.
     #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
     pub max: f32,
-    /// What pushes back beyond the range; rigid if there is none.
+    /// The spring that pushes back beyond the range; `None` is rigid.
     #[cfg_attr(feature = "serde", serde(default))]
     pub spring: Option<Spring>,
 }
@@ -320,7 +320,7 @@ impl Motor {
     }
 }
 
-/// A joint to be added: two bodies, a frame on each, and what of their relative motion is limited and driven.
+/// A joint to be added: two bodies, a frame on each, and limits and motors of their relative motion.
 ///
 /// The relative motion is that of the second frame as seen from the first. Frames that coincide have no
 /// displacement.
@@ -359,10 +359,10 @@ pub struct JointDesc {
     /// Where the joint sits on each.
     #[cfg_attr(feature = "serde", serde(default))]
     pub frames: [Frame; 2],
-    /// What is kept within a range.
+    /// Limits of the relative motion.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: Vec<Limit>,
-    /// What is driven.
+    /// Motors of the relative motion.
     #[cfg_attr(feature = "serde", serde(default))]
     pub motors: Vec<Motor>,
     /// Whether the two bodies collide with each other. Default no.
@@ -381,8 +381,8 @@ pub struct JointDesc {
     /// The same of its torque [N m]. Default infinity.
     #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub torque_threshold: f32,
-    /// Has its rows solved right after those of this group, unless their own place is later: what is solved
-    /// later wins. A tree of joints goes as a whole. Default none.
+    /// Has its rows solved right after those of this group, unless their own place is later: later rows win.
+    /// A tree of joints goes as a whole. Default none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub solved_after: Option<RowGroup>,
     /// The caller's own.
@@ -508,7 +508,7 @@ impl JointDesc {
     }
 }
 
-/// What the bounds of a joint's force and torque are called in errors.
+/// Names of the bounds of a joint's force and torque in errors.
 pub(crate) const STRENGTH: [&str; 2] = ["break force", "break torque"];
 /// See [`STRENGTH`].
 pub(crate) const THRESHOLD: [&str; 2] = ["force threshold", "torque threshold"];
