@@ -3,11 +3,11 @@
 
 use std::fmt;
 
-/// The most that a file may ask for while it is read. What is beyond is refused before memory is taken for
-/// it, by an error that names the limit.
+/// The most that a file may ask for while it is read. Anything beyond is refused before memory is reserved
+/// for it, by an error that names the limit.
 ///
-/// What is built several times, because it is used at several places or scales, counts each time; what is
-/// shared counts once. No honest scene for a game meets a default.
+/// Content that is built several times, because it is used at several places or scales, counts each time;
+/// shared content counts once. No honest scene for a game meets a default.
 ///
 /// ```
 /// use backstop::LoadLimits;
@@ -87,7 +87,7 @@ impl fmt::Display for LimitExceeded {
 
 impl std::error::Error for LimitExceeded {}
 
-/// A limit, and what of it is taken.
+/// A limit, and the part of it that is used.
 #[derive(Debug)]
 pub struct Count {
     limit: &'static str,
@@ -136,7 +136,7 @@ impl Count {
     }
 }
 
-/// Counts of what a file has taken so far of its [`LoadLimits`], for those who read formats of their own.
+/// Counts how much a file has used of its [`LoadLimits`] so far, for readers of other formats.
 #[derive(Debug)]
 pub struct Tally {
     /// Of [`LoadLimits::bytes`].

@@ -2,8 +2,8 @@
 //!
 //! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So helpers
 //! are called once a step: they wait, spinning, for the caller to announce a stage, and claim blocks of it
-//! beside the caller, who works where it is. Nobody waits for a helper that has not claimed a block: if none
-//! ever arrives, because the pool has other work, the caller does all.
+//! beside the caller, who works where it is. The caller never waits for a helper that has not claimed a
+//! block: if none ever arrives, because the pool has other work, the caller does all.
 
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need all of it"))]
 mod stage;
@@ -87,8 +87,8 @@ pub(crate) fn with_workers<R: Send>(
     f(Workers { stage: Some(stage) })
 }
 
-/// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the
-/// end is taken back.
+/// Runs `f` on this thread of a pool, and offers so many helpers to the others: offers that none has taken by
+/// the end are taken back.
 #[cfg(feature = "parallel")]
 fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) -> R {
     fn offer(stage: &Stage, helping: usize, f: &mut (dyn FnMut() + Send)) {

@@ -1,4 +1,4 @@
-//! What few bodies have, by slot: a body without it pays nothing, neither in bytes nor in a step.
+//! Rare fields of bodies, by slot: a body without them pays nothing, neither in bytes nor in a step.
 
 use super::targets::Target;
 use crate::lanes::Record;

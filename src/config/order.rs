@@ -51,7 +51,7 @@ impl Order {
     /// Number of groups.
     pub(crate) const LEN: usize = 7;
 
-    /// The opposite: contacts first, joints last. It shows what the default is good for.
+    /// The opposite: contacts first, joints last. It shows the benefit of the default.
     pub fn reversed(self) -> Order {
         let mut groups = self.0;
         groups.reverse();

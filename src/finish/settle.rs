@@ -78,7 +78,7 @@ pub(super) struct Settled {
 }
 
 /// Settles the dynamic bodies that are off their path. `delta`: displacements, with the mark of these bodies;
-/// counts what the guard held, and lists the bodies that were stopped.
+/// counts the bodies that the guard held, and lists those that were stopped.
 pub(super) fn settle_off_path(
     guard: &Guard<'_>,
     tools: &mut Tools<'_>,

@@ -1,5 +1,5 @@
-//! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a
-//! column of its own.
+//! Materials, and the part of them that colliders keep: all have friction and restitution; rare fields are in
+//! a column of their own.
 
 use super::flags::{BELT, IDLE_DAMPING, ROLLS, SOFT};
 use crate::config::fields;
@@ -34,9 +34,9 @@ impl Combine {
     }
 }
 
-/// The fields of [`Material`], for all that is made of them: here, and in the loader of scenes. `base` is
-/// what every collider keeps, `rare` what few have; each is a list for [`fields`]. `Vec3` and `Combine` are
-/// those of the place where the list is used.
+/// The fields of [`Material`], for everything that is made of them: here, and in the loader of scenes. `base`
+/// has the fields that every collider keeps, `rare` those of few; each is a list for [`fields`]. `Vec3` and
+/// `Combine` are those of the place where the list is used.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! material_fields {
@@ -217,7 +217,8 @@ impl RareMaterial {
         if others.0 == 0.0 || own.0 > 0.0 && softer { own } else { others }
     }
 
-    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): what is not as by default.
+    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): fields that differ from the
+    /// default.
     pub(crate) fn flags(&self) -> u8 {
         let rolls = self.rolling_friction > 0.0 || self.spinning_friction > 0.0;
         let moves = self.surface_velocity != Vec3::ZERO;

@@ -55,7 +55,7 @@ pub(super) struct Stage {
     present: AtomicUsize,
     /// Written by the caller only while no block is claimed.
     work: UnsafeCell<Option<Erased>>,
-    /// Whether a helper's block panicked, and with what.
+    /// Whether a helper's block panicked, and its payload.
     panicked: AtomicBool,
     payload: Mutex<Option<Box<dyn Any + Send>>>,
 }
@@ -143,8 +143,8 @@ impl Stage {
         self.called.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the
-    /// pool's thread, nor leave the caller without an answer.
+    /// Works on the announced stages until the caller quits. A panic is kept for the caller: it must not end
+    /// the pool's thread, nor leave the caller without an answer.
     pub(super) fn help(&self, end: End) {
         self.present.fetch_add(1, Ordering::Relaxed);
         let mut turns = 0;
@@ -191,8 +191,8 @@ impl Drop for Finish<'_> {
 /// Sends the helpers away when a step ends, also when it panics.
 pub(super) struct Quit<'a> {
     pub(super) stage: &'a Stage,
-    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up
-    /// other work meanwhile, and returns when that is done.
+    /// For those that have arrived: on a thread of the pool, a wait in `join` for a helper takes up other
+    /// work meanwhile, and returns when that is done.
     pub(super) wait: bool,
 }
 

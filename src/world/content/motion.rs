@@ -249,9 +249,9 @@ impl World {
     }
 
     /// Moves a kinematic body to a pose of its origin within the next step, as [`World::move_kinematic`]
-    /// does, and has it stand there in the steps after, until it is moved again: a platform that is told
-    /// where to be. After the step it still has the velocity that led there, for what reads it; the next step
-    /// begins by taking it away. Other bodies are treated as there.
+    /// does, and has it stand there in the steps after, until it is moved again, as a platform does. After
+    /// the step it still has the velocity that led there, for readers; the next step begins by removing it.
+    /// Other bodies are treated as there.
     ///
     /// # Errors
     /// As for [`World::move_kinematic`].

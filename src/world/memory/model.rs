@@ -202,7 +202,7 @@ impl fmt::Display for FeatureReport {
 /// solver.
 const OF_A_MOVER: usize = 4 * size_of::<Record>();
 
-/// # What the content needs
+/// # Needs of the content
 impl World {
     /// The optional parts of the engine that the world's content needs, by how many shapes, bodies or joints,
     /// and their cost. Needs are counted when content is added, changed or removed; how joints are solved is

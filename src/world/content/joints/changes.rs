@@ -2,7 +2,7 @@
 //!
 //! Where the rows of a joint keep their kind, and so their places in the batches, a change writes numbers in
 //! place: nothing is arranged again, nothing is allocated, and impulses are warm-started as before. Other
-//! changes replace the rows of the joint, and what stays of its kind keeps its impulses too.
+//! changes replace the rows of the joint, and rows that keep their kind keep their impulses too.
 
 use crate::config::RowGroup;
 use crate::constraint::arranged_alike;
@@ -177,8 +177,8 @@ impl World {
         Ok(true)
     }
 
-    /// Replaces all limits of a joint, locks included; its drives stay. Here and below what is no other
-    /// changes nothing and wakes nobody.
+    /// Replaces all limits of a joint, locks included; its motors stay. Here and below, a value equal to the
+    /// present one changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
@@ -206,7 +206,7 @@ impl World {
         self.replace_joint_rows(slot, &limits, drives, Change::SetJointDrives(joint, drives))
     }
 
-    /// Moves a joint on its bodies. Bodies stay where they are: the next steps close what is open then.
+    /// Moves a joint on its bodies. Bodies stay where they are: the next steps close the gap.
     ///
     /// # Errors
     /// If the handle is stale or a number out of range.

@@ -114,8 +114,8 @@ impl World {
         Ok(coupling.sum(self.displacements_of(coupling)))
     }
 
-    /// What a coupling exerted on each of its two motions in the last substep [N] or [N m]: on the second
-    /// body of the joint along or about the axis, and the opposite on the first.
+    /// Force or torque of a coupling on each of its two motions in the last substep [N] or [N m]: on the
+    /// second body of the joint along or about the axis, and the opposite on the first.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -145,7 +145,7 @@ impl World {
         Ok(())
     }
 
-    /// Sets the range of the sum of a coupling; `None` keeps it at what it is.
+    /// Sets the range of the sum of a coupling; `None` keeps the present one.
     ///
     /// # Errors
     /// If the handle is stale or an end out of range.
