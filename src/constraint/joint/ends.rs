@@ -16,7 +16,7 @@ pub(crate) struct Recovery {
     pub(crate) angular: f32,
 }
 
-/// What a pass over the rows of joints uses.
+/// Parameters of a pass over the rows of joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointPass {
     /// 1 / substep [1/s].
@@ -27,7 +27,7 @@ pub(crate) struct JointPass {
     pub(crate) moved: bool,
     /// No pass was solved since then: impulses of the last substep are turned with the bodies.
     pub(crate) fresh: bool,
-    /// Remove what correcting errors added to the velocities.
+    /// Remove the velocities that the correction of errors added.
     pub(crate) relax: bool,
 }
 

@@ -1,9 +1,9 @@
 //! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors,
 //! friction.
 //!
-//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with
-//! d = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after
-//! the impulse.
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable for any values: with d
+//! = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after the
+//! impulse.
 
 use super::batch::{JointBatch, Report, RowImpulse};
 use super::ends::{Ends, JointPass, Lever};
@@ -21,7 +21,7 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) measure: M,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
-    /// What the joint's own locks add to an impulse so that it does not move what they hold: force and
+    /// The impulse of the joint's own locks per impulse of the row, which keeps them closed: force and
     /// torque, at the start of the step.
     pub(crate) borne: [Vec3<L>; 2],
     /// The direction in which velocities change the displacement, after the last substep.
@@ -86,7 +86,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     }
 }
 
-/// What both ends of rows are solved with.
+/// Quantities that both ends of rows are solved with.
 struct End<L: Lanes> {
     drives: L::Mask,
     springs: L::Mask,

@@ -12,7 +12,7 @@ use crate::lanes::Vec3;
 use std::f32::consts::TAU;
 
 impl CouplingRow {
-    /// The row of a coupling or a drive: where its bodies are, and with what it bore.
+    /// The row of a coupling or a motor, at the poses of its bodies and with its last load.
     pub(super) fn new(owner: Owner, input: &PrepareInput<'_>) -> CouplingRow {
         let mut row = match owner {
             Owner::Coupling(slot) => of_coupling(slot, input),

@@ -14,7 +14,7 @@ pub(in crate::constraint::joint) struct Plan {
     drives: Vec<bool>,
 }
 
-/// What a plan is made of.
+/// Input of a plan.
 pub(in crate::constraint::joint) struct PlanInput<'a> {
     pub(in crate::constraint::joint) joints: &'a Joints,
     /// Where the rows of a joint are solved; none if they have no effect.
@@ -70,7 +70,7 @@ impl Plan {
         self.drives.get(row as usize).is_some_and(|&is| is)
     }
 
-    /// Adds the drives of what is kept at one value to the block that keeps it.
+    /// Adds the motors of motions that are kept at one value to the block that keeps them.
     fn add_drives(&mut self, members: &mut Vec<Member>, joints: &Joints) {
         for i in 0..members.len() {
             let Member { place, root, owner } = members[i];

@@ -1,4 +1,4 @@
-//! What the check of nets needs from each batch of joints: the bodies it joins, how fast its directions turn,
+//! Input of the check of nets from each batch of joints: the bodies it joins, how fast its directions turn,
 //! the energy of its springs.
 
 use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
