@@ -40,7 +40,7 @@ impl ColliderSummary {
 }
 
 impl Collider {
-    /// From its middle to its surface where that is nearest [m]; infinite for what has no inside.
+    /// From its middle to its surface where that is nearest [m]; infinite for shapes without an inside.
     #[inline]
     pub(crate) fn thickness(&self) -> f32 {
         if self.inner_radius > 0.0 { self.inner_radius } else { f32::INFINITY }
@@ -91,7 +91,7 @@ impl Collider {
         }
     }
 
-    /// Replaces its form, and what follows from that. `own`: the rare part of its material.
+    /// Replaces its form, and the data that depend on it. `own`: the rare part of its material.
     pub(crate) fn set_geometry(&mut self, geometry: Geometry, own: RareMaterial) {
         let form = Collider::new(geometry);
         let flags = self.flags & !RARE | own.flags() | form.flags;
@@ -100,7 +100,7 @@ impl Collider {
             Collider { body, place, position, rotation, material, filter, density, flags, user_data, ..form };
     }
 
-    /// Replaces its material, and what follows from that but for the column of rare ones.
+    /// Replaces its material, and the data that depend on it but for the column of rare ones.
     pub(crate) fn set_material(&mut self, material: &Material) {
         self.material = material.base();
         self.flags = self.flags & !RARE | material.rare().flags() | self.geometry.rare_flags();
@@ -109,7 +109,7 @@ impl Collider {
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
     }
-    /// Whether it is a sensor that notices what is static, and surfaces.
+    /// Whether it is a sensor that notices static bodies, and surfaces.
     pub(crate) fn senses_static(&self) -> bool {
         self.flags & (SENSOR | STATICS) == SENSOR | STATICS
     }

@@ -64,7 +64,7 @@ impl MassProperties {
         .rounded()
     }
 
-    /// All of them as one body. What has no mass has no say.
+    /// All of them as one body. Parts without mass do not count.
     pub fn combine(parts: &[MassProperties]) -> Self {
         Moments::combine(parts.iter().map(|&p| p.into())).rounded()
     }
@@ -76,7 +76,7 @@ impl MassProperties {
             return MassProperties { mass, ..*self };
         }
         let mut scaled = Moments::from(*self).scaled(f64::from(mass) / f64::from(self.mass)).rounded();
-        // Not a rounding away from what was asked for.
+        // Exactly the mass that was asked for, without rounding.
         scaled.mass = mass;
         scaled
     }

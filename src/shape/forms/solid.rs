@@ -1,4 +1,4 @@
-//! What forms share: where paths enter, what is nearest, how bounds turn.
+//! Shared by forms: entry of paths, nearest points, bounds under rotation.
 
 use crate::math::Quat;
 use glam::{DVec3, Vec3};

@@ -1,4 +1,4 @@
-//! Convex hulls: what the narrow phase, the queries and the mass read of one.
+//! Convex hulls, as read by the narrow phase, the queries and the mass.
 
 pub(crate) mod build;
 mod form;
