@@ -68,7 +68,7 @@ pub enum Spring {
         #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
         damping: f32,
     },
-    /// The same by how it moves what is joined, whatever the mass.
+    /// The same by frequency and damping ratio of the joined bodies, independent of their mass.
     Frequency {
         /// Undamped [Hz], up to 1e9.
         hertz: f32,
@@ -158,7 +158,7 @@ impl Spring {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Limit {
-    /// What is limited.
+    /// The limited axes.
     pub motion: Motion,
     /// Along or about which axes.
     pub axes: Axes,
@@ -168,7 +168,7 @@ pub struct Limit {
     /// Most allowed, not below `min`; infinity for none.
     #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
     pub max: f32,
-    /// What pushes back beyond the range; rigid if there is none.
+    /// The spring that pushes back beyond the range; `None` is rigid.
     #[cfg_attr(feature = "serde", serde(default))]
     pub spring: Option<Spring>,
 }

@@ -39,15 +39,9 @@ impl FastLimit {
 pub(super) enum WarmStart {
     /// By a pass over the rows: they may be those of another step.
     ByRows,
-<<<<<<< HEAD
     /// By one addition per body: rows keep their directions within a step, so they would repeat the change of
     /// velocity of the substep before. Joint rows rotate with their bodies and re-apply their warm start
     /// themselves; trees that conserve energy need none.
-=======
-    /// By one addition per body: rows keep their directions within a step, so they would change the velocity
-    /// by the same amount as in the substep before. Joint rows rotate with their bodies and re-apply their
-    /// warm start themselves; trees that conserve energy need none.
->>>>>>> docs1
     ByDifference,
 }
 
@@ -64,11 +58,7 @@ pub(super) struct Integrator<'a> {
 }
 
 impl Integrator<'_> {
-<<<<<<< HEAD
     /// Whether a body turns that can't be pushed; the bodies that it carries have to turn along.
-=======
-    /// Whether a body turns that can't be pushed; bodies on it have to turn along.
->>>>>>> docs1
     pub(super) fn ground_turns(&self) -> bool {
         // SAFETY: between stages this thread is alone.
         let turns = |i| unsafe { self.motion.velocity.read(i) }.angular != glam::Vec3::ZERO;
@@ -101,13 +91,8 @@ impl Integrator<'_> {
         any_fast.into_inner()
     }
 
-<<<<<<< HEAD
     /// Marks bodies that rows changed after they had moved, when velocities were relaxed: `finish` would
     /// otherwise treat them as free and turn them as at the start of the step.
-=======
-    /// Marks bodies that rows changed after they had moved, when velocities were relaxed: a body that
-    /// `finish` takes for free would turn as it did at the start of the step.
->>>>>>> docs1
     pub(super) fn mark_relaxed(&self) {
         let motion = self.motion;
         self.each_body(|i| {

@@ -1,8 +1,4 @@
-<<<<<<< HEAD
 //! The parts of a substep before, between and after the passes over its rows.
-=======
-//! The work of a substep before, between and after the passes over its rows.
->>>>>>> docs1
 
 use super::integrate::{Integrator, WarmStart};
 use super::store::{add_impulses, disable};
@@ -299,11 +295,7 @@ impl Substeps<'_> {
     }
 
     /// Holds capped bodies to their greatest speeds. The velocity before any row acted is changed too, as if
-<<<<<<< HEAD
     /// the body had been slower: warm starting must not repeat the change by the cap.
-=======
-    /// the body had been slower: the loss at the cap is no impulse that warm starting should repeat.
->>>>>>> docs1
     #[inline(always)]
     fn limit_speeds(&mut self) {
         let BodyData { caps, slots, .. } = self.context.bodies;
