@@ -1,14 +1,14 @@
 //! Predicted motion in, pairs out.
 //!
-//! A *slow* mover keeps a fat box, and while it stays inside, all it costs is that check; its pairs last as
+//! A *slow* mover keeps a fat box, and while it stays inside, it costs only that check; its pairs last as
 //! long as fat boxes overlap. A *fast* one, which outruns its margin within the step, is swept: the tree
 //! holds its box from start to end, and colliders that touch it are tested exactly, by the segment of
 //! relative motion against the inflated box (`segment.rs`); so two fast ones aren't missed, nor do long boxes
 //! that merely cross make pairs by the thousand. Static colliders are in a tree of their own; endless ones
 //! (planes) are in a list.
 //!
-//! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged
-//! in order.
+//! Same pairs in the same order with any number of threads: searches run in blocks, and blocks are merged in
+//! order.
 
 mod aabb;
 mod bounds;

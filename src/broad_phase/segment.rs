@@ -1,6 +1,6 @@
 //! The path of a fast body against inflated boxes.
 //!
-//! The mover shrinks to the centre of its box, and whatever it may meet grows by its half extents (the
+//! The mover shrinks to the centre of its box, and any box that it may meet grows by its half extents (the
 //! Minkowski sum of two boxes is a box): "does the moving box touch the box" becomes "does the segment touch
 //! the grown box". Everything is measured from the middle of the path, so that rounding is relative to the
 //! lengths at hand and not to the distance from the world's origin.

@@ -11,7 +11,7 @@ use crate::handle::JointHandle;
 use std::f64::consts::TAU;
 pub(crate) use store::{CouplingRecords, Couplings, MAX_DISPLACEMENT, SavedCouplings};
 
-// Guard: limits of what a caller may say.
+// Guard: limits of a caller's input.
 /// Largest factor of a coupled motion, and one over the smallest.
 const MAX_FACTOR: f64 = 1e9;
 // Guard: the same.
