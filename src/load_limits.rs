@@ -1,4 +1,4 @@
-//! Limits on what reading a file may take. Files come from strangers: a few hundred bytes may ask for
+//! Limits on the resources for reading a file. Files come from strangers: a few hundred bytes may ask for
 //! gigabytes.
 
 use std::fmt;

@@ -29,7 +29,7 @@ impl Workers<'_> {
     }
 
     /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order
-    /// and at the same time: what a block writes must be its own.
+    /// and at the same time: a block may write only its own data.
     pub(crate) fn run(&self, blocks: usize, work: &(dyn Fn(usize) + Sync)) {
         match self.stage {
             Some(stage) if blocks > 1 && u32::try_from(blocks).is_ok() => stage.run(blocks, work),

@@ -114,7 +114,7 @@ impl<T> List for BySlot<T> {
     }
 }
 
-/// What few bodies have.
+/// Rare fields of a body.
 #[derive(Debug, Default)]
 pub(crate) struct RareColumns {
     pub(crate) damping: BySlot<Damping>,

@@ -33,8 +33,8 @@ impl Field {
 /// Makes a struct of a list of its fields: itself, its default, a method `with_FIELD` for each, a check of
 /// all ranges, and the table `FIELDS`.
 ///
-/// An entry has the field's sentences, then `with_FIELD(FIELD: TYPE) = DEFAULT`, and for numbers what errors
-/// call it, the least and the greatest value, and the range in words. After `TYPE, into` the method takes any
+/// An entry has the field's sentences, then `with_FIELD(FIELD: TYPE) = DEFAULT`, and for numbers its name in
+/// errors, the least and the greatest value, and the range in words. After `TYPE, into` the method takes any
 /// value that converts to the type: three numbers make a vector. `_` for its name: there is none.
 macro_rules! fields {
     ($(#[$meta:meta])* pub struct $of:ident { $(

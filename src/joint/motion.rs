@@ -1,4 +1,4 @@
-//! What a joint limits and drives: motions along and about axes, springs, limits and motors.
+//! The parts of a joint: motions along and about axes, springs, limits and motors.
 
 use crate::error::{Error, within};
 use crate::limits;
@@ -6,7 +6,7 @@ use crate::limits;
 #[cfg(feature = "serde")]
 use super::desc::infinity;
 
-// Guard: a limit of what a caller may say.
+// Guard: a limit of a caller's input.
 /// Largest displacement that a limit or a motor may name [m] or [rad].
 const MAX_DISPLACEMENT: f32 = limits::MAX_POSITION as f32;
 
@@ -105,7 +105,7 @@ impl SpringCoefficients {
 }
 
 impl Spring {
-    // Guard: a limit of what a caller may say.
+    // Guard: a limit of a caller's input.
     /// The most stiffness or finite damping that is allowed.
     pub const MAX_COEFFICIENT: f32 = 1e20;
 

@@ -37,7 +37,7 @@ pub(crate) struct Scratch {
 
 buffers! {
     Scratch {
-        /// For so many pairs, whatever their bins.
+        /// For so many pairs, in any bins.
         each_and_missing(pairs: usize) { states(pairs), bins(pairs) }
         bytes { found, seams }
     }

@@ -1,10 +1,9 @@
 //! The stage that is worked on: blocks, which the caller and its helpers claim one by one.
 //!
 //! Only two pairs of orderings carry data. The ticket's store releases the work pointer, and the exchange
-//! that claims a block acquires it. `done` releases what a block wrote, and the caller acquires it before
-//! `run` returns. All other accesses are relaxed: they only say when to look again. `scripts/reliability
-//! model` checks this file under every order of events that the memory model allows, in small cases
-//! (`loom/`).
+//! that claims a block acquires it. `done` releases a block's writes, and the caller acquires it before `run`
+//! returns. All other accesses are relaxed: they only say when to look again. `scripts/reliability model`
+//! checks this file under every order of events that the memory model allows, in small cases (`loom/`).
 
 use super::sync::{AtomicBool, AtomicU64, AtomicUsize, Mutex, Ordering, UnsafeCell, pause};
 use std::any::Any;

@@ -12,7 +12,7 @@ use bytemuck::Zeroable;
 pub(crate) struct Recovery {
     /// For lengths [m/s].
     pub(crate) linear: f32,
-    /// For angles, whatever the length unit [rad/s].
+    /// For angles, with any length unit [rad/s].
     pub(crate) angular: f32,
 }
 
@@ -283,7 +283,7 @@ fn bias<L: Lanes>(error: Vec3<L>, rate: L, most: f32) -> Vec3<L> {
 }
 
 /// One over the power of two at or below the greatest element of a nonnegative diagonal; 1 if that is next to
-/// zero. A matrix scaled by it has a finite determinant, whatever the scale of its masses, and is not rounded
+/// zero. A matrix scaled by it has a finite determinant, for any scale of its masses, and is not rounded
 /// otherwise.
 #[inline(always)]
 fn to_unit<L: Lanes>(most: L) -> L {

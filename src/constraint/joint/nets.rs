@@ -5,8 +5,9 @@
 //! have little to do with the impulses that would hold the joint; in some positions they add energy, and the
 //! next substep adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep
 //! that a game can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may
-//! take energy but give none: after a substep a net has no more than before, except for what motors gave. Any
-//! excess is removed from all of its velocities in proportion, except for the motion of the centre of mass.
+//! take energy but give none: after a substep a net has no more than before, except for the work of motors.
+//! Any excess is removed from all of its velocities in proportion, except for the motion of the centre of
+//! mass.
 //!
 //! Energy is kinetic energy, the potential of external forces, and that of springs. A stiff spring can give
 //! back less than it stores: the energy of its displacement as a speed over a substep.
@@ -223,7 +224,7 @@ impl Nets {
             [true, true] => {
                 let [a, b] = bodies.map(|body| self.root(body));
                 if a != b {
-                    // The lower root, whatever the order.
+                    // The lower root, in any order.
                     let (low, high) = (a.min(b), a.max(b));
                     self.all[high].root = low as u32;
                     let next = self.all[low].next;

@@ -86,7 +86,7 @@ struct Load {
     rows: [usize; 2],
 }
 
-/// Contacts by weight; those that stay whatever they weigh come last.
+/// Contacts by weight; those that stay at any weight come last.
 pub(crate) struct Census([Load; Weight::COUNT + 1]);
 
 impl Census {

@@ -72,11 +72,10 @@ pub(crate) struct Header {
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
     pub(crate) mean_friction: [f32; 4],
-    /// Normal force that all points together bear, each its share, whatever their separations are (see
-    /// `Softness`) [N].
+    /// Normal force that all points together bear, each its share, at any separations (see `Softness`) [N].
     pub(crate) lasting_force: f32,
-    /// Separation at which that force alone bears the load, if it is known: zero in the long run, whatever it
-    /// was when the load became known [m].
+    /// Separation at which that force alone bears the load, if it is known: zero in the long run, from any
+    /// value at the time when the load became known [m].
     pub(crate) rest: f32,
     /// Normal force by statics (see `statics`), [`UNKNOWN_LOAD`] or [`CHANGED_LOAD`] [N].
     pub(crate) static_load: f32,

@@ -227,8 +227,8 @@ mod tests {
         }
     }
 
-    /// On a flat mesh a cylinder that lies bears on its lowest line, whatever the triangles: a point before
-    /// or behind that moves with the shape as it rolls, and would be pushed.
+    /// On a flat mesh a cylinder that lies bears on its lowest line, for any triangles: a point before or
+    /// behind that moves with the shape as it rolls, and would be pushed.
     #[test]
     fn a_cylinder_that_lies_on_uneven_triangles_bears_on_its_lowest_line() {
         let mut random = Random(5);
