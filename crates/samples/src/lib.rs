@@ -32,6 +32,8 @@ macro_rules! samples {
 samples! {
     /// Bodies on top of each other.
     stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
+    /// Each kind of joint by itself.
+    joints: breaking, bridge, cones, gears, hinges, motors, pendulums, pulley, rack, rope, screw, sliders, springs;
     /// Bodies which joints and motors move.
     machines: windmill;
 }
