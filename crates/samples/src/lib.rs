@@ -33,7 +33,7 @@ samples! {
     /// Bodies on top of each other.
     stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
     /// Each kind of joint by itself.
-    joints: breaking, bridge, cones, gears, hinges, motors, pendulums, pulley, rack, rope, screw, sliders, springs;
+    joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
     /// Bodies which joints and motors move.
     machines: windmill;
 }
