@@ -166,7 +166,7 @@ pub enum Error {
     /// A snapshot refers to something that the world does not have.
     #[error("the snapshot is of a world with {what}")]
     ForeignSnapshot {
-        /// What differs.
+        /// The difference.
         what: &'static str,
     },
     /// A request does not fit into the memory budget.

@@ -77,7 +77,7 @@
 //! - `web-time`: step times in a browser, where bare WebAssembly has no clock.
 //! - `replay`: a run can be recorded and replayed, see `replay`.
 //! - `methods`: methods of continuous collision that exist to be compared with.
-//! - `observe`: the inside of a step, for those who measure it, see `observe`.
+//! - `observe`: the inside of a step, for measurements, see `observe`.
 //!
 //! Scenes, builtin ones and glTF files, are a crate of their own, `backstop-scene`; measures of stability and
 //! accuracy, and other methods of contact resolution, are `backstop-lab`.

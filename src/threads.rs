@@ -171,10 +171,10 @@ impl<'a, T> Shared<'a, T> {
     /// All elements, to be looked at.
     ///
     /// # Safety
-    /// Until the stage is over nobody may write any.
+    /// Until the stage is over no thread may write any.
     #[cfg(feature = "observe")]
     pub(crate) unsafe fn all(&self) -> &[T] {
-        // SAFETY: the whole slice; nobody writes by the contract.
+        // SAFETY: the whole slice; no thread writes by the contract.
         unsafe { std::slice::from_raw_parts(self.start, self.len) }
     }
 
@@ -208,7 +208,7 @@ impl<'a, T> Shared<'a, T> {
         T: Copy,
     {
         assert!(i < self.len);
-        // SAFETY: inside the slice by the assertion; nobody writes by the contract.
+        // SAFETY: inside the slice by the assertion; no thread writes by the contract.
         unsafe { *self.start.add(i) }
     }
 }

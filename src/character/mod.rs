@@ -191,10 +191,10 @@ impl Character {
     /// ground and keeps the ground's velocity. Gravity is the caller's: add it to the velocity in every call,
     /// and hand [`CharacterReport::velocity`] back in.
     ///
-    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect.
-    /// It is a shape cast, so it passes through nothing at any speed. Bodies that moved into it since the
-    /// last walk push it out first, by the shortest way. Allocates nothing (except as a first query does),
-    /// and the same world gives the same bits.
+    /// It sees the shapes that the filter selects: exclude a body of its own. [`QueryFilter::skip_inside`]
+    /// has no effect. It is a shape cast, so it passes through nothing at any speed. Bodies that moved into
+    /// it since the last walk push it out first, by the shortest way. Allocates nothing (except as a first
+    /// query does), and the same world gives the same bits.
     ///
     /// # Errors
     /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the character is as it was.

@@ -17,7 +17,7 @@ impl World {
     /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
     /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
     /// # let body = world.add_body(&desc)?;
-    /// /// Counts what would be drawn.
+    /// /// Counts the lines that would be drawn.
     /// #[derive(Default)]
     /// struct Counted(usize);
     /// impl debug::DebugDraw for Counted {

@@ -105,8 +105,8 @@ struct Watch {
 
 /// # Observers
 impl World {
-    /// Lets an observer look at each step from now on, in the place of another one; none: nobody looks. It is
-    /// not part of snapshots and recordings.
+    /// Lets an observer look at each step from now on, in place of another one; `None` removes it. It is not
+    /// part of snapshots and recordings.
     pub fn observe(&mut self, observer: Option<Box<dyn Observer>>) {
         self.meter = observer.map(|observer| -> Box<dyn StepMeter> {
             Box::new(Watch { system: System::default(), sums: Sums::default(), observer })

@@ -1,7 +1,7 @@
 //! Hulls, meshes and height fields as bytes that are read without building anything.
 //!
 //! ```text
-//! "backstop shape\n", kind (u8), version (u16), what `stored.rs` writes, CRC-32 of all before
+//! "backstop shape\n", kind (u8), version (u16), the output of `stored.rs`, CRC-32 of all before
 //! ```
 //!
 //! Numbers of the frame are little-endian; the content is as postcard writes it, as in recordings.

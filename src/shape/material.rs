@@ -64,12 +64,12 @@ macro_rules! material_fields {
                 with_rolling_friction(rolling_friction: f32) = 0.0,
                     "rolling friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
                 /// Lever arm of the load against spinning [m]: the torque against rotation about the normal
-                /// is at most this times the normal force, beside what sliding friction does about the middle
-                /// of a contact of several points.
+                /// is at most this times the normal force, beside the torque of sliding friction about the
+                /// middle of a contact of several points.
                 with_spinning_friction(spinning_friction: f32) = 0.0,
                     "spinning friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
                 /// Velocity at which the surface moves past the shape, in the shape's frame [m/s]: a belt.
-                /// Friction pulls what touches it along.
+                /// Friction pulls touching bodies along.
                 with_surface_velocity(surface_velocity: Vec3, into) = Vec3::ZERO,
                     "surface velocity" [-limits::MAX_SPEED, limits::MAX_SPEED] "within 1e6 along each axis";
                 /// Frequency of the spring with which the surface yields [Hz]; 0 for a rigid one, for which
@@ -77,13 +77,12 @@ macro_rules! material_fields {
                 ///
                 /// It is the frequency of the two bodies on the spring of their contact: a body that lies
                 /// flat on a soft floor sinks by g / (2 pi f)², whatever its mass. An edge has half the
-                /// spring of a face with four points, a corner a quarter. What a body carries sinks it
-                /// further, and each contact of a body has a spring of its own. Of two surfaces the softer
-                /// one decides. The surface gives way by at most half the inner radius of the thinner shape
-                /// (half a ball's radius, or a quarter of a plate's thickness), and is rigid there. The
-                /// spring alone throws back what falls on it: a soft contact has no restitution. Springs
-                /// above 0.16 of the rate of substeps act as one of that frequency
-                /// (docs/decisions/soft-contacts.md).
+                /// spring of a face with four points, a corner a quarter. A load sinks a body further, and
+                /// each contact of a body has a spring of its own. Of two surfaces the softer one decides.
+                /// The surface gives way by at most half the inner radius of the thinner shape (half a ball's
+                /// radius, or a quarter of a plate's thickness), and is rigid there. The spring alone throws
+                /// back bodies that fall on it: a soft contact has no restitution. Springs above 0.16 of the
+                /// rate of substeps act as one of that frequency (docs/decisions/soft-contacts.md).
                 with_contact_hertz(contact_hertz: f32) = 0.0, "contact hertz" [0.0, 1e6] "in 0..=1e6 Hz";
                 /// Damping ratio of that spring: with 0 a ball comes back with nearly its energy, with 1 it
                 /// does not swing. Damping that would stop a body within a substep is reduced to that.

@@ -8,8 +8,8 @@ use crate::lanes::{Lanes, Vec3};
 use glam::DVec3;
 
 // Guard: stands for zero in a division.
-/// Stands for a zero component of a path when it is inverted: no coordinate makes an
-/// infinity of it, and nobody sees so small a motion.
+/// Stands for a zero component of a path when it is inverted: no coordinate makes an infinity of it, and so
+/// small a motion does not matter.
 const LEAST: f32 = 1e-18;
 // Rounding: three of f32, doubled.
 /// Bound on rounding errors as a share of the lengths involved: three roundings, doubled.
@@ -63,7 +63,7 @@ impl<L: Lanes> Slabs<L> {
     }
 
     /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked
-    /// up: in a loop over rays nobody could guess it.
+    /// up: in a loop over rays it could not be predicted.
     #[inline(always)]
     pub(crate) fn enter_sides(&self, sides: &[L; 6], most: f32) -> L {
         let mut enter = L::zero();

@@ -86,7 +86,7 @@ impl Stage {
             unsafe { (*work.cast::<Work<'_>>())(block) }
         }
         self.done.store(0, Ordering::Relaxed);
-        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not
+        // SAFETY: no helper holds a block now, so no thread reads while this writes. This function does not
         // return before all blocks are done, and a helper uses the pointer only while it holds a block, so it
         // never outlives the reference.
         self.work.with_mut(|slot| unsafe { *slot = Some(((&raw const work).cast(), call)) });

@@ -71,7 +71,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         open_by(&mut self.nodes, squares(self.unit, tolerance))[0] & lanes != 0
     }
 
-    /// Lanes in which a joint is open by more than the tolerance, or nobody knows how far.
+    /// Lanes in which a joint is open by more than the tolerance, or by an unknown amount.
     pub(crate) fn open_by(&mut self, tolerance: f32) -> L::Mask {
         L::Mask::from_bits(open_by(&mut self.nodes, squares(self.unit, tolerance))[1])
     }

@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// # Height fields that change
 impl World {
     /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
-    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Heights that
-    /// are no others change nothing and wake nobody.
+    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Equal heights
+    /// change nothing and wake no body.
     ///
     /// Nearby bodies wake. Bodies on a surface that was lowered fall. A body that stood above the surface and
     /// would be below it is lifted, by any height and at once, until its centres are as far above as they
@@ -224,7 +224,7 @@ impl World {
         Aabb { min: one.min - reach, max: one.max + reach }.overlaps(other)
     }
 
-    /// Edits a field that was checked, in place if nobody else has it, and takes it as a shape's.
+    /// Edits a field that was checked, in place if it is not shared, and sets it as a shape's.
     fn exchange_field(
         &mut self,
         collider: u32,

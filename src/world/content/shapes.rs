@@ -118,8 +118,8 @@ impl World {
         Ok(self.colliders.material(self.collider(shape)?))
     }
 
-    /// Changes the material of a shape: a belt that starts, ice that melts. One that is no other changes
-    /// nothing and wakes nobody.
+    /// Changes the material of a shape: a belt that starts, ice that melts. An equal one changes nothing and
+    /// wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -159,8 +159,7 @@ impl World {
         Ok(self.colliders.all[self.collider(shape)? as usize].filter)
     }
 
-    /// Changes which shapes a shape collides with. A filter that is no other changes nothing and wakes
-    /// nobody.
+    /// Changes which shapes a shape collides with. An equal filter changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale.

@@ -127,7 +127,7 @@ impl World {
         Ok(self.bodies.traits[self.index(body)?].gravity_scale)
     }
 
-    /// Sets the factor on gravity. Here and below a value that is no other changes nothing and wakes nobody.
+    /// Sets the factor on gravity. Here and below an equal value changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale or the number is beyond 1e6.

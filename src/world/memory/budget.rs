@@ -102,7 +102,7 @@ impl World {
         self.joints.promised(WIDEST_JOINT_BATCH)
     }
 
-    /// Each buffer as a whole. No field is left out by `..`: a new field must say here what it holds.
+    /// Each buffer as a whole. No field is left out by `..`: a new field must state its memory here.
     pub(in crate::world) fn buffers_by_category(&self) -> MemoryReport {
         let World {
             bodies,

@@ -138,7 +138,7 @@ pub struct FeatureCost {
     /// Number of objects that need it: [`Feature::asked_by`] names them. If zero, it is not needed.
     pub count: u32,
     /// Bytes that are reserved for it alone. After it was last needed they are released at the end of the
-    /// next step; lists of events, once nobody can read them any more.
+    /// next step; lists of events, once they can't be read any more.
     pub bytes: usize,
     /// Its time in the last step, as far as it can be separated from that of its [stage](Feature::stage)
     /// [us]; `None` if it can't, or if it was not needed.

@@ -16,7 +16,7 @@ use crate::world::{Addition, Change, World};
 /// # Joints: limits, drives, frames
 impl World {
     /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
-    /// changes is cheaper set by [`World::set_joint_target`]; a drive that is no other wakes nobody.
+    /// changes is cheaper set by [`World::set_joint_target`]; an equal motor wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -73,7 +73,7 @@ impl World {
 
     /// Sets the target of a drive that the joint has, the first of this motion and axis: a position [m] or
     /// [rad] and a velocity [m/s] or [rad/s]. Meant for targets that change in every step: it costs no more
-    /// than looking up the row. A target that is no other wakes nobody.
+    /// than looking up the row. An equal target wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -115,7 +115,7 @@ impl World {
     }
 
     /// Sets a limit of a joint: it replaces the first of the same motion and axes, or is added. A limit from
-    /// minus infinity to infinity is taken away. A limit that is no other wakes nobody.
+    /// minus infinity to infinity is taken away. An equal limit wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -245,8 +245,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. A strength
-    /// that is no other wakes nobody.
+    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. An equal one
+    /// wakes no body.
     ///
     /// # Errors
     /// If the handle is stale, a number is not at least zero, or the budget does not allow it.
