@@ -13,11 +13,11 @@
 //! | mass, moments | `inertia`, `density` | mass properties, shapes, skeletons |
 //! | rate of damping | `damping` | bodies |
 //! | coefficient | `friction`, `share` | materials, hooks |
-//! | other amount | `amount` | thresholds and times of settings, forces of drives and characters |
+//! | other amount | `amount` | thresholds and times of settings, forces of motors and characters |
 //! | time | `step` | steps, walks, targets |
 //!
-//! Rotations are checked by [`unit_quat`], springs, limits and drives in `joint/desc.rs`, rays and casts
-//! in `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
+//! Rotations are checked by [`unit_quat`], springs, limits and motors in `joint/motion.rs`, rays and casts in
+//! `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
 //!
 //! The ranges: Each is far beyond any honest scene, and close enough that the stages' results in `f32` stay
 //! finite: the fourth power of the largest distance, `(2e9)^4 = 1.6e37`, is one.

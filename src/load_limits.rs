@@ -31,7 +31,7 @@ pub struct LoadLimits {
     pub triangles: u64,
     /// Bodies; of a recording at a time. Default 1 million.
     pub bodies: u64,
-    /// Joints with their limits and drives; of a recording at a time, joints alone, and couplings. Default 1
+    /// Joints with their limits and motors; of a recording at a time, joints alone, and couplings. Default 1
     /// million.
     pub joints: u64,
     /// Bytes of the geometry that a recording has, and of the world that it plays in: that world's budget, if

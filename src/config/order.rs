@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum RowGroup {
-    /// Springs, drives, motors and friction of joints.
+    /// Springs, motors and friction of joints.
     SoftJoints,
     /// Limits of joints.
     JointLimits,

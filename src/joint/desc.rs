@@ -238,7 +238,7 @@ impl JointDesc {
     }
 
     /// A wheel (second body) on a car (first): its hub moves along the frames' y by up to `travel` [m] to
-    /// either side and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a drive
+    /// either side and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a motor
     /// about x for an engine.
     pub fn wheel(bodies: [BodyHandle; 2], frames: [Frame; 2], travel: f32, spring: Spring) -> JointDesc {
         JointDesc::new(bodies, frames)
@@ -254,7 +254,7 @@ impl JointDesc {
         self
     }
 
-    /// With a further drive.
+    /// With a further motor.
     pub fn with_motor(mut self, drive: Motor) -> JointDesc {
         self.motors.push(drive);
         self

@@ -59,7 +59,7 @@ pub(crate) enum RowKind {
     },
 }
 
-/// A limit with a width, or a drive.
+/// A limit with a width, or a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) joint: u32,
@@ -68,7 +68,7 @@ pub(crate) struct Row {
     pub(crate) kind: RowKind,
     /// The other locks of the joint, which reduce the mobility of the row.
     pub(crate) beside: [Option<LockKind>; 2],
-    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
+    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a motor's is the first.
     pub(crate) impulse: [f32; 2],
     /// The part of a lock's that does not yield.
     pub(crate) lasting_impulse: f32,

@@ -1,4 +1,4 @@
-//! Joint columns: frames once a joint, and a row for each limit and drive, by type.
+//! Joint columns: frames once a joint, and a row for each limit and motor, by type.
 
 use super::coupling::{Coupling, Couplings};
 use super::desc::JointDesc;
@@ -25,7 +25,7 @@ pub struct JointEvent {
     pub torque: Vec3,
 }
 
-/// Rows that a coupling may add to the batches of a step: its own, and drives of its motions, which go along.
+/// Rows that a coupling may add to the batches of a step: its own, and motors of its motions, which go along.
 pub(super) const COUPLING_ROWS: usize = 3;
 
 /// A joint. Its slot is its index: it never moves.
@@ -274,7 +274,7 @@ impl Joints {
         self.couplings.broken = Vec::new();
     }
 
-    /// Limits with a width, drives, and how many of both are springs.
+    /// Limits with a width, motors, and how many of both are springs.
     pub(crate) fn kinds_of_rows(&self) -> [u32; 3] {
         let mut counts = [0; 3];
         for row in self.rows.iter().filter(|row| self.all[row.joint as usize].is_there()) {

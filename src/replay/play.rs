@@ -413,7 +413,7 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one shape, or adds one, or that changes all limits or drives of a joint.
+    /// Plays a call that changes one shape, or adds one, or that changes all limits or motors of a joint.
     fn play_on_shape(&mut self, call: Call) -> Result<(), Failed> {
         let usual = |two: [u32; 2]| two.map(|n| n as usize);
         match call {

@@ -1,5 +1,4 @@
-//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors,
-//! friction.
+//! Rows of joints with one direction: limits that have a width, springs beyond them, motors, friction.
 //!
 //! A spring with stiffness k and damping c is solved implicitly, so that it is stable for any values: with d
 //! = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after the
@@ -31,13 +30,13 @@ pub(crate) struct RowBatch<L, M> {
     /// Displacement at the start of the step, and after the last substep [m] or [rad].
     pub(crate) value: L,
     pub(crate) now: L,
-    /// Range; for a drive both ends are its target.
+    /// Range; for a motor both ends are its target.
     pub(crate) min: L,
     pub(crate) max: L,
     /// Where rigid ends of the joint's own range stop a motor; infinite for all other rows.
     pub(crate) stops: [L; 2],
     pub(crate) spring: Spring<L>,
-    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
+    /// Impulses of the last substep at the lower and the upper end; a motor has the first only.
     pub(crate) impulse: [L; 2],
     /// The impulse as it was applied, part by part, while directions turned: its force, and the moments [N
     /// s], [N m s].
@@ -45,7 +44,7 @@ pub(crate) struct RowBatch<L, M> {
     moment: [Vec3<L>; 2],
     /// The lasting part of the impulse at the lower end less that at the upper one, which does not yield.
     pub(crate) lasting: L,
-    /// Lanes of drives, of springs, and of ranges without width.
+    /// Lanes of motors, of springs, and of ranges without width.
     pub(crate) drives: u32,
     pub(crate) springs: u32,
     pub(crate) both: u32,

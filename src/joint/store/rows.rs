@@ -1,4 +1,4 @@
-//! The locks and rows of joints: made out of limits and drives, found, changed, and read as they were given.
+//! The locks and rows of joints: made out of limits and motors, found, changed, and read as they were given.
 
 use super::Joints;
 use crate::joint::motion::{Axes, Axis, Limit, Motion, Motor};
@@ -41,7 +41,7 @@ impl Motor {
 }
 
 impl RowKind {
-    /// The numbers that may change in every step: the ends of a range, or the target of a drive. Snapshots
+    /// The numbers that may change in every step: the ends of a range, or the target of a motor. Snapshots
     /// keep them with the state.
     pub(crate) fn ends(&self) -> [f32; 2] {
         match *self {
@@ -124,7 +124,7 @@ impl Row {
         }
     }
 
-    /// The drive that it is.
+    /// The motor that it is.
     pub(crate) fn drive(&self) -> Option<Motor> {
         let (
             Row { motion, axes: Axes::One(axis), .. },
@@ -272,12 +272,12 @@ impl Joints {
         locks.chain(self.rows[self.row_range(joint)].iter().filter_map(Row::limit))
     }
 
-    /// The drives of a joint, as they were given.
+    /// The motors of a joint, as they were given.
     pub(crate) fn drives_of(&self, joint: u32) -> impl Iterator<Item = Motor> + '_ {
         self.rows[self.row_range(joint)].iter().filter_map(Row::drive)
     }
 
-    /// The row of the first drive of a motion along or about an axis.
+    /// The row of the first motor of a motion along or about an axis.
     pub(crate) fn drive_row(&self, joint: u32, motion: Motion, axis: Axis) -> Option<usize> {
         let wanted =
             |row: &Row| matches!(row.kind, RowKind::Motor { .. }) && is_of(row, motion, Axes::One(axis));

@@ -110,7 +110,7 @@ impl SystemRow {
 pub enum Owner {
     /// A contact of two bodies, in the order of its rows.
     Contact([BodyHandle; 2]),
-    /// A joint, a limit or a drive of it.
+    /// A joint, a limit or a motor of it.
     Joint(JointHandle),
     /// A coupling of two motions of joints.
     Coupling(CouplingHandle),
@@ -138,9 +138,9 @@ pub struct SystemLaw {
     pub restitution: f64,
     /// Whether one of its bodies bounced in the step and had other contacts too.
     pub bouncing: bool,
-    /// Whether it is a spring or a yielding drive.
+    /// Whether it is a spring or a yielding motor.
     pub yields: bool,
-    /// Whether it is a drive.
+    /// Whether it is a motor.
     pub drives: bool,
     /// Whether it is of a contact whose materials resist rolling or spinning.
     pub resists: bool,

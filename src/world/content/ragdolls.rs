@@ -67,7 +67,7 @@ impl Ragdoll {
     ///
     /// # Errors
     /// If there is not one rotation for each bone, a number is out of range, or the budget does not allow the
-    /// drives.
+    /// motors.
     pub fn drive_to(
         &self,
         world: &mut World,
@@ -98,7 +98,7 @@ impl Ragdoll {
         })
     }
 
-    /// Sets or removes the drive about each axis: all of them, or none.
+    /// Sets or removes the motor about each axis: all of them, or none.
     fn set_drives(
         &self,
         world: &mut World,

@@ -82,9 +82,9 @@ features! {
         JointLocks "joint_locks" "locks outside of trees" "solve",
         /// Limits with a width.
         JointLimits "joint_limits" "limits with a width" "solve",
-        /// Drives: motors, and friction of joints.
+        /// Motors, and friction of joints.
         JointDrives "joint_motors" "drives" "solve",
-        /// Springs, of limits and of drives.
+        /// Springs, of limits and of motors.
         JointSprings "joint_springs" "springs of limits and drives" "solve",
         /// Couplings of two motions of joints: gears, racks, screws, pulleys.
         Couplings "couplings" "couplings" "solve",
@@ -219,7 +219,7 @@ impl World {
         let [beside, trees, locks, rows] = buffers.joints.parts();
         let [in_trees, alone] = buffers.joints.counts();
         let [own, of_locks, of_rows] = joints.parts();
-        // Limits, drives and springs share rows.
+        // Limits, motors and springs share rows.
         let kinds = joints.kinds_of_rows();
         let shares = share_out(of_rows + rows, [kinds[0], kinds[1]]);
         let (count, bytes, time) = match feature {

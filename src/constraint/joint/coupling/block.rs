@@ -3,7 +3,7 @@
 //! Solved one after another, a motor that turns the slow end of a train of gears knows its own wheel, a
 //! hundredth of a percent of the inertia that hangs on it by the ratios, and each pass brings the train a
 //! hundredth of a percent nearer to its speed: the teeth of four pairs of 4 : 1 were eleven radians apart.
-//! Together they are exact. A drive at its bound is fixed there, and the others are solved again.
+//! Together they are exact. A motor at its bound is fixed there, and the others are solved again.
 
 use super::{CouplingRow, Owner};
 use crate::constraint::contact::input::PrepareInput;
@@ -116,7 +116,7 @@ impl CouplingBlock {
         }
     }
 
-    /// Reports the impulses of drives.
+    /// Reports the impulses of motors.
     pub(in crate::constraint::joint) fn report_drives(&self, to: &mut impl Report) {
         for row in &self.rows {
             if let Owner::Motor(owner) = row.owner {

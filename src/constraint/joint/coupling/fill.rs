@@ -1,4 +1,4 @@
-//! Fills the rows of couplings and of drives in a step.
+//! Fills the rows of couplings and of motors in a step.
 
 use super::{Coupled, CouplingRow, Gauge, Owner};
 use crate::config::tuning::LOCK_AWRY;
@@ -92,7 +92,7 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     made
 }
 
-/// Marks a row that is no drive.
+/// Marks a row that is no motor.
 const RIGID: Coefficients = Coefficients::Coefficients { stiffness: 0.0, damping: 0.0 };
 
 /// A motion, and its displacement without whole turns.

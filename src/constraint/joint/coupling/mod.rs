@@ -146,12 +146,12 @@ impl Coupled {
     }
 }
 
-/// Whose row it is. In a block drives come after couplings.
+/// Whose row it is. In a block motors come after couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Owner {
     /// A coupling, by its slot.
     Coupling(u32),
-    /// The drive of a coupled motion, by the index of its row.
+    /// The motor of a coupled motion, by the index of its row.
     Motor(u32),
 }
 
@@ -159,20 +159,20 @@ pub(crate) enum Owner {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CouplingRow {
     pub(super) owner: Owner,
-    /// A drive has the first only.
+    /// A motor has the first only.
     motions: [Coupled; 2],
     drive: Option<Spring<f32>>,
     /// The displacements at the start of the step, with whole turns.
     displacements: [f64; 2],
     /// How far the sum is above the lower end of its range, and below the upper one, at the start of the
-    /// step; after the last substep. For a drive: above its target.
+    /// step; after the last substep. For a motor: above its target.
     room: [f32; 2],
     gap: [f32; 2],
     /// A range without width: the lower end bears either way.
     equality: bool,
     /// Speed of the sum per impulse; zero if nothing can move it.
     mobility: f32,
-    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
+    /// Impulses of the last substep at the lower and the upper end; a motor has the first only.
     impulse: [f32; 2],
     /// The lasting part of their difference, which does not yield.
     lasting: f32,

@@ -13,9 +13,9 @@ use crate::joint::{
 };
 use crate::world::{Addition, Change, World};
 
-/// # Joints: limits, drives, frames
+/// # Joints: limits, motors, frames
 impl World {
-    /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
+    /// Sets a motor of a joint: it replaces the first of the same motion and axis, or is added. A target that
     /// changes is cheaper set by [`World::set_joint_target`]; an equal motor wakes no body.
     ///
     /// ```
@@ -50,7 +50,7 @@ impl World {
         self.replace_joint_rows(slot, &limits, &drives, change)
     }
 
-    /// Removes the drives of a joint along or about an axis. Returns whether there was any.
+    /// Removes the motors of a joint along or about an axis. Returns whether there was any.
     ///
     /// # Errors
     /// If the handle is stale, or the budget does not allow the rows of the joint to be arranged again.
@@ -71,7 +71,7 @@ impl World {
         Ok(true)
     }
 
-    /// Sets the target of a drive that the joint has, the first of this motion and axis: a position [m] or
+    /// Sets the target of a motor that the joint has, the first of this motion and axis: a position [m] or
     /// [rad] and a velocity [m/s] or [rad/s]. Meant for targets that change in every step: it costs no more
     /// than looking up the row. An equal target wakes no body.
     ///
@@ -96,7 +96,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// If the handle is stale, a number is out of range, or there is no such drive ([`Error::NoMotor`]).
+    /// If the handle is stale, a number is out of range, or there is no such motor ([`Error::NoMotor`]).
     pub fn set_joint_target(
         &mut self,
         joint: JointHandle,
@@ -192,7 +192,7 @@ impl World {
         self.replace_joint_rows(slot, limits, &drives, Change::SetJointLimits(joint, limits))
     }
 
-    /// Replaces all drives of a joint; its limits stay.
+    /// Replaces all motors of a joint; its limits stay.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
@@ -339,7 +339,7 @@ impl World {
         true
     }
 
-    /// The rows that an angular drive about an axis, or its removal, makes anew if up to so many come to a
+    /// The rows that an angular motor about an axis, or its removal, makes anew if up to so many come to a
     /// joint.
     pub(in crate::world) fn more_for_drive(
         &self,

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 const SPRINGS: [Spring; 2] =
     [Spring::Coefficients { stiffness: 500.0, damping: 20.0 }, Spring::Frequency { hertz: 5.0, ratio: 1.0 }];
 
-/// Doors on hinges whose drives are motors of trees, and rows of their own.
+/// Doors on hinges whose motors are solved with trees, and in rows of their own.
 fn doors(world: &mut World) -> Vec<JointHandle> {
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let doors = SPRINGS.into_iter().cycle().take(12).enumerate().map(|(i, spring)| {
@@ -28,7 +28,7 @@ fn doors(world: &mut World) -> Vec<JointHandle> {
     doors.collect()
 }
 
-/// Expected: values that change leave the arrangement of the first step, and impulses; a drive of another
+/// Expected: values that change leave the arrangement of the first step, and impulses; a motor of another
 /// kind, or one more, makes it anew.
 #[test]
 fn nothing_is_arranged_for_other_values() {

@@ -27,7 +27,7 @@ impl World {
         Ok(self.joints.limits_of(self.joint(joint)?))
     }
 
-    /// The drives of a joint, in the order in which they were given.
+    /// The motors of a joint, in the order in which they were given.
     ///
     /// # Errors
     /// If the handle is stale.
