@@ -16,7 +16,7 @@ export function parsed(hash) {
     const asked = new URLSearchParams(hash.replace(/^#/, ''));
     const state = { settings: {} };
     for (const [name, text] of asked) {
-        if (name === 'sample') state.sample = text;
+        if (name === 'sample' || name === 'scene') state.sample = text;
         else if (name === 'layers') state.layers = text.split(',').filter(Boolean);
         else if (name === 'follow') state.follow = text === '1';
         else if (name === 'play') state.play = text !== '0';

@@ -3,8 +3,9 @@
 import { highlighted } from './highlight.js';
 import { element, make, shows } from './page.js';
 
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 /** A group's name as a heading. */
-const heading = (group) => group.charAt(0).toUpperCase() + group.slice(1).replaceAll('_', ' ');
+const heading = (group) => capital(group.replaceAll('_', ' '));
 
 export class Samples {
     /** `catalogue`: entries as the engine sends them. `open(name)` opens one. */
@@ -63,7 +64,7 @@ export class Samples {
             if (current) button.scrollIntoView?.({ block: 'nearest' });
         }
         element('title').textContent = entry.title ?? entry.name;
-        element('about').textContent = entry.about ?? '';
+        element('about').textContent = capital(entry.about ?? '');
         element('keys').textContent = entry.controls ? `Keys: ${entry.controls}` : '';
         document.title = `${entry.title ?? entry.name} · backstop`;
     }

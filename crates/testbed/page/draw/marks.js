@@ -12,6 +12,15 @@ const END = 4;
 
 const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 
+/** A colour of 0 to 255 as the light ground lets it be seen: what is bright gets darker, white black. */
+function legible(tone) {
+    const [r, g, b] = tone.map((x) => x / 255);
+    const bright = 0.3 * r + 0.59 * g + 0.11 * b;
+    if (Math.min(r, g, b) > 0.8) return LINK;
+    const scale = bright > 0.5 ? 0.5 / bright + 0.12 : 1;
+    return [r, g, b].map((x) => x * scale);
+}
+
 export class Marks {
     constructor(gl) {
         this.gl = gl;
@@ -41,7 +50,7 @@ export class Marks {
 
     /** Ends of lines: position, and an index of `tones`, colours of 0 to 255; two ends a line. */
     setLines(ends, tones) {
-        const shades = tones.map((tone) => tone.map((x) => x / 255));
+        const shades = tones.map(legible);
         this.fillLines(this.lines, ends.length / END, (i) => ends.subarray(END * i, END * i + 3), (i) => shades[ends[END * i + 3]]);
     }
 
