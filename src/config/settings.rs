@@ -33,8 +33,8 @@ impl ContinuousMode {
     }
 }
 
-/// Method that keeps bodies that are not [`ContinuousMode::Discrete`] from passing through others. All but the
-/// first exist for comparison, and all but the first two only in builds with the feature `methods`;
+/// Method that keeps bodies which are not [`ContinuousMode::Discrete`] from passing through others. All but
+/// the first exist for comparison, and all but the first two only in builds with the feature `methods`;
 /// `docs/continuous.md` says how each works, its cost and what it misses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -161,8 +161,8 @@ fields! {
         /// Threads that a step may use: the caller's own, and others of its rayon pool if they have nothing
         /// else to do; a busy pool is not waited for.
         with_threads(threads: usize) = 1, "threads" [1.0, 1024.0] "in 1..=1024";
-        /// The actual mode of [`ContinuousMode::Segment`] bodies; `Discrete` switches continuous collision off
-        /// for the whole world, `Volume` raises all that are not `Discrete`, and `Segment` leaves each body
+        /// The mode of [`ContinuousMode::Segment`] bodies; `Discrete` switches continuous collision off for
+        /// the whole world, `Volume` raises all that are not `Discrete`, and `Segment` leaves each body
         /// its own mode.
         with_continuous(continuous: ContinuousMode) = ContinuousMode::Segment;
         /// How bodies that are not `Discrete` are kept from passing through others.

@@ -1,6 +1,6 @@
 //! The two frames of a joint in the world, and how far apart they are.
 
-use super::desc::{Axes, Axis, Motion};
+use super::motion::{Axes, Axis, Motion};
 use super::row::LockKind;
 use crate::body::Pose;
 use crate::lanes::Record;

@@ -7,6 +7,7 @@
 mod coupling;
 mod desc;
 mod frames;
+mod motion;
 mod ragdoll;
 mod row;
 mod save;
@@ -14,9 +15,10 @@ mod store;
 
 pub use coupling::{CoupledMotion, CouplingDesc};
 pub(crate) use coupling::{Coupling, MAX_DISPLACEMENT, Term, check_factor, check_range};
-pub use desc::{Axes, Axis, Frame, JointDesc, Limit, Motion, Motor, Spring, SpringCoefficients};
+pub use desc::{Frame, JointDesc};
 pub(crate) use desc::{STRENGTH, THRESHOLD, check_loads};
 pub(crate) use frames::{JointFrame, Placed, twist_of};
+pub use motion::{Axes, Axis, Limit, Motion, Motor, Spring, SpringCoefficients};
 pub(crate) use ragdoll::Link;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use row::{Lock, LockKind, Row, RowKind};

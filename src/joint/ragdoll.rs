@@ -1,6 +1,7 @@
 //! Ragdolls: bodies and joints out of a skeleton.
 
-use super::desc::{Axes, Axis, JointDesc, Limit, Motion, Motor};
+use super::desc::JointDesc;
+use super::motion::{Axes, Axis, Limit, Motion, Motor};
 use crate::body::BodyDesc;
 use crate::error::{Error, each, finite3, positive, within};
 use crate::handle::{BodyHandle, JointHandle};

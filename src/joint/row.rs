@@ -1,6 +1,6 @@
 //! What joints are made of for the solver: locks, which are solved as blocks, and rows of one direction.
 
-use super::desc::{Axes, Axis, Motion, Spring};
+use super::motion::{Axes, Axis, Motion, Spring};
 use glam::Vec3;
 use std::f32::consts::TAU;
 

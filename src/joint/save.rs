@@ -2,8 +2,9 @@
 //! seldom do.
 
 use super::coupling::{CouplingRecords, SavedCouplings};
-use super::desc::{Axes, Axis, Motion, Spring, axes_code, axes_of};
+use super::desc::{axes_code, axes_of};
 use super::frames::JointFrame;
+use super::motion::{Axes, Axis, Motion, Spring};
 use super::row::{Lock, LockKind, NONE, Row, RowKind};
 use super::store::{COUPLING_ROWS, Joint, JointAdditions, Joints, is_bound};
 use crate::config::RowGroup;

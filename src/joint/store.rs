@@ -1,8 +1,9 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::coupling::{Coupling, Couplings};
-use super::desc::{JointDesc, Limit, Motor};
+use super::desc::JointDesc;
 use super::frames::JointFrame;
+use super::motion::{Limit, Motor};
 use super::row::{Lock, NONE, Row, RowKind};
 use crate::body::Bodies;
 use crate::config::RowGroup;

@@ -67,7 +67,7 @@ impl Snapshot {
 
     /// Hash of the state: of all that outlives a step and may change in one, to the bit. Two worlds with the
     /// same bodies, shapes, joints and forms of characters have the same future if it is the same. It differs
-    /// from the step on in which anything differs, and [`World::state_hash`] only once a pose or velocity does.
+    /// from the step on in which anything differs; [`World::state_hash`] only once a pose or velocity does.
     pub fn hash(&self) -> u64 {
         // Without the head, which says what the bytes are.
         checksum::hash(self.words.get(view::HEAD..).unwrap_or_default())

@@ -81,8 +81,8 @@ use memory::Assets;
 ///    times and counts of the step.
 /// 4. [`World::position`], [`World::rotation`] and others tell where bodies are, [`World::contact_begins`]
 ///    and others what they touch; [`World::cast_ray`] and others answer queries.
-/// 5. [`World::memory`] lists what the world holds, [`World::feature_report`] which parts of the engine its content
-///    needs.
+/// 5. [`World::memory`] lists what the world holds, [`World::feature_report`] which parts of the engine its
+///    content needs.
 /// 6. [`World::snapshot`] saves its state, and [`World::restore`] brings back the same bits.
 ///
 /// Content changes between steps only. A handle becomes stale when its body, shape or joint is removed: a

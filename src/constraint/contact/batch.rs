@@ -135,8 +135,8 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
     }
 }
 
-/// The part of an impulse that moves bodies, which nothing does along locked axes. The bytes of `locked_axes` are
-/// x, y and z, with a bit per lane.
+/// The part of an impulse that moves bodies, which nothing does along locked axes. The bytes of
+/// `locked_axes` are x, y and z, with a bit per lane.
 #[inline(always)]
 pub(crate) fn unlocked<L: Lanes>(locks: u32, p: Vec3<L>) -> Vec3<L> {
     let free = |x, bits: u32| L::select(L::Mask::from_bits(bits & 0xff), L::zero(), x);

@@ -2,7 +2,7 @@
 
 mod store;
 
-use super::desc::{Axes, Axis, Motion};
+use super::motion::{Axes, Axis, Motion};
 use super::row::NONE;
 #[cfg(feature = "serde")]
 use crate::config::unbounded;

@@ -3,7 +3,8 @@
 use super::{Coupling, NONE, Term, check_factor, check_range};
 use crate::error::Error;
 use crate::handle::{CouplingHandle, Slots};
-use crate::joint::desc::{Axes, Motion, axes_code, axes_of};
+use crate::joint::desc::{axes_code, axes_of};
+use crate::joint::motion::{Axes, Motion};
 use crate::limits::MAX_LOAD;
 use crate::memory::{buffers, bytes_of};
 use crate::words::{Reader, all_loads, are_free, broken, record, words};

@@ -1,7 +1,7 @@
 //! The locks and rows of joints: made out of limits and drives, found, changed, and read as they were given.
 
 use super::Joints;
-use crate::joint::desc::{Axes, Axis, Limit, Motion, Motor};
+use crate::joint::motion::{Axes, Axis, Limit, Motion, Motor};
 use crate::joint::row::{Lock, LockKind, NONE, Row, RowKind};
 use glam::Vec3;
 use std::ops::Range;

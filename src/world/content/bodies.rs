@@ -177,7 +177,8 @@ impl World {
     /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
     /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
     /// # let body = world.add_body(&desc)?;
-    /// let lowest = world.bodies().filter_map(|body| world.position(body).ok()).map(|at| at.y).min_by(f64::total_cmp);
+    /// let heights = world.bodies().filter_map(|body| world.position(body).ok()).map(|at| at.y);
+    /// let lowest = heights.min_by(f64::total_cmp);
     /// assert_eq!(lowest, Some(0.0));
     /// # Ok::<(), Error>(())
     /// ```

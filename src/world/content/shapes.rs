@@ -194,8 +194,8 @@ impl World {
         Ok(self.colliders.summaries[self.collider(shape)? as usize].has_hooks())
     }
 
-    /// Sets whether contacts of a shape are reported as events. A shape that no longer asks for events gets no
-    /// end of its current contacts; its island wakes.
+    /// Sets whether contacts of a shape are reported as events. A shape which no longer asks for events gets
+    /// no end of its current contacts; its island wakes.
     ///
     /// # Errors
     /// If the handle is stale.

@@ -85,7 +85,8 @@ impl World {
     /// # let frames = world.frames_about([ground, body], DVec3::Y * 2.0, Vec3::Z)?;
     /// let spring = Spring::Frequency { hertz: 3.0, ratio: 1.0 };
     /// let desc = JointDesc::hinge([ground, body], frames);
-    /// let servo = world.add_joint(&desc.with_motor(Motor::position(Motion::Angular, Axis::X, 0.0, spring)))?;
+    /// let motor = Motor::position(Motion::Angular, Axis::X, 0.0, spring);
+    /// let servo = world.add_joint(&desc.with_motor(motor))?;
     /// world.set_joint_target(servo, Motion::Angular, Axis::X, 0.5, 0.0)?;
     /// for _ in 0..120 {
     ///     world.step(1.0 / 60.0)?;

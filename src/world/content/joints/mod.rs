@@ -127,11 +127,11 @@ impl World {
         Ok(frames)
     }
 
-    /// Frames of a joint of two bodies at a point of the world [m] whose x axes are along an axis of the world,
-    /// of any length: a hinge turns about it, a slider slides along it.
+    /// Frames of a joint of two bodies at a point of the world [m] whose x axes are along an axis of the
+    /// world, of any length: a hinge turns about it, a slider slides along it.
     ///
     /// ```
-    /// # use backstop::{BodyDesc, Error, Geometry, JointDesc, Settings, ShapeDesc, World, glam::{DVec3, Vec3}};
+    /// # use backstop::{*, glam::{DVec3, Vec3}};
     /// # let mut world = World::new(Settings::default())?;
     /// # let post = world.add_body(&BodyDesc::fixed())?;
     /// # let panel = ShapeDesc::new(Geometry::cuboid(0.5, 1.0, 0.02));

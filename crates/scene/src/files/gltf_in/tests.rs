@@ -385,8 +385,8 @@ fn joints_that_break_the_rules_are_refused() {
         (drive("linear", "impulse", json!({})), "the mode \"impulse\""),
         (drive("linear", "force", json!({ "axis": 3 })), "no axis 3"),
         (drive("linear", "force", json!({ "stiffness": -3 })), "spring stiffness"),
-        (drive("linear", "force", json!({ "maxForce": -3 })), "drive force"),
-        (drive("linear", "force", json!({ "positionTarget": 1e39 })), "drive position"),
+        (drive("linear", "force", json!({ "maxForce": -3 })), "motor force"),
+        (drive("linear", "force", json!({ "positionTarget": 1e39 })), "motor position"),
         (json!({ "drives": [{ "type": "linear", "mode": "force" }] }), "missing field `axis`"),
     ] {
         let error = joined("joint_rules", description).unwrap_err().to_string();
