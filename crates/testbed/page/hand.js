@@ -87,8 +87,8 @@ export class Hand {
         const commands = {
             inspect: { do: 'inspect', ...ray },
             shoot: { do: 'shoot', ...ray, speed: clamped(5 * radius, 15, 60) },
-            spawn: { do: 'spawn', ...ray, distance, shape: this.shape, size },
-            explode: { do: 'explode', ...ray, distance, radius: clamped(0.8 * radius, 1, 12) },
+            spawn: { do: 'spawn', sight: ray, distance, shape: this.shape, size },
+            explode: { do: 'explode', sight: ray, distance, radius: clamped(0.8 * radius, 1, 12), speed: clamped(3 * radius, 5, 25) },
             remove: { do: 'remove', ...ray },
         };
         return this.loop.do(commands[tool]);
