@@ -71,6 +71,10 @@ export function hook(app) {
         still(still) {
             view.still = still;
         },
+        /** Whether there is nothing but the picture. */
+        bare(bare) {
+            document.body.classList.toggle('bare', bare);
+        },
         /** Draws; what the picture has in it. */
         draw() {
             view.draw();
