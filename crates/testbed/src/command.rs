@@ -75,14 +75,19 @@ pub(crate) enum Command {
     },
     Spawn {
         shape: Form,
-        position: Triple,
+        position: Option<Triple>,
+        sight: Option<Sight>,
+        distance: Option<f32>,
         size: Option<f32>,
     },
     Remove(Sight),
     Explode {
-        position: Triple,
+        position: Option<Triple>,
+        sight: Option<Sight>,
+        distance: Option<f32>,
         radius: f32,
-        impulse: f32,
+        impulse: Option<f32>,
+        speed: Option<f32>,
     },
     Inspect(Sight),
     Controls {
@@ -104,6 +109,15 @@ pub(crate) enum Command {
 pub(crate) struct Sight {
     pub(crate) origin: Triple,
     pub(crate) direction: Triple,
+}
+
+/// A place: a point, or else what a ray from the eye hits first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) position: Option<Triple>,
+    pub(crate) sight: Option<Sight>,
+    /// How far along a ray that hits nothing [m].
+    pub(crate) distance: Option<f32>,
 }
 
 /// What can be made.

@@ -1,12 +1,11 @@
 //! A scene that is open: its world, where it is in time, and what the user does to it.
 
 use crate::catalogue::{FileScene, Opened, open};
-use crate::command::{Command, Form};
+use crate::command::{Command, Form, Place};
 use crate::drawing::Drawing;
 use crate::history::{History, Moment};
-use crate::settings;
-use crate::tools::{self, Grab};
-use crate::{Refusal, tools::Shot};
+use crate::tools::{self, Blast, Grab, Shot};
+use crate::{Refusal, settings};
 use backstop::{BodyHandle, World};
 use backstop_samples::{Controls, Running, Tick};
 use serde_json::{Map, Value};
@@ -89,9 +88,11 @@ impl Run {
             Command::Settings(fields) => self.set(&fields),
             Command::Grab(sight) => {
                 self.release()?;
-                let world = self.changed_world()?;
-                let ray = tools::ray(world, &sight)?;
-                self.grab = Grab::new(self.running.world_mut(), &ray)?;
+                let ray = tools::ray(self.world(), &sight)?;
+                if let Some(grab) = Grab::new(self.running.world_mut(), &ray)? {
+                    self.changed_world()?;
+                    self.grab = Some(grab);
+                }
                 Ok(())
             }
             Command::Drag { to } => {
@@ -108,13 +109,14 @@ impl Run {
                 let shot = Shot { shape, size, hull: self.next_hull() };
                 tools::shoot(self.changed_world()?, &tools::Aim { origin, direction, speed }, &shot)
             }
-            Command::Spawn { shape, position, size } => {
+            Command::Spawn { shape, position, sight, distance, size } => {
                 let shot = Shot { shape, size, hull: self.next_hull() };
-                tools::spawn(self.changed_world()?, position, &shot)
+                tools::spawn(self.changed_world()?, &Place { position, sight, distance }, &shot)
             }
             Command::Remove(sight) => tools::remove(self.changed_world()?, &sight),
-            Command::Explode { position, radius, impulse } => {
-                tools::explode(self.changed_world()?, position, radius, impulse)
+            Command::Explode { position, sight, distance, radius, impulse, speed } => {
+                let blast = Blast { radius, impulse, speed };
+                tools::explode(self.changed_world()?, &Place { position, sight, distance }, &blast)
             }
             Command::Inspect(sight) => {
                 let world = self.world();
@@ -178,7 +180,7 @@ impl Run {
     /// What is known of the body that is inspected, if it is still there.
     pub(crate) fn inspected(&self) -> Option<Value> {
         let inspected = self.inspected.as_ref()?;
-        inspected.told(self.world(), self.names.get(&inspected.body).map(String::as_str))
+        inspected.told(self.world(), &self.drawing, self.names.get(&inspected.body).map(String::as_str))
     }
 
     /// A step.

@@ -2,6 +2,7 @@
 
 use super::first_hit;
 use crate::Refusal;
+use crate::drawing::Drawing;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyHandle, BodyKind, Ray, ShapeHandle, World};
 use serde_json::{Value, json};
@@ -26,11 +27,16 @@ pub(crate) fn look_at(world: &World, ray: &Ray) -> Result<Option<Inspected>, Ref
 
 impl Inspected {
     /// All of it in words and numbers; none once the shape is gone.
-    pub(crate) fn told(&self, world: &World, name: Option<&str>) -> Option<Value> {
-        self.try_told(world, name).ok()
+    pub(crate) fn told(&self, world: &World, drawing: &Drawing, name: Option<&str>) -> Option<Value> {
+        self.try_told(world, drawing, name).ok()
     }
 
-    fn try_told(&self, world: &World, name: Option<&str>) -> Result<Value, backstop::Error> {
+    fn try_told(
+        &self,
+        world: &World,
+        drawing: &Drawing,
+        name: Option<&str>,
+    ) -> Result<Value, backstop::Error> {
         let (body, origin) = (self.body, world.origin());
         let (position, rotation): (DVec3, Quat) = (world.position(body)?, world.rotation(body)?);
         let kind = match world.kind(body)? {
@@ -39,6 +45,7 @@ impl Inspected {
             BodyKind::Dynamic => "dynamic",
         };
         let material = world.material(self.shape)?;
+        let shapes: Vec<usize> = world.shapes(body)?.filter_map(|shape| drawing.place(shape)).collect();
         Ok(json!({
             "body": name.map_or_else(|| format!("{body:?}"), str::to_owned),
             "kind": kind,
@@ -55,6 +62,7 @@ impl Inspected {
             "joints": world.joints_of(body)?.count(),
             "point": (position - origin + (rotation * self.point).as_dvec3()).to_array(),
             "normal": (rotation * self.normal).to_array(),
+            "shapes": shapes,
         }))
     }
 }

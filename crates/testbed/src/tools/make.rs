@@ -1,8 +1,8 @@
 //! Bodies that the user makes.
 
-use super::{direction, point, within};
+use super::{direction, point, spot, within};
 use crate::Refusal;
-use crate::command::{Form, Triple};
+use crate::command::{Form, Place, Triple};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Geometry, ShapeDesc, Skeleton, World};
 use backstop_scene::{Rng, builtin};
@@ -43,9 +43,10 @@ pub(crate) fn shoot(world: &mut World, aim: &Aim, shot: &Shot) -> Result<(), Ref
     make(world, point(world, aim.origin), velocity, shot)
 }
 
-/// Makes a body at rest.
-pub(crate) fn spawn(world: &mut World, at: Triple, shot: &Shot) -> Result<(), Refusal> {
-    make(world, point(world, at), Vec3::ZERO, shot)
+/// Makes a body at rest, on the surface that is seen.
+pub(crate) fn spawn(world: &mut World, place: &Place, shot: &Shot) -> Result<(), Refusal> {
+    let half = if shot.shape == Form::Ragdoll { WAIST } else { 0.5 * f64::from(shot.size.unwrap_or(MADE)) };
+    make(world, spot(world, place, half)?, Vec3::ZERO, shot)
 }
 
 fn make(world: &mut World, at: DVec3, velocity: Vec3, shot: &Shot) -> Result<(), Refusal> {

@@ -1,9 +1,9 @@
 // Normals and edges of triangles that say nothing of them.
 
+import { ROUND } from './shaders.js';
+
 /** Cosine of the angle up to which neighbouring triangles count as one round surface. */
 const CREASE = 0.8;
-/** An edge that is not drawn. */
-const FAR = 1e3;
 
 /** For each corner of a list of triangles, the number of its vertex; equal corners have one vertex. */
 function weld(soup) {
@@ -97,7 +97,7 @@ export function cornersOf(soup) {
     for (let t = 0; t < vertex.length; t += 3) {
         for (let k = 0; k < 3; k++) {
             // The edge across from corner k.
-            const far = goesOn(t, vertex[t + ((k + 1) % 3)], vertex[t + ((k + 2) % 3)]) ? FAR : 0;
+            const far = goesOn(t, vertex[t + ((k + 1) % 3)], vertex[t + ((k + 2) % 3)]) ? ROUND : 0;
             for (let c = 0; c < 3; c++) out[CORNER * (t + c) + 6 + k] = far + (c === k ? 1 : 0);
         }
     }

@@ -12,6 +12,9 @@ vec3 shown(vec3 c) {
 }
 `;
 
+/** What is added to the distance from an edge that two triangles of a round surface share: it is not drawn. */
+export const ROUND = 1e3;
+
 const HEAD = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
 
 export const SHAPE_VERTEX = `${HEAD}
@@ -20,7 +23,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 place;
 layout(location = 3) in vec4 turn;
 layout(location = 4) in float asleep;
-layout(location = 5) in vec2 look; // tone, tint
+layout(location = 5) in vec4 look; // colour, and its tone, with 16 more where it is selected
 layout(location = 6) in vec3 edges;
 uniform mat4 clip;
 uniform vec3 eye;
@@ -29,7 +32,8 @@ uniform float wide;  // half of the mesh where it is widest
 out vec3 at;
 out vec3 facing;
 out vec3 edge;
-flat out vec3 style;
+flat out vec3 shade;
+flat out vec3 style; // tone, selected, asleep
 
 vec3 turned(vec3 v) {
     return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
@@ -37,11 +41,14 @@ vec3 turned(vec3 v) {
 
 void main() {
     // What moves is never smaller than a few pixels.
-    float grow = look.x < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
+    float selected = step(15.5, look.w);
+    float tone = look.w - 16.0 * selected;
+    float grow = tone < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
     at = place + turned(corner * grow);
     facing = turned(normal);
     edge = edges;
-    style = vec3(look, asleep);
+    shade = look.rgb;
+    style = vec3(tone, selected, asleep);
     gl_Position = clip * vec4(at, 1.0);
 }
 `;
@@ -51,8 +58,10 @@ precision highp sampler2DShadow;
 in vec3 at;
 in vec3 facing;
 in vec3 edge;
+flat in vec3 shade;
 flat in vec3 style;
-uniform vec3 tones[8];
+uniform float dims;    // 1 if what is asleep is dim
+uniform float wire;    // 1 if only edges of triangles are drawn
 uniform vec3 eye;
 uniform vec3 target;
 uniform float large;   // 1 if the mesh is as large as what is framed
@@ -64,6 +73,7 @@ uniform mat4 sunlight; // world to shadow map
 uniform float texel;   // of the shadow map, in the world
 uniform sampler2DShadow shadows;
 out vec4 colour;
+const float ROUND = ${ROUND.toFixed(1)};
 ${BACKGROUND}
 
 float lit(vec3 n) {
@@ -93,9 +103,17 @@ void main() {
     // Walls would hide what is between them: they are drawn by themselves, like glass.
     bool wall = tone == 6 && large > 0.5 && abs(n.y) < 0.7;
     if (wall != (glass > 0.5)) discard;
-    vec3 base = pow(tones[tone], vec3(2.2));
-    base *= 1.0 + style.y * (tone < 6 ? 0.22 : 0.0);
-    if (style.z > 0.5 && tone < 6) base = mix(base, vec3(dot(base, vec3(0.3, 0.5, 0.2))), 0.65) * 0.62;
+    if (wire > 0.5) {
+        vec3 across = edge - ROUND * step(0.5 * ROUND, edge);
+        vec3 on = clamp(1.3 - across / max(fwidth(across), vec3(1e-6)), 0.0, 1.0);
+        float cover = max(on.x, max(on.y, on.z));
+        if (cover < 0.15) discard;
+        colour = vec4(shade * (dims > 0.5 && style.z > 0.5 ? 0.45 : 0.72), 1.0);
+        return;
+    }
+    vec3 base = pow(shade, vec3(2.2));
+    bool asleep = dims > 0.5 && style.z > 0.5;
+    if (asleep && tone < 6) base = mix(base, vec3(dot(base, vec3(0.3, 0.5, 0.2))), 0.65) * 0.62;
     if (tone >= 6 && abs(n.y) > 0.5) {
         float line = max(0.16 * lines(at.xz, 0.9), 0.3 * lines(at.xz * 0.1, 1.2));
         base *= 1.0 - line;
@@ -110,7 +128,8 @@ void main() {
     if (tone < 6) {
         float gloss = pow(max(dot(n, normalize(sun + towards)), 0.0), 40.0) * step(0.001, direct);
         float rim = pow(1.0 - max(dot(n, towards), 0.0), 4.0);
-        light += (0.16 * gloss + 0.10 * rim) * (style.z > 0.5 ? 0.3 : 1.0);
+        light += style.y * vec3(0.30, 0.24, 0.05) * (0.25 + rim);
+        light += (0.16 * gloss + 0.10 * rim) * (asleep ? 0.3 : 1.0);
     }
     float away = distance(at.xz, target.xz) / radius;
     float fog = tone < 6 ? 0.0 : smoothstep(2.2, 6.5, away);
@@ -140,26 +159,75 @@ void main() {
 }
 `;
 
-/** Points (with a kind) and lines (kind 3). */
-export const MARK_VERTEX = `${HEAD}
-layout(location = 0) in vec4 mark;
+/** Lines as strips of a width in pixels, an instance each. */
+export const LINE_VERTEX = `${HEAD}
+layout(location = 0) in vec3 from;
+layout(location = 1) in vec3 fromShade;
+layout(location = 2) in vec3 to;
+layout(location = 3) in vec3 toShade;
 uniform mat4 clip;
-uniform float size;
-flat out int kind;
+uniform vec2 size;  // of the picture [pixels]
+uniform float wide; // [pixels]
+out vec3 shade;
+out float across;   // from the middle of the line [pixels]
+const float NEAR = 1e-3;
 void main() {
-    kind = int(mark.w + 0.5);
-    gl_Position = clip * vec4(mark.xyz, 1.0);
-    gl_PointSize = size * (kind == 2 ? 1.5 : 1.0);
+    vec4 p = clip * vec4(from, 1.0);
+    vec4 q = clip * vec4(to, 1.0);
+    // Ends behind the eye are moved before it.
+    if (p.w < NEAR && q.w > NEAR) p = mix(p, q, (NEAR - p.w) / (q.w - p.w));
+    if (q.w < NEAR && p.w > NEAR) q = mix(q, p, (NEAR - q.w) / (p.w - q.w));
+    vec2 along = (q.xy / q.w - p.xy / p.w) * size;
+    float length2 = dot(along, along);
+    along = length2 > 1e-6 ? along * inversesqrt(length2) : vec2(1.0, 0.0);
+    bool last = gl_VertexID > 1;
+    float half_wide = 0.5 * wide + 1.0;
+    across = (gl_VertexID & 1) == 1 ? half_wide : -half_wide;
+    shade = last ? toShade : fromShade;
+    vec4 end = last ? q : p;
+    vec2 out_of = vec2(-along.y, along.x) * across + along * (last ? 0.5 : -0.5);
+    // A little nearer than the surface that it lies on.
+    gl_Position = vec4(end.xy + 2.0 * out_of / size * end.w, end.z - 2e-4 * end.w, end.w);
 }
 `;
 
-export const MARK_FRAGMENT = `${HEAD}
+export const LINE_FRAGMENT = `${HEAD}
+in vec3 shade;
+in float across;
+uniform float wide;
+uniform float cover;
+out vec4 colour;
+void main() {
+    float c = cover * clamp(0.5 * wide + 0.5 - abs(across), 0.0, 1.0);
+    colour = vec4(shade * c, c);
+}
+`;
+
+/** Points, with a kind. */
+export const POINT_VERTEX = `${HEAD}
+layout(location = 0) in vec4 mark;
+uniform mat4 clip;
+uniform float wide; // [pixels]
+flat out int kind;
+out float radius;
+void main() {
+    kind = int(mark.w + 0.5);
+    gl_Position = clip * vec4(mark.xyz, 1.0);
+    gl_PointSize = wide * (kind == 2 ? 1.5 : 1.0);
+    radius = 0.5 * gl_PointSize;
+}
+`;
+
+export const POINT_FRAGMENT = `${HEAD}
 flat in int kind;
+in float radius;
 uniform vec3 marks[4];
 out vec4 colour;
 void main() {
-    float cover = 0.9;
-    if (kind < 3) cover *= clamp(5.0 * (1.0 - 2.0 * length(gl_PointCoord - 0.5)), 0.0, 1.0);
-    colour = vec4(marks[kind] * cover, cover);
+    // A disc with a white rim.
+    float away = 2.0 * length(gl_PointCoord - 0.5) * radius;
+    float cover = clamp(radius - away, 0.0, 1.0);
+    float inner = clamp(0.74 * radius - away + 0.5, 0.0, 1.0);
+    colour = vec4(mix(vec3(1.0), marks[kind], inner) * cover, cover);
 }
 `;

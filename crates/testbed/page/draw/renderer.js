@@ -1,25 +1,54 @@
 // Draws meshes many times over, with one light and its shadows, by WebGL2.
 
 import { look, product } from './camera.js';
+import { attribute, depthMap, program } from './gl.js';
+import { Marks } from './marks.js';
 import { CORNER, cornersOf } from './normals.js';
-import { MARK_FRAGMENT, MARK_VERTEX, SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX } from './shaders.js';
+import { SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX } from './shaders.js';
 
 /**
  * Colours: sphere, capsule, box, cylinder and cone, hull; kinematic; static; and ground that is seen from both
  * sides: planes, meshes, height fields.
  */
-export const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#cfd2cc'];
-/** Colours of points: real, potential, ghost; and of joints. */
-export const MARKS = ['#c3121f', '#1668d8', '#d613b5', '#30363d'];
+const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#cfd2cc'];
+/** Colours of figures: dynamic bodies that are joined have one. */
+const FIGURES = ['#d9604c', '#4d82c4', '#57a773', '#e3a23c', '#8f6fc0', '#3aa39a', '#c8688f', '#8a9a3c'];
 /** Numbers of a pose: position [m], rotation, 1 if asleep. */
 export const POSE = 8;
 const GROUND = 7;
 const STATIC = 6;
+const KINEMATIC = 5;
+/** Numbers of a look: colour, and the tone with `SELECTED` more where the shape is selected. */
+const LOOK = 4;
+const SELECTED = 16;
 
 const SUN = [0.42, 0.8, 0.43];
 const MAP = 2048;
 
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+
+/** The figure of each shape, counted from 0; -1 for shapes that no joint holds. */
+function figures(tones, links) {
+    const root = tones.map((_, i) => i);
+    const find = (i) => {
+        while (root[i] !== i) i = root[i] = root[root[i]];
+        return i;
+    };
+    const joined = new Set();
+    for (let k = 0; k + 1 < links.length; k += 2) {
+        const [a, b] = [links[k], links[k + 1]];
+        if (tones[a] >= KINEMATIC || tones[b] >= KINEMATIC) continue;
+        root[find(a)] = find(b);
+        joined.add(a).add(b);
+    }
+    const numbers = new Map();
+    return tones.map((_, i) => {
+        if (!joined.has(i)) return -1;
+        const of = find(i);
+        if (!numbers.has(of)) numbers.set(of, numbers.size);
+        return numbers.get(of);
+    });
+}
 
 export class Renderer {
     constructor(canvas) {
@@ -29,19 +58,15 @@ export class Renderer {
         this.shape = program(gl, SHAPE_VERTEX, SHAPE_FRAGMENT);
         this.shade = program(gl, SHAPE_VERTEX, SHADOW_FRAGMENT);
         this.sky = program(gl, SKY_VERTEX, SKY_FRAGMENT);
-        this.mark = program(gl, MARK_VERTEX, MARK_FRAGMENT);
-        this.shadows = shadowMap(gl);
+        this.shadows = depthMap(gl, MAP);
+        this.marks = new Marks(gl);
         this.empty = gl.createVertexArray();
-        this.poses = gl.createBuffer();
-        this.marks = { buffer: gl.createBuffer(), array: gl.createVertexArray() };
-        gl.bindVertexArray(this.marks.array);
-        gl.bindBuffer(gl.ARRAY_BUFFER, this.marks.buffer);
-        attribute(gl, 0, 4, 16, 0, 0);
+        [this.poses, this.looks] = [gl.createBuffer(), gl.createBuffer()];
         // Colours come multiplied by their cover.
         gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-        this.groups = [];
-        this.links = [];
-        this.points = new Float32Array(0);
+        [this.groups, this.links, this.order, this.tones] = [[], [], [], []];
+        this.models = new Map();
+        this.options = { dims: true, wireframe: false, shapes: true };
     }
 
     /**
@@ -50,43 +75,57 @@ export class Renderer {
      */
     setScene(meshes, instances, links) {
         const { gl } = this;
-        for (const group of this.groups) {
-            gl.deleteVertexArray(group.array);
-            gl.deleteBuffer(group.corners);
+        this.groups.forEach((group) => gl.deleteVertexArray(group.array));
+        // Meshes that are still there are not made anew.
+        const kept = new Set(meshes);
+        for (const [mesh, { corners }] of this.models) {
+            if (kept.has(mesh)) continue;
+            gl.deleteBuffer(corners);
+            this.models.delete(mesh);
         }
         const count = instances.length / 2;
-        this.order = Array.from({ length: count }, (_, i) => i).sort((a, b) => instances[2 * a] - instances[2 * b]);
         this.tones = Array.from({ length: count }, (_, i) => instances[2 * i + 1]);
+        const kind = (i) => 16 * instances[2 * i] + this.tones[i];
+        this.order = Array.from({ length: count }, (_, i) => i).sort((a, b) => kind(a) - kind(b));
         this.links = links;
         this.sorted = new Float32Array(POSE * count);
         this.latest = new Float32Array(POSE * count);
-        this.points = new Float32Array(0);
+        this.figures = figures(this.tones, links);
+        [this.tints, this.selected] = [null, null];
         gl.bindBuffer(gl.ARRAY_BUFFER, this.poses);
         gl.bufferData(gl.ARRAY_BUFFER, this.sorted.byteLength, gl.DYNAMIC_DRAW);
-        // Neighbours of a kind differ a little, so that they can be told apart.
-        const tint = (i) => (((i * 0.618034) % 1) - 0.5) * 2;
-        this.looks ??= gl.createBuffer();
-        gl.bindBuffer(gl.ARRAY_BUFFER, this.looks);
-        const looks = this.order.flatMap((i) => [this.tones[i], tint(i)]);
-        gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(looks), gl.STATIC_DRAW);
+        this.paint();
         this.groups = [];
         for (let first = 0; first < count; ) {
             const mesh = instances[2 * this.order[first]];
             let end = first;
-            while (end < count && instances[2 * this.order[end]] === mesh) end++;
-            this.groups.push(this.group(meshes[mesh], first, end - first));
+            while (end < count && kind(this.order[end]) === kind(this.order[first])) end++;
+            if (meshes[mesh].length > 0) this.groups.push(this.group(meshes[mesh], first, end - first));
             first = end;
         }
+    }
+
+    /** A mesh on the graphics card. */
+    model(mesh) {
+        const known = this.models.get(mesh);
+        if (known) return known;
+        const { gl } = this;
+        const corners = gl.createBuffer();
+        gl.bindBuffer(gl.ARRAY_BUFFER, corners);
+        gl.bufferData(gl.ARRAY_BUFFER, cornersOf(mesh), gl.STATIC_DRAW);
+        const wide = Math.max(...[0, 1, 2].map((axis) => extent(mesh, axis)));
+        const model = { corners, wide, vertices: mesh.length / 3 };
+        this.models.set(mesh, model);
+        return model;
     }
 
     /** A mesh with the places of its instances. */
     group(mesh, first, count) {
         const { gl } = this;
+        const model = this.model(mesh);
         const array = gl.createVertexArray();
-        const corners = gl.createBuffer();
         gl.bindVertexArray(array);
-        gl.bindBuffer(gl.ARRAY_BUFFER, corners);
-        gl.bufferData(gl.ARRAY_BUFFER, cornersOf(mesh), gl.STATIC_DRAW);
+        gl.bindBuffer(gl.ARRAY_BUFFER, model.corners);
         attribute(gl, 0, 3, 4 * CORNER, 0, 0);
         attribute(gl, 1, 3, 4 * CORNER, 12, 0);
         attribute(gl, 6, 3, 4 * CORNER, 24, 0);
@@ -96,10 +135,45 @@ export class Renderer {
         attribute(gl, 3, 4, 4 * POSE, offset + 12, 1);
         attribute(gl, 4, 1, 4 * POSE, offset + 28, 1);
         gl.bindBuffer(gl.ARRAY_BUFFER, this.looks);
-        attribute(gl, 5, 2, 8, 8 * first, 1);
-        const wide = Math.max(...[0, 1, 2].map((axis) => extent(mesh, axis)));
-        const tone = this.tones[this.order[first]];
-        return { array, corners, vertices: mesh.length / 3, count, wide, tone };
+        attribute(gl, 5, LOOK, 4 * LOOK, 4 * LOOK * first, 1);
+        return { ...model, array, count, tone: this.tones[this.order[first]] };
+    }
+
+    /** The colour of a shape. */
+    colourOf(i) {
+        if (this.tints?.[i] >= 0) return this.shades[this.tints[i]];
+        const [tone, figure] = [this.tones[i], this.figures[i]];
+        const own = rgb(figure < 0 ? TONES[tone] : FIGURES[figure % FIGURES.length]);
+        if (tone >= STATIC) return own;
+        // Neighbours of a kind differ a little, so that they can be told apart; joined ones belong together.
+        const scale = 1 + (((i * 0.618034) % 1) - 0.5) * (figure < 0 ? 0.2 : 0.12);
+        return own.map((x) => Math.min(1, x * scale));
+    }
+
+    /** Gives all shapes their colours. */
+    paint() {
+        const { gl } = this;
+        const looks = new Float32Array(LOOK * this.order.length);
+        this.order.forEach((i, at) => {
+            const marked = this.selected?.(i) ? SELECTED : 0;
+            looks.set([...this.colourOf(i), this.tones[i] + marked], LOOK * at);
+        });
+        gl.bindBuffer(gl.ARRAY_BUFFER, this.looks);
+        gl.bufferData(gl.ARRAY_BUFFER, looks, gl.DYNAMIC_DRAW);
+    }
+
+    /** An index of `tones`, colours of 0 to 255, for each shape, or -1: its own. All have their own without. */
+    setTints(tints, tones = []) {
+        if (!tints && !this.tints) return;
+        this.tints = tints;
+        this.shades = tones.map((tone) => tone.map((x) => x / 255));
+        this.paint();
+    }
+
+    /** Which shapes are selected, by their indices; none without. */
+    select(selected) {
+        this.selected = selected;
+        this.paint();
     }
 
     /** Where all shapes are, in the order of the scene's instances: `POSE` numbers each. */
@@ -140,29 +214,32 @@ export class Renderer {
         gl.clear(gl.DEPTH_BUFFER_BIT);
         gl.activeTexture(gl.TEXTURE0);
         gl.bindTexture(gl.TEXTURE_2D, this.shadows.texture);
+        const { dims, wireframe, shapes } = this.options;
         this.shape.use({
             ...view,
-            tones: TONES.flatMap(rgb),
             sun: SUN,
             height: canvas.height,
             sunlight: light.clip,
             texel: light.texel,
+            dims: Number(dims),
+            wire: Number(wireframe),
         });
         this.shape.use({ glass: 0 });
-        this.drawGroups(this.shape, view, () => true);
+        this.drawGroups(this.shape, view, () => shapes);
         this.drawMarks(view);
         this.shape.use({ glass: 1 });
         gl.enable(gl.BLEND);
         gl.depthMask(false);
-        this.drawGroups(this.shape, view, (group) => group.tone === STATIC);
+        this.drawGroups(this.shape, view, (group) => shapes && group.tone === STATIC);
         gl.depthMask(true);
         gl.disable(gl.BLEND);
     }
 
     drawShadows(view) {
         const { gl } = this;
-        // Covers what is framed and a little around it, in steps of whole texels: edges of shadows stay still.
-        const reach = 1.7 * view.radius;
+        // Covers what is framed and a little around it. Its size has steps, and its place those of whole
+        // texels: edges of shadows stay still while the camera moves.
+        const reach = 2 ** (Math.ceil(3 * Math.log2(1.7 * view.radius)) / 3);
         const texel = (2 * reach) / MAP;
         const turn = look([0, 0, 0], SUN);
         const along = (row) => turn[row] * view.target[0] + turn[4 + row] * view.target[1] + turn[8 + row] * view.target[2];
@@ -196,21 +273,11 @@ export class Renderer {
     }
 
     drawMarks(view) {
-        const { gl } = this;
-        const at = (shape) => [...this.latest.subarray(POSE * shape, POSE * shape + 3), 3];
-        const lines = new Float32Array(Array.from(this.links).flatMap(at));
-        const ratio = Math.max(1, this.canvas.width / (this.canvas.clientWidth || 1));
-        this.mark.use({ clip: view.clip, size: 6 * ratio, marks: MARKS.flatMap(rgb) });
-        gl.bindVertexArray(this.marks.array);
-        gl.bindBuffer(gl.ARRAY_BUFFER, this.marks.buffer);
-        gl.bufferData(gl.ARRAY_BUFFER, lines, gl.STREAM_DRAW);
-        gl.drawArrays(gl.LINES, 0, lines.length / 4);
-        gl.disable(gl.DEPTH_TEST);
-        gl.enable(gl.BLEND);
-        gl.bufferData(gl.ARRAY_BUFFER, this.points, gl.STREAM_DRAW);
-        gl.drawArrays(gl.POINTS, 0, this.points.length / 4);
-        gl.disable(gl.BLEND);
-        gl.enable(gl.DEPTH_TEST);
+        const { canvas } = this;
+        const at = (shape) => this.latest.subarray(POSE * shape, POSE * shape + 3);
+        this.marks.setLinks(Array.from(this.links, at));
+        const ratio = Math.max(1, canvas.width / (canvas.clientWidth || 1));
+        this.marks.draw(view, [canvas.width, canvas.height], ratio);
     }
 }
 
@@ -219,60 +286,4 @@ function extent(mesh, axis) {
     let [low, high] = [Infinity, -Infinity];
     for (let i = axis; i < mesh.length; i += 3) [low, high] = [Math.min(low, mesh[i]), Math.max(high, mesh[i])];
     return Math.max(1e-4, 0.5 * (high - low));
-}
-
-function attribute(gl, location, size, stride, offset, divisor) {
-    gl.enableVertexAttribArray(location);
-    gl.vertexAttribPointer(location, size, gl.FLOAT, false, stride, offset);
-    gl.vertexAttribDivisor(location, divisor);
-}
-
-function shadowMap(gl) {
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT32F, MAP, MAP);
-    for (const [name, value] of [
-        [gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE],
-        [gl.TEXTURE_MIN_FILTER, gl.LINEAR],
-        [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-        [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
-        [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
-    ]) {
-        gl.texParameteri(gl.TEXTURE_2D, name, value);
-    }
-    const frame = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, texture, 0);
-    return { texture, frame };
-}
-
-/** A program whose `use` sets uniforms by name; names that it doesn't have are left out. */
-function program(gl, vertex, fragment) {
-    const made = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-        const shader = gl.createShader(type);
-        gl.shaderSource(shader, source);
-        gl.compileShader(shader);
-        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-        gl.attachShader(made, shader);
-    }
-    gl.linkProgram(made);
-    if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
-    const setters = new Map();
-    for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
-        const { name, type } = gl.getActiveUniform(made, i);
-        const at = gl.getUniformLocation(made, name);
-        const set = {
-            [gl.FLOAT]: (v) => gl.uniform1f(at, v),
-            [gl.FLOAT_VEC3]: (v) => gl.uniform3fv(at, v),
-            [gl.FLOAT_MAT4]: (v) => gl.uniformMatrix4fv(at, false, v),
-        };
-        setters.set(name.replace('[0]', ''), set[type] ?? (() => {}));
-    }
-    return {
-        use(values) {
-            gl.useProgram(made);
-            for (const [name, value] of Object.entries(values)) setters.get(name)?.(value);
-        },
-    };
 }

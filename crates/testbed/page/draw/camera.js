@@ -1,4 +1,4 @@
-// A camera that frames what moves, and orbits by mouse and touch.
+// A camera that frames what moves, and orbits around it.
 
 /** Half of the vertical field of view [rad]. */
 const HALF_ANGLE = 0.38;
@@ -91,6 +91,37 @@ export class Camera {
         this.frame = { middle, radius: to(this.frame.radius, Math.min(frame.radius, 1.25 * this.home.radius)) };
     }
 
+    /** Goes along with a place. */
+    accompany(place, seconds) {
+        if (!place || place.length < 3) return;
+        const share = 1 - Math.exp(-3 * RATE * seconds);
+        this.frame = { ...this.frame, middle: this.frame.middle.map((x, i) => x + (place[i] - x) * share) };
+    }
+
+    /** Looks from one place to another. */
+    between(eye, target) {
+        const away = eye.map((x, i) => x - target[i]);
+        const distance = Math.max(1e-3, Math.hypot(...away));
+        this.reset();
+        this.frame = { middle: [...target], radius: distance * Math.sin(HALF_ANGLE) };
+        this.home = this.frame;
+        [this.yaw, this.pitch] = [Math.atan2(away[0], away[2]), Math.asin(away[1] / distance)];
+    }
+
+    /** Eye and target, six numbers. */
+    saved() {
+        return [...sum(this.target, scaled(this.back, this.distance)), ...this.target];
+    }
+
+    restore(numbers) {
+        this.between(numbers.slice(0, 3), numbers.slice(3));
+    }
+
+    /** What the camera looks at. */
+    get target() {
+        return sum(this.frame.middle, this.shift);
+    }
+
     /** Direction from the target to the eye. */
     get back() {
         const flat = Math.cos(this.pitch);
@@ -117,55 +148,24 @@ export class Camera {
         this.zoom = Math.min(30, Math.max(0.03, this.zoom * factor));
     }
 
+    /** The ray from the eye through a place of the picture: -1 to 1 to the right and up; `aspect` wide. */
+    ray(x, y, aspect) {
+        const m = look([0, 0, 0], this.back);
+        const high = Math.tan(HALF_ANGLE) / Math.min(1, aspect);
+        const along = [0, 1, 2].map((i) => m[4 * i] * x * high * aspect + m[4 * i + 1] * y * high - this.back[i]);
+        const origin = sum(this.target, scaled(this.back, this.distance));
+        return { origin, direction: scaled(along, 1 / Math.hypot(...along)) };
+    }
+
     /** What the renderer needs to know, for a picture of some size in pixels. */
     view(width, height) {
         // Upright pictures show as much across as others show up and down.
         const focal = (1 / Math.tan(HALF_ANGLE)) * Math.min(1, width / height);
         const { distance, back } = this;
-        const target = sum(this.frame.middle, this.shift);
+        const target = this.target;
         const eye = sum(target, scaled(back, distance));
         const clip = product(perspective(focal, width / height, 0.02 * distance, 40 * distance), look(eye, back));
         const pixel = 2 / (focal * height);
         return { clip, eye, target, back, radius: this.frame.radius * Math.max(this.zoom, 1), pixel };
-    }
-
-    /** Orbits by one finger or button; pans by two, the other button or shift; zooms by wheel and pinch. */
-    attach(canvas, changed) {
-        const fingers = new Map();
-        const middle = () => {
-            const all = [...fingers.values()];
-            const [x, y] = [0, 1].map((i) => all.reduce((s, p) => s + p[i], 0) / all.length);
-            const spread = all.length > 1 ? Math.hypot(all[0][0] - all[1][0], all[0][1] - all[1][1]) : 0;
-            return { x, y, spread };
-        };
-        canvas.style.touchAction = 'none';
-        canvas.addEventListener('pointerdown', (e) => {
-            canvas.setPointerCapture(e.pointerId);
-            fingers.set(e.pointerId, [e.clientX, e.clientY]);
-        });
-        canvas.addEventListener('pointermove', (e) => {
-            if (!fingers.has(e.pointerId)) return;
-            const before = middle();
-            fingers.set(e.pointerId, [e.clientX, e.clientY]);
-            const after = middle();
-            const [dx, dy] = [after.x - before.x, after.y - before.y].map((d) => d / canvas.clientHeight);
-            if (fingers.size > 1 || e.shiftKey || e.buttons & 2) this.pan(-dx, dy);
-            else this.turn(-4 * dx, 3 * dy);
-            if (before.spread > 0 && after.spread > 0) this.zoomBy(before.spread / after.spread);
-            changed();
-        });
-        for (const end of ['pointerup', 'pointercancel']) {
-            canvas.addEventListener(end, (e) => fingers.delete(e.pointerId));
-        }
-        canvas.addEventListener('contextmenu', (e) => e.preventDefault());
-        canvas.addEventListener('wheel', (e) => {
-            e.preventDefault();
-            this.zoomBy(Math.exp(Math.max(-60, Math.min(60, e.deltaY)) * 0.004));
-            changed();
-        }, { passive: false });
-        canvas.addEventListener('dblclick', () => {
-            this.reset();
-            changed();
-        });
     }
 }
