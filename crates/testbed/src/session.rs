@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::layers::Layers;
 use crate::run::Run;
 use crate::{ledger, settings};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// A testbed: at most one scene is open.
 ///
@@ -61,7 +61,7 @@ impl Session {
     /// that is refused ends the request, and the header of the frame says why in `error`.
     pub fn request(&mut self, json: &str, out: &mut Vec<u8>) {
         let mut frame = Frame::default();
-        let (request, mut result) = match serde_json::from_str::<Request>(json) {
+        let (request, mut result) = match read(json) {
             Ok(request) => (request, Ok(())),
             Err(why) => (Request::default(), Err(Refusal::told(format!("can't read the request: {why}")))),
         };
@@ -200,4 +200,9 @@ fn tell_scene(run: &Run, frame: &mut Frame, first: usize) {
     for (index, mesh) in drawing.meshes.iter().enumerate().skip(first) {
         frame.section(format!("mesh{index}"), |into| into.extend(mesh));
     }
+}
+
+/// A request: an object, for a list would be taken for one too.
+fn read(json: &str) -> serde_json::Result<Request> {
+    serde_json::from_value(Value::Object(serde_json::from_str(json)?))
 }

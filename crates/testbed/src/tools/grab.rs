@@ -46,8 +46,6 @@ impl Grab {
         if !world.contains_joint(self.joint) {
             return Ok(());
         }
-        // Refused here, before a step is.
-        world.set_pose(self.hand, world.position(self.hand)?, Quat::IDENTITY)?;
         if to.abs().max_element() > backstop::limits::MAX_POSITION {
             return Err(Refusal::told("the hand is too far away"));
         }
