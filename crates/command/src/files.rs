@@ -24,8 +24,6 @@ pub(crate) fn read_text(path: &Path, most: u64) -> anyhow::Result<String> {
 
 /// Put into pages and pictures of charts: what has it may be replaced by another.
 pub(crate) const MARK: &str = "<!-- by backstop -->\n";
-/// The same as keyword and text of a PNG file.
-pub(crate) const PNG_MARK: (&str, &str) = ("Software", "backstop");
 
 /// The first bytes of a recording.
 const REPLAY: &[u8] = b"backstop replay\n";
@@ -41,7 +39,6 @@ pub(crate) enum Kind {
     Replay,
     /// A page or a chart of it.
     Page,
-    Png,
     /// Frames of a profile.
     Csv,
     /// A contact problem.
@@ -57,7 +54,6 @@ impl Kind {
             Kind::Gltf => ("glTF", &["glb", "gltf"]),
             Kind::Replay => ("a recording", &[]),
             Kind::Page => ("HTML", &["html", "htm", "svg"]),
-            Kind::Png => ("PNG", &["png"]),
             Kind::Csv => ("CSV", &["csv"]),
             Kind::Problem => ("a contact problem", &["dat"]),
             Kind::Settings => ("settings as JSON", &["json"]),
@@ -71,7 +67,6 @@ impl Kind {
             Kind::Gltf => head.starts_with(b"glTF") || head.starts_with(b"{"),
             Kind::Replay => head.starts_with(REPLAY),
             Kind::Page => has(MARK.trim_end()),
-            Kind::Png => head.starts_with(b"\x89PNG") && has(&format!("{}\0{}", PNG_MARK.0, PNG_MARK.1)),
             Kind::Csv => head.starts_with(b"threads,step,"),
             Kind::Problem => head.iter().all(|b| b.is_ascii_digit() || b" \n+-.eE".contains(b)),
             Kind::Settings => head.starts_with(b"{") && has("\"about\":"),
@@ -131,7 +126,6 @@ mod tests {
             ("a.gltf", b"{\n  \"accessors\": [", Kind::Gltf),
             ("a", REPLAY, Kind::Replay),
             ("a.html", b"<!doctype html>\n<!-- by backstop -->\n<html", Kind::Page),
-            ("a.png", b"\x89PNG\r\n\x1a\n....tEXtSoftware\0backstop", Kind::Png),
             ("a.csv", b"threads,step,discrete_us", Kind::Csv),
             ("a.dat", b"3\n20\n1.5e-3 -2\n", Kind::Problem),
             ("a.json", b"{\n  \"about\": \"talk\"", Kind::Settings),

@@ -9,8 +9,8 @@ mod interrupt;
 mod json_lines;
 mod report;
 mod settings_file;
+mod testbed;
 mod threads;
-mod view;
 
 use backstop::Escaped;
 use std::process::ExitCode;

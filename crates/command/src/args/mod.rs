@@ -11,8 +11,7 @@ pub(crate) use lab::*;
 pub(crate) use values::*;
 
 use crate::commands::trade::TradeOptions;
-use crate::view::Look;
-use backstop::glam::{DVec3, Vec3};
+use backstop::glam::Vec3;
 use backstop::{ContinuousMethod, ContinuousMode, LoadLimits};
 use backstop_lab::WorldMethod;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -43,6 +42,8 @@ impl Options {
 pub(crate) enum Command {
     /// Run a scene and say what came of it.
     Run(Box<RunOptions>),
+    /// Show samples and builtin scenes on a page of the browser: to step back and forth, to grab and to throw.
+    Testbed(TestbedOptions),
     /// What continuous collision costs, frame by frame and in bytes.
     Profile(ProfileOptions),
     /// Predict the memory that a scene takes, run it, and compare.
@@ -172,14 +173,11 @@ pub(crate) struct RunOptions {
     /// Write a page with the scene in motion and charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Show the scene in a window until it is closed, with a way back to any step.
-    #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
+    /// Show the scene on a page of the browser, as `testbed` does, until it is stopped.
+    #[arg(long, conflicts_with_all = ["out", "report", "json", "record", "steps", "accuracy"])]
     pub(crate) view: bool,
-    /// Write pictures of the scene as PNG files.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) frames: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) pictures: PictureOptions,
+    pub(crate) serve: ServeOptions,
     /// Write a recording of the run: for `replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
@@ -238,26 +236,27 @@ pub(crate) struct PlanOptions {
     pub(crate) common: CommonOptions,
 }
 
-/// Options of the window and of pictures.
+/// Where the page of the testbed is.
 #[derive(Args, Debug)]
-pub(crate) struct PictureOptions {
-    /// A picture every so many steps.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) every: u32,
-    /// Pixels across and down.
-    #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
-    pub(crate) size: (usize, usize),
-    /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion,
-    /// centres, colours, islands, wireframe, grid, walls [default: shapes, and the grid where there is no
-    /// ground].
-    #[arg(long, value_name = "LIST", value_parser = Look::parse)]
-    pub(crate) show: Option<Look>,
-    /// Where the eye is [default: where it sees what moves, and the ground below it].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
-    pub(crate) eye: Option<DVec3>,
-    /// What it looks at [default: the middle of what moves].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
-    pub(crate) look_at: Option<DVec3>,
+pub(crate) struct ServeOptions {
+    /// Port of the page on this machine [default: any that is free].
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Open the page in the browser.
+    #[arg(long)]
+    pub(crate) open: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct TestbedOptions {
+    /// What is open at first: a sample or a builtin scene [default: the first sample].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Option<String>,
+    /// Threads that work on a step, until the page says another number.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    #[command(flatten)]
+    pub(crate) serve: ServeOptions,
 }
 
 #[derive(Args, Debug)]

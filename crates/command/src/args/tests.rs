@@ -18,14 +18,6 @@ fn numbers_are_read_as_people_write_them() {
     assert_eq!(bytes("1.5 KiB").unwrap(), 1536);
     assert_eq!(bytes("12MiB").unwrap(), 12 << 20);
     assert!(bytes("12MB").is_err() && bytes("-1KiB").is_err() && bytes("1.5").is_err());
-    assert_eq!(size("64x48").unwrap(), (64, 48));
-    assert!(size("64").is_err() && size("0x9").is_err() && size("9x99999").is_err());
-    assert_eq!(place("1,-2,0.5").unwrap(), DVec3::new(1.0, -2.0, 0.5));
-    assert!(place("1,2").is_err());
-    let look = Look::parse("shapes, motion").unwrap();
-    assert!(look.draw.shapes && look.draw.motion && !look.draw.contacts && !look.grid);
-    assert!(Look::parse("shape").is_err());
-    assert!(Look::NAMES.iter().all(|name| Look::nothing().switch(name).is_some()));
     // Beyond, memory ran out before the first step.
     assert!(crowd("1000000").is_ok() && crowd("99999999999").is_err() && crowd("-1").is_err());
     assert!(shots("1000000000").is_ok() && shots("18446744073709551615").is_err());

@@ -1,6 +1,6 @@
 //! Parsers of option values.
 
-use backstop::glam::{DVec3, Vec3};
+use backstop::glam::Vec3;
 use backstop_lab::WorldMethod;
 use backstop_lab::methods::{Friction, Method};
 use backstop_lab::simbench::Test;
@@ -159,18 +159,4 @@ pub(crate) fn bytes(text: &str) -> Result<usize, String> {
     let value: f64 = number.parse().map_err(|_| wrong())?;
     let value = value * f64::from(1u32 << shift);
     if (0.0..=1e15).contains(&value) { Ok(value as usize) } else { Err(wrong()) }
-}
-
-pub(crate) fn place(text: &str) -> Result<DVec3, String> {
-    let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    match parts[..] {
-        [x, y, z] => Ok(Vec3::new(x, y, z).as_dvec3()),
-        _ => Err("wants three numbers, with commas between them".into()),
-    }
-}
-
-pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
-    let side = |text: &str| text.parse().ok().filter(|n| (1..=8192).contains(n));
-    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-    sides.ok_or_else(|| "must be like 960x540, with sides in 1..=8192".into())
 }

@@ -13,6 +13,7 @@ mod shots;
 mod simbench;
 mod solve;
 mod stability;
+mod testbed;
 mod tosses;
 pub(crate) mod trade;
 
@@ -25,6 +26,7 @@ use std::process::ExitCode;
 pub(crate) fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(options) => run::run(&options),
+        Command::Testbed(options) => testbed::testbed(&options),
         Command::Profile(options) => profile::profile(&options),
         Command::Plan(options) => plan::plan(&options),
         Command::Stability(options) => stability::stability_of(&options),

@@ -1,6 +1,6 @@
 //! `run`: runs a scene from a file and writes its results.
 
-use crate::args::{PictureOptions, RunOptions};
+use crate::args::RunOptions;
 use crate::files::{Kind, expect_place};
 use crate::interrupt;
 use crate::report::accuracy::{self, Course};
@@ -9,14 +9,15 @@ use crate::report::trace::{SolverSum, Trace};
 use crate::report::viewer::{self, Motion};
 use crate::report::{output, page, summary};
 use crate::settings_file::SettingsFile;
+use crate::testbed::serve;
 use crate::threads::with_threads;
-use crate::view::{self, Frames, Look, Opened, Player, Viewer, Wanted};
 use anyhow::{Context, bail};
 use backstop::{BodyHandle, Budget, Settings, World};
 use backstop_lab::LabWorld;
 use backstop_lab::WorldSolver;
 use backstop_lab::system::System;
 use backstop_scene::{self as scene, AtomicFile, Recorder, Scene};
+use backstop_testbed::{FileScene, Session};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +51,6 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
-    let window = options.view.then(Opened::new).transpose()?;
     for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
         output::make_folder_of(file)?;
     }
@@ -61,39 +61,39 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
         }
     }
-    if let Some(window) = window {
-        return watch(window, options, &chosen, &scene);
+    if options.view {
+        return view(options, &chosen, &scene);
     }
-    let frames = match options.frames.clone() {
-        Some(folder) => {
-            Some(Frames::new(folder, options.pictures.every, viewer(options, &scene, view::SCALE)?)?)
-        }
-        None => None,
-    };
     // Until all is written.
     let _watch = interrupt::watch()?;
-    let ran = with_threads(chosen.settings.threads, || simulate(options, &chosen, &scene, frames))?;
+    let ran = with_threads(chosen.settings.threads, || simulate(options, &chosen, &scene))?;
     write(options, chosen.dt, &scene, &ran)
 }
 
-/// `scale`: pixels drawn for each that is shown, each way.
-fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<Viewer> {
-    let PictureOptions { eye, look_at, .. } = options.pictures;
-    if eye.is_some() && eye == look_at {
-        bail!("--eye is where --look-at is");
-    }
-    let look = options.pictures.show.clone().unwrap_or_else(|| Look::of(scene));
-    Ok(Viewer::new(Wanted { eye, target: look_at }, look, options.pictures.size, scale))
+/// `--view`: in the testbed, until the user ends it.
+fn view(options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Result<()> {
+    // What is refused is refused here.
+    start(chosen, scene).with_context(|| format!("scene {} is refused", scene.name))?;
+    let (chosen, scene) = (chosen.clone(), scene.clone());
+    serve(&options.serve, chosen.settings.threads, Some("file"), move || {
+        let about = scene.source.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+        let file = FileScene {
+            title: scene.name.clone(),
+            about,
+            dt: chosen.dt,
+            start: Box::new(move || start(&chosen, &scene)),
+        };
+        Session::new().with_file(file)
+    })
 }
 
-/// `--view`: until its window is closed.
-fn watch(window: Opened, options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Result<()> {
-    let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
+/// A world with the scene in it, and the names of its bodies.
+fn start(chosen: &Chosen, scene: &Scene) -> Result<(World, Vec<(BodyHandle, String)>), backstop::Error> {
+    let mut world = World::new(chosen.settings.clone())?;
     world.solve_with(chosen.solver.clone());
-    scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
-    let follows = options.pictures.eye.is_none() && options.pictures.look_at.is_none();
-    let player = Player::new(viewer(options, scene, 1)?, world, chosen.dt, follows);
-    view::show(window, player, &scene.name)
+    let handles = scene.add_to(&mut world)?.bodies;
+    let names = scene.bodies.iter().map(|body| body.name.clone());
+    Ok((world, handles.into_iter().zip(names).collect()))
 }
 
 /// The motion of a run, for what is asked for.
@@ -126,17 +126,11 @@ struct Ran {
     handles: Vec<BodyHandle>,
     trace: Trace,
     films: Films,
-    frames: Option<Frames>,
     /// The exported problem: its file, and a description.
     exported: Option<(PathBuf, String)>,
 }
 
-fn simulate(
-    options: &RunOptions,
-    chosen: &Chosen,
-    scene: &Scene,
-    mut frames: Option<Frames>,
-) -> anyhow::Result<Ran> {
+fn simulate(options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Result<Ran> {
     let dt = chosen.dt;
     let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
     let recording = options.record.as_deref().map(|path| record(path, &mut world)).transpose()?;
@@ -166,7 +160,6 @@ fn simulate(
     }
     let mut exported = None;
     films.record(&world, &handles, 0.0);
-    frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
     let bar = output::progress(!options.common.quiet, steps.into(), "steps");
     for step in 1..=steps {
         let exports = export_to.as_ref().is_some_and(|(at, _)| *at == step);
@@ -192,7 +185,6 @@ fn simulate(
         if step % every == 0 || is_last {
             films.record(&world, &handles, step as f32 * dt);
         }
-        frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
         bar.inc(1);
         if is_last {
             break;
@@ -204,7 +196,7 @@ fn simulate(
         world.stop_recording().with_context(about)?;
         file.commit().with_context(about)?;
     }
-    Ok(Ran { world, handles, trace, films, frames, exported })
+    Ok(Ran { world, handles, trace, films, exported })
 }
 
 /// Begins to record into a file, which is there once it is committed.
@@ -227,6 +219,7 @@ fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
 
 /// Settings of the world and the length of a step: from the command line, else from the file, else the
 /// defaults.
+#[derive(Clone)]
 struct Chosen {
     dt: f32,
     settings: Settings,
@@ -259,13 +252,12 @@ pub(crate) fn default_steps(scene: &Scene, dt: f32) -> u32 {
 }
 
 fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
-    let Ran { world, handles, trace, films, frames, exported } = ran;
+    let Ran { world, handles, trace, films, exported } = ran;
     let mut written = Vec::new();
     if let (Some(path), Some(film)) = (&options.out, &films.animation) {
         scene::write_animation(scene, film, path)?;
         written.push(path.clone());
     }
-    written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
     written.extend(options.record.clone());
     if let Some((path, about)) = exported {
         if !options.common.quiet {

@@ -3,5 +3,5 @@
 mod form;
 mod spared;
 mod stopped;
+mod testbed;
 mod trade;
-mod view;

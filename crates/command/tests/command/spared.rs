@@ -72,15 +72,13 @@ fn no_output_replaces_something_else() {
         file
     };
     let files = ["mine.glb", "mine.replay", "mine.dat", "site/index.html", "charts/times.svg"].map(mine);
-    let pictures = mine("pictures/frame-00007.png");
     refused(&["--out", "mine.glb"], "which would be lost");
     refused(&["--record", "mine.replay"], "which would be lost");
     refused(&["--export-problem", "1", "mine.dat"], "which would be lost");
     refused(&["--report", "site"], "which would be lost");
     refused(&["--report", "charts"], "which would be lost");
-    refused(&["--frames", "pictures"], "which would be lost");
     refused(&["--report", "mine.glb"], "there is a file of this name");
-    for file in files.iter().chain([&pictures]) {
+    for file in &files {
         assert_eq!(std::fs::read(file).expect("a file"), b"mine", "{}", file.display());
     }
     // Nothing of a run is written where one of its outputs is refused.
@@ -103,8 +101,8 @@ fn no_output_replaces_something_else() {
 /// What the command has written it writes again.
 #[test]
 fn outputs_are_replaced_by_their_kind() {
-    let all = ["--out", "own.glb", "--record", "own.replay", "--report", "own", "--frames", "own-frames"];
-    let run = ["run", "chain", "--steps", "2", "--quiet", "--size", "40x30"];
+    let all = ["--out", "own.glb", "--record", "own.replay", "--report", "own"];
+    let run = ["run", "chain", "--steps", "2", "--quiet"];
     for _ in 0..2 {
         let output = backstop(&[&run[..], &all, &["--export-problem", "2", "own.dat"]].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

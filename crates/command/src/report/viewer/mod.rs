@@ -1,6 +1,6 @@
 //! The scene with its motion on a page: a viewer in WebGL2 that needs nothing but the page itself.
 //!
-//! `bindings/web` draws with the same modules. They are here because a package holds no file of another.
+//! The testbed draws with the same modules: `crates/testbed/page/draw/`.
 
 mod film;
 mod motion;
@@ -14,12 +14,15 @@ use backstop_scene::Scene;
 use film::Film;
 
 /// The modules, each after those that it imports from. Put together they are one.
-const MODULES: [&str; 6] = [
-    include_str!("camera.js"),
-    include_str!("normals.js"),
-    include_str!("shaders.js"),
-    include_str!("renderer.js"),
-    include_str!("view.js"),
+const MODULES: [&str; 9] = [
+    include_str!("../../../../testbed/page/draw/camera.js"),
+    include_str!("../../../../testbed/page/draw/orbit.js"),
+    include_str!("../../../../testbed/page/draw/shaders.js"),
+    include_str!("../../../../testbed/page/draw/normals.js"),
+    include_str!("../../../../testbed/page/draw/gl.js"),
+    include_str!("../../../../testbed/page/draw/marks.js"),
+    include_str!("../../../../testbed/page/draw/renderer.js"),
+    include_str!("../../../../testbed/page/draw/view.js"),
     include_str!("player.js"),
 ];
 
