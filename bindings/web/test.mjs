@@ -99,7 +99,7 @@ async function thePageFitsATelephone(browser, address) {
     await page.screenshot({ path: new URL('telephone-samples.png', HERE).pathname });
     await page.tap('#list button[data-name=windmill]');
     await page.waitForFunction(() => testbed.header.name === 'windmill');
-    assert.equal(await page.isVisible('#samples'), false);
+    await page.waitForSelector('#samples', { state: 'hidden' });
     await page.tap('#panel-open');
     await page.waitForTimeout(300);
     await page.screenshot({ path: new URL('telephone-panel.png', HERE).pathname });

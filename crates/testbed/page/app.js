@@ -59,8 +59,11 @@ class App {
         if (state.layers) this.setLayers(state.layers);
         await this.open(known ? (state.sample ?? first) : first, state);
         if (!known) tell(`there is no sample "${state.sample}"`);
-        if (state.camera?.length === 6) this.view.camera.restore(state.camera);
+        if (state.camera?.length !== 6) return;
+        this.view.camera.restore(state.camera);
         this.view.invalidate();
+        this.turnedBy = state.camera;
+        this.link();
     }
 
     /** Opens a sample from its start. `add`: as a page to come back from. */

@@ -264,7 +264,7 @@ export class Renderer {
     drawGroups(shader, view, wanted) {
         const { gl } = this;
         for (const group of this.groups.filter(wanted)) {
-            (group.tone === GROUND ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
+            (group.tone === GROUND || this.options.wireframe ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
             shader.use({ wide: group.wide, large: group.wide < 0.5 * view.radius ? 0 : 1 });
             gl.bindVertexArray(group.array);
             gl.drawArraysInstanced(gl.TRIANGLES, 0, group.vertices, group.count);
