@@ -40,10 +40,10 @@ vec3 turned(vec3 v) {
 }
 
 void main() {
-    // What moves is never smaller than a few pixels.
+    // What moves is never smaller than a few pixels. Planes reach to where all fades.
     float selected = step(15.5, look.w);
     float tone = look.w - 16.0 * selected;
-    float grow = tone < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
+    float grow = tone > 7.5 ? 30.0 : tone < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
     at = place + turned(corner * grow);
     facing = turned(normal);
     edge = edges;
