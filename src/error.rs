@@ -21,8 +21,8 @@ pub enum Error {
     /// The character was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the character handle is stale: its character was removed")]
     StaleCharacter,
-    /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is
-    /// half done.
+    /// A step panicked, in a hook of the caller's or by a defect of this library, and the state of the world
+    /// is incomplete.
     #[error(
         "a step panicked in its stage \"{stage}\", so the world can't be stepped any more: restore a snapshot, or make a new one"
     )]
@@ -47,7 +47,7 @@ pub enum Error {
     /// A motion that can't be coupled, or not with the other one.
     #[error("a coupled motion must be {expected}")]
     CoupledMotion {
-        /// What it must be.
+        /// The kind of motion that is expected.
         expected: &'static str,
     },
     /// A list that leaves something out.
@@ -55,7 +55,7 @@ pub enum Error {
     Incomplete {
         /// Which list.
         what: &'static str,
-        /// What it must have.
+        /// The missing part.
         expected: &'static str,
     },
     /// A number is NaN or infinite.
@@ -76,10 +76,10 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A list has another length than what it is for.
+    /// A list has the wrong length.
     #[error("there must be {expected} {what}, {each}, but there are {found}")]
     Count {
-        /// What the list has.
+        /// The elements of the list.
         what: &'static str,
         /// The rule in words.
         each: &'static str,
@@ -95,13 +95,13 @@ pub enum Error {
         what: &'static str,
         /// It.
         index: usize,
-        /// How many there are of what it is one of.
+        /// The number of elements.
         count: usize,
     },
     /// One of several is refused.
     #[error("{what} {index}: {source}")]
     One {
-        /// What there are several of.
+        /// Which list or array.
         what: &'static str,
         /// Its place among them, from 0.
         index: usize,
@@ -166,10 +166,10 @@ pub enum Error {
     /// A snapshot refers to something that the world does not have.
     #[error("the snapshot is of a world with {what}")]
     ForeignSnapshot {
-        /// What differs.
+        /// The difference.
         what: &'static str,
     },
-    /// What was asked for does not fit into the memory budget.
+    /// A request does not fit into the memory budget.
     #[error("the budget is exceeded: {asked} bytes are asked for, {left} are left (for {category})")]
     Budget {
         /// The one whose own limit is too low. If it is the limit of the whole: the one that asks for most.
@@ -182,7 +182,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is wrong, without where: the innermost error of those that [`Error::One`] has within each other.
+    /// The cause without its place: the innermost of nested [`Error::One`].
     pub fn innermost(&self) -> &Error {
         match self {
             Error::One { source, .. } => source.innermost(),

@@ -106,7 +106,7 @@ pub(crate) fn pulled(bodies: &Bodies, forces: &Forces, dt: f32) -> Vec<u32> {
 
 /// Slots of bodies to be frozen: those whose velocity or displacement (`delta`) is not finite. If joints or
 /// forces act on some of them, only these are frozen, because contacts alone only spread the fault. `all`:
-/// whatever acts on them.
+/// regardless of what acts on them.
 pub(crate) fn culprits(bodies: &Bodies, delta: &[Record], joints: &Joints, all: bool) -> Vec<u32> {
     let unsound =
         |i: &usize| !bodies.velocity[*i].is_within(MAX_LEFT_SPEED) || !delta[*i].is_within(f32::MAX);

@@ -56,7 +56,7 @@ const BLOCK: usize = per_block(256, 1);
 /// Whether a step can begin with a motion: the velocity that it predicts is within [`MAX_LEFT_SPEED`].
 pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
     let (motion, pull) = (bytemuck::must_cast(*motion), bytemuck::must_cast(*pull));
-    // The angle of a motion is that of its rotation, whatever the axis.
+    // The angle of a motion is that of its rotation, about any axis.
     is_within(motion, 2.0 * MAX_LEFT_SPEED * dt) && is_within(pull, MAX_LEFT_SPEED / dt)
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
 /// and once when it has ended.
 ///
 /// Two halves, so that where a body gets to, and its terminal velocity in gravity, have errors of the second
-/// order in `dt`; the decay itself is exact, whatever the number of substeps.
+/// order in `dt`; the decay itself is exact, with any number of substeps.
 pub(crate) fn damp(bodies: &mut Bodies, dt: f32) {
     let dynamic = bodies.dynamic();
     let Bodies { rare, slots, velocity, .. } = bodies;

@@ -1,5 +1,5 @@
-//! Guides: the pages of `docs/` for those who use the engine. They are part of its documentation only;
-//! `tests/lib.rs` compiles what code they have.
+//! Guides: the pages of `docs/` for users of the engine. They are part of its documentation only;
+//! `tests/lib.rs` compiles their code.
 //!
 //! On their own the pages refer to each other by file name. Here the same references are defined as links to
 //! modules and to sources, and those to pictures as the pictures themselves, which rustdoc copies nowhere;

@@ -13,14 +13,14 @@ macro_rules! handle {
         }
 
         impl $name {
-            /// The handle as a number, to be kept by what knows no Rust: never zero before 2^32 handles were
+            /// The handle as a number, for programs in other languages: never zero before 2^32 handles were
             /// given out for one place.
             pub const fn to_bits(self) -> u64 {
                 (self.generation as u64) << 32 | self.slot as u64
             }
 
-            /// The handle of a number from `to_bits`. Any other number makes a handle that is stale, or that
-            /// of whatever has it.
+            /// The handle of a number from `to_bits`. Any other number makes a stale handle, or that of
+            /// another object.
             pub const fn from_bits(bits: u64) -> Self {
                 $name { slot: bits as u32, generation: (bits >> 32) as u32 }
             }
@@ -30,8 +30,8 @@ macro_rules! handle {
 
 handle! {
     /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another
-    /// body. It is not known of which world it is: in another, whose snapshot this one may have been restored
-    /// from, it names what has its number.
+    /// body. It has no number of its world: in another world, from whose snapshot this one may have been
+    /// restored, it names the body with its number.
     BodyHandle
 }
 handle! {
@@ -102,7 +102,7 @@ impl Slots {
         self.slots.is_empty()
     }
 
-    /// The dense index of what is known to be there.
+    /// The dense index of an element that is known to exist.
     #[inline]
     pub(crate) fn dense(&self, slot: u32) -> u32 {
         self.slots[slot as usize].1
@@ -148,7 +148,7 @@ impl Slots {
         (slot, generation)
     }
 
-    /// Makes them anew: what is taken (slot, generation, dense index), and what is free.
+    /// Builds them again from taken slots (slot, generation, dense index) and free ones.
     pub(crate) fn rebuild(
         &mut self,
         count: usize,

@@ -39,13 +39,13 @@
 //! - [`BodyDesc`], [`BodyKind`]: a body to be added; static, kinematic or dynamic, with any number of shapes.
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
-//! - [`JointDesc`], [`CouplingDesc`], [`Skeleton`]: what joins bodies, from hinges to gears and ragdolls.
+//! - [`JointDesc`], [`CouplingDesc`], [`Skeleton`]: joints between bodies, from hinges to gears and ragdolls.
 //! - [`MassProperties`]: mass, centre and inertia, from shapes or given.
 //! - [`Settings`], [`ContinuousMode`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
-//! - [`World::moved_bodies`], [`World::contacts_of`], [`World::aabb`]: what moved in the last step, what a
-//!   body touches, and the box around it.
+//! - [`World::moved_bodies`], [`World::contacts_of`], [`World::aabb`]: bodies that moved in the last step,
+//!   contacts of a body, and the box around it.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
 //! - [`Character`]: a capsule or another convex shape that walks.
@@ -64,8 +64,8 @@
 //! [names of other engines](guide::coming_from).
 //!
 //! SI units, y up, positions in `f64` and everything else in `f32`; [`limits`] has the ranges. Calls that can
-//! be refused return an [`Error`] and have then changed nothing. The same input gives the same bits, whatever
-//! the number of threads.
+//! be refused return an [`Error`] and have then changed nothing. The same input gives the same bits with any
+//! number of threads.
 //!
 //! # Features
 //!
@@ -77,7 +77,7 @@
 //! - `web-time`: step times in a browser, where bare WebAssembly has no clock.
 //! - `replay`: a run can be recorded and replayed, see `replay`.
 //! - `methods`: methods of continuous collision that exist to be compared with.
-//! - `observe`: the inside of a step, for those who measure it, see `observe`.
+//! - `observe`: the inside of a step, for measurements, see `observe`.
 //!
 //! Scenes, builtin ones and glTF files, are a crate of their own, `backstop-scene`; measures of stability and
 //! accuracy, and other methods of contact resolution, are `backstop-lab`.

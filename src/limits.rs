@@ -1,4 +1,4 @@
-//! The ranges of what a caller says, stated once, with a checker for each kind of number:
+//! The ranges of a caller's input, stated once, with a checker for each kind of number:
 //!
 //! | Kind | Checker | Of |
 //! | --- | --- | --- |
@@ -13,15 +13,14 @@
 //! | mass, moments | `inertia`, `density` | mass properties, shapes, skeletons |
 //! | rate of damping | `damping` | bodies |
 //! | coefficient | `friction`, `share` | materials, hooks |
-//! | other amount | `amount` | thresholds and times of settings, forces of drives and characters |
+//! | other amount | `amount` | thresholds and times of settings, forces of motors and characters |
 //! | time | `step` | steps, walks, targets |
 //!
-//! Rotations are checked by [`unit_quat`], springs, limits and drives in `joint/desc.rs`, rays and casts
-//! in `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
+//! Rotations are checked by [`unit_quat`], springs, limits and motors in `joint/motion.rs`, rays and casts in
+//! `query/ray.rs`. `tests/world/each_call/numbers.rs` goes through all calls.
 //!
-//! The ranges: Each is far beyond any honest scene, and close enough that
-//! what the stages make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 =
-//! 1.6e37`, is one.
+//! The ranges: Each is far beyond any honest scene, and close enough that the stages' results in `f32` stay
+//! finite: the fourth power of the largest distance, `(2e9)^4 = 1.6e37`, is one.
 
 use crate::error::Error;
 pub use crate::error::{finite, finite3, positive, within};
@@ -30,12 +29,12 @@ use glam::{DVec3, Vec3};
 
 /// Largest coordinate of a position [m]: beyond the moon, where `f32` has steps of 64 m around an origin.
 pub const MAX_POSITION: f64 = 1e9;
-/// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times what enters the
-/// atmosphere. In the longest step it is a way of 1e7 m, and its square is far from the end of numbers.
+/// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times the speed of meteors. In
+/// the longest step it is a way of 1e7 m, and its square is far from the end of numbers.
 pub const MAX_SPEED: f32 = 1e6;
-/// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and
-/// what gravity, springs and impacts add to that in honest steps. A body that would be faster is stopped
-/// ([`StepReport::faulted`](crate::StepReport::stopped)).
+/// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: the range of a caller's
+/// input, and the increase by gravity, springs and impacts in honest steps. A body that would be faster is
+/// stopped ([`StepReport::faulted`](crate::StepReport::stopped)).
 pub const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
 /// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over
 /// them is a number.
@@ -45,7 +44,7 @@ pub const MIN_LENGTH: f32 = 1e-6;
 pub const MAX_LENGTH: f32 = 1e6;
 /// Largest coordinate of a triangle mesh or height field [m]: squares of areas stay numbers.
 pub const MAX_COORDINATE: f32 = 1e7;
-/// Shortest step [s]: below, the gain of a step at 1 g is less than what `f32` tells apart of 100 m/s.
+/// Shortest step [s]: below, the gain of a step at 1 g is less than the resolution of `f32` at 100 m/s.
 pub const MIN_STEP: f32 = 1e-6;
 /// Longest step [s]: physics at a tenth of a frame a second is none.
 pub const MAX_STEP: f32 = 10.0;
@@ -61,8 +60,8 @@ pub const MAX_DENSITY: f32 = 1e15;
 /// Largest linear or angular damping of a body [1/s].
 pub const MAX_DAMPING: f32 = 1e6;
 
-/// Largest force or impulse that is carried from step to step [N], [N s]: beyond what the heaviest bodies
-/// that there may be bear; the sum of a few is a number still.
+/// Largest force or impulse that is carried from step to step [N], [N s]: beyond the loads of the heaviest
+/// possible bodies; the sum of a few is still finite.
 pub(crate) const MAX_LOAD: f32 = 10.0 * MAX_MASS;
 
 pub(crate) fn position(at: DVec3) -> Result<(), Error> {
@@ -134,7 +133,7 @@ pub(crate) fn lever(what: &'static str, v: Vec3) -> Result<(), Error> {
 
 /// A radius or a half extent.
 pub(crate) fn length(what: &'static str, value: f32) -> Result<(), Error> {
-    // Whoever gave none is told so.
+    // Values that are not positive have an error of their own.
     crate::error::positive(what, value)?;
     within(what, value, MIN_LENGTH, MAX_LENGTH, "in 1e-6..=1e6 m").map(drop)
 }
@@ -163,15 +162,15 @@ pub(crate) fn share(what: &'static str, value: f32) -> Result<(), Error> {
     within(what, value, 0.0, 1.0, "in 0..=1").map(drop)
 }
 
-/// What lists of fields give a range.
+/// Types of fields with a range.
 pub(crate) trait Ranged {
-    /// Refuses what is not in `[low, high]`.
+    /// Refuses values outside of `[low, high]`.
     fn check(self, what: &'static str, ends: [f32; 2], expected: &'static str) -> Result<(), Error>;
 }
 
 impl Ranged for f32 {
     fn check(self, what: &'static str, [low, high]: [f32; 2], expected: &'static str) -> Result<(), Error> {
-        // Whoever gave none is told so.
+        // Values that are not positive have an error of their own.
         if low > 0.0 {
             positive(what, self)?;
         }
@@ -234,7 +233,7 @@ pub(crate) fn direction(what: &'static str, v: Vec3) -> Result<Vec3, Error> {
     for value in v.to_array() {
         finite(what, value)?;
     }
-    // By its greatest part first: squares of what is very long or short leave the range.
+    // By its greatest component first: squares of very large or small ones leave the range.
     let v = v / v.abs().max_element();
     let unit = v / v.length();
     if unit.is_finite() {
@@ -251,7 +250,7 @@ pub fn step(dt: f32) -> Result<f32, Error> {
     within("dt", dt, MIN_STEP, MAX_STEP, "in 1e-6..=10 s")
 }
 
-/// A mass or a moment of inertia of what can be pushed.
+/// A mass or a moment of inertia of a body that can be pushed.
 pub(crate) fn inertia(what: &'static str, value: f32) -> Result<(), Error> {
     finite(what, value)?;
     within(what, value, 1.0 / MAX_MASS, MAX_MASS, "in 1e-36..=1e36").map(drop)

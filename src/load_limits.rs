@@ -1,13 +1,13 @@
-//! Limits on what reading a file may take. Files come from strangers: a few hundred bytes may ask for
+//! Limits on the resources for reading a file. Files come from strangers: a few hundred bytes may ask for
 //! gigabytes.
 
 use std::fmt;
 
-/// The most that a file may ask for while it is read. What is beyond is refused before memory is taken for
-/// it, by an error that names the limit.
+/// The most that a file may ask for while it is read. Anything beyond is refused before memory is reserved
+/// for it, by an error that names the limit.
 ///
-/// What is built several times, because it is used at several places or scales, counts each time; what is
-/// shared counts once. No honest scene for a game meets a default.
+/// Content that is built several times, because it is used at several places or scales, counts each time;
+/// shared content counts once. No honest scene for a game meets a default.
 ///
 /// ```
 /// use backstop::LoadLimits;
@@ -31,7 +31,7 @@ pub struct LoadLimits {
     pub triangles: u64,
     /// Bodies; of a recording at a time. Default 1 million.
     pub bodies: u64,
-    /// Joints with their limits and drives; of a recording at a time, joints alone, and couplings. Default 1
+    /// Joints with their limits and motors; of a recording at a time, joints alone, and couplings. Default 1
     /// million.
     pub joints: u64,
     /// Bytes of the geometry that a recording has, and of the world that it plays in: that world's budget, if
@@ -87,7 +87,7 @@ impl fmt::Display for LimitExceeded {
 
 impl std::error::Error for LimitExceeded {}
 
-/// A limit, and what of it is taken.
+/// A limit, and the part of it that is used.
 #[derive(Debug)]
 pub struct Count {
     limit: &'static str,
@@ -136,7 +136,7 @@ impl Count {
     }
 }
 
-/// Counts of what a file has taken so far of its [`LoadLimits`], for those who read formats of their own.
+/// Counts how much a file has used of its [`LoadLimits`] so far, for readers of other formats.
 #[derive(Debug)]
 pub struct Tally {
     /// Of [`LoadLimits::bytes`].

@@ -1,9 +1,9 @@
 //! Quaternions whose products are the same sums in the same order on every target.
 //!
 //! glam's own `Quat` is SIMD where the target has it: aligned to 16 bytes, and its products are summed in
-//! another order, or fused, on each instruction set. Here it is what callers pass and get; what is computed
-//! with is [`Quat`]. A feature of glam would do as well, but Cargo would turn it on for the whole program.
-//! Scenes that are made with it are the same on every machine.
+//! another order, or fused, on each instruction set. Here callers pass and get it; the engine computes with
+//! [`Quat`]. A feature of glam would do as well, but Cargo would turn it on for the whole program. Scenes
+//! that are made with it are the same on every machine.
 
 use glam::{DQuat, Mat3, Vec3};
 use std::ops::{Mul, Neg};

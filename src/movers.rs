@@ -64,7 +64,7 @@ pub(crate) struct Input<'a> {
     pub(crate) mode: ContinuousMode,
     /// The length unit [m].
     pub(crate) unit: f32,
-    /// Whether a sensor notices what is static.
+    /// Whether a sensor notices static shapes.
     pub(crate) senses_static: bool,
 }
 

@@ -54,7 +54,7 @@ impl Random {
     }
 
     /// Uniform in `0.0..1.0`, by Knuth's linear congruential generator (MMIX) on the same state: for tests
-    /// whose bounds are known for what it draws.
+    /// whose bounds are known for its numbers.
     pub(crate) fn congruential(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 24) as f32

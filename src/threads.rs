@@ -2,8 +2,8 @@
 //!
 //! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So helpers
 //! are called once a step: they wait, spinning, for the caller to announce a stage, and claim blocks of it
-//! beside the caller, who works where it is. Nobody waits for a helper that has not claimed a block: if none
-//! ever arrives, because the pool has other work, the caller does all.
+//! beside the caller, who works where it is. The caller never waits for a helper that has not claimed a
+//! block: if none ever arrives, because the pool has other work, the caller does all.
 
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need all of it"))]
 mod stage;
@@ -29,7 +29,7 @@ impl Workers<'_> {
     }
 
     /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order
-    /// and at the same time: what a block writes must be its own.
+    /// and at the same time: a block may write only its own data.
     pub(crate) fn run(&self, blocks: usize, work: &(dyn Fn(usize) + Sync)) {
         match self.stage {
             Some(stage) if blocks > 1 && u32::try_from(blocks).is_ok() => stage.run(blocks, work),
@@ -87,8 +87,8 @@ pub(crate) fn with_workers<R: Send>(
     f(Workers { stage: Some(stage) })
 }
 
-/// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the
-/// end is taken back.
+/// Runs `f` on this thread of a pool, and offers so many helpers to the others: offers that none has taken by
+/// the end are taken back.
 #[cfg(feature = "parallel")]
 fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) -> R {
     fn offer(stage: &Stage, helping: usize, f: &mut (dyn FnMut() + Send)) {
@@ -171,10 +171,10 @@ impl<'a, T> Shared<'a, T> {
     /// All elements, to be looked at.
     ///
     /// # Safety
-    /// Until the stage is over nobody may write any.
+    /// Until the stage is over no thread may write any.
     #[cfg(feature = "observe")]
     pub(crate) unsafe fn all(&self) -> &[T] {
-        // SAFETY: the whole slice; nobody writes by the contract.
+        // SAFETY: the whole slice; no thread writes by the contract.
         unsafe { std::slice::from_raw_parts(self.start, self.len) }
     }
 
@@ -208,7 +208,7 @@ impl<'a, T> Shared<'a, T> {
         T: Copy,
     {
         assert!(i < self.len);
-        // SAFETY: inside the slice by the assertion; nobody writes by the contract.
+        // SAFETY: inside the slice by the assertion; no thread writes by the contract.
         unsafe { *self.start.add(i) }
     }
 }

@@ -90,7 +90,7 @@ impl<'a> Reader<'a> {
         Ok(record::<T, N>(words))
     }
 
-    /// A rotation: about of unit length, or `what` is broken.
+    /// A rotation: nearly of unit length, or `what` is broken.
     pub(crate) fn rotation(&mut self, what: &'static str) -> Result<Quat, Error> {
         let rotation = Quat::from_array(self.finite::<[f32; 4], 4>()?);
         if (0.9..1.1).contains(&rotation.length_squared()) { Ok(rotation) } else { Err(broken(what)) }
@@ -103,7 +103,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Whether free slots are those that nobody has, in whatever order.
+/// Whether free slots are exactly the unused ones, in any order.
 pub(crate) fn are_free(slots: &[(u32, u32)], nobodys: impl Iterator<Item = u32>) -> bool {
     let mut slots: Vec<u32> = slots.iter().map(|(slot, _)| *slot).collect();
     slots.sort_unstable();

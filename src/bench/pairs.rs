@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Too many for the branch predictor to memorise, and few enough for L2.
 const PAIRS: usize = 512;
 // Guard: ends the range in which points are looked for.
-/// What the step adds to the motions of two bodies [m].
+/// Margin that the step adds to the motions of two bodies [m].
 const MARGIN: f32 = 2.0 * CONTACT_MARGIN;
 
 fn sphere() -> Collider {

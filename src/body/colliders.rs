@@ -41,7 +41,7 @@ impl Colliders {
         allowance.fit(&mut self.odometers, len);
     }
 
-    /// What few shapes have of a material.
+    /// Rare fields of materials.
     pub(crate) fn rare(&self, collider: u32) -> RareMaterial {
         self.rare.get(collider as usize).copied().unwrap_or_default()
     }

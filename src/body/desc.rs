@@ -7,10 +7,10 @@ use crate::limits::unit_quat;
 use crate::shape::{MassProperties, ShapeDesc};
 use glam::{DVec3, Vec3};
 
-/// What moves a body.
+/// How a body moves.
 ///
-/// Calls that make no sense for a kind are no errors, so that an explosion need not ask what it reaches; they
-/// check their numbers and change nothing:
+/// Calls that make no sense for a kind are no errors, so that an explosion need not check the kind of each
+/// body; they check their numbers and change nothing:
 ///
 /// | Call | Static | Kinematic | Dynamic |
 /// | --- | --- | --- | --- |
@@ -44,7 +44,7 @@ pub enum BodyKind {
 fields! {
     /// A body to be added.
     ///
-    /// With the feature `serde` whatever is the default may be left out.
+    /// With the feature `serde` fields with their default may be left out.
     ///
     /// ```
     /// use backstop::{BodyDesc, Geometry, ShapeDesc, glam::Vec3};

@@ -24,7 +24,7 @@ impl Bodies {
         self.force.resize(bodies, Record::default());
     }
 
-    /// Forces last for a step. Once nobody has applied any for a while, their column goes, if it may.
+    /// Forces last for a step. After some steps without forces their column is freed, if it may.
     pub(crate) fn forget_forces(&mut self, may_go: bool) {
         if self.force.is_empty() {
             return;

@@ -75,8 +75,8 @@ impl FreeTurn {
     }
 
     /// Free rotations of up to four, however fast, each in as many parts as it takes: the rotations and
-    /// angular velocities at the end. The momentum and the energy stay what they were. With more digits on
-    /// the way than it begins and ends with, because a rounding that favours one direction, step after step,
+    /// angular velocities at the end. The momentum and the energy are conserved. Intermediate results have
+    /// more digits than input and output, because a rounding that favours one direction, step after step,
     /// would add up.
     pub(crate) fn all(turns: &[FreeTurn]) -> [(Quat, Vec3); FREE] {
         let mut lanes = [FreeTurn { inertia: Vec3::ONE, ..FreeTurn::default() }; FREE];
@@ -133,7 +133,7 @@ struct Top {
     across: f64,
     /// Rotation about the axis in one part, per unit of the momentum about it [rad].
     around: f64,
-    /// The same about the two others, by a quarter of what these differ.
+    /// The same about the two others, by a quarter of their difference.
     rest: f64,
     parts: u32,
 }
@@ -182,11 +182,11 @@ impl Four {
     /// Free rotations save for the precession: that by which the whole motion turns about the angular
     /// momentum, which is the same all along and so can be added at the end.
     ///
-    /// A symmetric top, which has a closed solution, and what is left of the difference of its two like
-    /// moments, in turn (Touma and Wisdom, *Lie-Poisson integrators for rigid body dynamics in the solar
-    /// system*, 1994). Every part is a rotation, so the angular momentum stays what it was to rounding at any
-    /// length of step; a needle, whose moments are as 1 to 10 000, keeps its energy too, where an iteration
-    /// for the implicit midpoint would not converge.
+    /// A symmetric top, which has a closed solution, and the remaining difference of its two like moments, in
+    /// turn (Touma and Wisdom, *Lie-Poisson integrators for rigid body dynamics in the solar system*, 1994).
+    /// Every part is a rotation, so the angular momentum is conserved to rounding at any length of step; a
+    /// needle, whose moments are as 1 to 10 000, keeps its energy too, where an iteration for the implicit
+    /// midpoint would not converge.
     fn tumble(&mut self, tops: &[Top; FREE]) {
         let (least, most) =
             tops.iter().fold((u32::MAX, 1), |(least, most), top| (least.min(top.parts), most.max(top.parts)));
@@ -212,7 +212,7 @@ impl Four {
     }
 
     /// Moves the momentum of each, as the body sees it, on its sphere to where the body has the energy that
-    /// it had with the momentum `before`; in the world the momentum stays what it is.
+    /// it had with the momentum `before`; in the world the momentum is conserved.
     ///
     /// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them: two
     /// linear equations, so the shares that have both lie on a line, from those before. Of these it gets

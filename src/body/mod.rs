@@ -1,4 +1,4 @@
-//! Bodies: what the caller describes, and the columns that the stages work on.
+//! Bodies: the caller's descriptions, and the columns that the stages work on.
 
 mod colliders;
 mod desc;

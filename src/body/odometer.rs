@@ -5,8 +5,8 @@ use super::Pose;
 /// Odometer of a collider, in ticks, modulo 2^32.
 ///
 /// If two shapes were apart by more than a contact needs, they still are as long as both odometers together
-/// have gone up by less than that. Pairs keep 16 of the 32 bits ([`reading`]), so what is compared has to be
-/// less than 32 length units apart: whatever is further counts as [`MOST`], and each pair is looked at in
+/// have gone up by less than that. Pairs keep 16 of the 32 bits ([`reading`]), so compared readings have to
+/// be less than 32 length units apart: greater differences count as [`MOST`], and such a pair is tested in
 /// each step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Odometer {
@@ -19,10 +19,10 @@ pub(crate) struct Odometer {
 // Rounding: finer than a pair's readings, which have 64 units in 16 bits.
 /// Ticks a length unit.
 const UNIT: f32 = 262_144.0;
-// Guard: an eighth of what readings can tell apart.
+// Guard: an eighth of the range of readings.
 /// The most that counts as known [length units].
 const MOST: f32 = 4.0;
-/// More than any motion that is known: what was put elsewhere, if the step does not move it.
+/// More than any known motion: for bodies that were put elsewhere, if the step does not move them.
 const JUMP: u32 = 8 << 18;
 /// Bits that a [`reading`] leaves out.
 const FINE: u32 = 8;
@@ -33,7 +33,7 @@ const ROUNDING: (f32, f32) = (1e-3, 1e-4);
 /// Ticks of a length, rounded up. `length`: in length units.
 #[inline(always)]
 fn ticks(length: f32) -> u32 {
-    // What is no number is as far as anything.
+    // NaN counts as the greatest distance.
     let ticks = if length < MOST { length * UNIT } else { MOST * UNIT };
     let whole = ticks as u32;
     whole + u32::from((whole as f32) < ticks)
@@ -92,7 +92,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     /// Two points on a line. Whenever a step passes over them, they have to be further apart than the reach
-    /// of their motion, whatever they did before: creep, run, or jump.
+    /// of their motion, after any earlier motion: slow, fast, or a jump.
     #[test]
     fn what_is_passed_over_is_out_of_reach() {
         let mut random = Random(5);
@@ -106,7 +106,7 @@ mod tests {
                 let motion = [0, 1].map(|_| random.range(-speed, speed));
                 for i in 0..2 {
                     let pose = |x: f64| Pose { position: DVec3::X * x, rotation: Quat::IDENTITY };
-                    // What was foreseen, and a bit that was not.
+                    // The predicted motion, and a small error.
                     let to = at[i] + f64::from(motion[i] * random.range(0.5, 1.2));
                     odometers[i].advance([&pose(at[i]), &pose(to)], 1.0, motion[i].abs(), 1.0);
                     at[i] = to;
@@ -130,7 +130,7 @@ mod tests {
         assert!(passed > 2 * looks, "{passed} passed over, {looks} looked at");
     }
 
-    /// The way of a point of a shape that turns, however far and about whatever axis.
+    /// The path of a point of a shape that turns, by any angle and about any axis.
     #[test]
     fn a_turn_counts_for_as_much_as_it_moves_points() {
         let mut random = Random(8);

@@ -11,7 +11,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// World pose of what is at `position` and `rotation` in the frame of this one.
+    /// World pose of a frame at `position` and `rotation` in the frame of this one.
     #[inline]
     pub(crate) fn of_part(&self, position: Vec3, rotation: Quat) -> Pose {
         Pose {

@@ -1,4 +1,4 @@
-//! What few bodies have, by slot: a body without it pays nothing, neither in bytes nor in a step.
+//! Rare fields of bodies, by slot: a body without them pays nothing, neither in bytes nor in a step.
 
 use super::targets::Target;
 use crate::lanes::Record;
@@ -114,7 +114,7 @@ impl<T> List for BySlot<T> {
     }
 }
 
-/// What few bodies have.
+/// Rare fields of a body.
 #[derive(Debug, Default)]
 pub(crate) struct RareColumns {
     pub(crate) damping: BySlot<Damping>,

@@ -93,7 +93,7 @@ pub(crate) fn is_uneven(mass: &Mass, traits: &Traits) -> bool {
     high - low > 1e-3 * high && low > 0.0 && traits.locks == 0
 }
 
-/// Steps without a force, or without a query, after which what is kept for them goes.
+/// Steps without a force, or without a query, after which their buffers are freed.
 pub(crate) const IDLE: u32 = 256;
 
 /// Parts of the columns, in their order.
@@ -164,7 +164,7 @@ pub(crate) struct Bodies {
     solved_after: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
     parts: [u32; 3],
-    /// How many of those behind what moves are disabled, and not asleep.
+    /// How many of the bodies behind the movable ones are disabled, and not asleep.
     disabled: u32,
     /// Since when each body is at rest [s]; empty unless bodies may sleep.
     pub(crate) rest: Vec<f32>,
@@ -172,7 +172,7 @@ pub(crate) struct Bodies {
     pub(crate) rests: bool,
     /// Bytes of the lists in `colliders`, live and reserved.
     lists: (usize, usize),
-    /// What few bodies have.
+    /// Rare fields of bodies.
     pub(crate) rare: RareColumns,
     /// How often a body changed its part of the columns: see [`Forces::is_of`](crate::forces::Forces::is_of).
     pub(crate) rearranged: u64,
@@ -372,8 +372,8 @@ impl Bodies {
         self.travel(index, (part, Part::Asleep), colliders)
     }
 
-    /// Makes a body one of another kind, awake; returns its new index. Its mass and its velocity stay what
-    /// they are.
+    /// Changes the kind of a body, which is awake then; returns its new index. Its mass and its velocity
+    /// stay.
     pub(crate) fn set_kind(&mut self, index: u32, kind: BodyKind, colliders: &mut Colliders) -> u32 {
         let from = self.part_of(index);
         self.disabled -= u32::from(self.is_set_aside(index));
@@ -426,7 +426,7 @@ impl Bodies {
         self.solved_after.iter().sum()
     }
 
-    /// Counts what a body that comes (1) or goes (-1) requires of steps.
+    /// Counts the parts of a step that an added (1) or removed (-1) body requires.
     fn count_traits(&mut self, index: usize, change: i32) {
         let (kind, mass, traits) = (self.kind[index], &self.mass[index], &self.traits[index]);
         let add = |count: &mut u32, set: bool| {
@@ -449,7 +449,7 @@ impl Bodies {
         self.count_traits(index, 1);
     }
 
-    /// Replaces what moves a body's mass.
+    /// Replaces the mass properties of a body.
     pub(crate) fn set_mass(&mut self, index: usize, mass: Mass) {
         self.recount(index, |bodies| bodies.mass[index] = mass);
     }

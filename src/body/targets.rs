@@ -14,7 +14,7 @@ pub(crate) struct Target {
     pub(crate) after: AfterTarget,
 }
 
-/// What a kinematic body does after the step in which it was to reach a pose.
+/// Motion of a kinematic body after the step in which it was to reach a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub(crate) enum AfterTarget {

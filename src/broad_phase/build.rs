@@ -42,7 +42,7 @@ pub(super) fn four_groups(items: &mut [Item], start: u32, end: u32) -> [(u32, u3
 /// Orders items so that those before the returned index lie on one side and the others on the other.
 ///
 /// The plane is the middle of the box of centres along its longest side; a range too small or too uneven for
-/// that is halved by count. So no part gets less than an eighth, and the depth stays logarithmic whatever the
+/// that is halved by count. So no part gets less than an eighth, and the depth stays logarithmic in any
 /// scene.
 fn halve(items: &mut [Item]) -> u32 {
     let count = items.len() as u32;

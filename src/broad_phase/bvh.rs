@@ -19,7 +19,7 @@ pub(super) use crate::shape::{LEAF, NONE};
 /// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
 pub(crate) const STACK: usize = 256;
 
-/// Four boxes and what is in them; 128 bytes, two cache lines.
+/// Four boxes and their contents; 128 bytes, two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
@@ -372,7 +372,7 @@ impl Tree {
         self.nodes.iter().for_each(|node| out.extend_from_slice(&node.child));
     }
 
-    /// Takes what [`Tree::save`] wrote. `place` is told where each leaf is.
+    /// Restores the output of [`Tree::save`]. `place` is told where each leaf is.
     pub(super) fn restore(
         &mut self,
         words: &[u32],

@@ -10,11 +10,11 @@ use crate::memory::{
 use crate::threads::{Shared, Workers, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
+/// Movers in a block: about 10 µs of work, ten times the cost of claiming a block.
 pub(super) const BLOCK: usize = per_block(64, 1);
 
-/// Blocks that run before what they found is taken in: enough for many threads, and few buffers for what the
-/// most crowded block may find.
+/// Blocks that run before their results are taken in: enough for many threads, and few buffers for the
+/// results of the most crowded block.
 const WAVE: usize = 16;
 
 /// Words of pairs in a block that looks whether they last.
@@ -121,12 +121,12 @@ impl PairMemory<'_> {
 /// Bytes that blocks may want for a pair that they found no place for: lists are as long in all of them.
 const LOST: usize = 256;
 
-/// The colliders of what a block found.
+/// The colliders of a block's result.
 fn pair_of(&(a, b): &(u32, u32)) -> (u32, u32) {
     (a & !FAST, b)
 }
 
-/// A block is only a buffer that is cleared before use: what a panicking thread left in it does no harm.
+/// A block is only a buffer that is cleared before use: leftovers of a panicking thread do no harm.
 pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
     block.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -160,7 +160,7 @@ impl BroadPhase {
         for (word, change) in changes.iter().enumerate() {
             ones(change.turned).for_each(|bit| self.pairs[word * 64 + bit].fast ^= true);
         }
-        // From the end: what moves to a freed place is one that stays.
+        // From the end: the entry that moves to a freed place is one that stays.
         for (word, change) in changes.iter().enumerate().rev() {
             let mut ended = change.ended;
             while ended != 0 {
@@ -220,8 +220,8 @@ impl BroadPhase {
         ((self.pairs.len() - before) as u32, shed)
     }
 
-    /// Searches with an equal share for each block of half of what room there is, and lets all have what one
-    /// needed; says how often it was too little.
+    /// Searches with an equal share for each block of half of the room, and gives all as much as one needed;
+    /// returns how often it was too little.
     fn search_within(
         &mut self,
         workers: &Workers,
@@ -246,7 +246,7 @@ impl BroadPhase {
         })
     }
 
-    /// Searches for the pairs of some blocks of what changed.
+    /// Searches for the pairs of some blocks of changed colliders.
     fn search(&self, workers: &Workers, first: usize, count: usize, rules: &Rules) {
         let &Rules { may_collide, order, still, .. } = rules;
         self.run(workers, count, &|b| {
@@ -273,7 +273,8 @@ impl BroadPhase {
         });
     }
 
-    /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
+    /// Appends the results of the blocks, as far as there is room: first the pairs with colliders that don't
+    /// move.
     fn take_in(&mut self, count: usize, rules: &Rules, memory: &mut PairMemory<'_>) -> u32 {
         let found: usize = self.blocks.used(count).map(|block| block.found.len()).sum();
         // Those that were taken out come back.
@@ -353,8 +354,8 @@ impl BroadPhase {
     }
 
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save
-    /// what can't collide with it. An endless one finds nothing: the others find it. `still`: two that don't
-    /// move may be a pair.
+    /// colliders that can't collide with it. An endless one finds nothing: the others find it. `still`: two
+    /// that don't move may be a pair.
     pub(super) fn partners(&self, collider: u32, path: Option<&Path>, still: bool, block: &mut Block) {
         let Block { stack, partners, allowance, shed, .. } = block;
         partners.clear();
@@ -384,8 +385,8 @@ impl BroadPhase {
 
     /// Decides which of two searching colliders reports the pair: the one with the higher rank, or of equal
     /// ranks the lower index. A collider that does not search has rank 0. The order of [`Role`] sees to the
-    /// rest: a static one searches only for movers that don't, a path may miss what a swept box touches, and
-    /// both look further than a fat box.
+    /// rest: a static one searches only for movers that don't, a path may miss colliders that a swept box
+    /// touches, and both look further than a fat box.
     #[inline]
     fn rank(&self, c: u32) -> u8 {
         self.roles[c as usize] as u8 * u8::from(self.marks[c as usize] != 0)
@@ -411,7 +412,7 @@ impl BroadPhase {
             return false;
         }
         let role = |c: u32| self.roles[c as usize];
-        // By their boxes alone: a volume is one, and what has no end can't be met by a path.
+        // By their boxes alone: a volume is one, and endless colliders can't be met by a path.
         let boxes = |c: u32| matches!(role(c), Role::Volume | Role::Endless);
         if boxes(i) || boxes(j) {
             return true;

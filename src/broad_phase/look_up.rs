@@ -1,7 +1,7 @@
-//! Look-ups from outside the step: who is in a box, who is on a path.
+//! Look-ups from outside the step: colliders in a box, colliders on a path.
 //!
 //! They read the trees as the last update left them. After a step movers may be outside their boxes, because
-//! the solver changed what was predicted.
+//! the solver changed the predicted motion.
 
 use super::{Aabb, BroadPhase, Path, Role};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
@@ -12,7 +12,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SearchSet {
     All,
-    /// Only what was inserted as static.
+    /// Only colliders inserted as static.
     Statics,
 }
 

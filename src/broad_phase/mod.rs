@@ -1,14 +1,14 @@
 //! Predicted motion in, pairs out.
 //!
-//! A *slow* mover keeps a fat box, and while it stays inside, all it costs is that check; its pairs last as
+//! A *slow* mover keeps a fat box, and while it stays inside, it costs only that check; its pairs last as
 //! long as fat boxes overlap. A *fast* one, which outruns its margin within the step, is swept: the tree
-//! holds its box from start to end, and who touches that is tested exactly, by the segment of relative motion
-//! against the inflated box (`segment.rs`); so two fast ones aren't missed, nor do long boxes that merely
-//! cross make pairs by the thousand. What doesn't move is in a tree of its own; what has no end (planes) is
-//! in a list.
+//! holds its box from start to end, and colliders that touch it are tested exactly, by the segment of
+//! relative motion against the inflated box (`segment.rs`); so two fast ones aren't missed, nor do long boxes
+//! that merely cross make pairs by the thousand. Static colliders are in a tree of their own; endless ones
+//! (planes) are in a list.
 //!
-//! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged
-//! in order.
+//! Same pairs in the same order with any number of threads: searches run in blocks, and blocks are merged in
+//! order.
 
 mod aabb;
 mod bounds;
@@ -47,7 +47,7 @@ pub(crate) use query_tree::{QueryIndex, QueryTree, Sorts, WorldView};
 pub(crate) use save::{Lists, PairLists, SavedBroad, tree_words};
 use segment::Path;
 
-/// What `bench` times beside what other stages use.
+/// Exports for `bench`, beside those for other stages.
 #[cfg(feature = "internals")]
 pub(crate) mod kernels {
     pub(crate) use super::bvh::{Node, Tree};
@@ -90,16 +90,16 @@ pub(crate) type Order<'a> = &'a (dyn Fn(u32, u32) -> (u32, u32) + Sync);
 const MOVED: u8 = 1;
 const FILTER: u8 = 2;
 
-/// The broad phase: who may touch whom.
+/// The broad phase: pairs of colliders that may touch.
 #[derive(Debug, Default)]
 pub(crate) struct BroadPhase {
-    /// The pairs, in an order that only what happened depends on. The owner may write `contact`, nothing
-    /// else.
+    /// The pairs, in an order that depends only on the history of the world. The owner may write `contact`,
+    /// nothing else.
     pub(crate) pairs: Vec<Pair>,
     table: PairTable,
     /// Pairs that were taken out and may come back.
     away: usize,
-    /// By collider: what it is here, its box in the tree, and what changed.
+    /// By collider: its role here, its box in the tree, and its changes.
     roles: Vec<Role>,
     proxies: Vec<Proxy>,
     marks: Vec<u8>,
@@ -122,7 +122,7 @@ pub(crate) struct BroadPhase {
     counts: Population,
     /// Set while boxes are newer than pairs, or than some of them.
     refreshed: bool,
-    /// Goes up when the tree of what is static changes.
+    /// Goes up when the tree of static colliders changes.
     statics_changes: u64,
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
@@ -131,7 +131,7 @@ pub(crate) struct BroadPhase {
 
 buffers! {
     BroadPhase {
-        /// For so many colliders; without what is swept.
+        /// For so many colliders; without swept paths.
         each(n: Population) {
             roles(n.slots),
             proxies(n.slots),
@@ -222,7 +222,7 @@ impl BroadPhase {
 
     /// Takes pairs out of the list: `leaves` says which, and whether they will be put back.
     pub(crate) fn take_pairs(&mut self, mut leaves: impl FnMut(&Pair) -> Option<bool>) {
-        // From the end: what moves to a freed place is one that stays.
+        // From the end: the entry that moves to a freed place is one that stays.
         for place in (0..self.pairs.len()).rev() {
             if let Some(comes_back) = leaves(&self.pairs[place]) {
                 self.table.swap_remove(&mut self.pairs, place);
@@ -438,7 +438,7 @@ impl BroadPhase {
         }
         self.statics_changes += 1;
         let mut new = std::mem::take(&mut self.new_statics);
-        // What was removed meanwhile, or removed and added again.
+        // Colliders that were removed meanwhile, or removed and added again.
         new.sort_unstable();
         new.dedup();
         new.retain(|&c| self.roles[c as usize] == Role::Static && self.proxies[c as usize].place == NONE);
@@ -522,7 +522,7 @@ impl BroadPhase {
         pairs * size_of::<(u32, u32)>() * 6 / 5
     }
 
-    /// The buffer of what is swept.
+    /// The buffer of swept paths.
     pub(crate) fn paths(&mut self) -> &mut dyn Buffer {
         &mut self.paths
     }

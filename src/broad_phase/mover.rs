@@ -1,4 +1,4 @@
-//! What the broad phase is told about a collider that may move.
+//! Input of the broad phase about a collider that may move.
 
 use super::Aabb;
 use crate::config::ContinuousMode;

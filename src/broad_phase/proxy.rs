@@ -50,7 +50,7 @@ impl Proxy {
 /// Bound on the rounding error of a sum as a share of its terms: two units of 2^-24, doubled.
 const ROUNDING: f32 = 4.0 / (1 << 24) as f32;
 // Rounding: of a swept box.
-/// The same for the lengths of a swept box: more than what the test of two paths is widened by, so that the
+/// The same for the lengths of a swept box: more than the widening of the test of two paths, so that the
 /// search along one path surely leads to all that the test says yes to.
 const ROUNDING_SWEPT: f32 = 8.0 * ROUNDING;
 
@@ -66,7 +66,7 @@ pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
 }
 
 /// Whether a slow mover may keep its fat box. The check that all at rest pay in every step, so it asks the
-/// cheap question first: what moves less than the least of margins needn't be measured.
+/// cheap question first: a shape that moves less than the least of margins needn't be measured.
 #[inline]
 pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
     let least = margin * LEAST_FAT_SHARE - mover.spin;

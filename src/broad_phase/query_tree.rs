@@ -1,11 +1,11 @@
 //! Where everything that moves is now, for queries between steps.
 //!
 //! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are
-//! fat or swept, and what was added or moved by hand waits for the next step. So queries have a tree of their
-//! own over tight boxes: of what can move, and of static colliders that have no place in the static tree yet.
-//! It is made by the first query after a change and costs nothing while nobody asks: about 70 ns for each
-//! collider that can move after a step (benches/queries.rs), and the way of one leaf for each that was added,
-//! moved or removed by hand.
+//! fat or swept, and colliders that were added or moved by hand wait for the next step. So queries have a
+//! tree of their own over tight boxes: of movable colliders, and of static colliders that have no place in
+//! the static tree yet. It is made by the first query after a change and costs nothing without queries: about
+//! 70 ns for each collider that can move after a step (benches/queries.rs), and the way of one leaf for each
+//! that was added, moved or removed by hand.
 
 use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, Population, look_up};
@@ -67,7 +67,7 @@ impl QueryTree {
     /// A collider was added, moved or removed.
     pub(crate) fn touch(&mut self, collider: u32) {
         if self.touched.len() == self.touched.capacity() {
-            // Where nobody asks for long, the same are touched over and over.
+            // Without queries for long, the same are touched over and over.
             self.sort_touched();
             if 2 * self.touched.len() > self.touched.capacity() {
                 self.touched.reserve(self.touched.capacity().max(4));
@@ -97,7 +97,7 @@ impl QueryTree {
     fn refresh(&mut self, broad: &BroadPhase, world: &impl WorldView) {
         self.unasked = 0;
         if !self.made {
-            // What is added from now on is told.
+            // Colliders that are added from now on are reported.
             self.touched.clear();
             world.each_mover(&mut |c| self.touched.push(c));
             self.touched.extend(broad.waiting());
@@ -198,16 +198,16 @@ impl QueryTree {
     }
 }
 
-/// A [`QueryTree`] that is made when it is asked for, once whoever asks: several threads may.
+/// A [`QueryTree`] that is made on demand, once, also if several threads ask.
 #[derive(Debug, Default)]
 pub(crate) struct QueryIndex {
     fresh: OnceLock<QueryTree>,
-    /// The last one, while it isn't fresh: its memory, and what happened since.
+    /// The last one, while it isn't fresh: its memory, and the changes since.
     stale: Mutex<QueryTree>,
 }
 
 impl QueryIndex {
-    /// Something is about to change. None: nobody asked yet, so there is nothing to be told.
+    /// Something is about to change. None: there was no query yet, so there is nothing to be told.
     pub(crate) fn change(&mut self) -> Option<&mut QueryTree> {
         let stale = self.stale.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(current) = self.fresh.take() {
@@ -216,7 +216,7 @@ impl QueryIndex {
         stale.made.then_some(stale)
     }
 
-    /// All that can move may have moved. Once nobody has asked for a while, it goes, if it may.
+    /// All that can move may have moved. After some steps without queries it is dropped, if it may.
     pub(crate) fn step(&mut self, may_go: bool) {
         if let Some(current) = self.change() {
             current.step();
@@ -263,7 +263,7 @@ impl QueryIndex {
         grant: Option<&dyn Fn(usize) -> Result<(), Error>>,
     ) -> Result<&QueryTree, Error> {
         if let Some(grant) = grant {
-            // Not under the lock: who counts what is held counts this too.
+            // Not under the lock: a count of held memory includes this too.
             let lacking = self.stale().lacking(broad);
             if lacking > 0 {
                 grant(lacking)?;
@@ -317,7 +317,7 @@ pub(crate) struct Sorts {
 
 impl BroadPhase {
     /// Calls `leaf(collider, most)` with every collider whose box the path of a box meets before the fraction
-    /// `most`, about the nearest first after what has no bounds; it returns the new `most`.
+    /// `most`, about the nearest first after colliders without bounds; it returns the new `most`.
     #[inline(always)]
     pub(crate) fn ordered_path(
         &self,
@@ -346,7 +346,7 @@ impl BroadPhase {
         self.ordered(current, sorts, &key, most, &mut leaf);
     }
 
-    /// Calls `f` with what has no bounds.
+    /// Calls `f` with colliders without bounds.
     #[inline(always)]
     pub(super) fn endless(&self, current: &QueryTree, sorts: Sorts, mut f: impl FnMut(u32)) {
         if sorts.statics {

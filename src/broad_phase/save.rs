@@ -1,4 +1,4 @@
-//! What a snapshot keeps of the broad phase: boxes, the tree over them, and what is still to be looked up.
+//! The broad phase in a snapshot: boxes, the tree over them, and colliders still to be looked up.
 //!
 //! The order of pairs comes from the order in which walks find leaves, that is, from which node hangs on
 //! which. So trees are kept as they are; the boxes of their nodes follow from those of the leaves, and the
@@ -17,7 +17,7 @@ use std::mem::swap;
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct Lists {
-    /// Colliders of what moves or sleeps, and how many of them have a box.
+    /// Number of colliders that move or sleep, and of those with a box.
     colliders: u32,
     boxes: u32,
     paths: u32,
@@ -39,7 +39,7 @@ pub(crate) struct SavedBroad<'a> {
     tree: &'a [u32],
 }
 
-/// The pairs, with what finds them.
+/// The pairs, with the data of the search.
 #[derive(Debug, Default)]
 pub(crate) struct PairLists {
     pairs: Vec<Pair>,
@@ -83,7 +83,7 @@ impl BroadPhase {
             refreshed,
             // Written with their contacts.
             pairs: _,
-            // Written with what is static: see `save_statics`.
+            // Written with the static colliders: see `save_statics`.
             statics: _,
             new_statics: _,
             // These follow from the others.
@@ -91,7 +91,7 @@ impl BroadPhase {
             away: _,
             counts: _,
             statics_changes: _,
-            // A role says who is new; scratch of a search.
+            // A role says which are new; scratch of a search.
             new_movers: _,
             changes: _,
             blocks: _,
@@ -111,7 +111,7 @@ impl BroadPhase {
             out.extend_from_slice(&words::<6>([min, max]));
             lists.boxes += 1;
         }
-        // What was removed since has none any more.
+        // Colliders that were removed since have none any more.
         for path in paths.iter().filter(|path| all_roles[path.collider as usize] >= Role::Fast) {
             out.push(path.collider);
             lists.paths += 1;
@@ -169,7 +169,7 @@ impl BroadPhase {
         self.away = away;
     }
 
-    /// Goes up when the tree of what is static changes.
+    /// Goes up when the tree of static colliders changes.
     pub(crate) fn statics_changes(&self) -> u64 {
         self.statics_changes
     }
@@ -180,7 +180,7 @@ impl BroadPhase {
         out.extend_from_slice(&words::<6>([min, max]));
     }
 
-    /// Writes the tree of what is static, and what waits for a place in it.
+    /// Writes the tree of static colliders, and those that wait for a place in it.
     pub(crate) fn save_statics(&self, out: &mut Vec<u32>) {
         out.push(self.new_statics.len() as u32);
         out.extend(&self.new_statics);
@@ -223,7 +223,7 @@ impl BroadPhase {
         self.counts.moving += 1;
     }
 
-    /// Takes the tree of what is static.
+    /// Restores the tree of static colliders.
     pub(crate) fn restore_statics(&mut self, new: &[u32], tree: &[u32]) {
         self.new_statics.clear();
         self.new_statics.extend(new);
@@ -231,12 +231,12 @@ impl BroadPhase {
         self.statics.restore(tree, bounds, place);
     }
 
-    /// Puts into their tree what waits for that, as the next update would.
+    /// Puts waiting colliders into their tree, as the next update would.
     pub(crate) fn settle_statics(&mut self) {
         self.build_statics(|_, _| {});
     }
 
-    /// What [`BroadPhase::save_statics`] would write after [`BroadPhase::settle_statics`].
+    /// The output of [`BroadPhase::save_statics`] after [`BroadPhase::settle_statics`].
     pub(crate) fn save_settled_statics(&self, out: &mut Vec<u32>) {
         let mut settled = BroadPhase {
             roles: self.roles.clone(),
@@ -249,13 +249,13 @@ impl BroadPhase {
         settled.save_statics(out);
     }
 
-    /// Whether words are a tree of static colliders, of which `bounded` says which there are; and what waits
-    /// for it.
+    /// Whether words are a tree of static colliders, of which `bounded` says which there are; and those that
+    /// wait for it.
     pub(crate) fn check_statics(new: &[u32], tree: &[u32], bounded: &[bool]) -> Result<(), Error> {
         let mut seen = vec![false; bounded.len()];
         let there = |c: u32| bounded.get(c as usize).copied().unwrap_or(false);
         let ok = Tree::check(tree, |c| there(c) && !std::mem::replace(&mut seen[c as usize], true));
-        // What is in neither would never be found.
+        // Colliders in neither would never be found.
         new.iter().filter(|&&c| there(c)).for_each(|&c| seen[c as usize] = true);
         let known = new.iter().all(|&c| (c as usize) < bounded.len());
         if ok && known && seen == bounded { Ok(()) } else { Err(broken("the tree of static shapes")) }
@@ -280,7 +280,7 @@ impl<'a> SavedBroad<'a> {
         })
     }
 
-    /// Whether all fits together. `colliders`: of what moves or sleeps, in order; `fixed`: for each collider
+    /// Whether all fits together. `colliders`: those that move or sleep, in order; `fixed`: for each collider
     /// slot, whether there is something static, and whether that is endless; `absent`: those of disabled
     /// bodies, sorted.
     pub(crate) fn check(
@@ -330,7 +330,7 @@ impl<'a> SavedBroad<'a> {
         let mut seen = vec![false; slots];
         for &entry in self.changed {
             let (c, marks) = (entry & ((1 << MARKS) - 1), entry >> MARKS);
-            // What was removed may still be listed.
+            // Removed colliders may still be listed.
             if c as usize >= slots || marks == 0 || std::mem::replace(&mut seen[c as usize], true) {
                 return Err(broken("the list of what changed"));
             }

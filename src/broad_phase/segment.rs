@@ -1,6 +1,6 @@
 //! The path of a fast body against inflated boxes.
 //!
-//! The mover shrinks to the centre of its box, and whatever it may meet grows by its half extents (the
+//! The mover shrinks to the centre of its box, and any box that it may meet grows by its half extents (the
 //! Minkowski sum of two boxes is a box): "does the moving box touch the box" becomes "does the segment touch
 //! the grown box". Everything is measured from the middle of the path, so that rounding is relative to the
 //! lengths at hand and not to the distance from the world's origin.
@@ -114,7 +114,7 @@ impl Path {
     }
 
     /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have
-    /// been rounded from `f64`: what that moved them by is covered.
+    /// been rounded from `f64`: that displacement is covered.
     pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Segment {
         let limit = glam::Vec3::splat(LARGEST);
         let (from, to) = (from.clamp(-limit, limit), to.clamp(-limit, limit));
@@ -166,7 +166,7 @@ impl<L: Lanes> PathLanes<L> {
     /// Which boxes the path touches. An inert box has min = inf, max = -inf.
     #[inline(always)]
     pub(crate) fn hits(&self, min: Vec3<L>, max: Vec3<L>) -> L::Mask {
-        // The corners first, relative to the path: far from the origin their middle would lose what matters.
+        // The corners first, relative to the path: far from the origin their middle would lose precision.
         let (low, high) = (min - self.middle, max - self.middle);
         let offset = (low + high) * L::splat(0.5);
         let extent = (high - low) * self.reserve_total + self.grow;

@@ -20,7 +20,7 @@ impl FourTree for Tree {
 
 impl BroadPhase {
     /// Calls `leaf(collider, rays, stream)` with every collider and the rays that meet its box before their
-    /// `most`, which it may lower; about the nearest first after what has no bounds.
+    /// `most`, which it may lower; about the nearest first after colliders without bounds.
     pub(crate) fn together(
         &self,
         current: &QueryTree,

@@ -184,7 +184,7 @@ fn run_against_brute_force(centre: Vec3, size: f32) {
                     assert!(pairs.contains(&pair), "step {step}: {pair:?} missed: {m:?} {n:?}");
                 } else if pairs.contains(&pair) {
                     // Both margins, both reaches ahead, and a slow one's own motion, may be had for nothing;
-                    // a volume is a volume, and what fell asleep or slowed down keeps the box that it had.
+                    // a volume is a volume, and a body that fell asleep or slowed down keeps its box.
                     let segments = [&m, &n].iter().all(|m| m.mode == ContinuousMode::Segment);
                     let awake = [p, q].iter().all(|b| !b.asleep);
                     let rounding = f64::from(centre.length()) * 2e-6;

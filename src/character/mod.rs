@@ -106,7 +106,7 @@ impl Character {
         self.position - s.up.as_dvec3() * f64::from(s.half_height + s.radius + s.skin)
     }
 
-    /// What it stood on after the last walk.
+    /// The ground under it after the last walk.
     pub fn ground(&self) -> Option<&Ground> {
         self.ground.as_ref()
     }
@@ -151,8 +151,8 @@ impl Character {
     }
 
     /// Turns its own shape from upright at once, by a unit quaternion in axes whose y is
-    /// [`CharacterSettings::up`]; a capsule is not turned. What it overlaps then pushes it out in the next
-    /// walk. To turn with moving ground, add [`CharacterReport::turned`] about y.
+    /// [`CharacterSettings::up`]; a capsule is not turned. Shapes that it overlaps then push it out in the
+    /// next walk. To turn with moving ground, add [`CharacterReport::turned`] about y.
     ///
     /// # Errors
     /// If it is not a unit quaternion.
@@ -191,10 +191,10 @@ impl Character {
     /// ground and keeps the ground's velocity. Gravity is the caller's: add it to the velocity in every call,
     /// and hand [`CharacterReport::velocity`] back in.
     ///
-    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect.
-    /// It is a shape cast, so it passes through nothing at any speed. Bodies that moved into it since the
-    /// last walk push it out first, by the shortest way. Allocates nothing (but what a first query does), and
-    /// the same world gives the same bits.
+    /// It sees the shapes that the filter selects: exclude a body of its own. [`QueryFilter::skip_inside`]
+    /// has no effect. It is a shape cast, so it passes through nothing at any speed. Bodies that moved into
+    /// it since the last walk push it out first, by the shortest way. Allocates nothing (except as a first
+    /// query does), and the same world gives the same bits.
     ///
     /// # Errors
     /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the character is as it was.

@@ -66,7 +66,7 @@ impl Overlaps {
     }
 }
 
-/// Moves a character out of what it overlaps; returns its new position, and the remaining depth [m].
+/// Moves a character out of overlapping shapes; returns its new position, and the remaining depth [m].
 pub(super) fn push_out(shape: &Shape<'_>, from: DVec3) -> Result<(DVec3, f64), Error> {
     let mut at = from;
     let mut best = (from, f64::INFINITY);

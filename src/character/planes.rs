@@ -24,7 +24,7 @@ impl Planes {
         if let Some(same) = same {
             self.normals[same] = normal;
         } else {
-            // Replaces the last one: what is touched now counts.
+            // Replaces the last one: the present touch counts.
             self.count = (self.count + 1).min(MAX_PLANES);
             self.normals[self.count - 1] = normal;
         }

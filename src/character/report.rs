@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 /// Hits that a report keeps.
 pub(super) const MAX_HITS: usize = 8;
 
-/// What a character stands on.
+/// The ground under a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground {
@@ -67,7 +67,7 @@ pub struct CharacterReport {
 }
 
 impl CharacterReport {
-    /// What it ran into, in order, up to eight of them.
+    /// The shapes that it ran into, in order, up to eight.
     pub fn hits(&self) -> impl Iterator<Item = &CharacterHit> {
         self.hits.iter().flatten()
     }

@@ -1,4 +1,4 @@
-//! What a character is and may do.
+//! Settings of a character.
 
 use crate::config::fields;
 use crate::error::{Error, finite3, positive, within};

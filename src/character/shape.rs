@@ -31,10 +31,11 @@ impl PartialEq for Own {
     }
 }
 
-/// A character's form: what it casts, and where its feet are.
+/// A character's form: its shape for casts, and the place of its feet.
 #[derive(Clone)]
 pub(super) struct Form {
-    /// What is cast, with `skin` around it: a capsule with the skin in its radius, or the caller's shape.
+    /// The shape for casts, with `skin` around it: a capsule with the skin in its radius, or the caller's
+    /// shape.
     geometry: Geometry,
     skin: f32,
     /// A core without skin, which touches only shapes that reach deep into the character.
@@ -120,7 +121,7 @@ pub(super) struct Shape<'a> {
     pub(super) up: DVec3,
     /// See [`Form`] [m].
     pub(super) radius: f64,
-    /// Gaps and overlaps that don't count [m]: more than what a cast leaves open, far less than the skin.
+    /// Gaps and overlaps that don't count [m]: more than the gap that a cast leaves, far less than the skin.
     pub(super) tiny: f64,
     cosine: f64,
 }
@@ -139,7 +140,7 @@ impl<'a> Shape<'a> {
             radius: form.radius,
             form,
             tiny: 1e-3 * f64::from(settings.skin),
-            // A slope of exactly the angle counts, whatever the rounding of its normal.
+            // A slope of exactly the angle counts, for any rounding of its normal.
             cosine: libm::cos(settings.max_slope.into()) - 2e-6,
         }
     }

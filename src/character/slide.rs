@@ -65,7 +65,7 @@ impl Slide {
             return self.fly(self.across, up * self.rise);
         }
         let across = self.walls.clip(self.across);
-        // The horizontal distance is that on level ground, whatever the slope.
+        // The horizontal distance is that on level ground, for any slope.
         let rise = |n: &DVec3| -n.dot(across) / n.dot(up);
         let rise = self.floors.as_slice().iter().map(rise).reduce(f64::max).unwrap_or(0.0);
         self.planes.clip(across + up * rise)

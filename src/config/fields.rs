@@ -7,7 +7,7 @@
 pub struct Field {
     /// Its name in Rust, in C and in JSON.
     pub name: &'static str,
-    /// What it is, in Markdown: a paragraph, and others with details.
+    /// Its description in Markdown: a paragraph, and others with details.
     pub about: &'static str,
     /// Which values it may have, in the words of the error that refuses others.
     pub range: Option<&'static str>,
@@ -33,9 +33,9 @@ impl Field {
 /// Makes a struct of a list of its fields: itself, its default, a method `with_FIELD` for each, a check of
 /// all ranges, and the table `FIELDS`.
 ///
-/// An entry has the field's sentences, then `with_FIELD(FIELD: TYPE) = DEFAULT`, and for numbers what errors
-/// call it, the least and the greatest value, and the range in words. After `TYPE, into` the method takes
-/// whatever converts to the type: three numbers make a vector. `_` for its name: there is none.
+/// An entry has the field's sentences, then `with_FIELD(FIELD: TYPE) = DEFAULT`, and for numbers its name in
+/// errors, the least and the greatest value, and the range in words. After `TYPE, into` the method takes any
+/// value that converts to the type: three numbers make a vector. `_` for its name: there is none.
 macro_rules! fields {
     ($(#[$meta:meta])* pub struct $of:ident { $(
         $(#[doc = $doc:literal])+
@@ -75,7 +75,7 @@ macro_rules! fields {
             }
         }
     };
-    // What is only told: no defaults, no ranges, no methods.
+    // For reports only: no defaults, no ranges, no methods.
     ($(#[$meta:meta])* pub struct $of:ident {
         $($(#[doc = $doc:literal])+ pub $field:ident: $kind:ty,)+
     }) => {

@@ -1,4 +1,4 @@
-//! What settings and tuning state in length units, in metres.
+//! Settings and tunables in length units, converted to metres.
 
 use super::Settings;
 use super::tuning::{CONTACT_MARGIN, STATIC_SLIP_SPEED, TOUCH_DISTANCE};

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum RowGroup {
-    /// Springs, drives, motors and friction of joints.
+    /// Springs, motors and friction of joints.
     SoftJoints,
     /// Limits of joints.
     JointLimits,
@@ -51,7 +51,7 @@ impl Order {
     /// Number of groups.
     pub(crate) const LEN: usize = 7;
 
-    /// The opposite: contacts first, joints last. It shows what the default is good for.
+    /// The opposite: contacts first, joints last. It shows the benefit of the default.
     pub fn reversed(self) -> Order {
         let mut groups = self.0;
         groups.reverse();

@@ -237,7 +237,7 @@ impl Settings {
                 let all = if own == off { off } else { ContinuousMode::Volume };
                 StageModes { broad: all, narrow: all, finish: off }
             }
-            // Contacts are discrete; fast bodies are swept all the same, to find what they may strike.
+            // Contacts are discrete; fast bodies are swept all the same, to find bodies that they may strike.
             ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement => {
                 StageModes { broad: own, narrow: off, finish: off }
             }

@@ -1,5 +1,5 @@
 //! Tunables: numbers that are chosen once for all worlds and that a physicist would want to try, each with
-//! its unit, its range where one was measured, and what it balances.
+//! its unit, its range where one was measured, and the effects that it balances.
 //!
 //! Lengths are in [`Settings::length_unit`](super::Settings::length_unit)s where it says so. A number may
 //! stay beside its kernel only if it is no choice: a bound on rounding, a sentinel, a limit of convergence,
@@ -10,15 +10,15 @@
 pub(crate) const MIN_THREADED_BODIES: usize = if cfg!(miri) { 2 } else { 128 };
 
 /// A separation up to this counts as touching [length units]. It covers the gaps that springs of contacts at
-/// rest leave: less, and what rests would count as apart; more, and what hovers would rub, carry loads and be
-/// heard of.
+/// rest leave: less, and resting bodies would count as apart; more, and hovering bodies would rub, carry
+/// loads and cause events.
 pub(crate) const TOUCH_DISTANCE: f32 = 0.002;
 
 /// Contact points nearer than this are always kept [length units]: more costs rows that never push, less has
 /// slow bodies meet without a row.
 pub(crate) const CONTACT_MARGIN: f32 = 0.01;
 
-/// Relative motion in a step above which a pair that is apart is cast [length units]: what moves less is
+/// Relative motion in a step above which a pair that is apart is cast [length units]: a smaller motion is
 /// within the margin at the start of the step, and a cast would cost more than the points that it spares.
 pub(crate) const CAST_MOTION: f32 = 0.01;
 
@@ -26,12 +26,12 @@ pub(crate) const CAST_MOTION: f32 = 0.01;
 /// and leaves normals and points that are older.
 pub(crate) const RECYCLE_DISTANCE: f32 = 0.005;
 
-/// The share of it where a round surface touches at one or two points: what rests keeps its contact, what
-/// rolls does not.
+/// The share of it where a round surface touches at one or two points: a resting body keeps its contact, a
+/// rolling body does not.
 pub(crate) const ROUND_RECYCLE: f32 = 0.01;
 
-/// Slip speed below which friction is static [m/s per length unit]: above what the solver leaves of what
-/// rests, below what anyone sees slide.
+/// Slip speed below which friction is static [m/s per length unit]: above the residual speed of resting
+/// bodies, below visible sliding.
 pub(crate) const STATIC_SLIP_SPEED: f32 = 0.01;
 
 /// Time in which a load of a joint becomes one that it bears rigidly [s]: shorter, and the load of a passing
@@ -39,8 +39,8 @@ pub(crate) const STATIC_SLIP_SPEED: f32 = 0.01;
 pub(crate) const JOINT_HOLD_TIME: f32 = 1.0;
 
 /// Friction of an impact that changes the slip by more than this shifts the load that a contact is taken to
-/// bear [m/s per length unit]: less, and what rests and rattles loses its load; more, and what an impact
-/// pushed aside keeps one that it no longer bears.
+/// bear [m/s per length unit]: less, and a resting body that rattles loses its load; more, and a body that an
+/// impact pushed aside keeps a load that it no longer bears.
 pub(crate) const LOAD_SHIFT_SPEED: f32 = 0.25;
 
 // Broad phase
@@ -86,7 +86,8 @@ pub(crate) const FLAT_EDGE_SINE: f32 = 0.087_155_74;
 pub(crate) const FLAT_EDGE_COSINE: f32 = 0.996_194_7;
 
 /// Sine of the angle by which a way out of an overlap with a triangle may lead through it: the angle of a
-/// flat edge. Less: what leans a little as it slides over the edge of a wall finds no way but along the wall.
+/// flat edge. Less: a body that leans a little as it slides over the edge of a wall finds no way but along
+/// the wall.
 pub(crate) const THROUGH_SINE: f32 = FLAT_EDGE_SINE;
 
 /// Cosine of the angle under which the normals of two patches of a mesh are one: 2.5 degrees, half the angle
@@ -189,8 +190,8 @@ pub(crate) const CYLINDER_TOO_DEEP: f32 = 0.2;
 /// have their normals right within that. Range 0.0005 to 0.01.
 pub(crate) const KEPT_CONTACT_TURN: f32 = 0.002;
 
-/// Share by which a load may differ from what statics says of it. Narrower: a lasting force is cut in every
-/// sway, and pumps it. Wider: it lifts what bears less.
+/// Share by which a load may differ from the load by statics. Narrower: a lasting force is cut in every sway,
+/// and pumps it. Wider: it lifts contacts that bear less.
 pub(crate) const LOAD_BAND: f32 = 0.2;
 
 /// Time in which lasting forces follow loads [s]: longer than a stack sways to and fro. Range 0.5 to 5.
@@ -251,7 +252,7 @@ pub(crate) const CROWD_OVERLAP: f32 = 20.0;
 pub(crate) const STIFFEST_SPRING_SHARE: f32 = 0.83;
 
 /// Most phase by which the spring of a soft contact turns in a substep [rad]: with more, the passes of a
-/// substep no longer know what springs do to each other.
+/// substep no longer resolve how springs act on each other.
 pub(crate) const SOFT_TURN: f32 = 1.0;
 
 /// Least damping ratio of a soft contact: more than rounding gives back in a bounce, and far less than shows.
@@ -293,7 +294,7 @@ pub(crate) const FOLLOWED_TURN: f32 = 0.1;
 /// Energy of velocities along the chord of a circle, against those at its ends, that rows may have.
 pub(crate) const CHORD_ENERGY: f64 = 2.0;
 
-/// Energy, in allowed energies, above which a net of joints keeps nothing of what its rows asked for.
+/// Energy, in allowed energies, above which a net of joints keeps nothing of the impulses of its rows.
 pub(crate) const WILD_ENERGY: f64 = 100.0;
 
 /// Share of the speeds at a lock that may be left between its bodies.
@@ -337,7 +338,8 @@ pub(crate) const RATTLE_HEAVY: f32 = 50.0;
 /// nothing that they do not lose again.
 pub(crate) const RATTLE_LADEN: f32 = 5.0;
 
-/// Pull of what hangs on a joint, in its weights: a pendulum that falls from level pulls with three.
+/// Pull of the bodies that hang on a joint, in their weights: a pendulum that falls from level pulls with
+/// three.
 pub(crate) const RATTLE_SWING: f32 = 3.0;
 
 /// Minimum mass of a body, as a share of the mass that hangs on it. In `f32` mobilities keep a ten-millionth:
@@ -346,7 +348,7 @@ pub(crate) const RATTLE_SWING: f32 = 3.0;
 pub(crate) const LIGHTEST_LINK: f32 = 5e-5;
 
 /// Share of an error that is corrected within a substep. Contacts see a tree body by body and converge slowly
-/// on what both agree on; if errors are corrected faster, what they do not agree on grows (see
+/// to a common solution; if errors are corrected faster, their disagreement grows (see
 /// [`Softness::stiffest`](crate::constraint::contact::row::Softness::stiffest), with a load that does not
 /// yield).
 pub(crate) const TREE_RECOVERY: f32 = 0.2;
@@ -384,8 +386,8 @@ pub(crate) const FREE_SPIN_IN_TOUCH: f32 = 0.5;
 
 /// Rotation above which a body's free rotation is computed in parts [rad]: out of the motion of a symmetric
 /// top, by the difference of its two like moments, and about that top's axis. Energy and momentum are kept in
-/// any case; what is resolved is where the axis has got to. Over a second a box of 1 m by 0.6 m by 0.3 m at
-/// 100 rad/s gets out of step by 0.01 rad.
+/// any case; this resolves the direction of the axis. Over a second a box of 1 m by 0.6 m by 0.3 m at 100
+/// rad/s gets out of step by 0.01 rad.
 pub(crate) const FREE_TURN_PART: f32 = 0.03;
 pub(crate) const FREE_TURN_OWN: f32 = 0.6;
 

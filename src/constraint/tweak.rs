@@ -1,8 +1,8 @@
-//! What a caller says of a contact before it is solved, in place of the materials of its shapes.
+//! Changes of a contact by a caller before it is solved, in place of the materials of its shapes.
 
 use glam::Vec3;
 
-/// What hooks said of a contact; no number where they said nothing.
+/// Changes of a contact by hooks; NaN where they changed nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tweak {
     pub(crate) friction: [f32; 2],
@@ -27,7 +27,7 @@ impl Tweak {
     }
 }
 
-/// What hooks said of a contact.
+/// Changes of a contact by hooks.
 #[inline]
 pub(crate) fn tweak_of(tweaks: &[Tweak], slot: usize) -> Tweak {
     tweaks.get(slot).copied().unwrap_or(Tweak::NONE)

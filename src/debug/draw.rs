@@ -5,9 +5,9 @@ use crate::world::World;
 
 /// # Debug drawing
 impl World {
-    /// Draws what the options ask for. Call it between steps, as often as there is something to see.
+    /// Draws according to the options. Call it between steps, as often as needed.
     ///
-    /// What moves is drawn where it is now; contacts, swept ways and colours are those of the last step.
+    /// Bodies are drawn where they are now; contacts, swept paths and colours are those of the last step.
     /// Changes nothing, and costs nothing but the time of the call.
     ///
     /// ```
@@ -17,7 +17,7 @@ impl World {
     /// # let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
     /// # let desc = BodyDesc::dynamic().with_position(Vec3::Y * 2.0).with_shape(cube);
     /// # let body = world.add_body(&desc)?;
-    /// /// Counts what would be drawn.
+    /// /// Counts the lines that would be drawn.
     /// #[derive(Default)]
     /// struct Counted(usize);
     /// impl debug::DebugDraw for Counted {

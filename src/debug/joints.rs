@@ -1,4 +1,4 @@
-//! Joints: frames, what each limit allows, and how far the frames are apart.
+//! Joints: frames, the range of each limit, and the gap between the frames.
 
 use super::shapes::draw_axes;
 use super::{DebugDraw, DrawOptions, Element, Ink};
@@ -36,7 +36,7 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
     }
 }
 
-/// Lines between the joints of couplings; of distances, along what they measure.
+/// Lines between the joints of couplings; of distances, along the measured distance.
 fn draw_couplings(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
     let ink = Ink { element: Element::Coupling, colour: options.palette.coupling };
     for (_, coupling) in world.joints.couplings.live() {
@@ -69,7 +69,7 @@ fn frames(world: &World, joint: &Joint) -> [Pose; 2] {
     })
 }
 
-/// What a limit allows, at the first frame: a way, a circle or ball around it, an arc, a cone.
+/// The range of a limit, at the first frame: a path, a circle or ball around it, an arc, a cone.
 fn draw_limit(row: &Row, frames: &[Pose; 2], options: &DrawOptions, out: &mut dyn DebugDraw) {
     let (min, max) = match row.kind {
         RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => (min, max),

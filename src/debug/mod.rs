@@ -1,8 +1,8 @@
 //! Debug drawing of a world: shapes, boxes, contacts, joints, and the colours of the solver.
 //!
 //! A game implements [`DebugDraw`] over its own renderer and calls [`World::draw`](crate::World::draw)
-//! between steps, when it wants to see something. Everything is read from what a step leaves behind anyway: a
-//! world that is never drawn pays nothing, and drawing changes nothing.
+//! between steps, when it wants to see something. Everything is read from data that a step leaves behind
+//! anyway: a world that is never drawn pays nothing, and drawing changes nothing.
 //!
 //! ```
 //! use backstop::debug::{DebugDraw, DrawOptions, Ink};
@@ -68,7 +68,7 @@ pub trait DebugDraw {
     }
 }
 
-/// What is drawn, and in which colour.
+/// The drawn elements and their colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ink {
     /// For renderers that draw some things differently, points of contact on top of shapes for example.
@@ -108,7 +108,7 @@ pub enum Element {
     JointLimit,
     /// From one frame of a joint to the other.
     JointGap,
-    /// What a coupling couples: a rope from frame to frame, or a line from one joint to the other.
+    /// The motions of a coupling: a rope from frame to frame, or a line from one joint to the other.
     Coupling,
     /// A body's centre of mass.
     CentreOfMass,

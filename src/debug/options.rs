@@ -1,8 +1,8 @@
-//! What is drawn, where, and in which colours.
+//! Which elements are drawn, where, and in which colours.
 
 use glam::DVec3;
 
-/// What [`World::draw`](crate::World::draw) draws. By default shapes, contacts and joints.
+/// Options of [`World::draw`](crate::World::draw). By default shapes, contacts and joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawOptions {
     /// Shapes, in the colour of their body's kind. Default yes.
@@ -21,9 +21,8 @@ pub struct DrawOptions {
     /// enough, or fast enough, that they might have touched within it. *Ghost*: a potential point of a
     /// contact that had to push, though the two shapes are more than 5 mm apart after the step. As far as is
     /// known then, it removed velocity for a touch that did not occur; shapes that touched in passing and
-    /// separated within the step count too. It is what the next
-    /// [`StepReport::ghosts`](crate::StepReport::ghosts) counts. Both lengths times
-    /// [`Settings::length_unit`](crate::Settings::length_unit).
+    /// separated within the step count too. The next [`StepReport::ghosts`](crate::StepReport::ghosts) counts
+    /// these. Both lengths times [`Settings::length_unit`](crate::Settings::length_unit).
     ///
     /// A point lies midway between the two surfaces, where the bodies are now.
     pub contacts: bool,
@@ -32,19 +31,19 @@ pub struct DrawOptions {
     pub normals: bool,
     /// At each point of contact the normal impulse of the last substep, along the normal. Default no.
     pub impulses: bool,
-    /// Joints: the axes of both frames, red, green and blue for x, y and z; what each limit allows; the gap
+    /// Joints: the axes of both frames, red, green and blue for x, y and z; the range of each limit; the gap
     /// between the frames' origins. Default yes.
     pub joints: bool,
     /// Shapes of dynamic bodies in the colour of their island instead: all that touch or are joined have one.
     /// Default no.
     pub islands: bool,
-    /// Centres of mass, with the principal axes of inertia of what is dynamic. Default no.
+    /// Centres of mass, with the principal axes of inertia of dynamic bodies. Default no.
     pub centres: bool,
     /// For each contact that got rows in the last step, a line from body to body (from a body to the point,
     /// if the other can't move) in the colour that the solver gave it. No two lines of a colour end at the
     /// same dynamic body; white ones found no colour and are solved one by one. Default no.
     pub solver_colours: bool,
-    /// Only what is in this box; for a mesh or height field, only the triangles that may be in it. Default
+    /// Only elements in this box; for a mesh or height field, only the triangles that may be in it. Default
     /// none: all.
     pub region: Option<Region>,
     /// Length of normals and of the axes of frames [m]. Default 0.2.
@@ -169,7 +168,7 @@ impl Colour {
 /// The colours of a palette, each by its name, with their defaults.
 macro_rules! palette {
     ($($name:ident: $red:literal $green:literal $blue:literal,)*) => {
-        /// Colours of what is drawn.
+        /// Colours of drawn elements.
         #[derive(Clone, Debug, PartialEq, Eq)]
         #[allow(missing_docs, reason = "each is named for what it is the colour of")]
         pub struct Palette {

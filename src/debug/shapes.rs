@@ -9,7 +9,7 @@ use crate::shape::Geometry;
 use crate::world::World;
 use glam::{DVec3, Mat3, Vec3};
 
-/// A shape as it is drawn: what it is, where, and in which colour.
+/// A shape as it is drawn: its form, pose and colour.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct DrawnShape<'a> {
@@ -70,7 +70,7 @@ pub fn convex(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 /// The lines that show a shape, in its own frame [m]. Their ends are on its surface; between them a line is a
-/// chord of what is round.
+/// chord of a round surface.
 ///
 /// `window`: low and high corner of the box that is wanted, in the same frame. A mesh or height field
 /// shows only the edges of triangles whose boxes meet the window, an edge once for each of them; a plane,

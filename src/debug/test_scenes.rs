@@ -1,4 +1,4 @@
-//! What is drawn in tests.
+//! Scenes that tests draw.
 
 use crate::body::BodyDesc;
 use crate::joint::{Frame, JointDesc};

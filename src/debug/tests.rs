@@ -135,7 +135,7 @@ fn wireframes_and_triangles_lie_on_the_surface_of_their_shape() {
 
 #[test]
 fn shapes_are_drawn_where_they_are_and_in_the_colour_of_their_kind() {
-    // Far out: a millimetre is less than what f32 knows there.
+    // Far out: a millimetre is less than the resolution of f32 there.
     let at = DVec3::new(1e7 + 0.125, -3.25, 2e6);
     let turn = Quat::from_rotation_z(0.3);
     let mut world = world();
@@ -495,7 +495,7 @@ fn draw_after_changes(seed: u64) {
             let bodies: Vec<_> = world.bodies().collect();
             let body = bodies[below(bodies.len())];
             let shapes: Vec<_> = world.shapes(body).unwrap().collect();
-            // What is refused changes nothing.
+            // A refused call changes nothing.
             let done = match below(7) {
                 0 if bodies.len() > 20 => world.remove_body(body),
                 1 => world.set_pose(body, DVec3::new(below(9) as f64, 2.0, 0.0), glam::Quat::IDENTITY),

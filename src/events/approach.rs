@@ -41,7 +41,7 @@ impl StartOfStep<'_> {
         Approach { normal, position: at, speed: -normal.dot(b - a) }
     }
 
-    /// Velocity of a point of a collider's body at the start of the step, plus what acceleration adds until a
+    /// Velocity of a point of a collider's body at the start of the step, plus the acceleration up to a
     /// fraction of it.
     fn speed_before(&self, collider: u32, at: DVec3, fraction: f32) -> Vec3 {
         let i = self.colliders.summaries[collider as usize].body as usize;

@@ -1,4 +1,4 @@
-//! What a snapshot keeps of events: the pairs that ended since the last step, of which the next one tells.
+//! Events in snapshots: the pairs that ended since the last step, which the next one reports.
 
 use super::{Events, Gone};
 use crate::error::Error;

@@ -1,4 +1,4 @@
-//! Sensors: shapes that push nothing and detect what enters them.
+//! Sensors: shapes that push nothing and detect shapes that enter them.
 //!
 //! A pair with a sensor is a pair like any other, swept where a body is fast, but has no contact. Once bodies
 //! have moved, it is checked along their actual paths: a ball that crosses a sensor within a step is seen to
@@ -60,7 +60,7 @@ impl Sensing<'_> {
         let touch = match b.kind {
             kind if kind.is_ground() && a.senses_static() => {
                 let start = motion.relative(0.0);
-                // The cast leaves out what is touched at the start.
+                // The cast leaves out triangles that are touched at the start.
                 let touches = touches_mesh(a, b, &start, close);
                 if touches || at_end {
                     return touches.then_some(0.0);

@@ -16,7 +16,7 @@ pub(crate) struct Clear {
     pub(crate) radius: f32,
 }
 
-/// More than what rounding takes of such coordinates [m].
+/// More than the rounding error of such coordinates [m].
 fn slack(low: Vec3, high: Vec3) -> f32 {
     4e-6 * low.abs().max(high.abs()).max_element()
 }

@@ -4,7 +4,7 @@
 //! as its iterations and the other rows allow. A body on the wrong side of a wall must never happen, so it is
 //! checked on the path that a body really takes: if the segment from its old centre to its new one enters
 //! static geometry, the motion is cut there. A body that was on the right side thus stays there, step after
-//! step, whatever pushes it; and since its centre is on the right side, contacts push the rest of it out. The
+//! step, under any push; and since its centre is on the right side, contacts push the rest of it out. The
 //! check is one query of the box around the path, and a segment query if that is not empty, for each body
 //! that moved further than a share of its inner ball, or further than it is known to be clear of static
 //! geometry. A body at rest or creeping is checked seldom, but however slowly it is pressed, it does not get
@@ -55,7 +55,7 @@ pub(crate) enum Held {
     Lifted,
 }
 
-/// Number of bodies that the guard held, by what it did.
+/// Number of bodies that the guard held, by the kind of hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) cut: u32,
@@ -130,7 +130,7 @@ impl Guard<'_> {
     }
 
     /// Cuts the motion where the centre would enter static geometry, and removes the velocity into it.
-    /// Returns what it did, and the normal of the surface at which it cut the motion.
+    /// Returns the kind of hold, and the normal of the surface at which it cut the motion.
     pub(crate) fn hold(
         &self,
         stack: &mut Vec<u32>,
@@ -309,8 +309,8 @@ impl Guard<'_> {
 }
 
 /// Where a centre that was cut off after `way` of its motion from `start` gets to if it slides on along the
-/// surface, with what is left of the motion. What turns passes its surface on below a body within a step: one
-/// that stayed where it was cut would be cut there again in each step, and gain speed by it without end.
+/// surface, for the rest of the motion. A turning surface moves on below a body within a step: one that
+/// stayed where it was cut would be cut there again in each step, and gain speed by it without end.
 fn slid_along(wall: &Collider, start: Vec3, way: Vec3, moved: Vec3, normal: Vec3) -> Vec3 {
     let at = start + way;
     let along = (moved - way).reject_from_normalized(normal);

@@ -52,7 +52,7 @@ pub(crate) struct Buffers {
     cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
-/// What the buffers are for.
+/// The content for which the buffers are made.
 pub(crate) struct Content {
     pub(crate) movers: usize,
     pub(crate) dynamic: usize,
@@ -177,7 +177,7 @@ pub(crate) fn reach_targets(bodies: &mut Bodies, dt: f32) {
     }
 }
 
-/// What came of moving all bodies.
+/// The result of moving all bodies.
 struct Moved {
     held: Counts,
     /// Bodies that were put back to where they were, at rest.

@@ -157,8 +157,8 @@ impl Moving<'_> {
             if d.angular.length_squared() > FREE_SPIN_IN_TOUCH * FREE_SPIN_IN_TOUCH
                 && self.guard.is_elastic(own)
             {
-                // About a fixed axis a rod that spins about its own would hardly tilt, and sink into what
-                // lifts its end. The angular velocity keeps its energy, in the body's frame.
+                // About a fixed axis a rod that spins about its own would hardly tilt, and sink into the
+                // surface that lifts its end. The angular velocity keeps its energy, in the body's frame.
                 let (rotation, spin) = (pose.rotation, d.angular / self.dt);
                 let turn = FreeTurn { rotation, spin, inertia: inertia(), time: self.dt };
                 turned = turn.one().0;
@@ -209,7 +209,7 @@ impl Moving<'_> {
                     count.fetch_add(1, Ordering::Relaxed);
                     self.note_cut(slot, moved.length() / d.linear.length());
                     if !bounced {
-                        // What bounces, and was not seen to, is thrown back.
+                        // A bounce that no row found is applied here.
                         let joined = guard.joints.has_any(guard.slots[i]);
                         let e = if joined { 0.0 } else { guard.restitution(own) };
                         velocity.linear += (cut_velocity.linear - velocity.linear) * (1.0 + e);
@@ -281,7 +281,7 @@ pub(crate) fn is_in_range(pose: &Pose) -> bool {
 }
 
 // Guard: beyond the range of positions.
-/// Displacements beyond are out of the world, whatever the body was [m], [rad].
+/// Displacements beyond are out of the world, for any earlier position [m], [rad].
 pub(super) const FAR: f32 = 4.0 * MAX_POSITION as f32;
 
 /// Removes the velocity with which an end of a body enters a surface.

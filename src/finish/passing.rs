@@ -6,8 +6,8 @@
 //! into it, the two are moved apart at their ends until the centre is back in front of the surface that it
 //! crossed, by the radius of its body's inner ball; the lighter body moves more. If it goes straight into it,
 //! or both have joints and can't be moved alone, both stop on their paths. The closing speed is removed, or
-//! thrown back, as by an impulse there. What is at the surface from the start is moved aside even if it goes
-//! straight into it: stopped, both would be where they were, and go the same way in the next step, for ever.
+//! thrown back, as by an impulse there. A body at the surface from the start is moved aside even if it goes
+//! straight into it: stopped, both would stay, and move the same way in each step, for ever.
 
 use super::guard::{Guard, stop};
 use crate::body::Bodies;
@@ -23,7 +23,7 @@ const PASSES: usize = 8;
 /// From this pass on, bodies go back to where they were: nothing in between helped.
 const RETURNING: usize = 5;
 
-/// The bodies, and what is done to them.
+/// The bodies, and the changes to them.
 pub(super) struct Movers<'a> {
     pub(super) bodies: &'a mut Bodies,
     /// Displacements of the step.
@@ -126,7 +126,7 @@ impl Guard<'_> {
                     continue;
                 }
                 let own = bodies.colliders[i].as_slice();
-                // What bounces off what it is moved into does so in the next step.
+                // A body that bounces off an obstacle to which it is moved does so in the next step.
                 let mut cut_velocity = bodies.velocity[i];
                 self.hold(stack, own, bodies.pose[i].position, &mut way, &mut cut_velocity);
                 if !bounces {

@@ -2,9 +2,9 @@
 //!
 //! Rows keep contacts in a linear model: a point moves along its velocity, and arms stay as they were at the
 //! touch. A body that strikes with a tip at 500 m/s turns by many radians in the rest of the step. Its centre
-//! then takes a path that nobody checked, and ends with a rotation that no row accounted for. So for bodies
-//! that end far from where they were predicted (*off their path*), the end of the step is settled against the
-//! actual static geometry:
+//! then takes an unchecked path, and ends with a rotation that no row accounted for. So for bodies that end
+//! far from their predicted pose (*off their path*), the end of the step is settled against the actual static
+//! geometry:
 //!
 //! - The path of the centre is followed; where it enters a surface, the rest of it continues along that
 //!   surface, and so do the velocities ([`Guard::go_on`]). A shot into a corner meets its three walls in one
@@ -78,7 +78,7 @@ pub(super) struct Settled {
 }
 
 /// Settles the dynamic bodies that are off their path. `delta`: displacements, with the mark of these bodies;
-/// counts what the guard held, and lists the bodies that were stopped.
+/// counts the bodies that the guard held, and lists those that were stopped.
 pub(super) fn settle_off_path(
     guard: &Guard<'_>,
     tools: &mut Tools<'_>,

@@ -1,4 +1,4 @@
-//! What a joint is made of: limits and drives between two frames.
+//! Descriptions of joints: limits and motors between two frames.
 
 use super::motion::{Axes, Axis, Limit, Motion, Motor, Spring};
 use crate::config::RowGroup;
@@ -50,7 +50,7 @@ impl Frame {
     }
 }
 
-/// A joint to be added: two bodies, a frame on each, and what of their relative motion is limited and driven.
+/// A joint to be added: two bodies, a frame on each, and limits and motors of their relative motion.
 ///
 /// The relative motion is that of the second frame as seen from the first. Frames that coincide have no
 /// displacement.
@@ -89,10 +89,10 @@ pub struct JointDesc {
     /// Where the joint sits on each.
     #[cfg_attr(feature = "serde", serde(default))]
     pub frames: [Frame; 2],
-    /// What is kept within a range.
+    /// Limits of the relative motion.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: Vec<Limit>,
-    /// What is driven.
+    /// Motors of the relative motion.
     #[cfg_attr(feature = "serde", serde(default))]
     pub motors: Vec<Motor>,
     /// Whether the two bodies collide with each other. Default no.
@@ -111,8 +111,8 @@ pub struct JointDesc {
     /// The same of its torque [N m]. Default infinity.
     #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded", default = "infinity"))]
     pub torque_threshold: f32,
-    /// Has its rows solved right after those of this group, unless their own place is later: what is solved
-    /// later wins. A tree of joints goes as a whole. Default none.
+    /// Has its rows solved right after those of this group, unless their own place is later: later rows win.
+    /// A tree of joints goes as a whole. Default none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub solved_after: Option<RowGroup>,
     /// The caller's own.
@@ -238,7 +238,7 @@ impl JointDesc {
     }
 
     /// A wheel (second body) on a car (first): its hub moves along the frames' y by up to `travel` [m] to
-    /// either side and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a drive
+    /// either side and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a motor
     /// about x for an engine.
     pub fn wheel(bodies: [BodyHandle; 2], frames: [Frame; 2], travel: f32, spring: Spring) -> JointDesc {
         JointDesc::new(bodies, frames)
@@ -254,7 +254,7 @@ impl JointDesc {
         self
     }
 
-    /// With a further drive.
+    /// With a further motor.
     pub fn with_motor(mut self, drive: Motor) -> JointDesc {
         self.motors.push(drive);
         self
@@ -306,7 +306,7 @@ impl JointDesc {
     }
 }
 
-/// What the bounds of a joint's force and torque are called in errors.
+/// Names of the bounds of a joint's force and torque in errors.
 pub(crate) const STRENGTH: [&str; 2] = ["break force", "break torque"];
 /// See [`STRENGTH`].
 pub(crate) const THRESHOLD: [&str; 2] = ["force threshold", "torque threshold"];

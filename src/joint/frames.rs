@@ -68,8 +68,8 @@ impl Placed {
         twist_of(self.relative, axis)
     }
 
-    /// What a limit of a motion restricts [m] or [rad]: the measure of its rows, before whole turns are
-    /// counted.
+    /// The quantity that a limit of a motion restricts [m] or [rad]: the measure of its rows, before whole
+    /// turns are counted.
     pub(crate) fn displacement(&self, motion: Motion, axes: Axes) -> f32 {
         match (motion, axes) {
             (Motion::Linear, Axes::One(axis)) => self.axis(0, axis).dot(self.apart),

@@ -1,8 +1,8 @@
-//! Joints: what is kept together, how far it may move, and what drives it.
+//! Joints: limits and motors between two bodies.
 //!
-//! A joint is a list of limits and drives between two frames, as `KHR_physics_rigid_bodies` has it. Each
-//! becomes rows of one of a few types ([`constraint`](crate::constraint)); what a joint doesn't have it has
-//! no rows for.
+//! A joint is a list of limits and motors between two frames, as `KHR_physics_rigid_bodies` has it. Each
+//! becomes rows of one of a few types ([`constraint`](crate::constraint)); a joint has rows only for its own
+//! limits and motors.
 
 mod coupling;
 mod desc;

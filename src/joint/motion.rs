@@ -1,4 +1,4 @@
-//! What a joint limits and drives: motions along and about axes, springs, limits and motors.
+//! The parts of a joint: motions along and about axes, springs, limits and motors.
 
 use crate::error::{Error, within};
 use crate::limits;
@@ -6,7 +6,7 @@ use crate::limits;
 #[cfg(feature = "serde")]
 use super::desc::infinity;
 
-// Guard: a limit of what a caller may say.
+// Guard: a limit of a caller's input.
 /// Largest displacement that a limit or a motor may name [m] or [rad].
 const MAX_DISPLACEMENT: f32 = limits::MAX_POSITION as f32;
 
@@ -68,7 +68,7 @@ pub enum Spring {
         #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
         damping: f32,
     },
-    /// The same by how it moves what is joined, whatever the mass.
+    /// The same by frequency and damping ratio of the joined bodies, independent of their mass.
     Frequency {
         /// Undamped [Hz], up to 1e9.
         hertz: f32,
@@ -105,7 +105,7 @@ impl SpringCoefficients {
 }
 
 impl Spring {
-    // Guard: a limit of what a caller may say.
+    // Guard: a limit of a caller's input.
     /// The most stiffness or finite damping that is allowed.
     pub const MAX_COEFFICIENT: f32 = 1e20;
 
@@ -158,7 +158,7 @@ impl Spring {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Limit {
-    /// What is limited.
+    /// The limited axes.
     pub motion: Motion,
     /// Along or about which axes.
     pub axes: Axes,
@@ -168,7 +168,7 @@ pub struct Limit {
     /// Most allowed, not below `min`; infinity for none.
     #[cfg_attr(feature = "serde", serde(with = "crate::config::unbounded"))]
     pub max: f32,
-    /// What pushes back beyond the range; rigid if there is none.
+    /// The spring that pushes back beyond the range; `None` is rigid.
     #[cfg_attr(feature = "serde", serde(default))]
     pub spring: Option<Spring>,
 }

@@ -58,7 +58,7 @@ pub struct Bone {
     pub joint: BoneJoint,
 }
 
-/// Bones in the pose in which no joint is bent, y up, and what they are made of.
+/// Bones in the pose in which no joint is bent, y up, with their density, material and filter.
 ///
 /// ```
 /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -100,13 +100,13 @@ pub struct Ragdoll {
     pub bodies: Vec<BodyHandle>,
     /// One for each bone but the roots.
     pub joints: Vec<JointHandle>,
-    /// What each joint joins.
+    /// The bodies of each joint.
     pub(crate) links: Vec<Link>,
     /// Torque of friction in each joint [N m].
     pub(crate) friction: f32,
 }
 
-/// What a joint of a ragdoll joins, and how.
+/// The bodies of a ragdoll's joint, and its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Link {
     pub(crate) bone: usize,
@@ -243,7 +243,7 @@ impl Skeleton {
             .with_shape(shape)
     }
 
-    /// A joint with what that of a bone limits, about the frames' axes, and its friction.
+    /// A joint with the limits of a bone's joint, about the frames' axes, and its friction.
     pub fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
         let about_x = Axes::One(Axis::X);
         let desc = match bone.joint {

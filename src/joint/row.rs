@@ -1,4 +1,4 @@
-//! What joints are made of for the solver: locks, which are solved as blocks, and rows of one direction.
+//! Parts of joints for the solver: locks, which are solved as blocks, and rows of one direction.
 
 use super::motion::{Axes, Axis, Motion, Spring};
 use glam::Vec3;
@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 /// End of a list of joints.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// What a lock keeps.
+/// Kind of lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LockKind {
     /// Points together.
@@ -37,7 +37,7 @@ pub(crate) struct Lock {
     pub(crate) lag: f32,
 }
 
-/// What a row of one direction does.
+/// Kind of row of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum RowKind {
     /// Rigid.
@@ -59,16 +59,16 @@ pub(crate) enum RowKind {
     },
 }
 
-/// A limit with a width, or a drive.
+/// A limit with a width, or a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) joint: u32,
     pub(crate) motion: Motion,
     pub(crate) axes: Axes,
     pub(crate) kind: RowKind,
-    /// What else the joint locks, which leaves the row less to move.
+    /// The other locks of the joint, which reduce the mobility of the row.
     pub(crate) beside: [Option<LockKind>; 2],
-    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
+    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a motor's is the first.
     pub(crate) impulse: [f32; 2],
     /// The part of a lock's that does not yield.
     pub(crate) lasting_impulse: f32,

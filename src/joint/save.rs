@@ -1,5 +1,4 @@
-//! What a snapshot keeps of joints: their impulses, which change in every step, and their definitions, which
-//! seldom do.
+//! Joints in a snapshot: their impulses, which change in every step, and their definitions, which seldom do.
 
 use super::coupling::{CouplingRecords, SavedCouplings};
 use super::desc::{axes_code, axes_of};
@@ -33,7 +32,7 @@ pub(crate) struct SavedJoints<'a> {
 }
 
 impl Joints {
-    /// Writes what joints bear.
+    /// Writes the loads of joints.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> JointLists {
         let Joints {
             all,
@@ -73,7 +72,7 @@ impl Joints {
         }
     }
 
-    /// Takes what joints bear.
+    /// Restores the loads of joints.
     pub(crate) fn restore(&mut self, saved: &SavedJoints<'_>) {
         for (joint, words) in self.all.iter_mut().zip(saved.joints.as_chunks::<6>().0) {
             [joint.force, joint.torque] = record::<[Vec3; 2], 6>(words);
@@ -93,7 +92,7 @@ impl Joints {
         self.strained.clear();
     }
 
-    /// Writes what joints there are.
+    /// Writes the definitions of joints.
     pub(crate) fn save_all(&self, out: &mut Vec<u32>) {
         // The list is as long as it ever had to be: its end is not state.
         let first = self.first.iter().rposition(|&joint| joint != NONE).map_or(0, |last| last + 1);
@@ -232,7 +231,7 @@ impl JointRecords {
         self.locks.len() + self.rows.len() + COUPLING_ROWS * self.couplings.len()
     }
 
-    /// What it takes to hold all of them.
+    /// Bytes needed to hold all of them.
     pub(crate) fn more(&self) -> JointAdditions {
         let live = self.all.iter().filter(|joint| joint.is_there());
         let events = live.map(|joint| JointAdditions::of_events(joint.strength, joint.threshold));
@@ -256,7 +255,8 @@ impl JointRecords {
         self.couplings.joints().map(|joints| joints.map(|joint| self.all[joint as usize].bodies))
     }
 
-    /// Reads what [`Joints::save_all`] wrote. `is_dynamic`: of each body slot that is taken, whether it is.
+    /// Reads the output of [`Joints::save_all`]. `is_dynamic`: of each body slot in use, whether the body is
+    /// dynamic.
     pub(crate) fn read(
         from: &mut Reader<'_>,
         is_dynamic: impl Fn(u32) -> Option<bool>,
@@ -349,7 +349,7 @@ impl JointRecords {
     }
 }
 
-/// Whether what is alike of `count` comes one after another.
+/// Whether equal items come one after another; there are `count` items.
 fn is_grouped(joints: impl Iterator<Item = u32>, count: usize) -> bool {
     let (mut seen, mut last) = (vec![false; count], NONE);
     for joint in joints {

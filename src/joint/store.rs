@@ -1,4 +1,4 @@
-//! Joint columns: frames once a joint, and a row for each limit and drive, by type.
+//! Joint columns: frames once a joint, and a row for each limit and motor, by type.
 
 use super::coupling::{Coupling, Couplings};
 use super::desc::JointDesc;
@@ -25,13 +25,13 @@ pub struct JointEvent {
     pub torque: Vec3,
 }
 
-/// Rows that a coupling may add to the batches of a step: its own, and drives of its motions, which go along.
+/// Rows that a coupling may add to the batches of a step: its own, and motors of its motions, which go along.
 pub(super) const COUPLING_ROWS: usize = 3;
 
 /// A joint. Its slot is its index: it never moves.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
-    /// Slots of the bodies; [`NONE`] in what was removed.
+    /// Slots of the bodies; [`NONE`] in a joint that was removed.
     pub(crate) bodies: [u32; 2],
     pub(crate) frames: [JointFrame; 2],
     /// Force [N] and torque [N m] at which it breaks.
@@ -127,7 +127,7 @@ pub(crate) struct Joints {
     pub(crate) all: Vec<Joint>,
     pub(crate) locks: Vec<Lock>,
     pub(crate) rows: Vec<Row>,
-    /// What depends on two of their motions.
+    /// Couplings between two of their motions.
     pub(crate) couplings: Couplings,
     /// By body slot: the first of its joints. As long as it has to be.
     pub(super) first: Vec<u32>,
@@ -168,7 +168,7 @@ buffers! {
 }
 
 impl Joints {
-    /// Where what joints bear is no number, or out of range, they begin the next step without.
+    /// Joints whose loads are NaN or out of range begin the next step without them.
     pub(crate) fn forget_unsound(&mut self) {
         let sound = |loads: &[f32]| loads.iter().all(|load| load.abs() <= MAX_LOAD);
         for lock in &mut self.locks {
@@ -266,7 +266,7 @@ impl Joints {
         }
     }
 
-    /// There are no joints any more: all goes but what tells handles that are stale.
+    /// Frees everything when no joint is left, except for the generations that tell stale handles.
     pub(crate) fn release(&mut self) {
         self.compact();
         (self.locks, self.rows, self.first) = (Vec::new(), Vec::new(), Vec::new());
@@ -274,7 +274,7 @@ impl Joints {
         self.couplings.broken = Vec::new();
     }
 
-    /// Limits with a width, drives, and how many of both are springs.
+    /// Limits with a width, motors, and how many of both are springs.
     pub(crate) fn kinds_of_rows(&self) -> [u32; 3] {
         let mut counts = [0; 3];
         for row in self.rows.iter().filter(|row| self.all[row.joint as usize].is_there()) {
@@ -303,7 +303,8 @@ impl Joints {
         [own, bytes_of(&self.locks).1, bytes_of(&self.rows).1]
     }
 
-    /// Rows of what was removed go, nothing else changes its order; batches are about to be arranged.
+    /// Drops the rows of removed joints and keeps the order of the others; called before batches are
+    /// arranged.
     pub(crate) fn compact(&mut self) {
         self.drop_stale();
         (self.changed, self.fresh) = (false, 0);
@@ -330,8 +331,8 @@ impl Joints {
         self.fresh * batch + self.resting
     }
 
-    /// Batches were arranged for all joints but those of bodies that are asleep or disabled: of what all of
-    /// them held or were promised, so many bytes are left.
+    /// Batches were arranged for all joints but those of bodies that are asleep or disabled. `left`: bytes
+    /// that remain of the memory that all of them held or were promised.
     pub(crate) fn note_resting(&mut self, left: usize, batch: usize, bodies: &Bodies) {
         let awake = |slot: u32| (bodies.slots.dense(slot) as usize) < bodies.dynamic();
         let rests = |joint: u32| !self.all[joint as usize].bodies.into_iter().any(awake);
@@ -381,7 +382,7 @@ impl Joints {
         }
     }
 
-    /// As many again as a quarter of what there is.
+    /// A quarter more than there are.
     pub(crate) fn ahead(&self, more: JointAdditions) -> JointAdditions {
         JointAdditions {
             joints: more.joints + self.all.len() / 4,

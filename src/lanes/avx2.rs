@@ -81,7 +81,7 @@ impl SubAssign for Avx8 {
     }
 }
 
-/// What `wide` offers for its floats, by the same names.
+/// The operations of `wide` on its floats, by the same names.
 impl Avx8 {
     pub(crate) const ZERO: Self = Avx8::new([0.0; 8]);
 
@@ -160,8 +160,8 @@ pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
     unsafe { compiled_for_it(kernel) }
 }
 
-/// Whether the processor has what kernels over [`Avx8`] are compiled for. Asked for every batch, so the
-/// answer is kept in one place.
+/// Whether the processor has the instructions for which kernels over [`Avx8`] are compiled. Asked for every
+/// batch, so the answer is kept in one place.
 #[inline(always)]
 pub(crate) fn has_avx2() -> bool {
     match FOUND.load(Ordering::Relaxed) {

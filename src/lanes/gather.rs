@@ -15,7 +15,7 @@ pub(crate) struct Record {
     pub(crate) turn_angle: f32,
 }
 
-/// What happened to a body within the step, a bit each.
+/// Events of a body within the step, a bit each.
 ///
 /// The solver integrates whole records in float lanes, so the bits are those of an exponent: any set of them
 /// is a tiny normal float, which keeps its bits where zero is added to it, on every target, and is slow
@@ -98,14 +98,14 @@ impl Record {
     }
 }
 
-/// Whether all lanes are within a limit; what is no number is not. One comparison of eight lanes.
+/// Whether all lanes are within a limit; NaN is not. One comparison of eight lanes.
 #[inline(always)]
 pub(crate) fn is_within(r: f32x8, most: f32) -> bool {
     r.abs().le(f32x8::splat(most)).bits() == 0xff
 }
 
 impl Record {
-    /// Whether a velocity or a displacement is within a limit; what is no number is not.
+    /// Whether a velocity or a displacement is within a limit; NaN is not.
     #[inline(always)]
     pub(crate) fn is_within(&self, most: f32) -> bool {
         is_within(bytemuck::must_cast(*self), most)
@@ -174,12 +174,12 @@ gather_eight!(f32x8, transpose);
 #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2"), not(backstop_baseline)))]
 gather_eight!(super::Avx8, transpose_registers);
 
-/// The 8x8 transpose of what is built for its instructions.
+/// The 8x8 transpose in builds for these instructions.
 #[cfg(target_feature = "avx")]
 use transpose_registers as transpose;
 
 /// The 8x8 transpose in registers of AVX, inlined: two of eight rows are zeros or go unused, and so does the
-/// work for them. Only for what runs where the processor has AVX.
+/// work for them. Only for code that runs where the processor has AVX.
 #[cfg(any(target_feature = "avx", all(target_arch = "x86_64", not(backstop_baseline))))]
 #[inline(always)]
 fn transpose_registers<L: Pod>(rows: [L; 8]) -> [L; 8] {

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-/// What vectors and rotations are computed with: lanes of `f32`, and of `f64`.
+/// Numbers of vectors and rotations: lanes of `f32`, and of `f64`.
 pub(crate) trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {

@@ -51,7 +51,7 @@ fn all_operations<L: Lanes>(numbers: &[[f32; 8]]) -> Vec<[u32; 8]> {
     out
 }
 
-/// What the processor has and the target lacks changes no bit; which operations there are is `Lanes`.
+/// Instructions that the processor has and the target lacks change no bit; `Lanes` has the operations.
 #[test]
 fn all_operations_are_the_same_bits_with_the_instructions_of_the_processor() {
     let (mut random, count) = (Random(3), if cfg!(miri) { 3 } else { 300 });

@@ -13,7 +13,7 @@ impl Default for Allowance {
 }
 
 /// A buffer grows by more than it needs, so that it seldom grows, while that takes no more than this part of
-/// what is left.
+/// the rest.
 const PART: usize = 8;
 /// Buffers smaller than this double, larger ones grow by a quarter, and large ones by an eighth [bytes].
 /// Doubled, the buffers of a scene would hold half more than they ever use. The large ones are moved by their

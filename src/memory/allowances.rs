@@ -1,5 +1,5 @@
-//! Bytes that a step may still reserve in each category: the lesser of what its own limit and that of the
-//! whole leave.
+//! Bytes that a step may still reserve in each category: the lesser of the rests of its own limit and of the
+//! whole.
 
 use super::{Allowance, Amounts, Budget, Category};
 
@@ -16,7 +16,7 @@ impl Allowances {
         Allowances { whole: Allowance::ENDLESS, of: [Allowance::ENDLESS; Category::ALL.len()] };
 
     /// The part of a budget that is left once some of the bytes held are gone, by category and in all. Where
-    /// more is held than the budget allows, what goes may come back.
+    /// more is held than the budget allows, the freed bytes may be reserved again.
     pub(crate) fn new(budget: &Budget, held: &Amounts, whole: usize, gone: &Amounts) -> Allowances {
         if budget.is_none() {
             return Allowances::ENDLESS;
@@ -77,8 +77,8 @@ impl Allowances {
         Category::ALL.into_iter().for_each(|c| self.of[c as usize].take(used.of(c)));
     }
 
-    /// The most, from `least` up to `wanted`, that fits by what `asked` says of a number; `least` in any
-    /// case.
+    /// The most, from `least` up to `wanted`, that fits, with `asked` giving the bytes of a number; `least`
+    /// in any case.
     pub(crate) fn most(&self, least: usize, wanted: usize, asked: &dyn Fn(usize) -> Amounts) -> usize {
         let (mut most, mut too_many) = (least, wanted + 1);
         while too_many - most > 1 {

@@ -19,7 +19,7 @@ impl Amounts {
         self.0.iter().sum()
     }
 
-    /// What is more than in another.
+    /// The excess over another.
     pub(crate) fn without(&self, other: &Amounts) -> Amounts {
         Amounts(std::array::from_fn(|i| self.0[i].saturating_sub(other.0[i])))
     }

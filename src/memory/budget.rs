@@ -3,8 +3,8 @@
 use super::Category;
 
 /// Bytes that a world may reserve, in all and of each category; see
-/// [`Settings::budget`](crate::Settings::budget). What has no limit of its own is only bound by that of the
-/// whole.
+/// [`Settings::budget`](crate::Settings::budget). A category without a limit of its own is only bound by that
+/// of the whole.
 ///
 /// ```
 /// use backstop::{Budget, Category};
@@ -62,7 +62,7 @@ impl Budget {
     }
 }
 
-/// A budget as it is written: only what is limited is named.
+/// A budget as it is written: only limited categories are named.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Limits {

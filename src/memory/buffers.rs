@@ -1,4 +1,4 @@
-//! One list of a store's buffers, from which follows what it holds, lacks and reserves.
+//! One list of a store's buffers, from which the bytes that it holds, lacks and reserves follow.
 
 use super::{Buffer, bytes_of};
 
@@ -16,7 +16,7 @@ use super::{Buffer, bytes_of};
 /// ```
 ///
 /// A buffer is a field that is a vector, or a store with a list of its own. Behind it stands the capacity
-/// that it needs, or what its own list takes. A group has the name of what it makes:
+/// that it needs, or the arguments of its own list. A group has the name of the method that it makes:
 ///
 /// - `each(n, f)` calls `f` with each buffer and the capacity that it needs;
 /// - `missing(n)` says how many bytes the buffers lack for that;

@@ -15,7 +15,7 @@ pub(crate) fn sum_bytes(all: impl IntoIterator<Item = (usize, usize)>) -> (usize
     all.into_iter().fold((0, 0), add_bytes)
 }
 
-/// Bytes that an `Arc` of a value takes beside what the value itself holds: the value, and two counts before
+/// Bytes that an `Arc` of a value takes beside the bytes held by the value: the value, and two counts before
 /// it.
 pub(crate) const fn in_arc<T>() -> usize {
     #[repr(C)]

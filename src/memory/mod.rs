@@ -1,4 +1,5 @@
-//! Every long-lived byte belongs to a category; the report says how many, and what continuous physics adds.
+//! Every long-lived byte belongs to a category; the report says how many, and how many continuous physics
+//! adds.
 
 mod allowance;
 mod allowances;
@@ -20,7 +21,7 @@ pub(crate) use slab::{Cut, Slab};
 
 use std::fmt;
 
-/// What a buffer is for.
+/// The purpose of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]

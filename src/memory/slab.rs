@@ -1,9 +1,9 @@
 //! One buffer for arrays that are all filled anew in each step.
 //!
-//! It holds what they need together, not the most that each of them ever needed. And allocators widen it
-//! where it is, or move it by its pages: it asks for no more alignment than they give anyway. A vector whose
-//! elements want 32 bytes is moved by hand instead (new memory, a copy, and the old freed), and what is freed
-//! that way stays behind as a hole.
+//! It holds as much as they need together, not the most that each of them ever needed. And allocators widen
+//! it where it is, or move it by its pages: it asks for no more alignment than they give anyway. A vector
+//! whose elements want 32 bytes is moved by hand instead (new memory, a copy, and the old freed), and the
+//! freed memory stays behind as a hole.
 
 use super::{Allowance, Buffer};
 use bytemuck::{Pod, Zeroable};
@@ -28,12 +28,12 @@ const fn pieces(bytes: usize) -> usize {
 }
 
 impl Slab {
-    /// Bytes that it has beyond what it takes to hold so many.
+    /// Bytes that it has beyond those needed to hold so many.
     pub(crate) fn spare(&self, bytes: usize) -> usize {
         self.memory.capacity().saturating_sub(pieces(bytes)) * size_of::<Piece>()
     }
 
-    /// Gives up what it has beyond that.
+    /// Gives up the bytes beyond that.
     pub(crate) fn shrink(&mut self, bytes: usize) {
         self.memory.truncate(pieces(bytes));
         self.memory.shrink_to(pieces(bytes));
@@ -71,7 +71,7 @@ impl Slab {
         self.memory.as_ptr().align_offset(ALIGN).min(self.memory.len()) * size_of::<Piece>()
     }
 
-    /// All of it, to be handed out piece by piece. What is in it is of no meaning.
+    /// All of it, to be handed out piece by piece. Its content has no meaning.
     pub(crate) fn cut(&mut self) -> Cut<'_> {
         let start = self.start();
         Cut { rest: &mut bytemuck::cast_slice_mut(&mut self.memory)[start..] }

@@ -71,7 +71,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Where it put what it found, among the places of all blocks.
+    /// The range of its results among the places of all blocks.
     pub(crate) fn found(&self) -> std::ops::Range<usize> {
         self.fresh as usize..(self.fresh + self.found) as usize
     }
@@ -129,8 +129,8 @@ impl Bins {
         }
     }
 
-    /// Leaves only what has to be looked at again in some blocks that ran. Returns the first such block, or
-    /// the end.
+    /// Keeps only the pairs that have to be examined again in some blocks that ran. Returns the first such
+    /// block, or the end.
     pub(crate) fn repeat(&mut self, ran: std::ops::Range<usize>, states: &mut [PackedState]) -> usize {
         let mut is_crowded = |pair: u32| {
             let state = &mut states[pair as usize];

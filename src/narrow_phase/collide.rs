@@ -3,8 +3,8 @@
 //! Three passes, and a fourth where ground has seams. *Place*: the relative pose of every pair that is not
 //! known to be apart, eight at a time; a pair that hardly moved since its contact was found keeps it. *Bins*:
 //! the others are binned by shape pair and go through their kernel in lanes. *Commit*, by one thread and in
-//! the order of the pairs: contacts come and go. *Seams*: what touches ground of several pieces is judged
-//! against all of it ([`seams`](super::seams)).
+//! the order of the pairs: contacts come and go. *Seams*: a shape that touches ground of several pieces is
+//! judged against all of it ([`seams`](super::seams)).
 
 use super::bins::{Bin, Bins};
 use super::dispatch::run_bin;
@@ -37,7 +37,7 @@ pub(crate) struct Scratch {
 
 buffers! {
     Scratch {
-        /// For so many pairs, whatever their bins.
+        /// For so many pairs, in any bins.
         each_and_missing(pairs: usize) { states(pairs), bins(pairs) }
         bytes { found, seams }
     }
@@ -183,7 +183,7 @@ kernel! {
         states: &'a Shared<'a, PackedState>,
         all: &'a SharedContacts<'a>,
     ) {
-        // What is known to be apart has the right state already.
+        // Pairs that are known to be apart have the right state already.
         let (mut looked, mut count) = ([0; BLOCK], 0);
         for i in of {
             // SAFETY: no other block has the pair.
@@ -213,7 +213,7 @@ kernel! {
     }
 }
 
-/// What is to be done about a pair. What is found out about its distance is noted in it.
+/// The treatment of a pair. Distances found on the way are stored in it.
 ///
 /// # Safety
 /// No other thread may access the contacts of this pair.

@@ -1,4 +1,4 @@
-//! The kernels of bins: which works through the pairs of a bin in lanes, and what the others go through.
+//! The kernels of bins: kernels that work on the pairs of a bin in lanes, and the path of the other pairs.
 
 use super::bins::{Bin, TAPERED_BOX, TAPERED_CAPSULES};
 use super::convex::collide_convex;

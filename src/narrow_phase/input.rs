@@ -1,4 +1,4 @@
-//! What the narrow phase of a step reads, and how pairs approach each other within it.
+//! Input of the narrow phase of a step, and the approach of pairs within it.
 
 use super::contacts::contact::{MatchLimits, NO_CONTACT};
 use super::contacts::manifold::most_points;
@@ -9,7 +9,7 @@ use crate::config::{ContinuousMode, Start};
 use crate::lanes::Record;
 use crate::shape::{Collider, ColliderSummary};
 
-/// What the narrow phase reads.
+/// Input of the narrow phase.
 pub(crate) struct Input<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) summaries: &'a [ColliderSummary],
@@ -20,7 +20,7 @@ pub(crate) struct Input<'a> {
     pub(crate) odometers: &'a [Odometer],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
-    /// What gravity adds to the displacement of a dynamic body within the step [m].
+    /// Displacement that gravity adds to a dynamic body within the step [m].
     pub(crate) fall: glam::Vec3,
     /// Bodies before this one are dynamic.
     pub(crate) dynamic: usize,
@@ -74,13 +74,13 @@ impl Input<'_> {
     }
 
     /// For how many points a contact of a pair gets place, at least. Under a budget that is for as many as it
-    /// may have later: what was admitted hardly ever asks for memory again.
+    /// may have later: admitted contacts hardly ever ask for memory again.
     pub(crate) fn room(&self, pair: &Pair, bounded: bool) -> usize {
         let kind = |c: u32| self.summaries[c as usize].kind;
         if bounded { most_points(kind(pair.a), kind(pair.b)) } else { 0 }
     }
 
-    /// Whether a pair only reports what is in a sensor.
+    /// Whether a pair only reports overlaps with a sensor.
     pub(super) fn is_sensor(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].iter().any(|&c| self.summaries[c as usize].is_sensor())
     }
@@ -99,7 +99,7 @@ impl Input<'_> {
         }
     }
 
-    /// Whether a pair without a contact surely gets none, by what is known of it from earlier steps.
+    /// Whether a pair without a contact surely gets none, by distances known from earlier steps.
     #[inline(always)]
     pub(super) fn is_known_apart(&self, pair: &Pair) -> bool {
         let odometer = |c: u32| self.odometers[c as usize];
@@ -135,7 +135,7 @@ pub(crate) struct Approach {
     pub(crate) length: f32,
     /// The furthest that rotation moves points of the two towards each other [m].
     pub(crate) swing: f32,
-    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
+    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps contacts that the path misses.
     pub(crate) mode: ContinuousMode,
 }
 

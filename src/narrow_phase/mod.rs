@@ -42,7 +42,7 @@ pub(crate) use mesh::{MeshScratch, collide_mesh};
 pub(crate) use relative::Relative;
 pub(crate) use segment::segment_hits;
 
-/// What `bench` times beside what other stages use.
+/// Exports for `bench`, beside those for other stages.
 #[cfg(feature = "internals")]
 pub(crate) mod kernels {
     pub(crate) use super::fixtures::collider;

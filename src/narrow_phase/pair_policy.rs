@@ -1,14 +1,14 @@
-//! The narrow phase's central decision: what is looked for about a pair, and at which pose.
+//! The narrow phase's central decision: the search for a pair, and its pose.
 //!
-//! Each pair gets the *manifold of the start* first: what its kernel finds at the poses that the step begins
-//! with, real points and potential ones as far away as the predicted motion can reach. It is good as long as
-//! the pair touches, or moves little. For everything else the rows below replace it; the first that fits
-//! counts, and "fast" means that the two may approach each other by more than [`Input::fast`]. The mode
+//! Each pair gets the *manifold of the start* first: the result of its kernel at the poses that the step
+//! begins with, real points and potential ones as far away as the predicted motion can reach. It is good as
+//! long as the pair touches, or moves little. For everything else the rows below replace it; the first that
+//! fits counts, and "fast" means that the two may approach each other by more than [`Input::fast`]. The mode
 //! `Discrete` and the method [`Start::Speculative`] never leave the manifold of the start because of a gap.
 //!
 //! Two convex shapes, or one and a plane:
 //!
-//! | state of the pair | what is looked for | at which pose |
+//! | state of the pair | searched | at which pose |
 //! | --- | --- | --- |
 //! | apart and fast, and the motion can't close the gap | nothing: no contact | - |
 //! | apart; fast, or a plane would push an untouched shape | the manifold of the first touch | first touch |
@@ -18,28 +18,28 @@
 //! | overlaps so deeply that it leads out through a still shape | that on the side of the centre | start |
 //! | none of these | the manifold of the start | start |
 //!
-//! What this yields is looked at once more, if it has a point:
+//! The result is examined once more, if it has a point:
 //!
-//! | state of the pair | what is looked for | at which pose |
+//! | state of the pair | searched | at which pose |
 //! | --- | --- | --- |
 //! | both bodies move far past each other | deeper overlap than foreseen | half the rest, the step's end |
 //! | one or two points, on a comparatively large round shape | the manifold of mid-step | half the step |
 //!
 //! A convex shape against a mesh or a height field:
 //!
-//! | state of the pair | what is looked for | at which pose |
+//! | state of the pair | searched | at which pose |
 //! | --- | --- | --- |
 //! | in flight: fast and without a contact | only the first touch, unless triangles are near | first touch |
-//! | slow, in mode `Segment`, and moves beyond the margin | what is near here or on its path | start |
+//! | slow, in mode `Segment`, and moves beyond the margin | triangles near here or on its path | start |
 //! | ... but strikes some of that | all within reach | start |
 //! | slow | all within reach | start |
-//! | fast | what it rests on, | start |
+//! | fast | triangles that it rests on, | start |
 //! | | the first touch with anything else, | first touch |
 //! | | the second, sliding along the first | first touch |
 //!
 //! Where a mesh is near but not touched, planes of the start that would push count only if a cast touches
-//! anything. Slow is also what moves by less than half the ball that fits into it, and what rolls: then
-//! planes at the start suffice.
+//! anything. Slow is also a shape that moves by less than half the ball that fits into it, and one that
+//! rolls: then planes at the start suffice.
 //!
 //! Which pairs are not looked at at all (they sleep, keep their contact, are too far apart or only feed a
 //! sensor) is decided before, by [`collide`](super::collide).
@@ -90,7 +90,7 @@ impl PairView<'_> {
         self.pair.contact != NO_CONTACT
     }
 
-    /// Whether the predicted motion says what is touched: what is apart is not left to the planes of the
+    /// Whether the predicted motion decides about touches: separate shapes are not left to the planes of the
     /// start.
     fn follows_motion(&self) -> bool {
         self.approach.is_continuous() && self.input.start != Start::Speculative
@@ -101,7 +101,7 @@ impl PairView<'_> {
     }
 
     /// Whether a pair is of something static and a body that joints may pull off its predicted path. That
-    /// this path misses what is near proves nothing then.
+    /// this path misses near shapes proves nothing then.
     fn may_leave_predicted_path(&self) -> bool {
         let (input, pair) = (self.input, self.pair);
         let pushed = if input.is_pushed(pair.a) { pair.a } else { pair.b };
@@ -123,7 +123,7 @@ impl PairView<'_> {
         self.approach.mode != ContinuousMode::Volume && closing + self.approach.swing < nearest
     }
 
-    /// Whether a plane would push what the predicted motion never brings to it.
+    /// Whether a plane would push a shape that the predicted motion never brings to it.
     fn would_push(&self, raw: &RawManifold) -> bool {
         would_push(self.input, &motion_of(self.input, self.pair), raw)
     }
@@ -292,14 +292,14 @@ struct MeshLook<'a> {
     view: &'a PairView<'a>,
     shape: &'a Collider,
     mesh: &'a Collider,
-    /// Made when it is first asked for: what rests on the mesh may not need it.
+    /// Made on first use: a shape that rests on the mesh may not need it.
     motion: OnceCell<Motion>,
     fast: bool,
     /// How far from the shape triangles matter at the start [m].
     margin: f32,
 }
 
-/// What a look at a mesh found out on the way.
+/// Counts of a search in a mesh.
 struct Tally {
     casts: u32,
     /// The least separation at the start [m].
@@ -362,7 +362,7 @@ impl<'a> MeshLook<'a> {
         // will do.
         let fast =
             view.follows_motion() && !rolls(view, shape) && most > input.fast.max(0.5 * shape.inner_radius);
-        // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
+        // Where the body is, and the reach of its rotation: touches further away are found by the cast.
         let reach = if fast { approach.swing.min(shape.radius) } else { approach.reach(input.margin) };
         MeshLook { view, shape, mesh, motion: OnceCell::new(), fast, margin: input.margin + reach }
     }
@@ -372,7 +372,8 @@ impl<'a> MeshLook<'a> {
         self.fast && !self.view.is_gated() && !self.view.has_contact()
     }
 
-    /// What is slow reaches what it goes to: only what is near here or there matters, unless it strikes that.
+    /// A slow shape reaches its end pose: only triangles near the start or the end matter, unless it strikes
+    /// those.
     fn looks_along_motion(&self) -> bool {
         let &PairView { input, approach, .. } = self.view;
         !self.fast && approach.mode == ContinuousMode::Segment && approach.length > input.margin
@@ -400,8 +401,8 @@ impl<'a> MeshLook<'a> {
     }
 }
 
-/// What rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may each be as
-/// long as the radius of the ball that fits into it.
+/// A shape that rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may
+/// each be as long as the radius of the ball that fits into it.
 fn rolls(view: &PairView<'_>, shape: &Collider) -> bool {
     let approach = view.approach;
     view.has_contact()
@@ -409,10 +410,10 @@ fn rolls(view: &PairView<'_>, shape: &Collider) -> bool {
         && approach.length.max(approach.swing) < shape.inner_radius
 }
 
-/// What is looked for, case by case.
+/// The searches, case by case.
 impl MeshLook<'_> {
-    /// Adds the manifolds of the start; if the pair is fast only those of what it rests on. Says what a fast
-    /// one touches first besides.
+    /// Adds the manifolds of the start; if the pair is fast only those that it rests on. Returns the first
+    /// other touch of a fast one.
     #[inline(always)]
     fn look_at_start(&self, block: &mut MeshBlock, tally: &mut Tally) -> Option<Touch> {
         let &PairView { input, .. } = self.view;
@@ -425,11 +426,11 @@ impl MeshLook<'_> {
         self.collide(block);
         tally.nearest =
             block.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
-        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that
-        // it is on.
+        // A shape that rests on the mesh sinks by the displacement of gravity in the step, and must not
+        // strike the ground that it is on.
         let resting = if tally.nearest <= input.touch_distance { input.margin } else { input.touch_distance };
         if self.fast {
-            // Manifolds without a near point are guesses; what is really hit comes from the cast.
+            // Manifolds without a near point are guesses; real hits come from the cast.
             block.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
         }
         self.drop_guesses(block, tally);

@@ -1,9 +1,9 @@
-//! What the narrow phase of a step does with each pair.
+//! The treatment of each pair by the narrow phase of a step.
 
 use super::bins::{BINS, Bin};
 use bytemuck::{Pod, Zeroable};
 
-/// What becomes of a pair in the step.
+/// State of a pair in the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PairState {
     /// The blocks of its bin look at it.
@@ -14,8 +14,8 @@ pub(crate) enum PairState {
     Clear,
     /// Its contacts are removed.
     Emptied,
-    /// It gets no contact: it is too far apart, has nothing that could be pushed, or only reports what is in
-    /// a sensor.
+    /// It gets no contact: it is too far apart, has nothing that could be pushed, or only reports overlaps
+    /// with a sensor.
     Far,
     /// It keeps its contact.
     Kept,
@@ -61,8 +61,8 @@ impl PackedState {
     }
 }
 
-/// The pairs whose states are such, in order. Most pairs of a step are of no interest to most who ask: they
-/// are passed over many at a time.
+/// The pairs whose states are such, in order. Most callers need few of the pairs: the others are passed over
+/// many at a time.
 pub(crate) fn pairs_that(
     states: &[PackedState],
     are_such: impl Fn(PackedState) -> bool + Copy,

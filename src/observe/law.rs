@@ -1,6 +1,6 @@
 //! The laws of contacts, friction and joints.
 
-/// What has to hold between impulse and velocity of one or more rows in sequence.
+/// A relation that has to hold between impulse and velocity of one or more rows in sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
     /// One row, `min <= r <= max` [N s]: `u = 0` between the bounds, `u >= 0` at `min`, `u <= 0` at `max`.
@@ -36,7 +36,7 @@ impl Law {
     /// `0 <= r`, `0 <= u`, `r u = 0`: a contact without friction, or a row of a linear complementarity
     /// problem.
     pub const AT_LEAST_ZERO: Law = Law::Bounds { min: 0.0, max: f64::INFINITY };
-    /// `u = 0`, whatever it takes.
+    /// `u = 0`, with any impulse.
     pub const LOCKED: Law = Law::Bounds { min: f64::NEG_INFINITY, max: f64::INFINITY };
 
     /// How many rows it takes.

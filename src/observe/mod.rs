@@ -1,5 +1,5 @@
-//! The inside of a step, for those who measure it or compare it: what the lab knows of the engine. What
-//! changes something says so: [`Solved`] and [`StateLayout::displace`].
+//! The inside of a step, to measure and compare it: the lab's access to the engine. Only [`Solved`] and
+//! [`StateLayout::displace`] change something.
 //!
 //! - [`System`]: the rows of a step as one system, with laws and impulses.
 //! - [`Observer`]: looks on while a world steps; it may put other impulses in the place of those that rows

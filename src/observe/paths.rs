@@ -1,5 +1,5 @@
-//! Where bodies went in the last step, and whether they got through something: what judges methods of
-//! continuous collision.
+//! Where bodies went in the last step, and whether they got through something, to judge methods of continuous
+//! collision.
 
 use crate::config::tuning::GHOST_GAP;
 use crate::error::Error;

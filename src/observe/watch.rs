@@ -12,17 +12,17 @@ use std::fmt::Debug;
 pub trait Observer: Any + Debug + Send + Sync {
     /// Called before rows are solved; rows have the impulses that they start with.
     fn before_rows(&mut self, world: &World, system: &System);
-    /// Called once they are solved; other impulses and velocities may take the place of what they got.
+    /// Called once they are solved; other impulses and velocities may replace theirs.
     fn after_rows(&mut self, solved: &mut Solved<'_>);
     /// Called once bodies have moved; rows have the impulses that they got.
     fn after_step(&mut self, world: &World, system: &System);
 }
 
-/// What the solver made of the rows of a step.
+/// The solved rows of a step.
 #[derive(Debug)]
 pub struct Solved<'a> {
     world: &'a mut World,
-    /// The rows, with what the solver gave each.
+    /// The rows, with their impulses by the solver.
     pub system: &'a mut System,
     /// Contacts that bounced: their impulses are shared out evenly among their points.
     pub bounced: usize,
@@ -95,7 +95,7 @@ fn record([linear, angular]: &Velocity) -> Record {
     Record { linear: linear.as_vec3(), angular: angular.as_vec3(), ..Record::default() }
 }
 
-/// An observer, and what is kept of a step for it.
+/// An observer, and the data of a step that is kept for it.
 #[derive(Debug)]
 struct Watch {
     system: System,
@@ -105,20 +105,20 @@ struct Watch {
 
 /// # Observers
 impl World {
-    /// Lets an observer look at each step from now on, in the place of another one; none: nobody looks. It is
-    /// not part of snapshots and recordings.
+    /// Lets an observer look at each step from now on, in place of another one; `None` removes it. It is not
+    /// part of snapshots and recordings.
     pub fn observe(&mut self, observer: Option<Box<dyn Observer>>) {
         self.meter = observer.map(|observer| -> Box<dyn StepMeter> {
             Box::new(Watch { system: System::default(), sums: Sums::default(), observer })
         });
     }
 
-    /// Who looks.
+    /// The observer of the world.
     pub fn observer(&self) -> Option<&dyn Observer> {
         Some(&*watch(self)?.observer)
     }
 
-    /// Who looks.
+    /// The observer of the world.
     pub fn observer_mut(&mut self) -> Option<&mut dyn Observer> {
         let meter: &mut dyn Any = self.meter.as_deref_mut()?;
         Some(&mut *meter.downcast_mut::<Watch>()?.observer)

@@ -3,8 +3,8 @@
 //!
 //! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich,
 //! 1996) with the separating direction of GJK is Newton's method from the safe side: it converges in a few
-//! steps, and never steps too far. It differs from the search of `narrow_phase/cast` in what counts
-//! as a touch and in what it answers (docs/decisions/advancement.md).
+//! steps, and never steps too far. It differs from the search of `narrow_phase/cast` in its definition of a
+//! touch and in its answer (docs/decisions/advancement.md).
 
 use super::penetration::{Depth, depth};
 use crate::narrow_phase::{Accuracy, CoreGap, Simplex, Support, SupportPose, core_gap};
@@ -84,7 +84,7 @@ pub(super) fn first_touch(
     found.map(|touch| Touch { fraction: t, ..touch })
 }
 
-/// What overlaps at the start.
+/// An overlap at the start.
 pub(super) fn overlap(
     a: &Support,
     b: &Support,

@@ -10,11 +10,11 @@ use glam::Vec3;
 /// # Queries: boxes
 impl World {
     /// All shapes whose boxes ([`World::shape_aabb`]) meet a box along the axes of the world or touch it, by
-    /// [`ShapeHandle`](crate::ShapeHandle): cheaper than [`World::overlap`] and a first choice of what may be
-    /// there. They replace what is in `found`, which alone may grow. A box around a turned shape is larger
-    /// than the shape; that of a plane is around its half-space, everywhere if it leans. Exactly, or with a
-    /// turned box, [`World::overlap`] answers. [`QueryFilter::skip_inside`] has no effect. When, where and
-    /// how often it may be asked: as [`World::cast_ray`].
+    /// [`ShapeHandle`](crate::ShapeHandle): cheaper than [`World::overlap`], as a first selection. They
+    /// replace the content of `found`, which alone may grow. A box around a turned shape is larger than the
+    /// shape; that of a plane is around its half-space, everywhere if it leans. Exactly, or with a turned
+    /// box, [`World::overlap`] answers. [`QueryFilter::skip_inside`] has no effect. When, where and how often
+    /// it may be asked: as [`World::cast_ray`].
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -32,7 +32,7 @@ impl World {
     ///
     /// # Errors
     /// A corner is not finite or beyond 1e15, or the low one is not below the high one, or the budget does
-    /// not allow the tree of what moves (see [`World::cast_ray`]); then `found` is as it was.
+    /// not allow the tree of movable bodies (see [`World::cast_ray`]); then `found` is as it was.
     pub fn overlap_aabb(
         &self,
         area: &Aabb,

@@ -66,7 +66,7 @@ impl WorldView for World {
 }
 
 impl World {
-    /// The tree of what moves, as it is now.
+    /// The tree of movable bodies, as it is now.
     ///
     /// # Errors
     /// If the budget does not allow it.
@@ -83,7 +83,7 @@ impl World {
     /// `most`.
     ///
     /// # Errors
-    /// If the budget does not allow the tree of what moves.
+    /// If the budget does not allow the tree of movable bodies.
     #[inline]
     pub(super) fn along<'a>(
         &'a self,
@@ -177,7 +177,7 @@ impl World {
     /// Makes sure that a query with this filter can't be refused any more.
     ///
     /// # Errors
-    /// If the budget does not allow the tree of what moves, or the target of the filter is stale.
+    /// If the budget does not allow the tree of movable bodies, or the target of the filter is stale.
     pub(super) fn ready(&self, filter: &QueryFilter<'_>) -> Result<(), Error> {
         match filter.only {
             None => self.current().map(drop),

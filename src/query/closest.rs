@@ -52,8 +52,8 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or
-    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]).
+    /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or the budget
+    /// does not allow the tree of movable bodies (see [`World::cast_ray`]).
     pub fn closest_point(
         &self,
         point: DVec3,
@@ -93,7 +93,7 @@ impl World {
     }
 
     /// The nearest point of every shape within a distance [m], by distance and then by [`ShapeHandle`]. They
-    /// replace what is in `found`, which alone may grow. Rules and errors are those of
+    /// replace the content of `found`, which alone may grow. Rules and errors are those of
     /// [`World::closest_point`].
     ///
     /// # Errors

@@ -59,8 +59,8 @@ pub struct QueryFilter<'a> {
     /// A shape that is not seen. A stale handle excludes nothing.
     pub exclude_shape: Option<ShapeHandle>,
     /// If set, only the shapes of this body, or this shape, as far as the other fields allow them. The query
-    /// then searches no tree, so it takes the time of these shapes whatever else is in the world. A query
-    /// refuses a stale handle. Default: none, all are seen.
+    /// then searches no tree, so its time depends on these shapes only. A query refuses a stale handle.
+    /// Default: none, all are seen.
     pub only: Option<QueryTarget>,
     /// For rays, solid shapes that contain the start are not seen. For moving shapes, shapes that they
     /// overlap at the start are not seen if the path leads out of them. Default: no.
@@ -141,7 +141,8 @@ impl<'a> QueryFilter<'a> {
         self.exclude_shape = Some(shape);
         self
     }
-    /// Not what a ray starts inside of, nor what a moving shape overlaps at the start and moves out of.
+    /// Not shapes that a ray starts in, nor shapes that a moving shape overlaps at the start and moves out
+    /// of.
     pub fn skipping_inside(mut self) -> Self {
         self.skip_inside = true;
         self

@@ -1,4 +1,4 @@
-//! What a convex shape overlaps where it is.
+//! Overlaps of a convex shape at a pose.
 
 use super::advance::{over_plane, overlaps};
 use super::candidates::Candidate;
@@ -23,13 +23,13 @@ pub struct Overlap {
 
 /// # Queries: overlaps
 impl World {
-    /// All shapes that a convex one at a pose overlaps or touches, by [`ShapeHandle`]. They replace what is
-    /// in `found`, which alone may grow.
+    /// All shapes that a convex one at a pose overlaps or touches, by [`ShapeHandle`]. They replace the
+    /// content of `found`, which alone may grow.
     ///
-    /// Planes are the half-space below; triangles of meshes and height fields are surfaces, so what is on
-    /// neither side of one overlaps it. For depths and directions out see [`World::cast_shape_all`] with a
-    /// path of zero. [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked:
-    /// as [`World::cast_ray`].
+    /// Planes are the half-space below; triangles of meshes and height fields are surfaces, so a shape that
+    /// is on neither side of one overlaps it. For depths and directions out see [`World::cast_shape_all`]
+    /// with a path of zero. [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be
+    /// asked: as [`World::cast_ray`].
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -47,8 +47,8 @@ impl World {
     ///
     /// # Errors
     /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
-    /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then
-    /// `found` is as it was.
+    /// or beyond 1e15, or the budget does not allow the tree of movable bodies (see [`World::cast_ray`]);
+    /// then `found` is as it was.
     pub fn overlap(
         &self,
         shape: &Geometry,

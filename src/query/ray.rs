@@ -25,8 +25,8 @@ const FURTHEST: f32 = 1e15;
 pub struct Ray {
     /// Where it starts, in the world [m].
     pub from: DVec3,
-    /// From its start to its end [m]: direction times length. It may be zero; then it meets what holds the
-    /// point.
+    /// From its start to its end [m]: direction times length. It may be zero; then it meets the shapes that
+    /// contain the point.
     pub path: Vec3,
 }
 
@@ -77,7 +77,7 @@ pub struct RayHit {
     pub shape: ShapeHandle,
     /// Fraction of the path, 0..=1; zero if the ray starts inside.
     pub fraction: f32,
-    /// Where it is met, in the world [m]; more exact than what the fraction says.
+    /// Where it is met, in the world [m]; more exact than by the fraction.
     pub point: DVec3,
     /// Unit vector out of the shape; for a triangle, against the ray. Zero if the ray starts inside.
     pub normal: Vec3,
@@ -97,9 +97,9 @@ impl World {
     /// shapes at the same fraction the one with the lower [`ShapeHandle`] is reported, among a mesh's
     /// triangles the one with the lower index.
     ///
-    /// Sees the world as it is now, including what was added, moved or removed since the last step. The same
-    /// bits whatever the history of the world, on every build. Allocates nothing but, in the first query
-    /// after a change, what the tree of moving shapes needs to grow ([`World::memory`]). Any number of
+    /// Sees the world as it is now, including additions, motions and removals since the last step. The same
+    /// bits after any history of the world, on every build. Allocates nothing except, in the first query
+    /// after a change, memory for the tree of movable shapes to grow ([`World::memory`]). Any number of
     /// threads may ask at the same time.
     ///
     /// ```
@@ -118,7 +118,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves
+    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of movable bodies
     /// ([`Error::Budget`]): asked by the first query of a world, and by one that meets static bodies that no
     /// step has met.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
@@ -141,7 +141,7 @@ impl World {
     }
 
     /// All shapes that a ray meets, each where it is met first, by fraction and then by [`ShapeHandle`]. They
-    /// replace what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
+    /// replace the content of `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};

@@ -1,5 +1,5 @@
-//! Moving shapes: what a convex shape touches first on a straight path, whether it touches anything, and all
-//! that it would touch.
+//! Moving shapes: the first shape that a convex shape touches on a straight path, whether it touches any, and
+//! all that it would touch.
 
 use super::advance::{Course, Touch, first_touch, first_touch_plane};
 use super::candidates::{Candidate, turn};
@@ -28,7 +28,7 @@ pub struct ShapeCast<'a> {
     pub position: DVec3,
     /// Its rotation; a unit quaternion.
     pub rotation: glam::Quat,
-    /// From its start to its end [m]. It may be zero: then it touches what it overlaps.
+    /// From its start to its end [m]. It may be zero: then it touches the shapes that it overlaps.
     pub path: Vec3,
     /// Its rotation on the way, about a fixed axis: a rotation vector in the world, within 1000 [rad], which
     /// may be several turns. Default: zero, it does not turn.
@@ -111,7 +111,7 @@ fn spun(vector: DVec3) -> DQuat {
     DQuat::from_xyzw(v.x, v.y, v.z, libm::cos(0.5 * angle))
 }
 
-/// What a moving shape touches.
+/// A touch of a moving shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapeHit {
@@ -151,9 +151,9 @@ impl World {
     /// The first shape that a moving one touches.
     ///
     /// The fraction is early, by a gap of at most a hundred-thousandth of the smaller shape and at most 5 µm
-    /// (of the larger: what `f32` resolves over it), and never late: moved up to there, the shape overlaps
-    /// nothing that it did not overlap at the start. Shapes that it overlaps at the start are touched at the
-    /// fraction 0, with [`ShapeHit::depth`] and the direction out, whatever the path; with
+    /// (of the larger: the resolution of `f32` over it), and never late: moved up to there, the shape
+    /// overlaps nothing that it did not overlap at the start. Shapes that it overlaps at the start are
+    /// touched at the fraction 0, with [`ShapeHit::depth`] and the direction out, for any path; with
     /// [`QueryFilter::skip_inside`] only if it goes deeper. Adjacent shapes without overlap count if the path
     /// leads into them, not along them. Triangles of meshes and height fields are touched from both sides,
     /// each on its own: overlap refers to single triangles. If several overlap at the start, the deepest is
@@ -184,7 +184,7 @@ impl World {
     ///
     /// # Errors
     /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
-    /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).
+    /// or beyond 1e15, or the budget does not allow the tree of movable bodies (see [`World::cast_ray`]).
     pub fn cast_shape(
         &self,
         cast: &ShapeCast<'_>,
@@ -209,7 +209,7 @@ impl World {
     }
 
     /// All shapes that a moving one would touch if none stopped it, each where it is touched first, by
-    /// fraction and then by [`ShapeHandle`]. They replace what is in `hits`, which alone may grow. With a
+    /// fraction and then by [`ShapeHandle`]. They replace the content of `hits`, which alone may grow. With a
     /// path of zero: all that it overlaps, with depths. The rules are those of [`World::cast_shape`].
     ///
     /// # Errors
@@ -326,7 +326,7 @@ impl World {
     }
 }
 
-/// What a cast does on its way: see [`ShapeCast`].
+/// Translation and rotation of a cast: see [`ShapeCast`].
 struct Motion {
     path: Vec3,
     spin: Vec3,

@@ -1,10 +1,10 @@
 //! When a convex shape that moves and turns first touches another.
 //!
 //! Conservative advancement (Mirtich, 1996) with the separating direction of GJK. Along that direction the
-//! motion of every point is bounded to second order: its velocity now is exact, and what the turn adds by
-//! then is at most half of its centripetal acceleration times the time squared. The point that comes furthest
-//! by this bound is a support point, so a step is the root of a concave function, found from the safe side.
-//! Near a touch it is Newton's method, and no step goes too far.
+//! motion of every point is bounded to second order: its velocity now is exact, and the rotation adds at most
+//! half of its centripetal acceleration times the time squared. The point that comes furthest by this bound
+//! is a support point, so a step is the root of a concave function, found from the safe side. Near a touch it
+//! is Newton's method, and no step goes too far.
 
 use super::advance::{Course, Touch, over_plane, overlap};
 use super::penetration::{Depth, depth};
@@ -67,7 +67,7 @@ impl Turning {
     }
 }
 
-/// What separates a moving shape from another one at a moment.
+/// Separation of a moving shape from another one at a moment.
 struct Gap {
     /// Unit, from the moving shape to the other, in the frame of the start.
     normal: DVec3,

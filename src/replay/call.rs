@@ -1,4 +1,4 @@
-//! What a recording is made of: calls, by the names of the methods of `World`.
+//! The calls of a recording, by the names of the methods of `World`.
 
 use super::geometry::{Form, StoredHull, StoredMesh};
 use super::probe::StepRecord;
@@ -16,8 +16,8 @@ use crate::world::{Change, World};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Declares the calls of [`each_call`](crate::world::each_call), and how most are recorded and made again. Of
-/// those that are `apart`, `of` says what they are of a change, and `play.rs` plays them.
+/// Declares the calls of [`each_call`](crate::world::each_call), and how most are recorded and made again.
+/// For those that are `apart`, `of` converts a change, and `play.rs` plays them.
 macro_rules! calls {
     (
         of($sink:ident) { $($of:tt)* }
@@ -29,8 +29,8 @@ macro_rules! calls {
             $(apart($($apart:ty),*) $(of($($of_change:ty),*))?)?,
         )*
     ) => {
-        /// A call that changed the world, or what one of them needs. New ones go to the end: their numbers
-        /// are the format's.
+        /// A call that changed the world, or data that one of them needs. New ones go to the end: their
+        /// numbers are the format's.
         #[derive(Clone, Debug, Serialize, Deserialize)]
         pub(crate) enum Call {
             $($(#[$doc])* $call($(BodyHandle $(, $body)*)? $($($same),*)? $($($apart),*)?),)*
@@ -69,7 +69,7 @@ macro_rules! calls {
                 Ok(None)
             }
 
-            /// The body that it changes, by itself and not only by what a step makes of it.
+            /// The body that it changes directly, and not only by the next step.
             pub(super) fn body(&self) -> Option<BodyHandle> {
                 match self {
                     $($(Call::$call(body $(, calls!(@any $of_body))*) => Some(*body),)?)*
@@ -118,8 +118,8 @@ crate::world::each_call! { calls {
     }
 } }
 
-/// Makes what a recording has of a description from the list of its fields, of which it has one in another
-/// way.
+/// Makes the recorded form of a description from the list of its fields, one of which is stored in another
+/// form.
 macro_rules! recorded {
     ($(#[$doc:meta])* $of:ident of $desc:ident {
         $($before:ident: $first:ty,)*
@@ -183,7 +183,7 @@ pub(crate) struct Shape {
     material: BaseMaterial,
     rare: Option<RareMaterial>,
     filter: Filter,
-    /// Sensor, events, hooks, whether it senses what is static.
+    /// Sensor, events, hooks, whether it senses static shapes.
     asks: [bool; 4],
     user_data: u64,
 }

@@ -69,7 +69,7 @@ impl fmt::Display for Divergence {
 /// Names of bodies by slot, and the generation that has it.
 pub(super) type Names = BTreeMap<u32, (u32, String)>;
 
-/// What differs between a step as recorded and as seen; `awake`: the recorded slots.
+/// Differences between a step as recorded and as seen; `awake`: the recorded slots.
 pub(super) fn compare(
     step: u64,
     record: &StepRecord,

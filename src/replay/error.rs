@@ -40,7 +40,7 @@ pub enum ReplayError {
     Damaged {
         /// Steps before.
         steps: u64,
-        /// What is wrong.
+        /// The defect.
         what: &'static str,
     },
     /// It asks for more than its [`LoadLimits`](crate::LoadLimits) allow.

@@ -15,7 +15,7 @@ use std::any::Any;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Weak};
 
-/// [`Geometry`] with what is shared by number.
+/// [`Geometry`] with shared geometry by number.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) enum Form {
     Sphere(f32),
@@ -38,7 +38,7 @@ type Held = Weak<dyn Any + Send + Sync>;
 /// is written.
 #[derive(Default)]
 pub(super) struct Written {
-    /// With what is held for it, which is never looked at.
+    /// With the shared value, which is held for it and never read.
     by_address: BTreeMap<usize, (u32, Held)>,
     /// By hash and length of the bytes.
     by_content: BTreeMap<(u64, usize), u32>,
@@ -141,7 +141,7 @@ impl Parts {
 }
 
 impl Read {
-    /// Counts what a call defines, before it is made.
+    /// Counts the definitions of a call, before it is made.
     pub(super) fn charge(&self, call: &Call, tally: &mut Tally) -> Result<(), LimitExceeded> {
         let (vertices, triangles) = match call {
             Call::Hull(hull) => hull.counts(),

@@ -38,7 +38,7 @@ impl Decision {
     }
 }
 
-/// Notes what hooks say.
+/// Records the answers of hooks.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
     pub(super) decisions: Vec<Decision>,

@@ -1,8 +1,8 @@
 //! Recording a run, and playing it again.
 //!
-//! A recording is the calls that changed a world, in their order, with the hashes of what each stage of each
-//! step made of them. The same calls give the same bits, so a replay shows the run as it was; if it does not,
-//! the hashes tell in which step, stage and body it first diverged.
+//! A recording is the calls that changed a world, in their order, with hashes of the results of each stage of
+//! each step. The same calls give the same bits, so a replay shows the run as it was; if it does not, the
+//! hashes tell in which step, stage and body it first diverged.
 //!
 //! Hooks are code: a recording has their decisions instead. Queries change nothing and are not recorded.
 //!

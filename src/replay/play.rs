@@ -69,7 +69,7 @@ pub struct Played {
 enum Failed {
     /// The world refuses it.
     Refused(Error),
-    /// What was read makes no sense.
+    /// The data is damaged.
     Damaged(&'static str),
     /// A limit is exceeded.
     Limit(LimitExceeded),
@@ -97,7 +97,7 @@ impl<R: Read> Replay<R> {
     }
 
     /// The same with other settings: another number of threads, to see that it does not matter, or of
-    /// substeps, to see what it does. `change` is called with the settings at the start and each time that
+    /// substeps, to see their effect. `change` is called with the settings at the start and each time that
     /// they are set.
     ///
     /// # Errors
@@ -413,7 +413,7 @@ impl<R: Read> Replay<R> {
         Ok(())
     }
 
-    /// Plays a call that changes one shape, or adds one, or that changes all limits or drives of a joint.
+    /// Plays a call that changes one shape, or adds one, or that changes all limits or motors of a joint.
     fn play_on_shape(&mut self, call: Call) -> Result<(), Failed> {
         let usual = |two: [u32; 2]| two.map(|n| n as usize);
         match call {

@@ -1,4 +1,4 @@
-//! Hashes of what each stage of a step made.
+//! Hashes of the results of each stage of a step.
 
 use super::hash::Hash;
 use super::hooks::Decision;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub enum Stage {
     /// Before the step: a call was refused that was not refused when it was recorded.
     Calls,
-    /// What the step starts with: poses, velocities, masses, accelerations.
+    /// The input of the step: poses, velocities, masses, accelerations.
     Forces,
     /// Pairs.
     Broad,
@@ -68,7 +68,7 @@ pub(crate) struct StepRecord {
     pub(super) bodies: Vec<Short>,
 }
 
-/// What was hashed in the step.
+/// The hashes of the step.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     pub(super) stages: [[u8; 4]; Stage::HASHED.len()],
@@ -112,7 +112,7 @@ impl Seen {
         }
     }
 
-    /// The world was restored: what was seen before says nothing of it.
+    /// The world was restored: earlier observations do not apply.
     pub(super) fn restart(&mut self) {
         self.awake.clear();
         self.changed.clear();
@@ -145,7 +145,7 @@ impl Seen {
         self.bodies.extend(self.awake.iter().map(hash_of));
     }
 
-    /// What is to be written.
+    /// The record to be written.
     pub(super) fn record(&self, dt: f32, decisions: Vec<Decision>) -> StepRecord {
         let mut last = 0;
         let differences =

@@ -15,13 +15,13 @@ use crate::world::{self, Change, Recorder, Resident, World};
 use std::any::Any;
 use std::io::Write;
 
-/// Bytes of calls that are buffered before they are written: what a crash may lose.
+/// Bytes of calls that are buffered before they are written, which a crash may lose.
 const BLOCK: usize = 1 << 16;
 
 /// A recording in progress, or the hashes that a replay compares.
 pub(crate) struct Tape {
     pub(super) seen: Seen,
-    /// What hooks said in the step.
+    /// Answers of hooks in the step.
     heard: Heard,
     /// Whether queries were asked before the step.
     asked: bool,
@@ -175,8 +175,8 @@ impl Tape {
 /// # Recordings
 impl World {
     /// Records every call that changes the world, until [`World::stop_recording`] or until the world is
-    /// dropped; what the world is when it begins, unless it is new, and each [`World::restore`] are recorded
-    /// as snapshots: into a file that was [buffered](std::io::BufWriter), or a
+    /// dropped; the world at the beginning, unless it is new, and each [`World::restore`] are recorded as
+    /// snapshots: into a file that was [buffered](std::io::BufWriter), or a
     /// [`RecordingBuffer`](crate::replay::RecordingBuffer). If writing fails, because a disk is full, no
     /// other call fails: `stop_recording` returns the error.
     ///
@@ -259,7 +259,7 @@ impl Recorder for Tape {
             world::Stage::Narrow => self.seen.look(world, Stage::Narrow),
             world::Stage::Prepare => self.seen.look(world, Stage::Prepare),
             world::Stage::Solve => self.seen.look(world, Stage::Solve),
-            // What hooks say is hashed with the rows, the end of the step once it is over.
+            // Answers of hooks are hashed with the rows, the end of the step once it is over.
             world::Stage::Hooks | world::Stage::Finish => {}
         }
     }

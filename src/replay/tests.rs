@@ -322,8 +322,8 @@ fn copies_of_geometry_are_bounded_by_their_bytes() {
     assert!(copies <= (64 << 20) / mesh + 3 && copies > (32 << 20) / mesh, "{copies} of {mesh} bytes");
 }
 
-/// Expected: each limit is refused by its name, and at what the recording takes it plays, to the same hashes:
-/// a budget that suffices changes nothing.
+/// Expected: each limit is refused by its name, and with exactly the bytes of the recording it plays, to the
+/// same hashes: a budget that suffices changes nothing.
 #[test]
 fn limits_of_a_recording_have_their_names() {
     let bytes = run_with_shapes();

@@ -1,7 +1,7 @@
 //! Hulls, meshes and height fields as bytes that are read without building anything.
 //!
 //! ```text
-//! "backstop shape\n", kind (u8), version (u16), what `stored.rs` writes, CRC-32 of all before
+//! "backstop shape\n", kind (u8), version (u16), the output of `stored.rs`, CRC-32 of all before
 //! ```
 //!
 //! Numbers of the frame are little-endian; the content is as postcard writes it, as in recordings.
@@ -54,20 +54,20 @@ fn read<T: DeserializeOwned>(kind: u8, bytes: &[u8]) -> Result<T, Error> {
 macro_rules! baked {
     ($($shape:ident $stored:ident $kind:literal),*) => { $(
         impl $shape {
-            /// What was built, as bytes for a file: [`from_bytes`](Self::from_bytes) reads them without
+            /// The built shape as bytes for a file: [`from_bytes`](Self::from_bytes) reads them without
             /// building it again. Needs the feature `bake`.
             pub fn to_bytes(&self) -> Vec<u8> {
                 write($kind, &self.stored())
             }
 
-            /// What [`to_bytes`](Self::to_bytes) wrote: a world with it has the same bits as one with that
-            /// which was written. Bytes may come from anywhere: whatever the engine relies on is checked.
-            /// Needs the feature `bake`.
+            /// Reads the bytes of [`to_bytes`](Self::to_bytes): a world with the shape has the same bits as
+            /// one with the original. Bytes may come from anywhere: every property that the engine relies on
+            /// is checked. Needs the feature `bake`.
             ///
             /// # Errors
             /// [`Error::BrokenShape`] for bytes of another kind, or that are cut off or changed;
-            /// [`Error::ShapeVersion`] for those of another version of the format; what a built one would be
-            /// refused for.
+            /// [`Error::ShapeVersion`] for those of another version of the format; the errors of building
+            /// one.
             pub fn from_bytes(bytes: &[u8]) -> Result<$shape, Error> {
                 $shape::from_stored(read::<$stored>($kind, bytes)?)
             }

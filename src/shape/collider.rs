@@ -40,7 +40,7 @@ impl ColliderSummary {
 }
 
 impl Collider {
-    /// From its middle to its surface where that is nearest [m]; infinite for what has no inside.
+    /// From its middle to the nearest point of its surface [m]; infinite for shapes without an inside.
     #[inline]
     pub(crate) fn thickness(&self) -> f32 {
         if self.inner_radius > 0.0 { self.inner_radius } else { f32::INFINITY }
@@ -91,7 +91,7 @@ impl Collider {
         }
     }
 
-    /// Replaces its form, and what follows from that. `own`: the rare part of its material.
+    /// Replaces its form, and the fields that follow from it. `own`: the rare part of its material.
     pub(crate) fn set_geometry(&mut self, geometry: Geometry, own: RareMaterial) {
         let form = Collider::new(geometry);
         let flags = self.flags & !RARE | own.flags() | form.flags;
@@ -100,7 +100,7 @@ impl Collider {
             Collider { body, place, position, rotation, material, filter, density, flags, user_data, ..form };
     }
 
-    /// Replaces its material, and what follows from that but for the column of rare ones.
+    /// Replaces its material, and the fields that follow from it but for the column of rare ones.
     pub(crate) fn set_material(&mut self, material: &Material) {
         self.material = material.base();
         self.flags = self.flags & !RARE | material.rare().flags() | self.geometry.rare_flags();
@@ -109,7 +109,7 @@ impl Collider {
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
     }
-    /// Whether it is a sensor that notices what is static, and surfaces.
+    /// Whether it is a sensor that notices static shapes, and surfaces.
     pub(crate) fn senses_static(&self) -> bool {
         self.flags & (SENSOR | STATICS) == SENSOR | STATICS
     }
@@ -119,7 +119,7 @@ impl Collider {
     pub(crate) fn part_material(&self, part: u8) -> Option<&Material> {
         if part == 0 { None } else { self.geometry.materials().get(usize::from(part) - 1) }
     }
-    /// Whether contacts with a part of it are soft, whatever the other shape is.
+    /// Whether contacts with a part of it are soft, with any other shape.
     #[inline]
     pub(crate) fn is_soft(&self, part: u8) -> bool {
         self.part_material(part).map_or(self.flags & SOFT != 0, Material::is_soft)

@@ -1,7 +1,7 @@
-//! What is marked of a collider.
+//! Flags of a collider.
 
-/// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): a sensor; someone listens; hooks are
-/// asked; as a sensor it notices what is static, and surfaces.
+/// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): a sensor; it has events; it has hooks;
+/// as a sensor it notices static shapes, and surfaces.
 pub(crate) const SENSOR: u8 = 1;
 pub(crate) const EVENTS: u8 = 2;
 pub(crate) const HOOKS: u8 = 4;

@@ -1,6 +1,6 @@
 //! Trees of four children a node, and the walk that meets the nearest boxes first.
 //!
-//! What a walk asks of a box is a *key*: the fraction at which a path enters it, or the squared distance of a
+//! A walk computes a *key* of each box: the fraction at which a path enters it, or the squared distance of a
 //! point from it. Keys are never too large (`shape/slabs.rs`), so nothing is left out that would have been an
 //! answer, and an answer doesn't depend on the shape of the tree.
 

@@ -1,4 +1,4 @@
-//! Geometry: what callers say of a shape's form, and the kinds there are.
+//! Geometry: the caller's description of a shape's form, and its kinds.
 
 use super::flags::{BELT, ROLLS};
 use super::forms::outline::{Line, Solid, Triangle, Window};
@@ -20,8 +20,8 @@ use crate::math::Quat;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Does something with the form of a geometry, whatever that is: the one place that lists all of them. What
-/// is done is compiled for each.
+/// Evaluates an expression with the form of a geometry: the only place that lists all forms. The expression
+/// is compiled for each.
 macro_rules! with_form {
     ($geometry:expr, $form:ident => $do:expr) => {
         match $geometry {
@@ -212,7 +212,7 @@ impl Geometry {
         with_form!(self, form => form.validate())
     }
 
-    /// What it is of triangles.
+    /// Its mesh or height field.
     #[inline]
     pub(crate) fn ground(&self) -> Option<Ground<'_>> {
         match self {
@@ -247,14 +247,14 @@ impl Geometry {
     }
 
     /// Equal for geometries that are the same: by their numbers, or because they share a hull, a mesh or a
-    /// height field. What a renderer keeps for a geometry it finds again by it, as long as that is alive.
+    /// height field. A renderer can find its data of a geometry by the key, as long as the geometry is alive.
     pub fn key(&self) -> GeometryKey {
         let address = self.address().unwrap_or(0);
         GeometryKey { code: self.code(), numbers: self.size().map(f32::to_bits), address }
     }
 }
 
-/// What `Form` says of each form, of a geometry.
+/// The methods of `Form`, for a geometry.
 macro_rules! by_form {
     ($($name:ident($($argument:ident: $type:ty),*) $(-> $answer:ty)?,)*) => {
         impl Geometry { $(

@@ -1,4 +1,4 @@
-//! What meshes and height fields have in common: triangles, which are found by boxes, paths and points.
+//! Common interface of meshes and height fields: triangles, which are found by boxes, paths and points.
 
 use super::forms::outline::{Triangle, Window};
 use super::forms::{Form, Kind};
@@ -138,7 +138,7 @@ impl Ground<'_> {
         rays.rays |= 1 << ray;
     }
 
-    /// Looks for what they meet.
+    /// Finds the triangles that they meet.
     pub(crate) fn cast_rays(&self, rays: &mut TriangleRays) {
         with_ground!(self, of => of.rays(rays));
     }

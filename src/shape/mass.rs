@@ -64,7 +64,7 @@ impl MassProperties {
         .rounded()
     }
 
-    /// All of them as one body. What has no mass has no say.
+    /// All of them as one body. Parts without mass have no effect.
     pub fn combine(parts: &[MassProperties]) -> Self {
         Moments::combine(parts.iter().map(|&p| p.into())).rounded()
     }
@@ -76,7 +76,7 @@ impl MassProperties {
             return MassProperties { mass, ..*self };
         }
         let mut scaled = Moments::from(*self).scaled(f64::from(mass) / f64::from(self.mass)).rounded();
-        // Not a rounding away from what was asked for.
+        // Exactly the requested mass, without rounding.
         scaled.mass = mass;
         scaled
     }
@@ -144,7 +144,7 @@ impl Moments {
             let turn = DMat3::from_quat(axes);
             inertia = turn * DMat3::from_diagonal(moments.max(DVec3::splat(least))) * turn.transpose();
         }
-        // Symmetric to the last bit, whatever the order of the products above.
+        // Symmetric to the last bit, for any order of the products above.
         let inertia = (inertia + inertia.transpose()) * 0.5;
         MassProperties { mass: mass as f32, centre_of_mass: centre.as_vec3(), inertia: inertia.as_mat3() }
     }

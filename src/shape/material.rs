@@ -1,5 +1,5 @@
-//! Materials, and what colliders keep of them: all have friction and restitution; what few have is in a
-//! column of its own.
+//! Materials, and the part of them that colliders keep: all have friction and restitution; rare fields are in
+//! a column of their own.
 
 use super::flags::{BELT, IDLE_DAMPING, ROLLS, SOFT};
 use crate::config::fields;
@@ -34,9 +34,9 @@ impl Combine {
     }
 }
 
-/// The fields of [`Material`], for all that is made of them: here, and in the loader of scenes. `base` is
-/// what every collider keeps, `rare` what few have; each is a list for [`fields`]. `Vec3` and `Combine` are
-/// those of the place where the list is used.
+/// The fields of [`Material`], for everything that is made of them: here, and in the loader of scenes. `base`
+/// has the fields that every collider keeps, `rare` those of few; each is a list for [`fields`]. `Vec3` and
+/// `Combine` are those of the place where the list is used.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! material_fields {
@@ -64,12 +64,12 @@ macro_rules! material_fields {
                 with_rolling_friction(rolling_friction: f32) = 0.0,
                     "rolling friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
                 /// Lever arm of the load against spinning [m]: the torque against rotation about the normal
-                /// is at most this times the normal force, beside what sliding friction does about the middle
-                /// of a contact of several points.
+                /// is at most this times the normal force, beside the torque of sliding friction about the
+                /// middle of a contact of several points.
                 with_spinning_friction(spinning_friction: f32) = 0.0,
                     "spinning friction" [0.0, limits::MAX_LENGTH] "in 0..=1e6 m";
                 /// Velocity at which the surface moves past the shape, in the shape's frame [m/s]: a belt.
-                /// Friction pulls what touches it along.
+                /// Friction pulls touching bodies along.
                 with_surface_velocity(surface_velocity: Vec3, into) = Vec3::ZERO,
                     "surface velocity" [-limits::MAX_SPEED, limits::MAX_SPEED] "within 1e6 along each axis";
                 /// Frequency of the spring with which the surface yields [Hz]; 0 for a rigid one, for which
@@ -77,13 +77,12 @@ macro_rules! material_fields {
                 ///
                 /// It is the frequency of the two bodies on the spring of their contact: a body that lies
                 /// flat on a soft floor sinks by g / (2 pi f)², whatever its mass. An edge has half the
-                /// spring of a face with four points, a corner a quarter. What a body carries sinks it
-                /// further, and each contact of a body has a spring of its own. Of two surfaces the softer
-                /// one decides. The surface gives way by at most half the inner radius of the thinner shape
-                /// (half a ball's radius, or a quarter of a plate's thickness), and is rigid there. The
-                /// spring alone throws back what falls on it: a soft contact has no restitution. Springs
-                /// above 0.16 of the rate of substeps act as one of that frequency
-                /// (docs/decisions/soft-contacts.md).
+                /// spring of a face with four points, a corner a quarter. A load sinks a body further, and
+                /// each contact of a body has a spring of its own. Of two surfaces the softer one decides.
+                /// The surface gives way by at most half the inner radius of the thinner shape (half a ball's
+                /// radius, or a quarter of a plate's thickness), and is rigid there. The spring alone throws
+                /// back bodies that fall on it: a soft contact has no restitution. Springs above 0.16 of the
+                /// rate of substeps act as one of that frequency (docs/decisions/soft-contacts.md).
                 with_contact_hertz(contact_hertz: f32) = 0.0, "contact hertz" [0.0, 1e6] "in 0..=1e6 Hz";
                 /// Damping ratio of that spring: with 0 a ball comes back with nearly its energy, with 1 it
                 /// does not swing. Damping that would stop a body within a substep is reduced to that.
@@ -217,7 +216,8 @@ impl RareMaterial {
         if others.0 == 0.0 || own.0 > 0.0 && softer { own } else { others }
     }
 
-    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): what is not as by default.
+    /// Bits of [`ColliderSummary::flags`](super::ColliderSummary::flags): fields that differ from the
+    /// default.
     pub(crate) fn flags(&self) -> u8 {
         let rolls = self.rolling_friction > 0.0 || self.spinning_friction > 0.0;
         let moves = self.surface_velocity != Vec3::ZERO;

@@ -1,4 +1,4 @@
-//! Shapes: what a body looks like to a contact.
+//! Shapes: the form and material of a body for contacts.
 //!
 //! Every shape answers for its mass, bounds and features, in a file of its own (`forms/`): see `Form`. A
 //! convex one is, to the narrow phase, a few points with a radius (sphere, capsule) or a polytope (box,
@@ -118,7 +118,7 @@ pub struct ShapeDesc {
     /// Which shapes it collides with.
     #[cfg_attr(feature = "serde", serde(default))]
     pub filter: Filter,
-    /// It pushes nothing, and notices what comes into it:
+    /// It pushes nothing, and notices shapes that enter it:
     /// [`World::sensor_begins`](crate::World::sensor_begins). Convex or a plane; it notices convex shapes of
     /// bodies that move, of other bodies than its own, that its filter allows and that are no sensors.
     /// Default no.
@@ -177,7 +177,7 @@ impl ShapeDesc {
         1000.0
     }
 
-    /// Pushes nothing, and notices what comes into it.
+    /// Pushes nothing, and notices shapes that enter it.
     pub fn as_sensor(self) -> Self {
         ShapeDesc { sensor: true, ..self }
     }

@@ -73,8 +73,8 @@ impl HeightField {
 const SAME_SCALE: f32 = 1e-4;
 
 impl Geometry {
-    /// The same form, larger or smaller, about its own origin: a box, a hull or a mesh by three factors, what
-    /// is round by one, which mirrors nothing. Hulls, meshes and height fields are built anew.
+    /// The same form, larger or smaller, about its own origin: a box, a hull or a mesh by three factors, a
+    /// round shape by one, which must be positive. Hulls, meshes and height fields are built anew.
     ///
     /// # Errors
     /// A factor is zero or not finite; it would be another form; or as for [`ConvexHull::scaled`],

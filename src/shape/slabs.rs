@@ -1,15 +1,15 @@
-//! Where a path enters boxes, and how far they are from a point: what queries ask of the boxes of a tree.
+//! Where a path enters boxes, and how far they are from a point, for queries on the boxes of a tree.
 //!
 //! Slabs (Kay and Kajiya, *Ray Tracing Complex Scenes*, 1986) rather than the separating axes of
-//! `mesh_bvh.rs`: less than half of the work, and they say where as well. What rounding may take is given
-//! back, so no answer is ever too large and no box is missed.
+//! `mesh_bvh.rs`: less than half of the work, and they say where as well. Rounding errors are added back, so
+//! no answer is ever too large and no box is missed.
 
 use crate::lanes::{Lanes, Vec3};
 use glam::DVec3;
 
 // Guard: stands for zero in a division.
-/// Stands for a zero component of a path when it is inverted: no coordinate makes an
-/// infinity of it, and nobody sees so small a motion.
+/// Stands for a zero component of a path when it is inverted: no coordinate makes an infinity of it, and so
+/// small a motion does not matter.
 const LEAST: f32 = 1e-18;
 // Rounding: three of f32, doubled.
 /// Bound on rounding errors as a share of the lengths involved: three roundings, doubled.
@@ -30,7 +30,7 @@ impl<L: Lanes> Slabs<L> {
     /// A box of half extents `half` [m] that moves along `path` [m]; the fraction 1 is its end.
     pub(crate) fn new(from: DVec3, path: glam::Vec3, half: glam::Vec3) -> Slabs<L> {
         let start = from.as_vec3();
-        // What is lost by storing the start in `f32` is known.
+        // The error of storing the start in `f32` is known.
         let lost = (from - start.as_dvec3()).abs().as_vec3();
         let slack = (half + lost) * (1.0 + ROUNDING) + (path.abs() + half) * ROUNDING;
         let invert = |d: f32| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d };
@@ -63,7 +63,7 @@ impl<L: Lanes> Slabs<L> {
     }
 
     /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked
-    /// up: in a loop over rays nobody could guess it.
+    /// up: in a loop over rays it could not be predicted.
     #[inline(always)]
     pub(crate) fn enter_sides(&self, sides: &[L; 6], most: f32) -> L {
         let mut enter = L::zero();

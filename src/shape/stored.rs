@@ -1,5 +1,5 @@
-//! Hulls, meshes and height fields as they are written, into recordings, by `to_bytes` and by serde: what
-//! can't be found again to the bit or takes long to find, and no more.
+//! Hulls, meshes and height fields as they are written, into recordings, by `to_bytes` and by serde: only
+//! data that can't be computed again to the bit or takes long to compute.
 //!
 //! Everything read is checked as far as the engine relies on it: numbers finite, indices in range, trees that
 //! hold each triangle once, in boxes around it, no deeper than their walks have stacks for.
@@ -250,7 +250,7 @@ fn leaf_of(child: u32) -> std::ops::Range<usize> {
     first..first + (child & 7) as usize + 1
 }
 
-/// From the last node to the first, so that a child is known before what it is a child of.
+/// From the last node to the first, so that a child is known before its parent.
 fn check_boxes(mesh: &TriangleMesh) -> Result<(), Error> {
     let nodes = &mesh.tree.nodes;
     let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -327,7 +327,7 @@ macro_rules! by_what_is_stored {
 
 by_what_is_stored! { ConvexHull StoredHull, TriangleMesh StoredMesh, HeightField StoredField }
 
-/// What is behind an `Arc`, without serde's feature `rc`.
+/// The value in an `Arc`, without serde's feature `rc`.
 pub(super) mod shared {
     use super::*;
 

@@ -1,8 +1,9 @@
 //! Up to 64 rays on their way through one tree.
 //!
-//! All that reach a node go through it together: its boxes are read and unpacked once, each ray tests four of
-//! them at a time as it does alone, and no ray waits for another as the nodes of one ray do. Who goes on into
-//! which child is a bit each. Where few are left they go on alone, so rays that part lose little.
+//! All rays that reach a node go through it together: its boxes are read and unpacked once, each ray tests
+//! four of them at a time as it does alone, and no ray waits for another as the nodes of one ray do. A bit
+//! for each ray and child says whether the ray enters it. Where few are left they continue alone, so
+//! diverging rays lose little.
 //!
 //! Lists of rays at the nodes of a wide tree: Tsakok, *Faster Incoherent Rays: Multi-BVH Ray Stream Tracing*
 //! (2009); as bits: Fuetterling et al., *Efficient Ray Tracing Kernels for Modern CPU Architectures* (JCGT

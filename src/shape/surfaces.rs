@@ -55,7 +55,7 @@ impl Surfaces {
     pub(crate) fn words(this: &Option<Box<Surfaces>>) -> impl Iterator<Item = u32> + '_ {
         this.iter().flat_map(|this| {
             let numbers = |m: &Material| {
-                // No field is left out by `..`: whoever adds one says here where it stands.
+                // No field is left out by `..`: a new field must say here where it is stored.
                 let &Material {
                     static_friction,
                     dynamic_friction,

@@ -33,7 +33,7 @@ pub(crate) struct Groups {
     island: Vec<u32>,
 }
 
-/// What joins bodies to islands: touching pairs, and joints.
+/// The edges of islands: touching pairs, and joints.
 #[derive(Clone, Copy)]
 pub(crate) struct Ties<'a> {
     pub(crate) bodies: &'a Bodies,

@@ -78,8 +78,8 @@ impl Sleep {
         }
     }
 
-    /// Nobody sleeps, and bodies may not: with a budget the memory stays, so that none has to be asked for
-    /// when they may again, or a snapshot of before comes back.
+    /// No body sleeps, and none may: with a budget the memory stays, so that none has to be asked for when
+    /// they may again, or a snapshot of before comes back.
     pub(crate) fn switch_off(&mut self, keep: bool) {
         if keep {
             self.restore(&SavedSleep { lists: SleepLists::default(), free: &[], islands: &[], bodies: &[] });

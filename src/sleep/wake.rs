@@ -2,7 +2,7 @@
 //!
 //! An island wakes before the solver sees the body that reaches it: when a dynamic or kinematic body moves so
 //! near within the step that their boxes meet, or when a body at rest touches it. It also wakes when the
-//! caller changes anything about one of its bodies, their joints, or what they touch.
+//! caller changes anything about one of its bodies, their joints, or bodies that they touch.
 
 use super::islands::touches;
 use super::{Islands, Sleep};

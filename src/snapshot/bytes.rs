@@ -24,9 +24,9 @@ impl Snapshot {
         self.write(false)
     }
 
-    /// The state and what snapshots share, as bytes: for any world that has the same hulls, meshes and height
-    /// fields on some of its shapes. All other bodies, shapes and joints of that world go when it is
-    /// restored.
+    /// The state and the content that snapshots share, as bytes: for any world that has the same hulls,
+    /// meshes and height fields on some of its shapes. All other bodies, shapes and joints of that world go
+    /// when it is restored.
     ///
     /// A snapshot that came from [`Snapshot::to_bytes`] has its state only.
     pub fn to_whole_bytes(&self) -> Vec<u8> {

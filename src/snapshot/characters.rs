@@ -1,4 +1,4 @@
-//! Characters: for each slot its generation, what is there, its geometry, and its words.
+//! Characters: for each slot its generation, the kind of its content, its geometry, and its words.
 
 use super::geometry::{Known, code_in, geometry_of};
 use crate::character::checked_character;
@@ -43,7 +43,7 @@ fn code_of(form: &Geometry, forms: &mut Vec<Known>) -> (u32, [u32; 4]) {
     code_in(form, forms.len().saturating_sub(1) as u32)
 }
 
-/// A slot: its generation, and who is there. Words from outside are `checked`.
+/// A slot: its generation, and its character. Words from outside are `checked`.
 fn read(words: &[u32], forms: &[Known], checked: bool) -> Result<(u32, Option<Resident>), Error> {
     let geometry = match words[1] {
         NOBODY => return Ok((words[0], None)),

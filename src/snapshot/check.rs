@@ -10,7 +10,7 @@ use crate::shape::Kind;
 use crate::words::{Reader, broken, record};
 use glam::Vec3;
 
-/// A shape, for those who ask about pairs.
+/// A shape, for checks of pairs.
 #[derive(Clone, Copy)]
 struct Known {
     kind: Kind,

@@ -1,7 +1,7 @@
 //! Pairs and their contacts, in as few words as each needs.
 //!
 //! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact
-//! is a word of flags, which say what follows: zeros, normals along an axis, and numbers that will not be
+//! is a word of flags for the words that follow: zeros, normals along an axis, and numbers that will not be
 //! read are left out; everything else is kept to the bit.
 
 use crate::broad_phase::Pair;
@@ -138,7 +138,7 @@ fn axis(code: u32) -> Vec3 {
 struct Line {
     all: [u32; MAX_CONTACT_WORDS],
     len: usize,
-    /// The first word: what follows.
+    /// The first word: flags of the words that follow.
     flags: u32,
 }
 

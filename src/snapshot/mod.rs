@@ -69,7 +69,7 @@ impl Snapshot {
     /// same bodies, shapes, joints and forms of characters have the same future if it is the same. It differs
     /// from the step on in which anything differs; [`World::state_hash`] only once a pose or velocity does.
     pub fn hash(&self) -> u64 {
-        // Without the head, which says what the bytes are.
+        // Without the head, which identifies the bytes.
         checksum::hash(self.words.get(view::HEAD..).unwrap_or_default())
     }
 
@@ -118,7 +118,7 @@ impl World {
         save::save(self, &mut into.forms, &mut into.words);
     }
 
-    /// Restores the world to the time of a snapshot: its next steps give the same bits as then, whatever the
+    /// Restores the world to the time of a snapshot: its next steps give the same bits as then, with any
     /// number of threads. Bodies, shapes and joints that were added since are removed, those that were
     /// removed are back, with the same handles. The snapshot may be of another world.
     ///
@@ -143,8 +143,8 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// If the world's budget does not allow what the snapshot needs; and for snapshots from bytes: if they
-    /// are broken, or the world lacks what they refer to.
+    /// If the world's budget does not allow the bytes that the snapshot needs; and for snapshots from bytes:
+    /// if they are broken, or the world lacks geometry to which they refer.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         #[cfg(feature = "replay")]
         if self.recorder.is_some() {
@@ -206,7 +206,7 @@ impl World {
     }
 }
 
-/// The world keeps parts without knowing what they are.
+/// The world keeps parts without knowing their types.
 fn weak(part: &Arc<Part>) -> SharedPart {
     let weak: Weak<Part> = Arc::downgrade(part);
     weak

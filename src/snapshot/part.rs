@@ -202,7 +202,7 @@ pub(super) struct ColliderRecord {
     pub(super) generation: u32,
     pub(super) collider: Collider,
     pub(super) rare: RareMaterial,
-    /// Pose and box of what is static.
+    /// Pose and box of a static collider.
     pub(super) pose: Pose,
     pub(super) bounds: [u32; 6],
 }
@@ -437,7 +437,7 @@ fn read_collider(
     let user_data = from.long()?;
     let mut rare = RareMaterial::default();
     {
-        // No field is left out by `..`: whoever adds one reads it here.
+        // No field is left out by `..`: a new field must be read here.
         let RareMaterial {
             rolling_friction,
             spinning_friction,

@@ -255,7 +255,7 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
     world.origin = (*origin).into();
     (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (*last_h, *evenness, *usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (*wait, *pending);
-    // The rows of a step that never was, for those who draw them.
+    // The rows of a step that was undone, which drawing would show.
     buffers.rows.stages.clear();
 
     bodies.line_up(slots, colliders);
@@ -284,7 +284,7 @@ fn apply(world: &mut World, view: &View<'_>, forms: &[Known]) {
     world.events.restore(events);
 }
 
-/// Restores what changes of bodies, which are in their places.
+/// Restores the changing state of bodies, which are in their places.
 fn restore_bodies(bodies: &mut Bodies, view: &View<'_>) {
     let View { counts, bodies: moving, rest, forces, .. } = view;
     bodies.set_parts(counts.parts);

@@ -55,7 +55,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 
     let pairs = broad.pairs.iter().chain(sleep.sleeping_pairs());
-    // What is awake may be sent to sleep before the next step.
+    // Awake bodies may be sent to sleep before the next step.
     let rests = |pair: &Pair| bodies.rests || pair.is_idle(&colliders.summaries, bodies.dynamic());
     let pairs = pairs.map(|pair| (pair, rests(pair)));
     (counts.pairs, counts.sleeping_pairs) = (broad.pairs.len() as u32, sleep.pair_count() as u32);
@@ -74,7 +74,7 @@ pub(super) fn save(world: &World, forms: &mut Vec<Known>, out: &mut Vec<u32>) {
     out[HEAD..HEAD + COUNTS].copy_from_slice(&words::<COUNTS>(counts));
 }
 
-/// Writes what changes of bodies, and what is to become of some.
+/// Writes the changing state of bodies, and pending changes of some.
 fn save_bodies(bodies: &Bodies, counts: &mut Counts, out: &mut Vec<u32>) {
     let (movers, all) = (bodies.movers(), bodies.asleep().end);
     out.extend(&bodies.slot[..all]);

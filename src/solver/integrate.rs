@@ -39,9 +39,9 @@ impl FastLimit {
 pub(super) enum WarmStart {
     /// By a pass over the rows: they may be those of another step.
     ByRows,
-    /// By one addition per body: rows keep their directions within a step, so they would change the velocity
-    /// by what they changed it by in the substep before. Joint rows rotate with their bodies and re-apply
-    /// their warm start themselves; trees that conserve energy need none.
+    /// By one addition per body: rows keep their directions within a step, so they would repeat the change of
+    /// velocity of the substep before. Joint rows rotate with their bodies and re-apply their warm start
+    /// themselves; trees that conserve energy need none.
     ByDifference,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct Integrator<'a> {
 }
 
 impl Integrator<'_> {
-    /// Whether a body turns that can't be pushed; what it carries has to turn along.
+    /// Whether a body turns that can't be pushed; the bodies that it carries have to turn along.
     pub(super) fn ground_turns(&self) -> bool {
         // SAFETY: between stages this thread is alone.
         let turns = |i| unsafe { self.motion.velocity.read(i) }.angular != glam::Vec3::ZERO;
@@ -91,8 +91,8 @@ impl Integrator<'_> {
         any_fast.into_inner()
     }
 
-    /// Marks bodies that rows changed after they had moved, when velocities were relaxed: what `finish` takes
-    /// for free would turn as it did at the start of the step.
+    /// Marks bodies that rows changed after they had moved, when velocities were relaxed: `finish` would
+    /// otherwise treat them as free and turn them as at the start of the step.
     pub(super) fn mark_relaxed(&self) {
         let motion = self.motion;
         self.each_body(|i| {

@@ -88,7 +88,7 @@ impl Passes<'_> {
         // A batch of trees takes as long as hundreds of others.
         let block = match stage.kind {
             JointType::Tree => 1,
-            // What found no colour has to be solved in order.
+            // Rows without a colour have to be solved in order.
             _ if stage.single => usize::MAX,
             _ => BLOCK,
         };

@@ -179,7 +179,7 @@ impl Substeps<'_> {
         let check = self.hold_back(check);
         let in_range = self.integrate_displacements();
         self.advance_impacts_and_trees();
-        // If friction of what pushed before it touched shifts much load, points share it in one more pass.
+        // If friction of potential points that pushed shifts much load, points share it in one more pass.
         let potential_points_push = passes.run(PassKind::Relax);
         if potential_points_push && self.solve_impact_friction() {
             passes.run(PassKind::Relax);

@@ -1,4 +1,4 @@
-//! What happens in a substep before, between and after the passes over its rows.
+//! The parts of a substep before, between and after the passes over its rows.
 
 use super::integrate::{Integrator, WarmStart};
 use super::store::{add_impulses, disable};
@@ -295,7 +295,7 @@ impl Substeps<'_> {
     }
 
     /// Holds capped bodies to their greatest speeds. The velocity before any row acted is changed too, as if
-    /// the body had been slower: what the cap took is no impulse that warm starting should repeat.
+    /// the body had been slower: warm starting must not repeat the change by the cap.
     #[inline(always)]
     fn limit_speeds(&mut self) {
         let BodyData { caps, slots, .. } = self.context.bodies;

@@ -1,4 +1,5 @@
-//! What is weighed again when something is taken away: what rested on it, and all that bears this or bore it.
+//! Contacts to be weighed again when a collider is removed: bodies that rested on it, and all that bear these
+//! or bore it.
 
 use super::Statics;
 use crate::body::{Bodies, Colliders};
@@ -7,7 +8,7 @@ use crate::config::tuning::STEEPEST_SUPPORT;
 use crate::narrow_phase::{ContactRef, Contacts, NO_CONTACT};
 use glam::Vec3;
 
-/// What is left once the pairs of a collider are out of the list.
+/// The world once the pairs of a collider are out of the list.
 pub(crate) struct Remains<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a Colliders,
@@ -21,9 +22,9 @@ impl Statics {
     /// Makes loads unknown that a collider's going changes, so that the next step estimates them. `gone`: its
     /// pairs.
     ///
-    /// If nothing rested on it none do: without its weight, lasting forces below it are cut to what is borne.
-    /// A contact whose load is unknown already ends the search, so that many removals before a step take no
-    /// longer than one, beside their own pairs.
+    /// If nothing rested on it none do: without its weight, lasting forces below it are cut to the actual
+    /// loads. A contact whose load is unknown already ends the search, so that many removals before a step
+    /// take no longer than one, beside their own pairs.
     pub(crate) fn weigh_again(&mut self, remains: &mut Remains<'_>, collider: u32, gone: &[Pair]) {
         let own = remains.colliders.all[collider as usize].body;
         let reached = &mut self.by_height;

@@ -108,7 +108,7 @@ impl Statics {
         spoil(points);
     }
 
-    /// Bytes that a contact takes, and what is reserved for contacts.
+    /// Bytes that a contact takes, and bytes reserved for contacts.
     pub(crate) fn lists(&self) -> (usize, usize) {
         (size_of::<Support>(), bytes_of(&self.supports).1)
     }

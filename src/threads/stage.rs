@@ -1,10 +1,9 @@
 //! The stage that is worked on: blocks, which the caller and its helpers claim one by one.
 //!
 //! Only two pairs of orderings carry data. The ticket's store releases the work pointer, and the exchange
-//! that claims a block acquires it. `done` releases what a block wrote, and the caller acquires it before
-//! `run` returns. All other accesses are relaxed: they only say when to look again. `scripts/reliability
-//! model` checks this file under every order of events that the memory model allows, in small cases
-//! (`loom/`).
+//! that claims a block acquires it. `done` releases a block's writes, and the caller acquires it before `run`
+//! returns. All other accesses are relaxed: they only say when to look again. `scripts/reliability model`
+//! checks this file under every order of events that the memory model allows, in small cases (`loom/`).
 
 use super::sync::{AtomicBool, AtomicU64, AtomicUsize, Mutex, Ordering, UnsafeCell, pause};
 use std::any::Any;
@@ -55,7 +54,7 @@ pub(super) struct Stage {
     present: AtomicUsize,
     /// Written by the caller only while no block is claimed.
     work: UnsafeCell<Option<Erased>>,
-    /// Whether a helper's block panicked, and with what.
+    /// Whether a helper's block panicked, and its payload.
     panicked: AtomicBool,
     payload: Mutex<Option<Box<dyn Any + Send>>>,
 }
@@ -87,7 +86,7 @@ impl Stage {
             unsafe { (*work.cast::<Work<'_>>())(block) }
         }
         self.done.store(0, Ordering::Relaxed);
-        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not
+        // SAFETY: no helper holds a block now, so no thread reads while this writes. This function does not
         // return before all blocks are done, and a helper uses the pointer only while it holds a block, so it
         // never outlives the reference.
         self.work.with_mut(|slot| unsafe { *slot = Some(((&raw const work).cast(), call)) });
@@ -143,8 +142,8 @@ impl Stage {
         self.called.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the
-    /// pool's thread, nor leave the caller without an answer.
+    /// Works on the announced stages until the caller quits. A panic is kept for the caller: it must not end
+    /// the pool's thread, nor leave the caller without an answer.
     pub(super) fn help(&self, end: End) {
         self.present.fetch_add(1, Ordering::Relaxed);
         let mut turns = 0;
@@ -191,8 +190,8 @@ impl Drop for Finish<'_> {
 /// Sends the helpers away when a step ends, also when it panics.
 pub(super) struct Quit<'a> {
     pub(super) stage: &'a Stage,
-    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up
-    /// other work meanwhile, and returns when that is done.
+    /// For those that have arrived: on a thread of the pool, a wait in `join` for a helper takes up other
+    /// work meanwhile, and returns when that is done.
     pub(super) wait: bool,
 }
 

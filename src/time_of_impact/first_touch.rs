@@ -8,9 +8,9 @@ use glam::Vec3;
 /// No touch: beyond the step.
 pub(super) const NEVER: Touch = Touch { fraction: 2.0, normal: Vec3::Y };
 
-/// When the shapes first touch, as a fraction of the paths. What touches at their beginning doesn't count,
-/// nor does a triangle in whose plane a shape slides: the contacts of the start of the step have handled
-/// these. `share`: of the engine's own tolerance for a touch.
+/// When the shapes first touch, as a fraction of the paths. Touches at their beginning don't count, nor does
+/// a triangle in whose plane a shape slides: the contacts of the start of the step have handled these.
+/// `share`: of the engine's own tolerance for a touch.
 pub(super) fn first_touch(
     a: &Collider,
     path_a: &BodyPath,

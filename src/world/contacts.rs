@@ -51,7 +51,7 @@ impl BodyContact {
     }
 }
 
-/// # Contacts, and who moved
+/// # Contacts, and bodies that moved
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
     /// vetoed; those with static geometry among them. Sensors have none. In the order of the world's pairs,
@@ -154,8 +154,8 @@ impl World {
     }
 
     /// Bodies that the last step moved: dynamic ones that were awake in it, also if they fell asleep at its
-    /// end, and kinematic ones with a velocity. The time is that for the bodies which are awake, not for all
-    /// of the world: for a game that draws what moved.
+    /// end, and kinematic ones with a velocity. Takes time for awake bodies only, for a game that draws the
+    /// moved ones.
     ///
     /// To be called after a step, before other calls change bodies: it also lists those that were added,
     /// woken or given a velocity since.

@@ -94,7 +94,7 @@ impl World {
         Ok(())
     }
 
-    /// A shape no longer asks for events: forgets what it touches, unless the other shape asks for them.
+    /// A shape no longer asks for events: forgets its touching pairs, unless the other shape asks for them.
     pub(crate) fn forget_touches(&mut self, collider: u32) {
         let summaries = &self.colliders.summaries;
         for pair in self.broad.pairs.iter_mut().filter(|pair| pair.a == collider || pair.b == collider) {

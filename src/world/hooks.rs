@@ -121,7 +121,7 @@ impl ContactHook<'_> {
     }
 
     /// Sets the velocity of the surface of one of the two shapes (0 or 1) in the world [m/s], as of a belt:
-    /// friction carries along what is on it. The part along the normal has no effect.
+    /// friction carries bodies on it along. The part along the normal has no effect.
     ///
     /// # Errors
     /// If a number is not finite, or the side is neither 0 nor 1.

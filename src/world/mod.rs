@@ -5,7 +5,7 @@
 //! - `characters.rs`: characters that live in the world.
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`, `summary.rs`: events and reports of a step, hooks on
 //!   it, and sleep.
-//! - `state.rs`: the list of what outlives a step.
+//! - `state.rs`: the list of the state that outlives a step.
 //! - `memory/`: memory that the world needs, holds, and may reserve.
 
 // The documentation of `World` lists its methods in this order.
@@ -80,9 +80,9 @@ use memory::Assets;
 /// 3. [`World::step`] moves it on, [`World::step_with`] with hooks on contacts. The [`StepReport`] has the
 ///    times and counts of the step.
 /// 4. [`World::position`], [`World::rotation`] and others tell where bodies are, [`World::contact_begins`]
-///    and others what they touch; [`World::cast_ray`] and others answer queries.
-/// 5. [`World::memory`] lists what the world holds, [`World::feature_report`] which parts of the engine its
-///    content needs.
+///    and others which shapes they touch; [`World::cast_ray`] and others answer queries.
+/// 5. [`World::memory`] lists the bytes that the world holds, [`World::feature_report`] the parts of the
+///    engine that its content needs.
 /// 6. [`World::snapshot`] saves its state, and [`World::restore`] brings back the same bits.
 ///
 /// Content changes between steps only. A handle becomes stale when its body, shape or joint is removed: a

@@ -1,4 +1,4 @@
-//! What a step reports.
+//! Reports of steps.
 
 use crate::broad_phase::BroadStats;
 use crate::config::fields;

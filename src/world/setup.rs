@@ -25,9 +25,9 @@ impl World {
     /// Replaces the settings; the next step uses them. Settings that are no others change nothing.
     ///
     /// # Errors
-    /// If a setting is out of range, or their budget does not allow what they switch on (sleeping, a
-    /// continuous method that settles bodies on meshes or meets impacts at their times) for the bodies of the
-    /// world, or the most that its joints may take if they are arranged in another way (`order`,
+    /// If a setting is out of range, or their budget does not allow the parts that they switch on (sleeping,
+    /// a continuous method that settles bodies on meshes or meets impacts at their times) for the bodies of
+    /// the world, or the most that its joints may take if they are arranged in another way (`order`,
     /// `joint_trees`). A budget alone is never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
@@ -46,7 +46,7 @@ impl World {
         // Their reach may be another one.
         self.broad.pairs.iter_mut().for_each(|pair| pair.apart = 0);
         if self.bodies.len() > 0 {
-            // With a budget, what bodies can't do without is held from now on.
+            // With a budget, the memory that bodies can't do without is held from now on.
             self.reserve_for_step();
         }
         Ok(())

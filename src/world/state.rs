@@ -1,4 +1,4 @@
-//! What outlives a step: the one list of it, from which snapshots are written.
+//! The state that outlives a step: the only list of it, from which snapshots are written.
 
 use crate::body::{Bodies, Colliders};
 use crate::broad_phase::BroadPhase;
@@ -11,7 +11,7 @@ use crate::sleep::Sleep;
 use crate::world::{Buffers, Characters, World};
 use glam::DVec3;
 
-/// The state of a world. A step reads this and what it has written itself, nothing else.
+/// The state of a world. A step reads this and its own output, nothing else.
 pub(crate) struct State<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) origin: DVec3,
@@ -34,8 +34,7 @@ pub(crate) struct State<'a> {
 }
 
 impl World {
-    /// The state of the world. No field is left out by `..`: whoever adds one decides here whether it is
-    /// state.
+    /// The state of the world. No field is left out by `..`: whether a new field is state is decided here.
     pub(crate) fn state(&self) -> State<'_> {
         let World {
             settings,

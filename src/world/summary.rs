@@ -2,7 +2,7 @@
 
 use super::{StageTimes, StepCounts, StepReport, World};
 
-/// # What a step did
+/// # Reports of a step
 impl World {
     /// Times and counts of the last step.
     pub fn report(&self) -> &StepReport {

@@ -112,11 +112,11 @@ typedef struct BsSurface {
     // be in 0..=1e6 m. Default 0.
     float rolling_friction;
     // Lever arm of the load against spinning [m]: the torque against rotation about the normal is at most
-    // this times the normal force, beside what sliding friction does about the middle of a contact of
+    // this times the normal force, beside the torque of sliding friction about the middle of a contact of
     // several points. Must be in 0..=1e6 m. Default 0.
     float spinning_friction;
     // Velocity at which the surface moves past the shape, in the shape's frame [m/s]: a belt. Friction
-    // pulls what touches it along. Must be within 1e6 along each axis. Default zero.
+    // pulls touching bodies along. Must be within 1e6 along each axis. Default zero.
     struct BsVec3 surface_velocity;
     // Frequency of the spring with which the surface yields [Hz]; 0 for a rigid one, for which
     // `BsSettings::contact_hertz` counts. Must be in 0..=1e6 Hz. Default 0.

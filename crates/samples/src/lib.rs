@@ -7,6 +7,7 @@
     reason = "samples read as a game would write them; no bit of theirs is compared between machines"
 )]
 
+pub mod parts;
 mod sample;
 
 pub use sample::{Controls, Running, Sample, Tick};
@@ -30,7 +31,9 @@ macro_rules! samples {
 
 samples! {
     /// Bodies on top of each other.
-    stacking: dominoes;
+    stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
+    /// Each kind of joint by itself.
+    joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
     /// Bodies which joints and motors move.
     machines: windmill;
 }

@@ -17,7 +17,7 @@ fn half_turns_are_those_of_any_angle() {
 #[test]
 fn a_needle_keeps_its_energy_and_momentum() {
     let inertia = Vec3::new(1.0, 1e-4, 1.001);
-    // A tenth of a radian and less: what `finish` asks for.
+    // A tenth of a radian and less, as `finish` asks for.
     for h in [1.0 / 1600.0, 1.0 / 4000.0] {
         let (mut q, mut w) = (Quat::IDENTITY, Vec3::new(120.0, 90.0, -60.0));
         let momentum = inertia * w;
@@ -31,7 +31,7 @@ fn a_needle_keeps_its_energy_and_momentum() {
     }
 }
 
-/// Whatever the length of the step: a body that spins freely has the energy and the momentum that it had.
+/// At any length of the step, a body that spins freely keeps its energy and its momentum.
 #[test]
 fn free_turns_keep_energy_and_momentum_at_any_speed() {
     for inertia in [Vec3::new(1.0, 1.7, 2.3), Vec3::new(1.0, 1e-2, 1.004), Vec3::new(2.0, 2.1, 2.2)] {
@@ -51,9 +51,9 @@ fn free_turns_keep_energy_and_momentum_at_any_speed() {
     }
 }
 
-/// The resolution of the motion follows from what stays the same. Where it followed the angular velocity, the
-/// energy drifted by a tenth in a minute; and where the axis of a flat rod turned by more than a radian in a
-/// part, it doubled within ten seconds.
+/// The resolution of the motion follows from conserved quantities. Where it followed the angular velocity,
+/// the energy drifted by a tenth in a minute; and where the axis of a flat rod turned by more than a radian
+/// in a part, it doubled within ten seconds.
 #[test]
 fn free_turns_are_in_as_many_parts_at_any_time() {
     for inertia in [Vec3::new(0.1125, 0.2725, 0.34), Vec3::new(0.0041, 0.2516, 0.2525)] {
@@ -125,7 +125,7 @@ fn a_symmetric_top_is_the_limit_of_others() {
     }
 }
 
-/// Expected: the same bits, whoever else is turned beside a body, for however long.
+/// Expected: the same bits, with any other bodies turned beside it, for any time.
 #[test]
 fn four_turn_as_each_does_alone() {
     let mut random = 1_u32;

@@ -82,7 +82,7 @@ pub(in crate::broad_phase) fn slabs(
 
 #[test]
 fn a_path_misses_nothing_that_exact_arithmetic_hits_and_hits_little_else() {
-    // At 1e6 m numbers are 0.06 m apart, but rounding of the boxes themselves is not what is tested.
+    // At 1e6 m numbers are 0.06 m apart, but the test is not about rounding of the boxes themselves.
     for centre in [glam::Vec3::ZERO, vec3(1e6, -1e6, 1e6)] {
         let (mut hits, mut misses) = (0, 0);
         for (path, target) in cases(20_000, centre) {
@@ -94,7 +94,7 @@ fn a_path_misses_nothing_that_exact_arithmetic_hits_and_hits_little_else() {
             let slack = 2e-4 + path.segment().rounding.max_element() as f64 * 2.0;
             assert!(!hit || exact(slack), "made up: {path:?} {target:?}");
             (hits, misses) = (hits + u32::from(hit), misses + u32::from(!hit));
-            // What a node's test says no to, the exact one must not say yes to.
+            // The exact test must not accept a box that a node's test rejects.
             assert!(!hit || answers::<f32>(&path, &[target; 8]) != 0);
         }
         assert!(hits > 3_000 && misses > 3_000, "{hits} {misses}");

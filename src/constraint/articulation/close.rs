@@ -71,7 +71,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         open_by(&mut self.nodes, squares(self.unit, tolerance))[0] & lanes != 0
     }
 
-    /// Lanes in which a joint is open by more than the tolerance, or nobody knows how far.
+    /// Lanes in which a joint is open by more than the tolerance, or by an unknown amount.
     pub(crate) fn open_by(&mut self, tolerance: f32) -> L::Mask {
         L::Mask::from_bits(open_by(&mut self.nodes, squares(self.unit, tolerance))[1])
     }
@@ -84,7 +84,7 @@ pub(super) fn squares(unit: f32, share: f32) -> [f32; 2] {
 }
 
 on_nodes! {
-    /// Lanes in which a joint is open, and those in which one is not closed: what is no number is neither.
+    /// Lanes in which a joint is open, and those in which one is not closed: NaN is neither open nor closed.
     fn open_by<'a, L>(nodes, most: [f32; 2]) -> [u32; 2] {
         let most = [L::splat(most[0]), L::splat(most[1])];
         let (mut open, mut closed) = (L::zero().gt(L::zero()), L::zero().eq(L::zero()));

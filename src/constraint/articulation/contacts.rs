@@ -4,7 +4,7 @@
 //! above it follow a joint and a pass later, and meanwhile open the joints by decimetres. So while a tree is
 //! solved, its contacts push against the effective mass of the body with the rest of the tree. How each body
 //! responds to an impulse (`Node::whole`) follows from the sweep from the leaves to the root; a traversal of
-//! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
+//! the tree then passes the changes by the contacts of one body on to the next, so that each sees velocities
 //! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{crosses, keep_out};
@@ -23,10 +23,10 @@ use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8, kernel, with_best};
 use bytemuck::{must_cast_mut, must_cast_ref};
 
-/// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
+/// Traversals in a pass: the second corrects the effect of the contacts of one body on those of another.
 const TRAVERSALS: u32 = 2;
 
-/// What the contacts of a body do during a traversal of its tree.
+/// Contacts of a body during a traversal of its tree.
 #[derive(Clone, Copy)]
 pub(crate) enum Request<'a> {
     /// One Gauss-Seidel step.
@@ -147,12 +147,12 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 on_nodes! {
-    /// Goes on from one body to one that comes after it, or from outside to the first, or back out: up to
-    /// what both hang on, which learns what was pushed below, and down again. Each body on the way down has
-    /// the change of velocity that follows from what has been pushed so far.
+    /// Goes on from one body to one that comes after it, or from outside to the first, or back out: up to the
+    /// body that both hang on, which takes in the impulses below, and down again. Each body on the way down
+    /// has the change of velocity that follows from the impulses so far.
     fn walk<'a, L>(bodies, from: u32, to: u32) {
         let range = from.wrapping_add(1) as usize..to.wrapping_add(1) as usize;
-        // A subtree is contiguous: what `to` hangs on and comes after `from` is on the way.
+        // A subtree is contiguous: ancestors of `to` that come after `from` are on the way.
         let mut next = to;
         for i in range.clone().rev() {
             let node = &mut bodies[i];
@@ -219,7 +219,7 @@ struct Whole<'a, L, const P: usize> {
     friction: FrictionResponse<L>,
 }
 
-// Rounding: what a joint leaves of a mobility.
+// Rounding: a joint may leave little of a mobility.
 /// Share of a body's own mobility that must be left in the tree. Less is rounding: its joints hold the body
 /// where it is.
 const LEAST: f32 = 1e-4;
@@ -338,9 +338,9 @@ kernel! {
 }
 
 /// Checks the contacts that were solved along with trees once more, after rows that know nothing of the tree:
-/// what these did must not push a body into static geometry. No impulse is kept, or requests that can't be
-/// met would grow from pass to pass; instead the velocity before any row acted is changed too, as if the body
-/// had been slower.
+/// these must not push a body into static geometry. No impulse is kept, or requests that can't be met would
+/// grow from pass to pass; instead the velocity before any row acted is changed too, as if the body had been
+/// slower.
 ///
 /// Returns whether potential points push.
 ///

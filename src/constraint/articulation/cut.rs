@@ -6,7 +6,7 @@
 //! row; then the rows are solved together, as a dense system, and the tree once more with their impulses (the
 //! capacitance matrix method; Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996, treats loops
 //! in this direction). Solved as an ordinary row, a motor knows the two bodies of its hinge and nothing of
-//! what hangs on them: the crank of a linkage had one and a half times its speed in the first step.
+//! the bodies that hang on them: the crank of a linkage had one and a half times its speed in the first step.
 //!
 //! A cut joint is a node after those of the bodies. It has its body a second time, and follows it.
 
@@ -40,7 +40,7 @@ pub(crate) struct TreeMotor<L> {
     pub(crate) spring: Spring<L>,
     /// Angular impulse on the body in the last substep [N m s].
     pub(crate) impulse: L,
-    /// What the last solution subtracts from it.
+    /// The impulse that the last solution subtracts from it.
     pub(crate) less: L,
 }
 
@@ -113,7 +113,7 @@ impl<L> Extra<L> {
     }
 }
 
-// Rounding: what other joints leave of a row.
+// Rounding: other joints may leave little of a row's mobility.
 /// Share of the mobility of its two bodies below which a row is held by others already. In a planar linkage
 /// this is so for most rows of the last joint, and the mobility that remains is rounding.
 const LEAST: f32 = 1e-4;
@@ -297,7 +297,7 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 impl<L: Lanes> Extra<L> {
-    /// Forgets what its motors did: the rest is made anew in each substep.
+    /// Forgets the impulses of its motors: the rest is made anew in each substep.
     pub(in crate::constraint::articulation) fn forget(&mut self) {
         for motor in &mut self.motors {
             *motor = TreeMotor { owner: motor.owner, ..TreeMotor::new(motor.node) };

@@ -191,7 +191,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
     }
 
-    /// Moves trees on as one rigid piece without rotation: what is closed stays closed.
+    /// Moves trees on as one rigid piece without rotation: closed joints stay closed.
     fn hold(&mut self, lanes: L::Mask) {
         let (h, zero) = (L::splat(self.h), Vec3::zero());
         let (mut mass, mut momentum) = (L::zero(), zero);

@@ -1,4 +1,4 @@
-//! A body of a tree, and the joint between it and its parent; and what is done with all nodes at once, in the
+//! A body of a tree, and the joint between it and its parent; and operations on all nodes at once, in the
 //! widths in which trees are solved.
 
 use super::free_rotation::{Moments, exp, log_near};
@@ -85,7 +85,7 @@ pub(crate) struct Node<L> {
     /// Whether a traversal comes by it next (see [`TreeBatch::traverse`]).
     pub(super) is_ahead: bool,
     pub(crate) body: [u32; 8],
-    /// What a root hangs on: a body that the joint can't push.
+    /// The anchor of a root: a body that the joint can't push.
     pub(crate) anchor: [u32; 8],
     /// Bit per lane: there is a body.
     pub(crate) write: u32,
@@ -127,8 +127,8 @@ pub(crate) struct Node<L> {
     pub(crate) free: Sym6<L>,
     /// Impulse at the joint per velocity that the joint forbids.
     pub(crate) stiff: Sym6<L>,
-    /// The same for both bodies, where the parent is taken with what hangs on it except for this branch and
-    /// those before it; and the velocity of that parent per impulse on it.
+    /// The same for both bodies, where the parent is taken with all that hangs on it except for this branch
+    /// and those before it; and the velocity of that parent per impulse on it.
     pub(super) joined: Sym6<L>,
     pub(super) rest: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree; only if it has contacts that are solved
@@ -139,7 +139,7 @@ pub(crate) struct Node<L> {
     pub(crate) pulled: L,
     /// State of one pass.
     pub(crate) velocity: Twist<L>,
-    /// Velocity and displacement of what a root hangs on.
+    /// Velocity and displacement of the anchor of a root.
     pub(crate) anchored: Twist<L>,
     pub(crate) anchor_moved: Twist<L>,
     pub(crate) carried: Twist<L>,
@@ -342,8 +342,8 @@ on_nodes! {
 }
 
 impl<L: Lanes> Node<L> {
-    /// What a joint needs that leaves rotations free. `parent`: the mobility of the parent, from which it
-    /// takes what the branch does.
+    /// Data of a joint that leaves rotations free. `parent`: the mobility of the parent, from which it
+    /// subtracts the branch.
     #[inline(always)]
     fn pin(&mut self, parent: Option<&mut Sym6<L>>) {
         let [arm, above] = self.arm_now;
@@ -392,7 +392,7 @@ impl<L: Lanes> Node<L> {
         }
     }
 
-    /// The impulse of the joint that meets what is requested of it, by a response: `stiff` or `joined`.
+    /// The impulse of the joint that meets its request, by a response: `stiff` or `joined`.
     #[inline(always)]
     pub(crate) fn push(&self, response: &Sym6<L>, requested: &Twist<L>) -> Twist<L> {
         if self.turns == Turns::Freely {
@@ -403,8 +403,8 @@ impl<L: Lanes> Node<L> {
 }
 
 on_nodes! {
-    /// Collects from the leaves to the root, without cut joints, what is requested of each joint, less what
-    /// the joints below it do.
+    /// Collects from the leaves to the root, without cut joints, the request of each joint, less the effect
+    /// of the joints below it.
     pub(super) fn gather_up<'a, L>(bodies) {
         for node in &mut *bodies {
             node.carried = Twist::zero();
@@ -428,7 +428,7 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// The same after requests have changed: what each joint passes on.
+    /// The same after requests have changed: the part that each joint passes on.
     pub(super) fn gather_again<'a, L>(bodies) {
         for node in &mut *bodies {
             node.carried = Twist::zero();
@@ -448,12 +448,12 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
+    /// From the root to the leaves: the impulses of joints that meet the requests, and the changes of
     /// velocity by them and by other impulses, of nodes that are bodies.
     ///
     /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own
-    /// inertia: the net impulse on a light body between heavy ones is a small difference of what passes
-    /// through it, and would be lost otherwise.
+    /// inertia: the net impulse on a light body between heavy ones is a small difference of the impulses that
+    /// pass through it, and would be lost otherwise.
     pub(super) fn pass_down<'a, L>(bodies) {
         for i in 0..bodies.len() {
             let (parent, node) = with_parent(bodies, i);

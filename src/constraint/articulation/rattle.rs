@@ -41,7 +41,7 @@ const MISSED: f32 = 0.004;
 impl<L: TreeWidth> TreeBatch<L> {
     /// Decides which trees conserve energy in this step: those that touch nothing, and in which no body bears
     /// a load that is too heavy for it or that swings it too fast for the substep. The load is the impulse of
-    /// the last substep, or the weight of what hangs there if that is more.
+    /// the last substep, or the weight of the bodies that hang there if that is more.
     pub(crate) fn choose(&mut self) {
         let h = L::splat(self.h);
         for node in &mut self.nodes {
@@ -75,7 +75,7 @@ impl<L: TreeWidth> TreeBatch<L> {
                 body.inverse_mass + arm * x.max(y).max(z)
             };
             match &parent {
-                // Welded bodies turn as one, whatever the load between them.
+                // Welded bodies turn as one under any load between them.
                 _ if node.turns == Turns::Not => {}
                 Some(parent) => {
                     check(own, node, mobility(above, parent));
@@ -225,9 +225,9 @@ impl<L: TreeWidth> TreeBatch<L> {
         (known.bits(), lost)
     }
 
-    /// Takes back what was tried in some lanes. Where a linkage folds flat, or light links between bodies
-    /// that part, there may be no solution: each round asks for more, and what it finds is no motion.
-    /// Velocities that fit the joints where they are add no energy.
+    /// Takes back the attempt in some lanes. Where a linkage folds flat, or light links between bodies that
+    /// part, there may be no solution: each round asks for more, and its result is no motion. Velocities that
+    /// fit the joints where they are add no energy.
     #[cold]
     fn give_up(&mut self, lanes: L::Mask) {
         let zero = Vec3::zero();
@@ -302,7 +302,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         self.factor();
         if self.is_open(MISSED * JOINT_OPEN) {
-            // Velocities need not correct what is left.
+            // Velocities need not correct the remaining error.
             self.settle();
         }
         // SAFETY: by the contract.

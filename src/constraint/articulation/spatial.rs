@@ -80,7 +80,7 @@ unsafe impl<L: Zeroable> Zeroable for Sym6<L> {}
 // SAFETY: as for `Twist`.
 unsafe impl<L: Pod> Pod for Sym6<L> {}
 
-/// What impulses at a point of a body do to it: its velocities per impulse along each axis, by columns.
+/// Response of a body to impulses at a point: its velocities per impulse along each axis, by columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Through<L> {
     linear: Mat3<L>,
@@ -186,7 +186,7 @@ pub(crate) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 impl<L: Lanes> Sym6<L> {
-    /// From a body's mobility, its velocity per impulse, what impulses at a point at an arm do to it.
+    /// The response to impulses at a point at an arm, from a body's mobility (its velocity per impulse).
     #[inline(always)]
     pub(crate) fn through(&self, arm: Vec3<L>) -> Through<L> {
         let linear = times_cross(&self.mixed, arm);
@@ -208,7 +208,7 @@ impl<L: Lanes> Sym6<L> {
     /// The mobility of a body after a point of it has been joined to something else, which it turns about
     /// freely. `joined`: the impulse there per velocity of the point.
     ///
-    /// Computed as a subtraction from the mobility: in terms of inertia, what remains of a light body with a
+    /// Computed as a subtraction from the mobility: in terms of inertia, the rest of a light body with a
     /// heavy load is a difference of large numbers.
     #[inline(always)]
     pub(crate) fn pinned(&self, through: &Through<L>, joined: &Sym3<L>) -> Self {
@@ -279,13 +279,12 @@ impl<L: Lanes> Sym6<L> {
 }
 
 kernel! {
-    /// A mobility less what something takes that is pushed by its velocities at a point: `joined` is the
-    /// impulse there per velocity.
+    /// A mobility less that of a body joined at a point: `joined` is the impulse there per velocity.
     fn less<'a, L: Lanes>(of: &'a Sym6<L>, through: &'a Through<L>, joined: &'a Sym6<L>) -> Sym6<L> {
         let Through { linear, angular } = through;
         let (mixed, own) = (&of.mixed, columns(&of.angular));
         let (along, about, across) = (columns(&joined.linear), columns(&joined.angular), &joined.mixed);
-        // Velocities per velocity of the point: what impulses there do, and what torques do.
+        // Velocities per velocity of the point: by impulses there, and by torques.
         let back = transposed(across);
         let mut more = [times(linear, &along), times(angular, &along)];
         let mut turned = [times(linear, across), times(angular, across)];

@@ -45,7 +45,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         self.extra.drives = Drives::None;
     }
 
-    /// The impulses of joints that meet what was requested, and the changes of velocity by them and by other
+    /// The impulses of joints that meet the requests, and the changes of velocity by them and by other
     /// impulses.
     pub(crate) fn answer_all(&mut self) {
         pass_down(&mut self.nodes[..self.real]);
@@ -54,7 +54,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
     }
 
-    /// Requests that all joints close what is open. Nothing else pushes.
+    /// Requests that all open joints close. Nothing else pushes.
     pub(crate) fn request_closing(&mut self) {
         for node in &mut self.nodes {
             (node.requested, node.pushed) = (node.open(), Twist::zero());

@@ -1,4 +1,4 @@
-//! What a tree reads of its bodies and writes back: velocities and displacements.
+//! Data that a tree reads from its bodies and writes back: velocities and displacements.
 
 use super::free_rotation::{exp, log, moved_by};
 use super::node::{TreeWidth, Turns, on_nodes, with_parent};
@@ -78,7 +78,7 @@ on_nodes! {
             }
             let above = match parent {
                 Some(parent) => parent.change.angular,
-                // SAFETY: what stands still or is moved by the caller is written by no row.
+                // SAFETY: no row writes a body that stands still or is moved by the caller.
                 None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
             };
             let [arm, other] = node.arm_now;
@@ -169,7 +169,7 @@ on_nodes! {
 }
 
 on_nodes! {
-    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
+    /// Writes the velocities of some lanes. In trees that conserve energy, the change by joints is no warm
     /// start for the next substep: it is added to the velocities before rows acted too.
     ///
     /// # Safety

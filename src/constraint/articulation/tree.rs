@@ -3,10 +3,10 @@
 //! Row by row, the impulse that a heavy load at the end of a chain needs travels up one joint a pass: a ball
 //! a thousand times as heavy as the links tears such a chain apart. But points that join bodies without a
 //! loop (chains, ragdolls, cars), with the rotation that is locked about them, are a linear system that is
-//! solved without iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
-//! impulses are passed back from the root to the leaves (Featherstone 1983; with impulses instead of forces
-//! and in the coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up
-//! to eight trees of the same shape share the lanes.
+//! solved without iteration. From the leaves to the root, each body's inertia takes in that of the bodies
+//! that hang on it; then impulses are passed back from the root to the leaves (Featherstone 1983; with
+//! impulses instead of forces and in the coordinates of the bodies, Baraff, *Linear-Time Dynamics using
+//! Lagrange Multipliers*, 1996). Up to eight trees of the same shape share the lanes.
 
 mod batch;
 
@@ -25,7 +25,7 @@ use crate::lanes::{Mask, Quat, Vec3};
 pub(crate) use batch::TreeBatch;
 
 impl<L: TreeWidth> TreeBatch<L> {
-    /// Bodies so light that rounding of the mobility of what hangs on them would drown theirs count as
+    /// Bodies whose mobility would be lost in the rounding of that of the bodies that hang on them count as
     /// heavier: as a share of that mass, which makes the tree heavier by as much.
     fn weigh(&mut self) {
         self.weighted = 0;
@@ -77,7 +77,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         if self.all_exact() {
             return;
         }
-        // SAFETY: by the contract; what velocities were is not written while rows are solved.
+        // SAFETY: by the contract; earlier velocities are not written while rows are solved.
         unsafe {
             predict_bend(&mut self.nodes, motion, self.h, self.exact);
             read_velocities(&mut self.nodes, motion);
@@ -185,7 +185,7 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 on_nodes! {
-    /// Takes from hinges what they do not transmit: impulses about their axes, which have turned.
+    /// Removes from hinges the impulses that they do not transmit: those about their axes, which have turned.
     fn clear_hinges<'a, L>(nodes) {
         for node in nodes {
             if node.turns == Turns::AboutAxis {

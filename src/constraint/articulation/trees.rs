@@ -54,7 +54,8 @@ impl Tree {
         self.branches.iter().filter(|branch| branch.own != NONE).map(|cut| rows_of(cut.turns)).sum()
     }
 
-    /// What trees must have in common to share lanes; sorted by this, they come one after another.
+    /// The shape that trees must have in common to share lanes; sorted by it, equal trees come one after
+    /// another.
     fn shape(&self) -> impl Iterator<Item = Shape> + '_ {
         let motors = self.motors.iter().map(|&(at, _)| (at, 0, false, Turns::Freely, NONE));
         self.branches.iter().map(Branch::shape).chain(motors)

@@ -272,7 +272,7 @@ impl<const P: usize> Columns<P> {
         self.twist[lane] = carried.w;
     }
 
-    /// The velocities of both surfaces, by their materials and by what hooks said.
+    /// The velocities of both surfaces, by their materials and by hooks.
     #[inline(never)]
     fn put_surface(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, part, contact, shape_a, shape_b, swap, .. } = entry;

@@ -5,10 +5,10 @@
 //! leaves much of them: 500 boxes at one point left it at 114 m/s. Scaling the push of each contact does not
 //! help: once the bodies have come apart into a line, each has few contacts. So the velocity itself is
 //! limited, for such bodies only: to [`CROWD_PUSH`] times the push speed, to their own speed before, or to
-//! that of the fastest of them and of what they touch, whichever is greatest: an impact may make them as fast
-//! as that. A body that overlaps one other adds the push speed once more, so five times is the maximum. Where
-//! a budget leaves contacts out, these are others in each step, and the speeds add up: there, bodies that
-//! overlap one other are limited too. Bodies with joints are left to their joints.
+//! that of the fastest of them and of the bodies that they touch, whichever is greatest: an impact may make
+//! them as fast as that. A body that overlaps one other adds the push speed once more, so five times is the
+//! maximum. Where a budget leaves contacts out, these are others in each step, and the speeds add up: there,
+//! bodies that overlap one other are limited too. Bodies with joints are left to their joints.
 
 use crate::config::tuning::CROWD_PUSH;
 use crate::lanes::Record;

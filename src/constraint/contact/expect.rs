@@ -7,7 +7,7 @@ use crate::config::FrictionModel;
 use crate::constraint::schedule::arrange::PrepareScratch;
 use crate::narrow_phase::{RowCost, RowSpace};
 
-/// Bytes per lane of full batches. `friction`: some material has any. `beside`: what else each batch has.
+/// Bytes per lane of full batches. `friction`: some material has any. `beside`: other data of each batch.
 pub(crate) fn row_cost(friction: bool, model: FrictionModel, beside: Beside) -> RowCost {
     let mut cost = RowCost { per_point: model == FrictionModel::Point, ..RowCost::default() };
     for (sizes, lanes) in Rows::SIZES.iter().zip(&mut cost.lanes) {
@@ -21,8 +21,8 @@ pub(crate) fn row_cost(friction: bool, model: FrictionModel, beside: Beside) -> 
     cost
 }
 
-/// Adds to that what lists take, and the memory of the last step's batches, which is returned before the next
-/// are made. `lists`: bytes that other lists need for each contact, and have reserved.
+/// Adds to that the bytes of lists, and the memory of the last step's batches, which is returned before the
+/// next are made. `lists`: bytes that other lists need for each contact, and have reserved.
 pub(crate) fn lend(
     rows: &mut Rows,
     scratch: &PrepareScratch,

@@ -1,4 +1,4 @@
-//! What rows are prepared from.
+//! Input for the preparation of rows.
 
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Colliders};
@@ -27,7 +27,7 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) order: Order,
     /// Bodies whose contacts with static geometry are solved along with their trees of joints.
     pub(crate) tree_slots: &'a TreeSlots,
-    /// What hooks changed about each contact; empty if there are none.
+    /// Changes of each contact by hooks; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
@@ -35,21 +35,22 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) friction: bool,
     pub(crate) beside: Beside,
     pub(crate) joints: &'a Joints,
-    /// Marks of what holds dynamic bodies, for soft contacts; empty before they are made.
+    /// Marks of the contacts and joints that hold dynamic bodies, for soft contacts; empty before they are
+    /// made.
     pub(crate) marks: &'a [u8],
     /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
 }
 
 impl PrepareInput<'_> {
-    /// What few materials have, of a part of a shape: zero for the shape's own.
+    /// Rare properties of the material of a part of a shape: zero for the shape's own.
     pub(super) fn rare_of(&self, collider: u32, part: u8) -> RareMaterial {
         let of_part = self.colliders.all[collider as usize].part_material(part).map(Material::rare);
         of_part.unwrap_or_else(|| self.colliders.rare(collider))
     }
 }
 
-/// What each batch of the schedule has besides its rows and friction.
+/// Data of each batch of the schedule besides its rows and friction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beside {
     /// Whether any surface moves, by its material or by a hook.

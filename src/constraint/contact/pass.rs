@@ -6,7 +6,7 @@ use super::soft::SoftRow;
 use super::softness::Softness;
 use crate::threads::Shared;
 
-/// What a pass over the rows uses.
+/// Parameters of a pass over the rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
     /// 1 / substep [1/s].
@@ -20,7 +20,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) touch_distance: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
-    /// Remove what pushing overlap apart added to the velocities.
+    /// Remove the velocities that pushing overlap apart added.
     pub(crate) relax: bool,
     /// See [`Rows::surfaces`](crate::constraint::Rows::surfaces).
     pub(crate) surfaces: &'a [Surface],

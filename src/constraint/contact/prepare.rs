@@ -56,7 +56,8 @@ pub(crate) fn prepare(
     prepared
 }
 
-/// Marks what holds the bodies, for soft lanes; says whether there was memory for that.
+/// Marks the contacts and joints that hold each body, for soft lanes; returns whether there was memory for
+/// that.
 fn mark_soft(input: &PrepareInput<'_>, rows: &mut Rows, allowances: &mut Allowances) -> bool {
     let marks = &mut rows.soft.marks;
     marks.clear();

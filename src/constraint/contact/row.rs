@@ -192,7 +192,7 @@ pub(crate) unsafe fn follow<L: GatherLanes, const P: usize, const B: usize>(
     }
 }
 
-/// Pushes overlap apart softly or, to relax, removes what that added to the velocities: the same code with
+/// Pushes overlap apart softly or, to relax, removes the velocities which that added: the same code with
 /// other numbers, since in a small scene each kernel runs once a pass, and fetching its code is a third of
 /// its time.
 ///
@@ -218,8 +218,8 @@ pub(crate) fn sweep<
         slid = Some((f, which));
     }
     let mut rows = NormalRows::new(batch, v, pass, response);
-    // Nothing closes and nothing bears load: what follows would change nothing. Most potential contacts are
-    // like that.
+    // Nothing closes and nothing bears load: the rest would change nothing. Most potential contacts are like
+    // that.
     if !FRICTION && !rows.act(batch) {
         return false;
     }
@@ -305,8 +305,8 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
         }
         // During relaxation a manifold that is apart and did not have to push waits for the next substep: its
-        // gaps at the end of this one do not predict what will be crossed in the next, and a step that ends
-        // here must not push for the next. If any point touches, the whole manifold comes to rest.
+        // gaps at the end of this one do not predict the overlap of the next, and a step that ends here must
+        // not push for the next. If any point touches, the whole manifold comes to rest.
         for i in 0..P {
             rows.mass[i] = L::select(touches | pushes, rows.mass[i], L::zero());
         }
@@ -343,7 +343,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         }
     }
 
-    /// The impulse with which a row leaves no velocity error, but for what yields.
+    /// The impulse with which a row leaves no velocity error, except by its softness.
     #[inline(always)]
     pub(super) fn solved<const B: usize>(&self, batch: &Batch<L, P, B>, i: usize) -> L {
         let mut new = self.impulse[i] - self.mass[i] * (self.u[i] + self.bias[i]);

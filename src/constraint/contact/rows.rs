@@ -62,12 +62,12 @@ impl Beside {
     }
 }
 
-/// What soft contacts need; empty unless some shape is soft.
+/// Data of soft contacts; empty unless some shape is soft.
 #[derive(Debug, Default)]
 pub(crate) struct SoftRows {
     /// One for each batch of the schedule.
     pub(crate) rows: Vec<SoftRow>,
-    /// What holds each dynamic body: see [`mark`](super::soft::bodies::mark).
+    /// Contacts and joints that hold each dynamic body: see [`mark`](super::soft::bodies::mark).
     pub(crate) marks: Vec<u8>,
 }
 
@@ -100,8 +100,8 @@ impl Rows {
         [of(0..FRICTION), of(FRICTION..KINDS)]
     }
 
-    /// Reserves exactly what is missing for so many, with what the batches of the schedule have beside them;
-    /// if need be, out of what the other buffer has to spare. Returns whether there is room for all.
+    /// Reserves exactly the missing memory for so many, with the other data of the schedule's batches; if
+    /// need be, out of the spare memory of the other buffer. Returns whether there is room for all.
     pub(crate) fn reserve(&mut self, wanted: &Tally, beside: Beside, allowance: &mut Allowance) -> bool {
         let [batches, friction] = Self::bytes_of(wanted);
         let count = |is_there: bool| if is_there { self.schedule.len() } else { 0 };
@@ -131,7 +131,7 @@ impl Rows {
         true
     }
 
-    /// Bytes of so many, with what the batches of the schedule have beside them.
+    /// Bytes of so many, with the other data of the schedule's batches.
     pub(crate) fn size(&self, tally: &Tally, beside: Beside) -> usize {
         Self::bytes_of(tally).iter().sum::<usize>() + self.schedule.len() * beside.bytes()
     }
@@ -231,8 +231,8 @@ impl Rows {
         std::mem::take(&mut self.batches)
     }
 
-    /// Releases so many bytes of batches, which are dropped, except for what one point of each of so many
-    /// contacts will take. Returns the number of bytes.
+    /// Releases so many bytes of batches, which are dropped, except for the memory that one point of each of
+    /// so many contacts will take. Returns the number of bytes.
     pub(crate) fn give_up(&mut self, bytes: usize, contacts: usize) -> usize {
         self.clear();
         let (before, least) = (self.batches.bytes(0).1, contacts * Self::SIZES[0][0] / 8);
@@ -250,7 +250,7 @@ impl Rows {
         self.friction.bytes(0).1
     }
 
-    /// Reserved bytes of what batches have beside them.
+    /// Reserved bytes of the other data of batches.
     pub(crate) fn beside_bytes(&self) -> usize {
         bytes_of(&self.surfaces).1 + bytes_of(&self.rolling).1 + bytes_of(&self.soft.rows).1
     }
@@ -302,7 +302,7 @@ impl Views<'_> {
     }
 }
 
-/// See [`Batch`] for what `B` is.
+/// See [`Batch`] for the meaning of `B`.
 pub(crate) struct Side<'a, const B: usize> {
     pub(crate) lanes: Lanes8<'a, B>,
     pub(crate) single: Single<'a, B>,

@@ -6,10 +6,10 @@
 /// Such a spring yields under load: a stack becomes a column of springs, which sinks and, if it is high
 /// enough, buckles. So a lasting force acts beside the spring, at each point its share
 /// ([`PointRow::lasting`](super::batch::PointRow::lasting), `Contact::lasting_force`): the rest position of
-/// the spring is where this force bears the load alone. Only deviations from it, which is what resists
-/// leaning, act on the springs. They act at any depth and also over a small gap, or a lean smaller than that
-/// would not be corrected. Without a lasting force only overlap beyond the slop is pushed apart, and rows are
-/// rigid above it, so that a new load meets no spring that it could press through something thin.
+/// the spring is where this force bears the load alone. Only deviations from it act on the springs, and
+/// resist leaning. They act at any depth and also over a small gap, or a lean smaller than that would not be
+/// corrected. Without a lasting force only overlap beyond the slop is pushed apart, and rows are rigid above
+/// it, so that a new load meets no spring that it could press through something thin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Softness {
     /// Speed per overlap [1/s].

@@ -1,8 +1,8 @@
 //! Steps of different lengths: the springs of contacts, and the scaling of impulses that bear loads.
 //!
-//! A body comes to rest only if every step has the same equilibrium, whatever its length. The sag under a
-//! load depends on the spring alone, so the spring is the same from step to step ([`usual_substep`]); and
-//! impulses of lasting loads scale with the length of the substep ([`StepLengths`]).
+//! A body comes to rest only if every step has the same equilibrium at any length. The sag under a load
+//! depends on the spring alone, so the spring is the same from step to step ([`usual_substep`]); and impulses
+//! of lasting loads scale with the length of the substep ([`StepLengths`]).
 
 use crate::config::tuning::{
     EVEN_STEP_BAND, EVENNESS_SHARE, LOAD_TIME, NEW_FORCE_SHARE, SPRING_STEP_FALL, SPRING_STEP_RISE,
@@ -14,7 +14,7 @@ use std::ops::{Add, Mul, Sub};
 ///
 /// A spring as stiff as each substep allows yields by the square of its length: with alternating steps of
 /// 1/30 and 1/144 s a box sags 23 times as far in one as in the other, is thrown up in between, and pumps
-/// energy into what stands on it.
+/// energy into the bodies that stand on it.
 pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
     if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SPRING_STEP_FALL), usual * (1.0 + SPRING_STEP_RISE)) }
 }
@@ -28,11 +28,11 @@ pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
 
 /// This step, its substeps, and those of the last step.
 ///
-/// An impulse consists of what a load requires in a substep and of what the last pass did besides, to stop
-/// the remaining velocities. The load scales with the length of the substep. The rest is a momentum and not a
-/// force: if it scaled too, it would grow by the ratio whenever a long step follows a short one, and two
-/// boxes would rock each other at alternating steps of 1/30 and 1/144 s. So it never grows; that it shrinks
-/// before a shorter step keeps a tower of 20 up that falls otherwise. The mean over the last seconds
+/// An impulse consists of the part that a load requires in a substep and of the part of the last pass that
+/// stopped the remaining velocities. The load scales with the length of the substep. The rest is a momentum
+/// and not a force: if it scaled too, it would grow by the ratio whenever a long step follows a short one,
+/// and two boxes would rock each other at alternating steps of 1/30 and 1/144 s. So it never grows; that it
+/// shrinks before a shorter step keeps a tower of 20 up that falls otherwise. The mean over the last seconds
 /// separates load and rest: a shorter mean would follow a sway, with a lag, and pump it at every hitch. But
 /// where every step has another length, only the mean is warm-started in springs, and it follows within a few
 /// steps. While steps are equally long nothing is stored.

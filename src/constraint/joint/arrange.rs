@@ -32,11 +32,11 @@ pub(crate) struct JointRows {
     /// Trees of point joints: up to eight of the same shape, or a single one.
     pub(crate) trees: Vec<TreeBatch<f32x8>>,
     pub(crate) single_trees: Vec<TreeBatch<f32>>,
-    /// Couplings, with drives of what they couple, by their place.
+    /// Couplings, with motors of the coupled motions, by their place.
     pub(super) couplings: Vec<CouplingBlock>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
-    /// Bodies whose contacts with what is static go along with trees.
+    /// Bodies whose contacts with static geometry are solved along with trees.
     pub(crate) tree_slots: TreeSlots,
     /// Bodies that are joined together.
     pub(crate) nets: Nets,
@@ -79,7 +79,7 @@ impl JointRows {
         bytes_of(&self.couplings).1 + self.couplings.iter().map(CouplingBlock::reserved).sum::<usize>()
     }
 
-    /// Reserved bytes of what all joints share, of trees, of locks outside trees, and of other rows.
+    /// Reserved bytes of data that all joints share, of trees, of locks outside trees, and of other rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
         let beside =
             [bytes_of(&self.stages), bytes_of(&self.touching), self.tree_slots.bytes(), self.nets.bytes()];
@@ -92,7 +92,7 @@ impl JointRows {
         [beside, trees, tables(true), tables(false)]
     }
 
-    /// Reserved bytes of what is arranged, without the buffers that have an entry for each body.
+    /// Reserved bytes of arranged batches, without the buffers that have an entry for each body.
     pub(crate) fn arranged_bytes(&self) -> usize {
         let by_body = [bytes_of(&self.touching), self.tree_slots.bytes(), self.nets.bytes()];
         self.bytes().1 - by_body.iter().map(|bytes| bytes.1).sum::<usize>()

@@ -1,5 +1,4 @@
-//! What the batches of all row types have in common: from what they are filled, what is asked of them and
-//! what they report.
+//! The interface of the batches of all row types: filling, solving and reporting.
 
 use super::ends::{Ends, JointPass, Recovery};
 use crate::constraint::contact::input::PrepareInput;
@@ -15,7 +14,7 @@ pub(crate) trait Filled {
 /// A batch of one row type: the same lock or row of up to eight joints, a lane each.
 ///
 /// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions
-/// follow their rotation, the rows are solved, the bodies are saved. A type supplies what differs. Its
+/// follow their rotation, the rows are solved, the bodies are saved. A type supplies the differences. Its
 /// helpers are inlined into the steps, and the steps are kernels: two dozen of them in one function is more
 /// than the compiler inlines helpers into (12 % of the step of a net of joints).
 pub(crate) trait JointBatch<L: GatherLanes>: Filled + Watched + Default {
@@ -69,7 +68,7 @@ pub(crate) trait Report {
     fn row(&mut self, owner: u32, impulse: RowImpulse);
 }
 
-/// What a row did in the last substep.
+/// Result of a row in the last substep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowImpulse {
     /// At the lower and the upper end of its range [N s] or [N m s].

@@ -12,11 +12,11 @@ use bytemuck::Zeroable;
 pub(crate) struct Recovery {
     /// For lengths [m/s].
     pub(crate) linear: f32,
-    /// For angles, whatever the length unit [rad/s].
+    /// For angles, with any length unit [rad/s].
     pub(crate) angular: f32,
 }
 
-/// What a pass over the rows of joints uses.
+/// Parameters of a pass over the rows of joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointPass {
     /// 1 / substep [1/s].
@@ -27,7 +27,7 @@ pub(crate) struct JointPass {
     pub(crate) moved: bool,
     /// No pass was solved since then: impulses of the last substep are turned with the bodies.
     pub(crate) fresh: bool,
-    /// Remove what correcting errors added to the velocities.
+    /// Remove the velocities that the correction of errors added.
     pub(crate) relax: bool,
 }
 
@@ -283,7 +283,7 @@ fn bias<L: Lanes>(error: Vec3<L>, rate: L, most: f32) -> Vec3<L> {
 }
 
 /// One over the power of two at or below the greatest element of a nonnegative diagonal; 1 if that is next to
-/// zero. A matrix scaled by it has a finite determinant, whatever the scale of its masses, and is not rounded
+/// zero. A matrix scaled by it has a finite determinant, for any scale of its masses, and is not rounded
 /// otherwise.
 #[inline(always)]
 fn to_unit<L: Lanes>(most: L) -> L {

@@ -201,7 +201,7 @@ fn place_point<L: GatherLanes>(
     at
 }
 
-/// An angle of a row with its whole turns: a drive has those that the limit of its hinge knows.
+/// An angle of a row with its whole turns: a motor has those that the limit of its hinge knows.
 fn with_turns(row: &Row, angle: f32, joints: &Joints) -> f32 {
     let drive = matches!(row.kind, RowKind::Motor { .. });
     let known = if drive { joints.with_turns(row.joint, row.axes, angle) } else { None };

@@ -1,7 +1,7 @@
 //! The row types of joints, in one list.
 //!
 //! A new type is a file with a batch that implements [`JointBatch`], how it is filled and watched (`fill.rs`,
-//! `nets/rates.rs`), a line here, and what asks for it in [`JointType::of_row`] or [`JointType::of_lock`].
+//! `nets/rates.rs`), a line here, and a case in [`JointType::of_row`] or [`JointType::of_lock`].
 
 use super::batch::{JointBatch, Report, Watched};
 use super::ends::{JointPass, Recovery};
@@ -46,7 +46,7 @@ macro_rules! row_types {
             $($(#[$doc])* $kind,)*
             /// Two motions of joints that depend on each other.
             Coupling,
-            /// Points that join bodies into trees, with what is locked about them.
+            /// Points that join bodies into trees, with the rotations locked about them.
             Tree,
         }
 
@@ -86,7 +86,7 @@ macro_rules! row_types {
                 [$(&mut self.$table),*]
             }
 
-            /// Who is in the lanes of a type that has batches of pairs.
+            /// Owners of the lanes of a type that has batches of pairs.
             pub(super) fn owners(&mut self, kind: JointType) -> Option<&mut Owners> {
                 match kind {
                     $(JointType::$kind => Some(self.$table.owners()),)*

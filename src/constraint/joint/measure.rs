@@ -1,5 +1,5 @@
-//! What rows of joints measure: a displacement along an axis, a distance, or an angle; and the direction in
-//! which an impulse changes it. Both follow the bodies within a step.
+//! Measures of joint rows: a displacement along an axis, a distance, or an angle; and the direction in which
+//! an impulse changes it. Both follow the bodies within a step.
 
 use super::ends::{Lever, mean, seen};
 use crate::constraint::contact::row::BodyPair;
@@ -12,10 +12,10 @@ pub(crate) trait Measure<L: Lanes>: Copy + Default + Zeroable {
     /// Whether it is an angle [rad] or a length [m].
     const IS_ANGLE: bool;
     /// Initialises a lane at the start of a step, and returns the displacement if that does not follow from
-    /// what it stored.
+    /// the stored data.
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
     /// Updates the measure after displacements: sets force and torque of the lever, and returns the
-    /// displacement. `start`: what `place` returned.
+    /// displacement. `start`: the result of `place`.
     fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L;
     /// The mean speed of the displacement over a time, less its current one: directions turn.
     fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L;

@@ -1,4 +1,4 @@
-//! Rows of joints: what they lock, limit, spring and drive, packed in batches of one row type.
+//! Rows of joints: locks, limits, springs and motors, packed in batches of one row type.
 
 pub(crate) mod arrange;
 pub(crate) mod batch;

@@ -2,14 +2,15 @@
 //!
 //! Joints do no work. For their rows this holds with the directions at the start of a substep, and with how
 //! these bend within it as far as a series goes: for a tenth of a radian or so. Beyond that, their impulses
-//! have little to do with what would hold the joint; in some positions they add energy, and the next substep
-//! adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep that a game
-//! can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may take energy
-//! but give none: after a substep a net has no more than before, except for what motors gave. Any excess is
-//! removed from all of its velocities in proportion, except for the motion of the centre of mass.
+//! have little to do with the impulses that would hold the joint; in some positions they add energy, and the
+//! next substep adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep
+//! that a game can pay for follows that. So where directions turn by more than [`FOLLOWED_TURN`], joints may
+//! take energy but give none: after a substep a net has no more than before, except for the work of motors.
+//! Any excess is removed from all of its velocities in proportion, except for the motion of the centre of
+//! mass.
 //!
 //! Energy is kinetic energy, the potential of external forces, and that of springs. A stiff spring can give
-//! back less than it stores: what its displacement is worth as a speed over a substep.
+//! back less than it stores: the energy of its displacement as a speed over a substep.
 
 mod rates;
 
@@ -129,7 +130,7 @@ impl NetInput<'_, '_> {
         0.5 * (m * f64::from(linear).powi(2) + inertia * f64::from(angular).powi(2))
     }
 
-    /// Mass [kg]; zero of what can't be moved.
+    /// Mass [kg]; zero for bodies that can't be moved.
     fn mass_of(&self, body: usize) -> f64 {
         let inverse = self.mass[body].inverse;
         if inverse > 0.0 { 1.0 / f64::from(inverse) } else { 0.0 }
@@ -223,7 +224,7 @@ impl Nets {
             [true, true] => {
                 let [a, b] = bodies.map(|body| self.root(body));
                 if a != b {
-                    // The lower root, whatever the order.
+                    // The lower root, in any order.
                     let (low, high) = (a.min(b), a.max(b));
                     self.all[high].root = low as u32;
                     let next = self.all[low].next;
@@ -276,8 +277,7 @@ impl Nets {
         }
     }
 
-    /// Finds the energy of a net before the rows of the substep. Only what is asked for: most nets are
-    /// followed.
+    /// Finds the energy of a net before the rows of the substep, on demand only: most nets are followed.
     fn know_energy(&mut self, input: &NetInput<'_, '_>, root: usize) {
         if self.all[root].flags & KNOWN != 0 {
             return;
@@ -297,7 +297,7 @@ impl Nets {
         member.flags |= KNOWN;
     }
 
-    /// Sums the energy of springs; if `done`, also what motors gave in the substep.
+    /// Sums the energy of springs; if `done`, also the work of motors in the substep.
     fn sum_springs(&mut self, input: &NetInput<'_, '_>, done: bool) {
         self.all.iter_mut().for_each(|member| member.spring_energy = 0.0);
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
@@ -403,7 +403,7 @@ impl Nets {
         let mut sound = is_followed(flags);
         self.around(root, |body| {
             let v = input.velocity(body);
-            // The sum of what is no number is none.
+            // A sum with a NaN is NaN.
             sound &= v.linear.abs().max(v.angular.abs()).max_element() <= RUNAWAY
                 && (v.linear.element_sum() + v.angular.element_sum()).is_finite();
         });

@@ -1,9 +1,8 @@
-//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors,
-//! friction.
+//! Rows of joints with one direction: limits that have a width, springs beyond them, motors, friction.
 //!
-//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with
-//! d = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after
-//! the impulse.
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable for any values: with d
+//! = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after the
+//! impulse.
 
 use super::batch::{JointBatch, Report, RowImpulse};
 use super::ends::{Ends, JointPass, Lever};
@@ -21,7 +20,7 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) measure: M,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
-    /// What the joint's own locks add to an impulse so that it does not move what they hold: force and
+    /// The impulse of the joint's own locks per impulse of the row, which keeps them closed: force and
     /// torque, at the start of the step.
     pub(crate) borne: [Vec3<L>; 2],
     /// The direction in which velocities change the displacement, after the last substep.
@@ -31,13 +30,13 @@ pub(crate) struct RowBatch<L, M> {
     /// Displacement at the start of the step, and after the last substep [m] or [rad].
     pub(crate) value: L,
     pub(crate) now: L,
-    /// Range; for a drive both ends are its target.
+    /// Range; for a motor both ends are its target.
     pub(crate) min: L,
     pub(crate) max: L,
     /// Where rigid ends of the joint's own range stop a motor; infinite for all other rows.
     pub(crate) stops: [L; 2],
     pub(crate) spring: Spring<L>,
-    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
+    /// Impulses of the last substep at the lower and the upper end; a motor has the first only.
     pub(crate) impulse: [L; 2],
     /// The impulse as it was applied, part by part, while directions turned: its force, and the moments [N
     /// s], [N m s].
@@ -45,7 +44,7 @@ pub(crate) struct RowBatch<L, M> {
     moment: [Vec3<L>; 2],
     /// The lasting part of the impulse at the lower end less that at the upper one, which does not yield.
     pub(crate) lasting: L,
-    /// Lanes of drives, of springs, and of ranges without width.
+    /// Lanes of motors, of springs, and of ranges without width.
     pub(crate) drives: u32,
     pub(crate) springs: u32,
     pub(crate) both: u32,
@@ -86,7 +85,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     }
 }
 
-/// What both ends of rows are solved with.
+/// Quantities that both ends of rows are solved with.
 struct End<L: Lanes> {
     drives: L::Mask,
     springs: L::Mask,

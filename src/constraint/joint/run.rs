@@ -42,7 +42,7 @@ macro_rules! on_trees {
 
 #[cfg(feature = "observe")]
 impl JointViews<'_> {
-    /// Reports the drives in blocks of couplings, and calls `coupling` with each coupling by its slot, its
+    /// Reports the motors in blocks of couplings, and calls `coupling` with each coupling by its slot, its
     /// impulses at both ends, and force and torque on each of its joints per impulse.
     ///
     /// # Safety

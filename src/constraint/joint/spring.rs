@@ -64,8 +64,9 @@ impl Spring<f32> {
         (d > 0.0).then(|| Spring { pull: k / d, speed: c / d * target, give: 1.0 / (h * d), most })
     }
 
-    /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
-    /// `impulse`: of the last substep of `h` seconds; `mobility`: speed per impulse of what it acts on.
+    /// The energy that it can give back, and its work by the target speed [J]. `over`: its displacement;
+    /// `impulse`: of the last substep of `h` seconds; `mobility`: speed per impulse of the bodies that it
+    /// acts on.
     pub(super) fn energy(&self, over: f32, impulse: f32, h: f32, mobility: f32) -> [f32; 2] {
         let &Spring { pull, speed, give, most } = self;
         if give <= 0.0 {

@@ -1,4 +1,4 @@
-//! The batches of one row type, and what batches of all types do alike.
+//! The batches of one row type, and the operations that batches of all types share.
 
 use super::batch::{JointBatch, Report, Watched};
 use super::ends::{JointPass, NONE, Recovery};

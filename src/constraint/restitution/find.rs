@@ -124,7 +124,7 @@ fn each_spot(input: &PrepareInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot)) {
         return;
     }
     for (slot, contact) in input.contacts.chain(pair.contact) {
-        // The spring of a soft contact throws back what it stops.
+        // The spring of a soft contact throws bodies back by itself.
         if x.is_soft(0) || y.is_soft(contact.material) {
             continue;
         }

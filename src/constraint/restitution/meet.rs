@@ -12,8 +12,8 @@
 //! looks along that. It loses time, but no energy. Its rows are disabled until then
 //! (`solver::store::disable`).
 //!
-//! Rows act on what is crossed by the end of the substep, so they get the mean velocity, which leads there
-//! from where the body really starts; once bodies have moved, the velocity is that after the last impact
+//! Rows act on overlap at the end of the substep, so they get the mean velocity, which leads there from where
+//! the body really starts; once bodies have moved, the velocity is that after the last impact
 //! ([`Restitution::go_on`]).
 
 use super::strike::{Impact, Moving, velocity};
@@ -274,7 +274,8 @@ impl Bodies<'_> {
     /// enough to bounce, or one body runs into another that is held.
     ///
     /// `next`: time ahead that is looked at too [s]. Rows of a touching manifold come to rest as a whole, and
-    /// would remove what its other points cross in the next substep, so these bounce at the end of this one.
+    /// would remove the approach of its other points in the next substep, so these bounce at the end of this
+    /// one.
     fn closing(&self, spot: &Spot, struck: &[Struck], now: f32, next: f32) -> Option<(f32, f32)> {
         let [whole, speed, pull] = self.fall(spot);
         let gap = whole + (speed + 0.5 * pull * now) * now;
@@ -288,8 +289,8 @@ impl Bodies<'_> {
         };
         let mut time = 0.0;
         if gap > 0.0 {
-            // To the end of the substep as rows see it, and a little further: what they would stop must have
-            // bounced.
+            // To the end of the substep as rows see it, and a little further: points that they would stop
+            // must have bounced.
             let end = self.end_gap(spot);
             let rest = end - (end - whole).abs() * SLACK - self.together * BOUNCE_REST_SHARE;
             if rest > 0.0 && rest > -(speed + pull * left) * next {

@@ -4,12 +4,13 @@
 //! slip. Friction that comes after the normal impulses leaves another speed than Newton's law says. So each
 //! point is a block of three rows, solved exactly, and Gauss-Seidel goes over the points. Friction opposes
 //! the slip at the end of the impact (J. J. Moreau, *Unilateral contact and dry friction in finite freedom
-//! dynamics*, 1988): within the circle of `mu` times the normal impulse it is what leaves least energy.
+//! dynamics*, 1988): within the circle of `mu` times the normal impulse it is the one that leaves least
+//! energy.
 //!
-//! Newton's coefficient compares speeds, not energies: with friction it may give back more than there was
-//! (T. R. Kane and D. A. Levinson, *Dynamics: Theory and Applications*, 1985). The plastic impact never
-//! does, and what takes energy is convex: an impact that would gain some is drawn towards the plastic one
-//! until it gains none.
+//! Newton's coefficient compares speeds, not energies: with friction it may give back more than there was (T.
+//! R. Kane and D. A. Levinson, *Dynamics: Theory and Applications*, 1985). The plastic impact never does, and
+//! the set of impulses that lose energy is convex: an impact that would gain some is drawn towards the
+//! plastic one until it gains none.
 
 use super::meet::{Bodies, add};
 use super::{NONE, Spot, Struck};
@@ -227,7 +228,7 @@ impl Row {
     }
 }
 
-/// The friction that minimizes energy within a circle: it stops the slip, or opposes what is left.
+/// The friction that minimizes energy within a circle: it stops the slip, or opposes the remaining slip.
 ///
 /// `free`: slip without it [m/s]; `ease`: by how much unit impulses change that, by axis [1/kg].
 fn friction(free: Vec2, ease: Vec2, most: f32) -> Vec2 {
@@ -236,9 +237,8 @@ fn friction(free: Vec2, ease: Vec2, most: f32) -> Vec2 {
     if most <= 0.0 || stops.length() <= most {
         return if most > 0.0 { stops } else { Vec2::ZERO };
     }
-    // What is left of the slip is `slack` times the friction, against it. Newton's method on the inverse of
-    // the length, which is almost a line (J. J. Moré and D. C. Sorensen, *Computing a trust region step*,
-    // 1983).
+    // The remaining slip is `slack` times the friction, against it. Newton's method on the inverse of the
+    // length, which is almost a line (J. J. Moré and D. C. Sorensen, *Computing a trust region step*, 1983).
     let mut slack = 0.0_f32;
     for _ in 0..SLIP_STEPS {
         let now = at(slack);
@@ -271,10 +271,10 @@ fn axes(moving: &[Moving; 2], spot: &Spot) -> ([Vec3; 2], Vec2) {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving {
     pub(super) body: u32,
-    /// At the time of the impact; nothing moves what is no body.
+    /// At the time of the impact; at rest if there is no body.
     own: ImpactBody,
     before: Record,
-    /// Inverse mass, whatever is locked [1/kg].
+    /// Inverse mass, regardless of locked axes [1/kg].
     whole: f32,
     /// If its principal moments differ.
     pub(super) rotation: Option<Quat>,

@@ -139,7 +139,7 @@ pub(crate) fn arrange(
 }
 
 /// The same under a budget: if there is too little memory, batches that are mostly empty become single rows;
-/// and if that is not enough, contacts are cut by rank until what is left fits.
+/// and if that is not enough, contacts are cut by rank until the rest fits.
 fn arrange_within(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
@@ -364,7 +364,7 @@ impl<'a> Sorter<'a> {
         }
     }
 
-    /// Puts what was added in order. `bounded`: overlaps may be left out.
+    /// Sorts the added rows. `bounded`: overlaps may be left out.
     fn finish(self, bounded: bool) -> Prepared {
         let Sorter { input, scratch, prepared, ahead, .. } = self;
         note_crowd(input, &mut scratch.crowd, bounded);
@@ -375,7 +375,8 @@ impl<'a> Sorter<'a> {
     }
 }
 
-/// Tells bodies that overlap several others of what they touch. `bounded`: overlaps may be left out.
+/// Records for bodies that overlap several others which bodies they touch. `bounded`: overlaps may be left
+/// out.
 fn note_crowd(input: &PrepareInput<'_>, crowd: &mut Crowd, bounded: bool) {
     let limits = if bounded { !crowd.is_empty() } else { crowd.limits_any() };
     if !limits {

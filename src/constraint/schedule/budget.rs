@@ -1,4 +1,4 @@
-//! Limits the memory of what only continuous collision makes.
+//! Limits the memory that only continuous collision needs.
 
 use super::arrange::ahead_lanes;
 use super::facts::{Fact, each_contact};

@@ -1,5 +1,5 @@
-//! What sorting has to know of contacts, looked up by all threads: contacts lie far apart in memory, and the
-//! sorting itself is for one thread.
+//! Data of contacts for sorting, looked up by all threads: contacts lie far apart in memory, and the sorting
+//! itself is for one thread.
 
 use super::order::Group;
 use crate::config::tuning::CROWD_OVERLAP;

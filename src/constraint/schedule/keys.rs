@@ -11,7 +11,7 @@ pub(crate) const KINDS: usize = 5;
 
 /// Keys of rows that are solved after the same group.
 const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * KINDS;
-/// What rows may be solved after: nothing, or a group.
+/// Groups that rows may be solved after, and none.
 const AFTERS: usize = 1 + Order::LEN;
 
 /// Contacts of a group that are solved after the same other group.
@@ -93,7 +93,7 @@ impl Keys {
     }
 
     /// Layers and colours in the order in which they are solved. Contacts without a colour come first in
-    /// their layer: what is solved last is obeyed best.
+    /// their layer: rows that are solved last have the smallest error.
     pub(crate) fn colours(&self) -> impl Iterator<Item = (Layer, usize)> + '_ {
         self.layers.iter().flat_map(|&layer| {
             let colours = self.colours[layer.group as usize];

@@ -5,9 +5,9 @@ use crate::config::RowGroup;
 
 /// Rows of contacts of one type and importance. Groups are solved in this order, so the last is obeyed best.
 ///
-/// Friction comes before the normal rows of its own contact, and what keeps bodies out of the static world
-/// comes last: a body pushed into another can be pushed out again in the next step, a body pushed through the
-/// floor is lost. After Vincent Robert's talk (Ubisoft, GDC 2012).
+/// Friction comes before the normal rows of its own contact, and contacts with static geometry come last: a
+/// body pushed into another can be pushed out again in the next step, a body pushed through the floor is
+/// lost. After Vincent Robert's talk (Ubisoft, GDC 2012).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum Group {

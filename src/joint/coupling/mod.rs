@@ -11,7 +11,7 @@ use crate::handle::JointHandle;
 use std::f64::consts::TAU;
 pub(crate) use store::{CouplingRecords, Couplings, MAX_DISPLACEMENT, SavedCouplings};
 
-// Guard: limits of what a caller may say.
+// Guard: limits of a caller's input.
 /// Largest factor of a coupled motion, and one over the smallest.
 const MAX_FACTOR: f64 = 1e9;
 // Guard: the same.
@@ -67,9 +67,8 @@ impl CoupledMotion {
 /// A coupling to be added: keeps the sum of two motions of joints, each times its factor, at a value or
 /// within a range.
 ///
-/// What a motion gets from the coupling acts on the second body of its joint, and the opposite on the first:
-/// a gearbox bears the reaction of its shafts, whether it is fixed or moves. Momentum and angular momentum
-/// are conserved.
+/// The coupling acts on the second body of each joint, and with the opposite on the first: a gearbox bears
+/// the reaction of its shafts, whether it is fixed or moves. Momentum and angular momentum are conserved.
 ///
 /// With the feature `serde` all but the motions may be left out where it is the default. Where numbers are
 /// text an infinite one is `"infinity"` or `"-infinity"`.
@@ -99,9 +98,9 @@ impl CoupledMotion {
 pub struct CouplingDesc {
     /// The two motions: of two joints, or two different ones of the same joint.
     pub motions: [CoupledMotion; 2],
-    /// Least and greatest value of the sum, infinite for none. `None`, the default, keeps the sum at what it
-    /// is when the coupling is added. In a range that is given, angles count from -pi..=pi when the coupling
-    /// is added.
+    /// Least and greatest value of the sum, infinite for none. `None`, the default, keeps the sum at its
+    /// value when the coupling is added. In a range that is given, angles count from -pi..=pi when the
+    /// coupling is added.
     #[cfg_attr(feature = "serde", serde(with = "unbounded::range", default))]
     pub range: Option<[f64; 2]>,
     /// The coupling breaks if it exerts more than this on the first or the second motion [N] or [N m].
@@ -114,7 +113,7 @@ pub struct CouplingDesc {
 }
 
 impl CouplingDesc {
-    /// Keeps the sum of two motions at what it is.
+    /// Keeps the sum of two motions at its present value.
     pub fn new(motions: [CoupledMotion; 2]) -> CouplingDesc {
         CouplingDesc { motions, range: None, break_force: [f32::INFINITY; 2], user_data: 0 }
     }
@@ -144,7 +143,8 @@ impl CouplingDesc {
 
     /// A rope over two pulleys: the distance of the first joint's frames and `ratio` times that of the
     /// second's are together at most `length` [m], less if the rope is slack. Each joint runs from a pulley
-    /// to what hangs there, and restricts nothing itself ([`JointDesc::new`](crate::JointDesc::new)).
+    /// to the body that hangs there, and restricts nothing itself
+    /// ([`JointDesc::new`](crate::JointDesc::new)).
     pub fn pulley(ropes: [JointHandle; 2], ratio: f64, length: f64) -> CouplingDesc {
         CouplingDesc::new([CoupledMotion::distance(ropes[0], 1.0), CoupledMotion::distance(ropes[1], ratio)])
             .with_range(Some([f64::NEG_INFINITY, length]))
@@ -154,7 +154,7 @@ impl CouplingDesc {
     pub fn with_motions(self, motions: [CoupledMotion; 2]) -> CouplingDesc {
         CouplingDesc { motions, ..self }
     }
-    /// With another range of the sum; `None` keeps it at what it is.
+    /// With another range of the sum; `None` keeps the sum at its present value.
     pub fn with_range(self, range: Option<[f64; 2]>) -> CouplingDesc {
         CouplingDesc { range, ..self }
     }
@@ -214,10 +214,10 @@ pub(crate) fn check_range([min, max]: [f64; 2]) -> Result<(), Error> {
     Ok(())
 }
 
-/// What is coupled of a joint, without its factor.
+/// A coupled motion of a joint, without its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Term {
-    /// Slot of the joint; [`NONE`] in what was removed.
+    /// Slot of the joint; [`NONE`] in a coupling that was removed.
     pub(crate) joint: u32,
     pub(crate) motion: Motion,
     pub(crate) axes: Axes,
@@ -272,7 +272,7 @@ impl Coupling {
         self.range[0] == self.range[1]
     }
 
-    /// What factors are divided by for the solver, whose numbers are `f32`: the greater magnitude.
+    /// The divisor of factors for the solver, whose numbers are `f32`: the greater magnitude.
     pub(crate) fn scale(&self) -> f64 {
         self.factors[0].abs().max(self.factors[1].abs())
     }
@@ -286,7 +286,7 @@ impl Coupling {
         (0..2).any(|i| self.load[i].abs() > self.strength[i])
     }
 
-    /// Forgets what it bore.
+    /// Forgets its load.
     pub(crate) fn forget(&mut self) {
         (self.impulse, self.lasting_impulse, self.load) = ([0.0; 2], 0.0, [0.0; 2]);
     }

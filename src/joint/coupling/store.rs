@@ -1,4 +1,4 @@
-//! The couplings of a world, and what a snapshot keeps of them.
+//! The couplings of a world, and their snapshots.
 
 use super::{Coupling, NONE, Term, check_factor, check_range};
 use crate::error::Error;
@@ -55,7 +55,7 @@ impl Couplings {
         }
     }
 
-    /// Where what they bear is no number, or out of range, they begin the next step without.
+    /// Couplings whose loads are NaN or out of range begin the next step without them.
     pub(crate) fn forget_unsound(&mut self) {
         for coupling in &mut self.all {
             let ([low, high], [a, b]) = (coupling.impulse, coupling.load);
@@ -76,7 +76,7 @@ impl Couplings {
         if self.count > 0 { self.bytes().1 } else { bytes_of(&self.broken).1 }
     }
 
-    /// Writes what changes from step to step.
+    /// Writes the state that changes from step to step.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> u32 {
         for coupling in &self.all {
             out.extend_from_slice(&words::<4>(coupling.displacements));
@@ -86,7 +86,7 @@ impl Couplings {
         self.all.len() as u32
     }
 
-    /// Takes what [`Couplings::save`] wrote.
+    /// Restores the output of [`Couplings::save`].
     pub(crate) fn restore(&mut self, saved: &SavedCouplings<'_>) {
         for (coupling, words) in self.all.iter_mut().zip(saved.0.as_chunks::<STATE>().0) {
             coupling.displacements = record::<_, 4>(&words[..4]);
@@ -97,7 +97,7 @@ impl Couplings {
         self.broken.clear();
     }
 
-    /// Writes what couplings there are.
+    /// Writes the definitions of couplings.
     pub(crate) fn save_all(&self, out: &mut Vec<u32>) {
         out.push(self.all.len() as u32);
         for (slot, coupling) in self.all.iter().enumerate() {
@@ -134,7 +134,7 @@ pub(crate) const MAX_DISPLACEMENT: f64 = 1e15;
 /// Words of a coupling in a state.
 const STATE: usize = 9;
 
-/// What changes of couplings from step to step, as words.
+/// State of couplings that changes from step to step, as words.
 #[derive(Clone, Copy)]
 pub(crate) struct SavedCouplings<'a>(&'a [u32]);
 
@@ -179,7 +179,7 @@ impl CouplingRecords {
         self.all.iter().filter(|coupling| coupling.is_there()).map(Coupling::joints)
     }
 
-    /// Reads what [`Couplings::save_all`] wrote. `exists`: whether there is a joint.
+    /// Reads the output of [`Couplings::save_all`]. `exists`: whether there is a joint.
     pub(crate) fn read(from: &mut Reader<'_>, exists: impl Fn(u32) -> bool) -> Result<Self, Error> {
         let count = from.one()?;
         let mut records = CouplingRecords::default();
@@ -199,7 +199,7 @@ impl CouplingRecords {
     }
 }
 
-/// What is left of a coupling that was removed.
+/// A coupling that was removed.
 const NOTHING: Coupling = Coupling {
     terms: [Term { joint: NONE, motion: Motion::Linear, axes: Axes::All }; 2],
     factors: [1.0; 2],

@@ -1,4 +1,4 @@
-//! The locks and rows of joints: made out of limits and drives, found, changed, and read as they were given.
+//! The locks and rows of joints: made out of limits and motors, found, changed, and read as they were given.
 
 use super::Joints;
 use crate::joint::motion::{Axes, Axis, Limit, Motion, Motor};
@@ -7,7 +7,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 impl Limit {
-    /// What it locks, if it is a lock of more than one direction, which a block solves.
+    /// The kind of lock, if it locks more than one direction and is solved by a block.
     pub(crate) fn locked(&self) -> Option<LockKind> {
         match (self.motion, self.axes) {
             _ if !self.locks() => None,
@@ -41,7 +41,7 @@ impl Motor {
 }
 
 impl RowKind {
-    /// The numbers that may change in every step: the ends of a range, or the target of a drive. Snapshots
+    /// The numbers that may change in every step: the ends of a range, or the target of a motor. Snapshots
     /// keep them with the state.
     pub(crate) fn ends(&self) -> [f32; 2] {
         match *self {
@@ -124,7 +124,7 @@ impl Row {
         }
     }
 
-    /// The drive that it is.
+    /// The motor that it is.
     pub(crate) fn drive(&self) -> Option<Motor> {
         let (
             Row { motion, axes: Axes::One(axis), .. },
@@ -136,24 +136,24 @@ impl Row {
         Some(Motor { motion, axis, position, velocity, spring, max_force })
     }
 
-    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
-    /// spring.
+    /// Whether it turns the bodies of a hinge by a torque that does not depend on masses: a motor, friction,
+    /// a spring.
     pub(crate) fn drives_hinge(&self) -> bool {
         self.motion == Motion::Angular
             && self.is_guided()
             && matches!(self.kind, RowKind::Motor { spring, .. } if !spring.coefficients().per_mass)
     }
 
-    /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a
-    /// direction that can't turn, and what drives a hinge.
+    /// Whether the joint's locks leave its bodies only the motion along or about it: a slide in a direction
+    /// that can't turn, and motors of a hinge.
     pub(crate) fn is_guided(&self) -> bool {
         let may = self.motion == Motion::Linear || matches!(self.kind, RowKind::Motor { .. });
         may && is_guided(self.motion, self.axes, self.beside[1])
     }
 }
 
-/// Whether what a joint locks of its rotation leaves its bodies no other way to go than along or about axes,
-/// in a direction that can't turn.
+/// Whether the rotations that a joint locks leave its bodies only the motion along or about axes, in a
+/// direction that can't turn.
 pub(crate) fn is_guided(motion: Motion, axes: Axes, turns: Option<LockKind>) -> bool {
     match (motion, axes, turns) {
         (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
@@ -181,9 +181,9 @@ impl Joints {
         }
     }
 
-    /// Replaces what is limited and driven. What stays of its kind keeps its impulses, and all of it has the
-    /// place that the joint had: the order of joints, in which rows are solved, does not depend on which of
-    /// them were changed.
+    /// Replaces limits and motors. Rows that keep their kind keep their impulses, and all have the place that
+    /// the joint had: the order of joints, in which rows are solved, does not depend on which of them were
+    /// changed.
     pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Motor]) {
         let (own_locks, own_rows) = (self.lock_range(joint), self.row_range(joint));
         let mut locks: Vec<Lock> = self.locks.drain(own_locks.clone()).collect();
@@ -215,7 +215,7 @@ impl Joints {
                 new.turned = if new.counts_turns() { old.turned } else { f32::INFINITY };
             }
         }
-        // A joint that is left without any is not asked any more what it bears.
+        // The load of a joint without rows is not measured any more.
         let joint = &mut self.all[joint as usize];
         (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
         self.changed = true;
@@ -240,7 +240,7 @@ impl Joints {
         if own == 0 { 0..0 } else { start..start + own }
     }
 
-    /// What a joint locks: of its point, and of its rotation.
+    /// The locks of a joint: of its point, and of its rotation.
     pub(crate) fn locked_by(&self, joint: u32) -> [Option<LockKind>; 2] {
         let kinds = || self.locks[self.lock_range(joint)].iter().map(|lock| lock.kind);
         [kinds().find(|kind| !kind.turns()), kinds().find(|kind| kind.turns())]
@@ -272,12 +272,12 @@ impl Joints {
         locks.chain(self.rows[self.row_range(joint)].iter().filter_map(Row::limit))
     }
 
-    /// The drives of a joint, as they were given.
+    /// The motors of a joint, as they were given.
     pub(crate) fn drives_of(&self, joint: u32) -> impl Iterator<Item = Motor> + '_ {
         self.rows[self.row_range(joint)].iter().filter_map(Row::drive)
     }
 
-    /// The row of the first drive of a motion along or about an axis.
+    /// The row of the first motor of a motion along or about an axis.
     pub(crate) fn drive_row(&self, joint: u32, motion: Motion, axis: Axis) -> Option<usize> {
         let wanted =
             |row: &Row| matches!(row.kind, RowKind::Motor { .. }) && is_of(row, motion, Axes::One(axis));

@@ -2,7 +2,8 @@
 //!
 //! The same kernels run at the pose of the first touch, and the separations that they find are carried back
 //! along the relative motion to the start of the step. A pair that does not touch gets no point at all, so
-//! that nothing is pushed by what it never reaches; of a mesh only the first obstacle on the path counts.
+//! that nothing is pushed by an obstacle that it never reaches; of a mesh only the first obstacle on the path
+//! counts.
 
 use super::gates::enter_mesh;
 use super::mesh::{CastResult, cast_mesh};
@@ -45,8 +46,8 @@ pub(crate) fn manifold_at_half_step(input: &Input<'_>, pair: &Pair, margin: f32)
 
 /// The manifold of two bodies that both move far, at a later pose than that of the manifold `raw`, which was
 /// found at `fraction`; with its own fraction of the step. `None` if they overlap there by no more than the
-/// planes of `raw` foresee. What slides along a plate for metres meets it where the plate has turned to by
-/// then.
+/// planes of `raw` foresee. A shape that slides along a plate for metres meets it where the plate has turned
+/// to by then.
 pub(crate) fn manifold_later_on_path(
     input: &Input<'_>,
     pair: &Pair,
@@ -77,8 +78,8 @@ pub(crate) fn manifold_later_on_path(
 }
 
 /// For mode `Volume`: the manifold of two convex shapes that miss each other, where their centres pass. The
-/// path runs along such a plane, not through it, so the plane pushes only what another impact throws off its
-/// path.
+/// path runs along such a plane, not through it, so the plane pushes only a body that another impact throws
+/// off its path.
 pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = input.shapes(pair);
     let motion = motion_of(input, pair);
@@ -103,8 +104,8 @@ pub(crate) fn first_touch_in_flight(
     moving.cast(MeshCast { alone: input.margin, ..first }, scratch)
 }
 
-/// Where a shape first touches a mesh or height field, other than what it rests on: what is within `resting`
-/// [m] at the start is left to the kernel there, whose results `scratch` still holds.
+/// First touch of a shape with a mesh or height field, other than the triangles it rests on: those within
+/// `resting` [m] at the start are left to the kernel there, whose results `scratch` still holds.
 pub(crate) fn first_touch_with_mesh(
     input: &Input<'_>,
     moving: &MeshPair<'_>,
@@ -128,8 +129,8 @@ pub(crate) fn touches_mesh(unit: f32, moving: &MeshPair<'_>, scratch: &mut MeshS
 }
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to
-/// which it would slide along what it touched first: a body that hits the ground close to a wall meets both
-/// in one step.
+/// which it would slide along the surface that it touched first: a body that hits the ground close to a wall
+/// meets both in one step.
 pub(crate) fn add_manifolds_at_touch(
     input: &Input<'_>,
     pair: &Pair,
@@ -168,7 +169,7 @@ pub(crate) fn add_manifolds_at_touch(
     let whole = fraction + further * (1.0 - fraction);
     for i in 0..out.raw.len() {
         let first = carry_back(&out.raw[i], &then, further, 0.0);
-        // What touches on the way there touches at the first place too.
+        // A shape that touches on the way there touches at the first place too.
         out.add(carry_back(&first, motion, fraction, 0.0), whole);
     }
 }
@@ -199,7 +200,7 @@ pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
     Motion::new(a, &body_path(input, pair.a), b, &body_path(input, pair.b))
 }
 
-/// What is left of the path at a fraction of the step, in the frame that shape a has then [m].
+/// The rest of the path at a fraction of the step, in the frame that shape a has then [m].
 fn path_left(motion: &Motion, fraction: f32) -> Vec3 {
     let turned = exp_map(motion.a.spin * fraction) * motion.a.rotation;
     turned.conjugate() * motion.displacement * (1.0 - fraction)
@@ -326,8 +327,8 @@ fn body_path(input: &Input<'_>, collider: u32) -> BodyPath {
 }
 
 /// Carries a manifold that was found at a fraction of the step back to the start, into the frame that shape a
-/// has there. Its arms stay those of the touch. To its separations comes what the predicted motion takes away
-/// until then, `least` or more.
+/// has there. Its arms stay those of the touch. Its separations are increased by the approach of the
+/// predicted motion until then, `least` or more.
 pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;

@@ -12,7 +12,7 @@
 //! 2. *Where it is crossed.* A point has to lie over the face it was found on when its path crosses the
 //!    plane. If the shapes slide along the plane by more than the margin until then, the same kernel finds
 //!    the footprint at the pose where they cross it, and its separations are carried back to the start by
-//!    adding what the motion takes away until then.
+//!    adding the approach by the motion until then.
 //!
 //! All of it is in closed form. Rotation enters only by the points' velocities at the start, as straight
 //! motion.
@@ -51,8 +51,8 @@ pub(crate) fn straight(motion: &Motion) -> Motion {
 }
 
 /// Filters the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start.
-/// Returns what is left of it with the fraction of the step at which its footprint was taken; `None` if the
-/// two miss each other.
+/// Returns the rest of it with the fraction of the step at which its footprint was taken; `None` if the two
+/// miss each other.
 pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<(RawManifold, f32)> {
     let (a, b) = input.shapes(pair);
     let approach = input.approach(pair);

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 /// matters from then on.
 pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
 
-/// What a cast found.
+/// Result of a cast.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CastResult {
     /// A triangle may be near at the start: the kernel has to run there first.
@@ -28,7 +28,7 @@ pub(crate) enum CastResult {
     First(Touch),
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see
+/// First touch of a convex shape with a triangle of a mesh or height field, other than those it rests on; see
 /// [`MeshCast`]. `rel`: pose of the mesh in the shape's frame at the start. `nearby`: buffer for the
 /// triangles, if there is memory.
 pub(crate) fn cast_mesh(
@@ -114,7 +114,7 @@ struct Search<'a> {
     near: bool,
 }
 
-/// What an exact search needs.
+/// Input of an exact search.
 struct Exact<'a> {
     sweep: Sweep<'a>,
     start: Placed,
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Examines the triangles along a path, nearer ones first. `along`: calls what it is given with each.
+    /// Examines the triangles along a path, nearer ones first. `along`: calls its argument with each.
     fn go_along(&mut self, along: impl FnOnce(&mut Visit<'_>)) {
         let mut seen = Eight::default();
         let mut visit = |index: u32, corners: [Vec3; 3], _: f32| -> f32 {

@@ -1,8 +1,8 @@
-//! What is asked of a cast against a mesh or a height field.
+//! Parameters of a cast against a mesh or a height field.
 
 use crate::narrow_phase::mesh::touched::Touched;
 
-/// What a cast against triangles looks for.
+/// Parameters of a cast against triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshCast {
     /// How early a touch may be reported [m].
@@ -10,8 +10,8 @@ pub(crate) struct MeshCast {
     /// Triangles nearer than this at the start are left to the kernel there, which the caller runs with at
     /// least that margin [m]. So a triangle is skipped if the shape is that close to it at the start, or if
     /// the shape is that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is
-    /// the floor that it is on, and its inner edges stop nothing, but a wall does. Two slops and twice what
-    /// gravity adds in a step is enough.
+    /// the floor that it is on, and its inner edges stop nothing, but a wall does. Two slops and twice the
+    /// displacement by gravity in a step are enough.
     pub(crate) resting: f32,
     /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
     pub(crate) alone: f32,

@@ -51,14 +51,14 @@ pub(crate) struct Touch {
 /// First fraction of the step at which two convex shapes, or one and a plane, are within `tolerance` [m] of
 /// each other; 0 if they are at the start. A search that doesn't settle counts as a touch.
 ///
-/// [`tolerance`] says what fits two shapes.
+/// [`tolerance`] gives one that fits two shapes.
 pub(crate) fn cast_convex(a: &Collider, b: &Collider, motion: &Motion, tolerance: f32) -> Option<Touch> {
     let other = if b.kind == Kind::Plane { Other::Plane } else { Other::Convex(b.geometry.support()?) };
     Sweep::new(a.geometry.support()?, other, motion, tolerance).first_touch(1.0)
 }
 
 /// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.0002 of the length unit, and
-/// no less than what `f32` poses resolve over the extent of the larger one. A real contact begins at ten
+/// no less than the resolution of `f32` poses over the extent of the larger one. A real contact begins at ten
 /// times as much.
 pub(crate) fn tolerance(a: &Collider, b: &Collider, unit: f32) -> f32 {
     let (small, large) = if a.radius < b.radius { (a.radius, b.radius) } else { (b.radius, a.radius) };
@@ -66,7 +66,7 @@ pub(crate) fn tolerance(a: &Collider, b: &Collider, unit: f32) -> f32 {
     (1e-3 * small).min(2e-4 * unit).max(2.0 * f32::EPSILON * large)
 }
 
-/// What a moves against.
+/// The obstacle of a.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Other<'a> {
     Convex(Support<'a>),
@@ -127,7 +127,7 @@ impl<'a> Sweep<'a> {
         let turn_b = match &b {
             Other::Convex(b) => Arc::of(&motion.b, tolerance, b),
             Other::Plane => {
-                // What touches is within reach of a, so that much of the plane counts.
+                // A touch is within reach of a, so that much of the plane counts.
                 let far = a.half_extents(DMat3::IDENTITY).length() + f64::from(motion.a.lever.length());
                 let far = far + motion.start.length() + displacement.length();
                 let mut turn = Arc::still(&motion.b, unit(motion.b.rotation));

@@ -1,7 +1,7 @@
 //! The path of a shape along a mesh that doesn't turn, as that of its bounding box and ball.
 //!
-//! Most casts find nothing: the body is in flight, or rolls on what it touches anyway. A ball needs no
-//! rotation, and its height over a plane changes linearly, so two heights each exclude eight triangles, in
+//! Most casts find nothing: the body is in flight, or rolls on triangles that it touches anyway. A ball needs
+//! no rotation, and its height over a plane changes linearly, so two heights each exclude eight triangles, in
 //! the mesh's own frame. Only where that is not enough a search begins.
 
 use super::mesh_cast::MeshCast;
@@ -44,7 +44,7 @@ pub(crate) struct ShapePath {
     radius: f32,
     /// Distance that counts as a touch, with the allowance for rounding [m].
     clearance: f32,
-    /// What is touched at the start, in the frame of the mesh.
+    /// Triangles touched at the start, in the frame of the mesh.
     known: Touched,
     lip: f32,
 }
@@ -69,7 +69,7 @@ impl ShapePath {
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let half = (half + Vec3::splat(tilt * a.radius)).min(Vec3::splat(a.radius)) + Vec3::splat(swing);
         let radius = a.radius + swing;
-        // The tolerance alone may be less than what `f32` resolves in a large mesh.
+        // The tolerance alone may be less than the resolution of `f32` in a large mesh.
         let rounding = 2e-6 * (from.length() + way.length() + radius);
         let clearance = cast.tolerance.max(cast.alone) + rounding;
         let known = cast.known.seen_from(&Pose::new(rel.position, rel.rotation));
@@ -112,7 +112,7 @@ mod tests {
     use crate::shape::Geometry;
     use crate::shape::support::Support;
 
-    /// What the exact search finds to be touched is never passed over, and at no time a shape leaves its box.
+    /// No touch of the exact search is passed over, and a shape never leaves its box.
     #[test]
     fn what_is_touched_is_not_passed_and_the_box_holds_the_shape() {
         let mut random = Random(78);

@@ -133,8 +133,9 @@ impl<'a> MeshSweep<'a> {
         })
     }
 
-    /// The triangles, of eight, whose planes come into reach. Left out is what comes no nearer than the
-    /// tolerance, and what the shape rests on: triangles whose planes are within `resting` and stay so.
+    /// The triangles, of eight, whose planes come into reach. Left out are triangles that come no nearer than
+    /// the tolerance, and those that the shape rests on: triangles whose planes are within `resting` and stay
+    /// so.
     pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> Reached {
         with_best!(Wide => by_planes::<Wide>(self, eight, lanes, cast))
     }

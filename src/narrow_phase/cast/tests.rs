@@ -51,7 +51,7 @@ fn check(a: &Collider, b: &Collider, paths: (&BodyPath, &BodyPath), steps: u32) 
     let tol = f64::from(eps);
     let touch = cast(a, b, paths, eps);
     let end = touch.map_or(1.0, |t| f64::from(t.fraction));
-    // What a step in f32 of the fraction moves.
+    // The motion by one `f32` step of the fraction.
     let speed = f64::from((paths.0.displacement - paths.1.displacement).length())
         + f64::from(paths.0.spin.length() * (a.radius + a.position.length()))
         + f64::from(paths.1.spin.length()) * if b.radius.is_finite() { f64::from(b.radius) } else { 50.0 };

@@ -1,9 +1,9 @@
 //! Which contacts there is memory for, together with their rows.
 //!
 //! A contact without rows pushes nothing. If contacts took all the memory there is, rows, which come after
-//! them, would find none. So under a budget contacts are admitted only with what their rows will take. If
-//! that is too much for all, old and new ones compete, and the lightest are shed ([`Weight`]): a contact that
-//! is found late may be the one that bears a pile.
+//! them, would find none. So under a budget contacts are admitted only with the memory of their rows. If that
+//! is too much for all, old and new ones compete, and the lightest are shed ([`Weight`]): a contact that is
+//! found late may be the one that bears a pile.
 
 use super::contact::ContactRef;
 use super::manifold::RawManifold;
@@ -11,7 +11,7 @@ use super::store::ContactCount;
 use super::weight::{Threshold, Weight};
 use crate::memory::{Allowances, Slab};
 
-/// Bytes that the rows of a contact take, and what is reserved for them.
+/// Bytes that the rows of a contact take, and bytes reserved for them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RowCost {
     /// Bytes of a lane of a full batch with its friction: for two movable bodies and for one, touching or
@@ -33,13 +33,13 @@ pub(crate) struct RowSpace {
 
 /// Memory that the contacts of a step and their rows may take.
 pub(crate) struct ContactMemory<'a> {
-    /// What each category may still grow by.
+    /// Bytes that each category may still grow by.
     pub(crate) allowances: &'a mut Allowances,
     /// The rows of the last step, which lend theirs.
     pub(crate) space: &'a mut RowSpace,
 }
 
-/// What determines the memory of a contact's rows.
+/// Quantities that determine the memory of a contact's rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {
     pub(crate) is_static: bool,
@@ -86,7 +86,7 @@ struct Load {
     rows: [usize; 2],
 }
 
-/// Contacts by weight; those that stay whatever they weigh come last.
+/// Contacts by weight; those that stay at any weight come last.
 pub(crate) struct Census([Load; Weight::COUNT + 1]);
 
 impl Census {
@@ -115,9 +115,9 @@ impl Census {
         self.from(Weight::default()).1
     }
 
-    /// The one cut by rank: the heaviest contacts that have place with their rows, by what `hold` says of so
-    /// many contacts and bytes of rows. Those that nothing approaches are shed first, then points that the
-    /// others don't need, then those others.
+    /// The one cut by rank: the heaviest contacts that have place with their rows; `hold` tells whether so
+    /// many contacts and bytes of rows fit. Those that nothing approaches are shed first, then points that
+    /// the others don't need, then those others.
     pub(crate) fn cut(&self, hold: &dyn Fn(ContactCount, usize) -> bool) -> Cut {
         let (needed, all_rows) = self.from(Weight::NEEDED);
         let which = usize::from(!hold(needed, all_rows));
@@ -134,7 +134,7 @@ impl Census {
             }
         }
         if which == 1 {
-            // What is left is for points that are not needed.
+            // The rest is for points that are not needed.
             for (index, load) in self.0.iter().enumerate().rev() {
                 let more = load.rows[0] - load.rows[1];
                 if !hold(count, rows + more) {
@@ -148,7 +148,7 @@ impl Census {
     }
 }
 
-/// The share of some contacts in what all of them take, if they are alike.
+/// The share of some contacts in the memory of all, if they are alike.
 fn share(of: usize, contacts: u32, all: u32) -> usize {
     (of * contacts as usize).div_ceil(all.max(1) as usize)
 }

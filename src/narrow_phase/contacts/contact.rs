@@ -1,7 +1,7 @@
 //! Contacts: manifolds that last while their pair does, with the impulses of the last step.
 //!
 //! A contact is a header and one to four points. The store keeps them in columns of their own
-//! ([`Contacts`](super::store::Contacts)); what works on a contact sees both through [`ContactRef`] or
+//! ([`Contacts`](super::store::Contacts)); code that works on a contact sees both through [`ContactRef`] or
 //! [`ContactMut`], wherever they are.
 
 use super::manifold::{MAX_POINTS, RawManifold};
@@ -16,7 +16,7 @@ use std::ops::{Deref, DerefMut};
 /// [`Header::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 
-// Sentinel: the load is no longer what was estimated.
+// Sentinel: the load is no longer the estimated one.
 /// [`Header::static_load`] of a contact whose load has to be estimated again: its spring keeps its rest
 /// position.
 pub(crate) const CHANGED_LOAD: f32 = -2.0;
@@ -72,11 +72,10 @@ pub(crate) struct Header {
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
     pub(crate) mean_friction: [f32; 4],
-    /// Normal force that all points together bear, each its share, whatever their separations are (see
-    /// `Softness`) [N].
+    /// Normal force that all points together bear, each its share, at any separations (see `Softness`) [N].
     pub(crate) lasting_force: f32,
-    /// Separation at which that force alone bears the load, if it is known: zero in the long run, whatever it
-    /// was when the load became known [m].
+    /// Separation at which that force alone bears the load, if it is known: zero in the long run, from any
+    /// value at the time when the load became known [m].
     pub(crate) rest: f32,
     /// Normal force by statics (see `statics`), [`UNKNOWN_LOAD`] or [`CHANGED_LOAD`] [N].
     pub(crate) static_load: f32,
@@ -374,7 +373,7 @@ impl<'a> ContactMut<'a> {
     /// Gives each point the impulse of the matching point of `old`: by key, else by position.
     ///
     /// The load of points that are gone is shared evenly among new ones: a shape that slides over triangles
-    /// rests on other points from step to step, and would sink each time into what bore it.
+    /// rests on other points from step to step, and would sink each time into the body that bore it.
     pub(crate) fn inherit(&mut self, old: ContactRef<'_>, MatchLimits { near, slides }: MatchLimits) {
         let moved = self.found_at.position - old.found_at.position;
         let past = moved - self.normal * self.normal.dot(moved);
@@ -426,13 +425,13 @@ impl<'a> ContactMut<'a> {
         self.share_all();
     }
 
-    /// Lets the lasting force go to what statics expects, after a step of `dt` seconds whose last substep
-    /// took `h`. Says whether the contact bears a load that statics should look at.
+    /// Lets the lasting force approach the load that statics expects, after a step of `dt` seconds whose last
+    /// substep took `h`. Returns whether the contact bears a load that statics should examine.
     ///
     /// It never follows the load that is measured. If it followed a sway, the restoring force would lag
-    /// behind it by `0.9 / (omega * LOAD_TIME)` and pump it, wherever several manifolds bear a body; and what
-    /// is wedged would be squeezed ever more, since there the force itself is most of what is measured, until
-    /// something slips, and so on for ever (docs/decisions/heaps.md).
+    /// behind it by `0.9 / (omega * LOAD_TIME)` and pump it, wherever several manifolds bear a body; and a
+    /// wedged body would be squeezed ever more, since there the force itself is most of the measured load,
+    /// until something slips, and so on for ever (docs/decisions/heaps.md).
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.as_ref().bears() / h;
         let most = load * (1.0 + LOAD_BAND);
@@ -454,7 +453,7 @@ impl<'a> ContactMut<'a> {
         (self.rest, self.static_load) = (0.0, UNKNOWN_LOAD);
     }
 
-    /// Begins the next step as if nothing had been borne along the normal, for statics to say what is.
+    /// Begins the next step without load along the normal, which statics then estimates.
     pub(crate) fn forget_weight(&mut self) {
         let share = self.even_share();
         let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
@@ -464,10 +463,10 @@ impl<'a> ContactMut<'a> {
 
     /// Takes an estimate of the load of a contact that bears so much [N]. Within the `slop` [m] its bodies
     /// rest where they are now: lifting them would throw them. If its load was known before, they rest where
-    /// they did: otherwise a tower that leans or sways while something is taken from it would lose what
-    /// brings it back.
+    /// they did: otherwise a tower that leans or sways while something is taken from it would lose the force
+    /// that brings it back.
     ///
-    /// What is deeper is borne by its overlap, and a lasting force takes that over in time, if it is as
+    /// A deeper contact is borne by its overlap, and a lasting force takes that over in time, if it is as
     /// much as statics says. If not it is wedged, lands, or was put there: with a lasting force beside its
     /// overlap it would be squeezed.
     pub(crate) fn expect(&mut self, load: f32, borne: f32, slop: f32) {

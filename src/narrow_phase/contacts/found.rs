@@ -1,9 +1,9 @@
 //! The new contacts that blocks of pairs find, and how they get a slot.
 //!
-//! Blocks run at the same time, so each has its own part of what all share: a range of the new contacts, and,
-//! if its pairs are of a mesh, buffers of its own. They run in waves, and one thread takes over what a wave
-//! found, in the order of the blocks. Under a budget new contacts lie in the memory of the last step's rows
-//! and wait there until all blocks ran.
+//! Blocks run at the same time, so each has its own part of the shared buffers: a range of the new contacts,
+//! and, if its pairs are of a mesh, buffers of its own. They run in waves, and one thread takes over the
+//! results of a wave, in the order of the blocks. Under a budget new contacts lie in the memory of the last
+//! step's rows and wait there until all blocks ran.
 
 use super::admit::ContactMemory;
 use super::contact::{Contact, FoundAt, NO_CONTACT};
@@ -34,11 +34,11 @@ pub(crate) struct Fresh {
 
 /// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
-/// Bytes of rows that bodies bring with them under a budget, so that one block always has place for what it
-/// finds.
+/// Bytes of rows that bodies bring with them under a budget, so that one block always has place for its
+/// results.
 pub(crate) const LEAST_ROWS: usize = PAIRS as usize * FRESH_BYTES;
 
-/// What becomes of a manifold that is new, or that its contact has no place for.
+/// Treatment of a manifold that is new, or that its contact has no place for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Handed {
     /// It is among the new ones of the wave.
@@ -49,7 +49,7 @@ pub(crate) enum Handed {
     Nowhere,
 }
 
-/// What a block writes, apart from the contacts that its pairs have already.
+/// Output of a block, apart from the contacts that its pairs have already.
 pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
     pairs: &'a Shared<'a, Pair>,
@@ -118,7 +118,7 @@ impl BlockOutput<'_> {
     }
 }
 
-/// What blocks write to while they run.
+/// Buffers that blocks write to while they run.
 pub(crate) struct Places<'a> {
     fresh: Shared<'a, Fresh>,
     meshes: usize,
@@ -148,7 +148,7 @@ impl Places<'_> {
     }
 }
 
-/// Blocks that run before what they found is committed.
+/// Blocks that run before their results are committed.
 pub(crate) struct Wave<'a> {
     pub(crate) bins: &'a mut Bins,
     /// Range of the blocks.
@@ -229,7 +229,7 @@ impl FoundContacts {
             let new = order.iter().filter(|&&i| pairs[i as usize].contact == NO_CONTACT).count() as u32;
             block.place = new + block.growing(order.len() as u32 - new).div_ceil(GROWING);
         }
-        // Also what a step that panicked left.
+        // Also the leftovers of a step that panicked.
         (self.place, self.waiting, self.shed) = (0, 0, 0);
         // Half for the blocks of meshes, in equal shares.
         self.share = allowances.allowance(Category::Scratch).share(2 * self.meshes.len());
@@ -292,14 +292,14 @@ impl FoundContacts {
         }
     }
 
-    /// What blocks write to while they run.
+    /// Buffers that blocks write to while they run.
     pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
         let (meshes, repeats) = (self.meshes.len(), self.place > 0);
         let fresh = slab.alone(self.place);
         Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes), repeats }
     }
 
-    /// Takes over what some blocks found. Without a budget it gets slots at once. Returns the number of
+    /// Takes over the results of some blocks. Without a budget it gets slots at once. Returns the number of
     /// points that got none.
     pub(crate) fn commit(
         &mut self,
@@ -327,8 +327,9 @@ impl FoundContacts {
         shed
     }
 
-    /// Moves what blocks found behind those that wait, in the order of the blocks; but gives contacts places
-    /// for manifolds that they had none for, and then these. Returns the number of points that got no place.
+    /// Moves the results of blocks behind those that wait, in the order of the blocks; but gives contacts
+    /// places for manifolds that they had none for, and then these. Returns the number of points that got no
+    /// place.
     fn close_up(
         &mut self,
         blocks: &[Block],
@@ -442,7 +443,7 @@ impl Fresh {
 }
 
 /// Spreads places over blocks, from `start` to `most`; returns the end of those that have enough, and of
-/// their places. The first takes what there is.
+/// their places. The first takes all there is.
 fn spread(blocks: &mut [Block], first: usize, start: usize, most: usize) -> (usize, usize) {
     let (mut end, mut total) = (first, start);
     let fits = |block: &Block, total: usize| most == 0 || total + block.place as usize <= most;

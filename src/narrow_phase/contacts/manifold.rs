@@ -1,4 +1,4 @@
-//! Contact manifolds: what the kernels hand on.
+//! Contact manifolds: output of the kernels.
 
 use crate::narrow_phase::relative::Relative;
 use crate::shape::Kind;
@@ -26,7 +26,7 @@ pub(crate) struct RawPoint {
     pub(crate) key: u32,
 }
 
-/// What a kernel finds for a pair: all points nearer than the margin, at most four.
+/// Result of a kernel for a pair: all points nearer than the margin, at most four.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct RawManifold {

@@ -103,7 +103,7 @@ impl Buffers for MeshBlock {
     }
 }
 
-/// Exchanges the contacts of mesh pairs for new ones, which inherit what the old ones bore.
+/// Exchanges the contacts of mesh pairs for new ones, which inherit the loads of the old ones.
 pub(super) struct Exchange<'a> {
     pub(super) contacts: &'a mut Contacts,
     /// The most contacts that there may be.
@@ -113,7 +113,7 @@ pub(super) struct Exchange<'a> {
     /// Set if a new contact touches.
     pub(super) touching: &'a mut bool,
     pub(super) input: &'a Input<'a>,
-    /// What the buffer may still grow by.
+    /// Bytes that the buffer may still grow by.
     pub(super) allowance: &'a mut Allowance,
 }
 

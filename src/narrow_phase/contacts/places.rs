@@ -2,8 +2,8 @@
 //!
 //! Free places are linked through the keys of their first points, a list for each size. A place that is taken
 //! from a larger one leaves the rest as a smaller one. Where no free place is large enough although there
-//! would be points enough in all, places are moved together; so what is held follows from the points in use,
-//! never from the order in which places came and went.
+//! would be points enough in all, places are moved together; so the memory held follows from the points in
+//! use, never from the order in which places came and went.
 
 use super::contact::Point;
 use super::manifold::MAX_POINTS;
@@ -98,8 +98,8 @@ impl Places {
         self.spare += size;
     }
 
-    /// Moves the places of all contacts together, in their order, and leaves none spare. What a place has
-    /// beyond the points of its contact is given up, unless rooms are kept.
+    /// Moves the places of all contacts together, in their order, and leaves none spare. Room beyond the
+    /// points of a contact is given up, unless rooms are kept.
     pub(super) fn close_up(&mut self, slots: &mut [Slot], keep_rooms: bool) {
         for (list, size) in self.free.iter_mut().zip(1u32..) {
             while *list != NOWHERE {

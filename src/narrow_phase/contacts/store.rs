@@ -33,7 +33,7 @@ impl ContactCount {
         ContactCount { contacts: self.contacts.max(other.contacts), points: self.points.max(other.points) }
     }
 
-    /// What is left of it without the other.
+    /// The difference to another count.
     fn without(self, other: ContactCount) -> ContactCount {
         ContactCount {
             contacts: self.contacts.saturating_sub(other.contacts),
@@ -139,7 +139,7 @@ impl Contacts {
         ContactCount { contacts: self.slots.capacity(), points: self.places.points.capacity() }
     }
 
-    /// What is missing for so many more.
+    /// The missing room for so many more.
     pub(crate) fn lacking(&mut self, more: ContactCount) -> ContactCount {
         let wanted = |all: &Self| ContactCount { contacts: all.live, points: all.places.used() } + more;
         if wanted(self).points > self.places.points.capacity() {
@@ -243,7 +243,7 @@ impl Contacts {
         self.slots[slot as usize].place.room()
     }
 
-    /// The same once places were moved together, which gives up what they have beyond the points in them.
+    /// The same once places were moved together, which gives up room beyond the points in them.
     pub(crate) fn least_room(&self, slot: u32) -> usize {
         let Slot { header, place } = &self.slots[slot as usize];
         if self.keeps_rooms { place.room() } else { usize::from(header.count).clamp(1, place.room()) }

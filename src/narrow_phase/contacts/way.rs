@@ -43,8 +43,8 @@ pub(super) fn make_way(
         let (held, of_rows) = (contacts.capacity(), allowances.own(Category::Rows));
         let most = held.bytes().saturating_add(allowances.own(Category::Manifolds));
         let whole = allowances.whole().saturating_add(held.bytes() + reserved);
-        // Memory for headers is not memory for points; and rows can't take from contacts what their own limit
-        // denies them.
+        // Memory for headers is not memory for points; and rows can't take memory from contacts that their
+        // own limit denies them.
         let cut = census.cut(&|all, rows| {
             let rows = with_empty(all.contacts, rows).min(of_rows.saturating_add(reserved));
             all.max(held).bytes() <= most && all.bytes() + rows <= whole

@@ -1,4 +1,4 @@
-//! What it would cost to leave a contact out: if memory is short, the cheapest are shed first.
+//! The cost of leaving a contact out: if memory is short, the cheapest are shed first.
 //!
 //! Without a contact its bodies sink into each other. So the weight of a contact is the overlap at the end of
 //! the step if it had no rows: by the predicted motions, by the load that it bore in the last step, and by a
@@ -48,7 +48,7 @@ impl Weight {
     }
 }
 
-/// What weights are made of.
+/// Input of weights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale<'a> {
     pub(crate) summaries: &'a [ColliderSummary],
@@ -57,8 +57,8 @@ pub(crate) struct Scale<'a> {
     /// The masses of all bodies; those before `dynamic` can be pushed.
     pub(crate) mass: &'a [Mass],
     pub(crate) dynamic: usize,
-    /// The length of a step times the number of its substeps: what an impulse of a substep moves a unit of
-    /// mass by [s].
+    /// The length of a step times the number of its substeps: displacement of a unit of mass by a unit
+    /// impulse of a substep [s].
     pub(crate) gain: f32,
     /// The length unit [m].
     pub(crate) unit: f32,

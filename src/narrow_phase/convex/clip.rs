@@ -1,9 +1,9 @@
 //! Contact points of a reference face and an incident face, and of two edges.
 //!
-//! The points are the corners of what both faces cover, seen along the reference normal: incident vertices
-//! over the reference face, crossings of incident edges with its side planes, reference vertices under the
-//! incident face. The three kinds are found eight at a time without building the polygons in between (Cyrus
-//! and Beck's line clipping, 1978, instead of Sutherland and Hodgman's polygons).
+//! The points are the corners of the common area of both faces, seen along the reference normal: incident
+//! vertices over the reference face, crossings of incident edges with its side planes, reference vertices
+//! under the incident face. The three kinds are found eight at a time without building the polygons in
+//! between (Cyrus and Beck's line clipping, 1978, instead of Sutherland and Hodgman's polygons).
 
 use super::polytope::{Polytope, Pose};
 use super::sat::{in_lanes, nearest_on_segments};
@@ -105,8 +105,8 @@ impl<L: Lanes> Spans<L> {
         Spans { enter: L::zero(), exit: L::one() }
     }
 
-    /// Cuts off what is beyond a side, given how far the starts and the ends are. Says where it moves
-    /// `enter`, and `exit`.
+    /// Cuts off the part beyond a side, given the distances of the starts and the ends. Returns where it
+    /// moves `enter`, and `exit`.
     #[inline(always)]
     pub(crate) fn cut(&mut self, start: L, end: L) -> (L::Mask, L::Mask) {
         let (out0, out1) = (start.gt(L::zero()), end.gt(L::zero()));
@@ -122,7 +122,7 @@ impl<L: Lanes> Spans<L> {
     }
 }
 
-/// Cuts off what of the polygon of the first `count` corners is beyond a side: a step of the clipping of
+/// Cuts off the part beyond a side of the polygon of the first `count` corners: a step of the clipping of
 /// Sutherland and Hodgman (1974). Returns how many corners are left. `beyond`: how far a corner is.
 /// `crossing`: the corner where an edge crosses the side, from its corners, the share of it up to there, and
 /// whether the edge leaves: then the side itself is the next edge, else the old one goes on.

@@ -45,7 +45,7 @@ pub(crate) fn distance(a: &Support, b: &Support, rel: &Relative, hint: Vec3) -> 
     }
 }
 
-/// What is known of the distance of two cores.
+/// Known bounds of the distance of two cores.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CoreGap {
     /// Unit, from a to b, in a's frame.
@@ -76,7 +76,7 @@ pub(crate) struct Accuracy {
     pub(crate) relative: f64,
 }
 
-/// What a search begins with.
+/// Start of a search.
 enum Start {
     /// A direction that is likely to be near the normal.
     Guess(DVec3),
@@ -131,7 +131,7 @@ fn search(
             lower = first.dot(normal);
         }
     }
-    // The farthest that b - a has shown so far: what is small against it is rounding.
+    // The farthest that b - a has shown so far: values that are small against it are rounding.
     let mut size = simplex.size_squared();
     let Some(first) = simplex.nearest() else {
         return CoreGap::overlapping(normal, simplex.point_a());

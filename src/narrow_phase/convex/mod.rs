@@ -2,8 +2,8 @@
 //!
 //! Shapes that are apart along a face normal by more than the margin have no contact. Otherwise the best axis
 //! of [`sat`] makes the manifold. If two shapes are apart and nearest at an edge or vertex of both, the
-//! normal is the direction between the nearest points: a reference plane there would stop what passes beside
-//! the face.
+//! normal is the direction between the nearest points: a reference plane there would stop a shape that passes
+//! beside the face.
 
 pub(crate) mod clip;
 pub(crate) mod cylinder;

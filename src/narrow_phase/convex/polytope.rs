@@ -1,5 +1,5 @@
-//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a hull or a
-//! triangle.
+//! Polytopes: the view of a box, a hull or a triangle for the separating-axis test, the clipper and the round
+//! shapes.
 //!
 //! A hull is borrowed; the others are built on the stack, which costs less than to look them up.
 
@@ -101,7 +101,7 @@ impl<'a> Polytope<'a> {
     }
 }
 
-/// What a polytope's arrays live in.
+/// Storage of a polytope's arrays.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "lives on the stack where it is used, one or two at a time")]
 pub(crate) enum Solid<'a> {
@@ -111,7 +111,7 @@ pub(crate) enum Solid<'a> {
 }
 
 impl<'a> Solid<'a> {
-    /// The shape's polytope; `None` of what is none.
+    /// The shape's polytope; `None` if it has none.
     #[inline]
     pub(crate) fn of(shape: &'a Collider) -> Option<Solid<'a>> {
         Some(match &shape.geometry {
@@ -244,7 +244,7 @@ impl Triangle {
     pub(crate) fn facing(corners: [Vec3; 3], eye: Vec3) -> Option<Triangle> {
         let [p, q, r] = corners;
         let cross = (q - p).cross(r - p);
-        // The longest side bounds what rounding does to the cross product.
+        // The longest side bounds the rounding of the cross product.
         let size = (q - p).length_squared().max((r - p).length_squared());
         let normal = cross / cross.length();
         if !(cross.length_squared() > 1e-12 * size * size) || !normal.is_finite() {

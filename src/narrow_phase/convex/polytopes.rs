@@ -1,4 +1,4 @@
-//! Two polytopes: by a face of one, by two edges, or by what is nearest where they are apart.
+//! Two polytopes: by a face of one, by two edges, or by the nearest features where they are apart.
 
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
@@ -149,8 +149,8 @@ impl<'a> FacePair<'a> {
     }
 
     /// The manifold of the face instead of that of two edges, if the face is nearly across their axis and its
-    /// points are as deep: it has several, to rest on, and what leans a little does not go from one manifold
-    /// to the other and back.
+    /// points are as deep: it has several, to rest on, and a shape that leans a little does not alternate
+    /// between two manifolds.
     #[inline(never)]
     fn by_flat_face(&self, edges: &EdgeAxis) -> Option<RawManifold> {
         let mut cloud = Cloud::new();

@@ -4,7 +4,7 @@
 //! 2004): points that lie together are merged (one round of k-means, with the deepest as seeds), the rest is
 //! projected on the plane of contact, and the corner of their convex hull that takes least area with it goes,
 //! until four are left. Any wrench that the contact can transmit is a blend of those at the corners of the
-//! hull, so that area is what a reduction loses. The deepest point always stays.
+//! hull, so that area is the loss of a reduction. The deepest point always stays.
 
 use crate::config::tuning::{POINT_CLUSTER, POINT_DEEPER};
 use crate::lanes::Vec3 as LaneVec3;
@@ -129,7 +129,8 @@ fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, allowance: usize
     corners
 }
 
-/// Corners that went one by one may be worth more than what stayed: exchanges them while that gains area.
+/// Corners that were removed one by one may be worth more than those that stayed: exchanges them while that
+/// gains area.
 #[inline(always)]
 fn exchange_for_area(chosen: &mut [Seed; MAX_POINTS], hull: &[Seed]) {
     for _ in 0..2 {

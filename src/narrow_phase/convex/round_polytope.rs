@@ -24,7 +24,7 @@ pub(crate) struct Core {
     /// Zero: a sphere.
     pub(crate) along: Vec3,
     pub(crate) radius: f32,
-    /// What the radius grows by to the other end; less than the length.
+    /// Growth of the radius to the other end; less than the length.
     pub(crate) growth: f32,
 }
 
@@ -63,7 +63,7 @@ impl Core {
     }
 
     /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted
-    /// towards the thicker end by what makes the surface there perpendicular to the way out.
+    /// towards the thicker end by the distance that makes the surface there perpendicular to the way out.
     #[inline(always)]
     fn nearest<L: Lanes>(&self, point: LaneVec3<L>) -> L {
         let squared = self.along.length_squared();
@@ -323,7 +323,7 @@ pub(crate) struct EdgeContact<'a> {
 }
 
 impl EdgeContact<'_> {
-    /// Adds both ends of what the two share if they lie along each other, else the nearest point and, where
+    /// Adds both ends of the common part if the two lie along each other, else the nearest point and, where
     /// the core nearly lies on the face, one that steadies it.
     ///
     /// `height`: of a place on the core's axis over the face [m]. `over`: the part of a segment that is over

@@ -1,4 +1,4 @@
-//! What the tests of this folder share: shapes, and a slow reference in f64.
+//! Shared by the tests of this folder: shapes, and a slow reference in f64.
 
 use super::*;
 use crate::math::Quat;
@@ -93,8 +93,8 @@ impl Pair<'_> {
         best
     }
 
-    /// Compares a manifold with what is true of the two, and checks that its points are nearer than a margin
-    /// [m] and have keys of their own.
+    /// Compares a manifold with the reference of the two shapes, and checks that its points are nearer than a
+    /// margin [m] and have keys of their own.
     pub(crate) fn compare(&self, manifold: &RawManifold, margin: f32) -> Compared {
         let n = manifold.normal.as_dvec3().normalize_or_zero();
         let back = self.rel.rotation.as_dquat().normalize().conjugate();
@@ -124,7 +124,7 @@ impl Pair<'_> {
     }
 }
 
-/// A manifold of two shapes, and what is true of them [m].
+/// A manifold of two shapes, and the reference for them [m].
 #[derive(Debug)]
 pub(crate) struct Compared {
     /// Of the two shapes; negative in overlap.

@@ -190,7 +190,7 @@ fn identical_hulls_at_one_place_and_other_degenerate_poses_give_numbers() {
     }
 }
 
-/// By the geometry of the shapes: what touches the plane is known.
+/// By the geometry of the shapes: the points that touch the plane are known.
 #[test]
 fn shapes_rest_on_a_half_space_by_their_lowest_points() {
     let plane = collider(Geometry::Plane);
@@ -278,7 +278,7 @@ fn box_of_planes(half: Vec3) -> Collider {
     testing::collider(Geometry::hull(ConvexHull::new(&corners).unwrap()))
 }
 
-/// What lies over the middle of the face of a wide box, apart or in it by a hair, and leans by a hair.
+/// A shape over the middle of the face of a wide box, apart or in it by a hair, and leaning by a hair.
 /// Expected: the contact is as near as the lowest point, however far around contacts are looked for. By a
 /// face that leans the other one, wider by far, shows less than the truth.
 #[test]
@@ -332,7 +332,7 @@ fn a_wheel_beside_a_face_touches_the_border() {
         let (one, other) = (shape.geometry.support().unwrap(), ground.geometry.support().unwrap());
         let apart = gjk::distance(&one, &other, &rel, Vec3::ZERO);
         let nearest = raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
-        // What leans by little acts near the lowest line.
+        // A shape that leans by little acts near the lowest line.
         let across = (turn * Vec3::Y).cross(Vec3::Y);
         let off = |p: &RawPoint| (turn * p.position).dot(across).abs();
         let worst = raw.points().iter().map(off).fold(0.0, f32::max);

@@ -141,8 +141,8 @@ struct Corner {
     feature: u32,
 }
 
-/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal,
-/// that are nearer than the margin.
+/// Adds the corners of the common area of the triangle and the box's face towards `normal`, seen along the
+/// normal, that are nearer than the margin.
 ///
 /// Not by `convex::clip::clip_face`: three corners against a rectangle along the axes are four comparisons of
 /// coordinates, where that works out planes, and it walks eight edges at a time. And keys name corners of the

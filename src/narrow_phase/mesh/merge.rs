@@ -186,8 +186,8 @@ mod tests {
         testing::collider(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap())))
     }
 
-    /// A flat mesh is a plane, so what bears a capsule that lies on it is both ends of its side and nothing
-    /// else, whatever the triangles and however far around it contacts are looked for.
+    /// A flat mesh is a plane, so a capsule that lies on it rests on both ends of its side and nothing else,
+    /// for any triangles and any margin.
     #[test]
     fn a_capsule_that_lies_on_uneven_triangles_bears_on_the_ends_of_its_side() {
         let mut random = Random(5);
@@ -227,8 +227,8 @@ mod tests {
         }
     }
 
-    /// On a flat mesh a cylinder that lies bears on its lowest line, whatever the triangles: a point before
-    /// or behind that moves with the shape as it rolls, and would be pushed.
+    /// On a flat mesh a cylinder that lies bears on its lowest line, for any triangles: a point before or
+    /// behind that moves with the shape as it rolls, and would be pushed.
     #[test]
     fn a_cylinder_that_lies_on_uneven_triangles_bears_on_its_lowest_line() {
         let mut random = Random(5);

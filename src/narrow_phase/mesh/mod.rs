@@ -49,7 +49,7 @@ pub(crate) struct MeshScratch {
     pub(crate) nearby: Nearby,
     patches: Patches,
     merge: Merge,
-    /// What its buffers may still grow by.
+    /// Bytes that its buffers may still grow by.
     pub(crate) allowance: Allowance,
     /// How much was left out because they could not: triangles, or points of manifolds.
     pub(crate) shed: u32,
@@ -94,7 +94,7 @@ impl MeshScratch {
     }
 
     /// Calls `f` with each buffer and the capacity that it needs if it may not grow: for the triangles that
-    /// are gathered, and for what so many triangles yield.
+    /// are gathered, and for the contacts of so many triangles.
     pub(crate) fn each_ready(&mut self, triangles: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         // There must be capacity for all that the next eight triangles may yield; most yield four points.
         let points = 4 * triangles + 8 * CLOUD;

@@ -4,7 +4,7 @@
 //! normal that comes from such an edge is a ghost that bodies trip over. Five rules remove ghosts:
 //!
 //! 1. A normal at a concave edge, as seen from the shape's side: the face beyond the edge is in front of it
-//!    and is what is really touched. The patch is dropped.
+//!    and is really touched. The patch is dropped.
 //! 2. A normal at a flat edge: the patch takes the face's normal, and keeps only points over the triangle. If
 //!    they are far deeper below the face than the shape is past the edge, the shape does not come from above
 //!    the face, and the patch is dropped.
@@ -82,7 +82,7 @@ impl Touch {
         })
     }
 
-    /// What becomes of a patch with this normal: see the module.
+    /// The verdict on a patch with this normal: see the module.
     ///
     /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`:
     /// of the shape [m].
@@ -155,7 +155,7 @@ pub(crate) struct Patches {
 buffers! { Patches { bytes { touches, patches, points } } }
 
 impl Patches {
-    /// Reserves capacity for what so many further triangles may yield; returns whether there was memory.
+    /// Reserves capacity for the contacts of so many further triangles; returns whether there was memory.
     pub(crate) fn has_place(&mut self, triangles: usize, points: usize, allowance: &mut Allowance) -> bool {
         let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);
         allowance.fit(&mut self.touches, patches) >= patches

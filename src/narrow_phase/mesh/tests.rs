@@ -114,7 +114,7 @@ fn a_box_on_many_triangles_rests_on_its_corners_and_they_keep_their_keys() {
 }
 
 /// A rod of 1 m by 2 cm, halfway through a floor of two triangles a cell, wherever it crosses: one of them
-/// pushes it to where its centre is. What of the rod is over the other triangle may be left out.
+/// pushes it to where its centre is. The part of the rod over the other triangle may be left out.
 #[test]
 fn a_rod_that_is_stuck_halfway_close_to_an_edge_is_pushed_back() {
     let floor = mesh(grid(4, 10.0, |_, _| 0.0));
@@ -278,7 +278,7 @@ fn a_shape_is_pushed_to_the_side_of_its_centre_of_mass() {
 }
 
 /// A plate that has sunk into a roof, its centre over one slope and above it, is below the plane in which the
-/// other slope goes on: what overlaps that one must not be pushed further in.
+/// other slope goes on: a shape that overlaps that one must not be pushed further in.
 #[test]
 fn a_plate_that_has_sunk_into_a_ridge_is_pushed_out_of_it() {
     let slope = 0.3;

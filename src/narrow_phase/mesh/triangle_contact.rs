@@ -23,7 +23,7 @@ pub(crate) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<
     points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
 }
 
-/// What becomes of a contact whose normal lies in the gap between the normals of two faces of a hardly convex
+/// The verdict on a contact whose normal lies in the gap between the normals of two faces of a hardly convex
 /// edge, while no point of the shape is over the triangle.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Gap {

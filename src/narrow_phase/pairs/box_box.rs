@@ -8,7 +8,7 @@
 //! 4. Apart, the axis of greatest separation is a lower bound of the distance and every pair of points an
 //!    upper one. Where face or edge points meet the bound, they are right. Where they don't (edge or vertex
 //!    regions), the closest features include a vertex, and `box_apart.rs` finds them; a reference plane would
-//!    stop there what passes by.
+//!    stop a passing box there.
 
 use super::box_apart::closest_vertex;
 use super::box_face::face_points;
@@ -146,7 +146,7 @@ fn best_face<L: Lanes>(x: &Boxes<L>, allowed: impl Fn(L) -> L) -> Face<L> {
 /// The best pair of edges as a contact.
 struct Edge<L: Lanes> {
     separation: L,
-    /// The separation less what rounding may have added.
+    /// The separation less the largest error by rounding.
     bound: L,
     normal: Vec3<L>,
     position: Vec3<L>,

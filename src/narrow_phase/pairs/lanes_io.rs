@@ -1,4 +1,4 @@
-//! What goes into a lane kernel and what comes out: `L::N` pairs of one shape pair at a time.
+//! Input and output of a lane kernel: `L::N` pairs of one shape pair at a time.
 
 #[cfg(test)]
 use crate::lanes::Mask;

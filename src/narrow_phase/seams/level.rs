@@ -1,4 +1,4 @@
-//! The third rule: what bears on a border of a face that another piece continues bears on the face.
+//! The third rule: a contact on a border of a face that another piece continues is a contact on the face.
 
 use super::lying;
 use super::piece::{Piece, Places};
@@ -18,9 +18,8 @@ use crate::shape::{Collider, Geometry, Kind};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// A pair with ground, and whether its contact was levelled: then what its face bears is still to be found,
-/// and some of its points, one bit each, are covered
-/// by other pieces.
+/// A pair with ground, and whether its contact was levelled: then the points of its face are still to be
+/// found, and some of its points, one bit each, are covered by other pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Found(u32);
@@ -82,7 +81,7 @@ pub(super) fn level(
     }
 }
 
-/// Gives a contact with a convex piece, which was levelled, what its face bears as far as the piece goes,
+/// Gives a contact with a convex piece, which was levelled, the points of its face as far as the piece goes,
 /// beside its own points but those that go. One that has none then is left without. Returns the number of
 /// points that got no place.
 pub(super) fn find_again(

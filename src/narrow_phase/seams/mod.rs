@@ -1,9 +1,9 @@
-//! One surface of many pieces: what a shape touches of ground that is built of several colliders.
+//! One surface of many pieces: contacts with ground that is built of several colliders.
 //!
 //! Kernels see a pair at a time, so each seam between two pieces of a floor is an edge to them, and the side
 //! of the next tile is a wall that a body in the least overlap strikes. Here the manifolds that a shape has
-//! with all pieces of what cannot be pushed are judged together, real and potential ones alike, and those
-//! that the surface as a whole does not have are dropped:
+//! with all pieces of bodies that cannot be pushed are judged together, real and potential ones alike, and
+//! those that the surface as a whole does not have are dropped:
 //!
 //! 1. *Behind a face* ([`rules`]). The piece lies behind the plane of a face of another piece that holds the
 //!    shape, and would push along quite another direction: the side of the next tile of a floor.
@@ -40,7 +40,7 @@ const BLOCK: usize = per_block(32, 1);
 pub(crate) struct Seams {
     /// Of each collider the end of its part of `pairs`.
     ends: Vec<u32>,
-    /// Pairs with ground, in the order of what lies on it.
+    /// Pairs with ground, in the order of the shapes that lie on it.
     pairs: Vec<Found>,
     /// Ranges of these that belong to a shape with several pieces.
     groups: Vec<[u32; 2]>,

@@ -1,4 +1,4 @@
-//! What a seam asks of the shapes on either side of it: how far they reach, and whether they go on.
+//! Properties of the shapes on either side of a seam: how far they reach, and whether they go on.
 
 use crate::config::tuning::FLAT_EDGE_COSINE;
 use crate::math::Quat;
@@ -42,7 +42,8 @@ impl Places {
     }
 }
 
-/// A collider of the ground, in a frame with the axes of the world and its origin at what lies on it.
+/// A collider of the ground, in a frame with the axes of the world and its origin at the shape that lies on
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece<'a> {
     pub(super) collider: &'a Collider,

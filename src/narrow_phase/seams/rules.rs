@@ -13,8 +13,8 @@ use crate::narrow_phase::{MAX_POINTS, Relative};
 use crate::shape::Kind;
 use glam::Vec3;
 
-/// The most manifolds and pieces of a shape that are judged together. What it has beyond is judged by the
-/// first rule alone.
+/// The most manifolds and pieces of a shape that are judged together. Any beyond are judged by the first rule
+/// alone.
 const MOST: usize = 32;
 
 /// A manifold of a shape with a piece.
@@ -75,13 +75,13 @@ impl Side {
         Some(side)
     }
 
-    /// What is left of a separation at the start of the step when the shape touches the piece [m].
+    /// The rest of a separation at the start of the step when the shape touches the piece [m].
     pub(super) fn gap(&self, found: f32) -> f32 {
         found - (-self.normal.dot(self.shape_at)).max(0.0)
     }
 }
 
-/// What lies on ground, and the pieces of the ground.
+/// A shape that lies on ground, and the pieces of the ground.
 struct Place<'a> {
     shape: Piece<'a>,
     pieces: [Option<Piece<'a>>; MOST],
@@ -137,7 +137,7 @@ pub(super) unsafe fn judge(
             slot = contact.next;
         }
     }
-    // What rests on level faces.
+    // Shapes that rest on level faces.
     let Some(first) = sides.first().map(|side| side.normal) else { return };
     if sides.iter().all(|side| !side.is_edge && side.normal.dot(first) > FLAT_EDGE_COSINE) {
         return;
@@ -177,7 +177,7 @@ pub(super) fn normal_of(contact: ContactRef<'_>, ground: &Piece<'_>, lies_first:
     ground.pose.direction(if lies_first { back * -contact.normal } else { contact.normal })
 }
 
-/// The ground of a pair, seen from what lies on it.
+/// The ground of a pair, seen from the shape that lies on it.
 pub(super) fn piece_of<'a>(input: &Input<'a>, pair: &Pair) -> Piece<'a> {
     let (lies, ground) = (lying(input, pair), ground(input, pair));
     let (pose, from) = (&input.poses[ground as usize], &input.poses[lies as usize]);

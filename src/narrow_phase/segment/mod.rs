@@ -1,4 +1,4 @@
-//! Where a segment enters a shape: the guard against tunnelling, and what ray queries build on.
+//! Entry of a segment into a shape: for the guard against tunnelling, and for ray queries.
 //!
 //! All in `f64`, from `f32` ends: a few roots a query, and cancellation is not a topic.
 

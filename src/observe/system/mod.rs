@@ -1,4 +1,4 @@
-//! The rows of a step as one system: bodies, J, laws, and what the engine's own solver gave each row.
+//! The rows of a step as one system: bodies, J, laws, and the impulse of each row by the engine's own solver.
 //!
 //! Contacts are read from the batches that the solver works on, so their normals, arms and coefficients are
 //! the ones it used. Joints are evaluated anew in `f64` at the bodies' poses, by the same measures: their
@@ -77,7 +77,7 @@ pub struct SystemRow {
     pub bias: f64,
     /// Compliance: velocity per impulse [1/kg] or [1/(kg m²)]; zero for rigid rows.
     pub compliance: f64,
-    /// What the engine's solver gave it over the step [N s] or [N m s].
+    /// Its impulse by the engine's solver over the step [N s] or [N m s].
     pub impulse: f64,
     /// Whether it measures an angle.
     pub angle: bool,
@@ -105,12 +105,12 @@ impl SystemRow {
     }
 }
 
-/// What a row belongs to.
+/// The contact, joint or coupling of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// A contact of two bodies, in the order of its rows.
     Contact([BodyHandle; 2]),
-    /// A joint, a limit or a drive of it.
+    /// A joint, a limit or a motor of it.
     Joint(JointHandle),
     /// A coupling of two motions of joints.
     Coupling(CouplingHandle),
@@ -123,7 +123,7 @@ pub struct SystemLaw {
     pub law: Law,
     /// Its first row.
     pub first: usize,
-    /// What it belongs to.
+    /// Its contact, joint or coupling.
     pub owner: Owner,
     /// For one-sided laws, the gap at the start of the step [m] or [rad], negative in overlap.
     pub gap: Option<f64>,
@@ -138,9 +138,9 @@ pub struct SystemLaw {
     pub restitution: f64,
     /// Whether one of its bodies bounced in the step and had other contacts too.
     pub bouncing: bool,
-    /// Whether it is a spring or a yielding drive.
+    /// Whether it is a spring or a yielding motor.
     pub yields: bool,
-    /// Whether it is a drive.
+    /// Whether it is a motor.
     pub drives: bool,
     /// Whether it is of a contact whose materials resist rolling or spinning.
     pub resists: bool,
@@ -314,7 +314,7 @@ impl System {
         (0..SIDES).map(side).sum()
     }
 
-    /// What the engine's solver gave each row [N s] or [N m s].
+    /// The impulse of each row by the engine's solver [N s] or [N m s].
     pub fn impulses(&self) -> Vec<f64> {
         self.rows.iter().map(|row| row.impulse).collect()
     }
@@ -345,7 +345,7 @@ fn pushes<'a>(
     push
 }
 
-/// What two bodies have of a row, for [`SystemRow`].
+/// The parts of a row on two bodies, for [`SystemRow`].
 pub fn of_two<T: Copy + Default>([a, b]: [T; 2]) -> [T; SIDES] {
     [a, b, T::default(), T::default()]
 }

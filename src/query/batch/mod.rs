@@ -49,7 +49,8 @@ impl World {
     ///
     /// # Errors
     /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15, or
-    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `hits` is as it was.
+    /// the budget does not allow the tree of movable bodies (see [`World::cast_ray`]); then `hits` is as it
+    /// was.
     pub fn cast_rays(
         &self,
         rays: &[Ray],

@@ -21,7 +21,7 @@ pub(super) struct RayStream {
     among: Among,
 }
 
-/// What each ray met first so far: the collider, and how.
+/// The first hit of each ray so far: the collider, and how.
 struct First([Option<(u32, Met)>; RAYS]);
 
 /// The rays that are tested against the triangles of one shape, in its frame.

@@ -65,8 +65,7 @@ impl<'a> Form<'a> for Capsule {
         (0.5 * (self.bottom + self.top)).max(self.bottom.max(self.top) - self.half_height)
     }
 
-    /// Cones from ball to ball have all of what is asked for; of the balls themselves what is beyond may be
-    /// left out.
+    /// The cone between the balls is sufficient; points of the balls beyond it may be left out.
     fn holds(self, point: Vec3) -> bool {
         within(point, self.half_height, self.bottom, self.top)
     }

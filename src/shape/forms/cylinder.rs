@@ -143,7 +143,7 @@ fn enter(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Option<
     // Radius at a height: mean - lean y.
     let (mean, lean) = (0.5 * (bottom + top), 0.5 * (bottom - top) / half);
     let caps = [(DVec3::Y, half), (-DVec3::Y, half)];
-    // What the caps leave of the whole line.
+    // The part of the line between the caps.
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut normal = DVec3::Y;
     for (n, offset) in caps {

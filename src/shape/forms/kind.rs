@@ -1,4 +1,4 @@
-//! The kinds of shape, and what of them the stages tell apart.
+//! The kinds of shape, and the properties by which stages distinguish them.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub(crate) enum Kind {
     HeightField,
 }
 
-/// What turning a shape does not change.
+/// Symmetry of a shape under rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symmetry {
     /// It is the same however it turns.

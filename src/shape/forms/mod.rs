@@ -1,8 +1,8 @@
-//! What the engine has to know of a form, said once, in the file of the form.
+//! The interface of a form to the engine, implemented in the file of the form.
 //!
-//! [`Geometry`](super::Geometry) is what callers write; `with_form!` makes of it the value that answers, in
-//! the only match that goes through all of them. It is compiled for each form, so what asks in a loop asks
-//! once, around the loop. Hulls answer in `hull/form.rs`, meshes and height fields in `ground.rs`.
+//! Callers write a [`Geometry`](super::Geometry); `with_form!` makes of it the value that implements the
+//! trait, in the only match over all forms. It is compiled for each form, so code with a loop matches once,
+//! around the loop. Hulls are in `hull/form.rs`, meshes and height fields in `ground.rs`.
 
 mod capsule;
 mod cuboid;
@@ -35,17 +35,16 @@ use support::Support;
 
 /// A form, in its own frame [m].
 ///
-/// What has an answer here need not be said by a form that the answer fits; that of planes, meshes and height
-/// fields, mostly, which fill no space.
+/// The default implementations mostly fit planes, meshes and height fields, which fill no space.
 pub(super) trait Form<'a>: Copy {
     const KIND: Kind;
     /// In words, for names and messages.
     const NAME: &'static str;
-    /// What stands for it in snapshots: never changed.
+    /// Its code in snapshots: never changed.
     const CODE: u32;
 
-    /// Its numbers: what [`Collider::size`](super::Collider::size) and snapshots hold; none of what shapes
-    /// share.
+    /// Its numbers, which [`Collider::size`](super::Collider::size) and snapshots hold; none of shared
+    /// geometry.
     fn size(self) -> [f32; 4] {
         [0.0; 4]
     }
@@ -79,7 +78,7 @@ pub(super) trait Form<'a>: Copy {
         false
     }
 
-    /// From the middle to the end of the core of what is long; zero for what is not.
+    /// From the middle to the end of the core of a long shape; zero for others.
     fn core_end(self) -> Vec3 {
         Vec3::ZERO
     }
@@ -89,7 +88,7 @@ pub(super) trait Form<'a>: Copy {
         Moments::ZERO
     }
 
-    /// The core and the radius of what is convex and bounded.
+    /// The core and the radius of a convex and bounded form.
     fn support(self) -> Option<Support<'a>> {
         None
     }
@@ -122,7 +121,7 @@ pub(super) trait Form<'a>: Copy {
         None
     }
 
-    /// Vertices and triangles that show what is convex.
+    /// Vertices and triangles that show a convex form.
     fn solid(self) -> Solid {
         Solid::default()
     }
@@ -157,7 +156,7 @@ pub(super) trait Form<'a>: Copy {
         (0, 0)
     }
 
-    /// The content of what shapes share as words, for a fingerprint.
+    /// The content of shared geometry as words, for a fingerprint.
     fn words(self, _out: &mut Vec<u32>) {}
 
     #[inline]

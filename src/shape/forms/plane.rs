@@ -11,13 +11,13 @@ use glam::{DVec3, Vec3};
 pub(in crate::shape) struct HalfSpace;
 
 // Guard: an endless plane is drawn to here.
-/// What is drawn of a plane to each side of its origin [m].
+/// Extent of a drawn plane to each side of its origin [m].
 const SHOWN: f32 = 20.0;
 /// Lines along a plane, each way.
 const GRID: u32 = 20;
 
-/// What is drawn: the low and high corner of the window, or of what is shown without one; nothing if the
-/// plane is not there.
+/// The drawn part: the low and high corner of the window, or of the default extent without one; nothing if
+/// the plane is outside.
 fn shown(window: Window) -> Option<(Vec3, Vec3)> {
     let (min, max) = window.unwrap_or((Vec3::splat(-SHOWN), Vec3::splat(SHOWN)));
     (min.y <= 0.0 && max.y >= 0.0).then_some((min, max))

@@ -1,4 +1,4 @@
-//! What forms share: where paths enter, what is nearest, how bounds turn.
+//! Functions that forms share: where paths enter, nearest points, rotated bounds.
 
 use crate::math::Quat;
 use glam::{DVec3, Vec3};

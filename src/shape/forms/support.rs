@@ -4,10 +4,10 @@ use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::shape::ConvexHull;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-/// What of a convex shape [`gjk`](crate::narrow_phase::convex::gjk) and [`cast`](crate::narrow_phase::cast)
-/// see: a core, and a ball of `radius` that is swept over it.
+/// A convex shape for [`gjk`](crate::narrow_phase::convex::gjk) and [`cast`](crate::narrow_phase::cast): a
+/// core, and a ball of `radius` that is swept over it.
 ///
-/// In `f64`: all of this is scalar code, where doubles cost what floats do, and it spares the simplex the
+/// In `f64`: all of this is scalar code, where doubles cost as much as floats, and it spares the simplex the
 /// cancellation that decides whether faces that lie flat on each other are apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Support<'a> {
@@ -145,7 +145,7 @@ impl Support<'_> {
 }
 
 // Rounding: of bounds that must not be too small.
-/// Rounding of `f32` in what must not be too small.
+/// Rounding of `f32` in bounds that must not be too small.
 const UP: f64 = 1.0 + 1e-6;
 
 /// The most that vertices, moved by `lever`, are away from the line along `axis` through the origin [m].

@@ -166,8 +166,8 @@ impl HeightField {
         above | before | if own { HOLE } else { 0 }
     }
 
-    /// Height of the surface over a place [m], and what a patch will make of it; nothing beyond the field or
-    /// in a hole.
+    /// Height of the surface over a place [m], and its height after a patch; nothing beyond the field or in a
+    /// hole.
     pub(crate) fn heights_at(&self, x: f32, z: f32, patch: &Patch<'_>) -> Option<[f32; 2]> {
         let place = self.cell_at(x, z).filter(|&([column, row], _)| !self.is_hole(column, row))?;
         let old = |c: usize, r: usize| self.heights[r * self.columns + c];

@@ -8,8 +8,8 @@ use crate::shape::mesh::edges::Fold;
 pub(super) const HOLE: u8 = 1 << 6;
 
 impl HeightField {
-    /// The same field without some cells, by column and row: what falls there falls through, and the edges of
-    /// what is left are borders. Indices of triangles stay. Holes take no memory; those that are there stay.
+    /// The same field without some cells, by column and row: bodies fall through there, and the edges of the
+    /// rest are borders. Indices of triangles stay. Holes take no memory; those that are there stay.
     ///
     /// # Errors
     /// A cell is beyond the last, which has a column and a row less than the samples have.

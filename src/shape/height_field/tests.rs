@@ -22,7 +22,7 @@ fn a_field_refuses_bad_numbers() {
     assert_eq!(flat.aabb(), (Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)));
 }
 
-/// Expected: no spare place, of heights that had some, of a copy and of what was stored.
+/// Expected: no spare place, for heights that had some, a copy and a stored field.
 #[test]
 fn a_field_takes_the_same_memory_however_it_was_made() {
     for (columns, rows) in [(2, 2), (9, 9), (18, 70)] {

@@ -102,7 +102,7 @@ const NONE: u32 = u32::MAX;
 /// A triangle while the hull grows, with the points that it sees.
 struct Face {
     triangle: Triangle,
-    /// By any height above rounding; what is below noise becomes no vertex, but isn't forgotten.
+    /// By any height above rounding; points below noise become no vertices, but are kept.
     outside: Vec<u32>,
     /// The greatest height among `outside`.
     furthest: f64,
@@ -126,7 +126,7 @@ pub(crate) struct Quickhull<'a> {
     rounding: f64,
     visible: Vec<u32>,
     is_visible: Vec<bool>,
-    /// Edges between what the new vertex sees and what not: vertices and the face that stays.
+    /// Edges between faces that the new vertex sees and others: vertices and the face that stays.
     horizon: Vec<(u32, u32, u32)>,
     orphans: Vec<u32>,
 }

@@ -1,4 +1,4 @@
-//! What the engine has to know of a hull.
+//! The form of a hull.
 
 use super::ConvexHull;
 use crate::lanes::{self, Lanes, Vec3 as LaneVec3, f32x8};

@@ -1,4 +1,4 @@
-//! Convex hulls: what the narrow phase, the queries and the mass read of one.
+//! Convex hulls: the data that the narrow phase, queries and mass properties read.
 
 pub(crate) mod build;
 mod form;

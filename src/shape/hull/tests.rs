@@ -62,7 +62,7 @@ fn check(points: &[Vec3], hull: &ConvexHull) {
         assert!(a < b && left != right && has(left, a, b) && has(right, b, a));
     }
     assert_eq!(2 * e, hull.face_vertices.len());
-    // What is stored twice agrees.
+    // Data that is stored twice agrees.
     for (i, v) in hull.vertices.iter().enumerate() {
         let [x, y, z] = hull.vertex_chunks[i / 8];
         assert_eq!(*v, Vec3::new(x[i % 8], y[i % 8], z[i % 8]));

@@ -10,8 +10,8 @@ use crate::shape::four_tree::{self, FourTree};
 use crate::shape::slabs::{boxes_meet, path_hits_boxes};
 use glam::Vec3;
 
-/// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree outweighs what
-/// it saves (4 a leaf: 7 bytes of tree a triangle, 8: 3.6).
+/// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree takes more
+/// bytes than it saves (4 a leaf: 7 bytes of tree a triangle, 8: 3.6).
 pub(crate) const LEAF: usize = 8;
 /// Bins of the surface area heuristic.
 const BINS: usize = 12;

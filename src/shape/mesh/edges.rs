@@ -3,8 +3,8 @@
 //!
 //! Where two triangles meet flat, or in a valley, the edge between them can't be touched before their faces
 //! are. A normal of its own at such an edge is a ghost: a box that slides over a tiled floor would trip.
-//! Meshes are touched from both sides, and what is a ridge from the front is a valley from behind, hence four
-//! folds and not a flag.
+//! Meshes are touched from both sides, and a ridge from the front is a valley from behind, hence four folds
+//! and not a flag.
 
 use crate::config::tuning::FLAT_EDGE_SINE;
 use glam::Vec3;

@@ -82,7 +82,7 @@ impl TriangleMesh {
     }
 
     /// The same without inactive edges: every edge may yield a normal of its own, as if nothing were beyond
-    /// it, and bodies that slide trip over the seams. It is there to measure what inactive edges are worth
+    /// it, and bodies that slide trip over the seams. It is there to measure the effect of inactive edges
     /// (`docs/methods.md`).
     ///
     /// # Errors
@@ -120,9 +120,9 @@ impl TriangleMesh {
             .collect();
         let tree = MeshBvh::build(&mut items);
 
-        // Leaf order for triangles, order of first use for vertices: what is near is near in memory. Place
-        // for what stays is made before what is larger goes: many allocators would put what comes after that
-        // between what is left of it.
+        // Leaf order for triangles, order of first use for vertices: near elements are near in memory.
+        // Permanent buffers are allocated before larger temporary ones are freed: many allocators would put
+        // later allocations into the holes.
         let mut renamed = vec![u32::MAX; vertices.len()];
         let mut sorted = Vec::with_capacity(vertices.len());
         let mut in_order: Vec<[u32; 3]> = Vec::with_capacity(triangles.len());

@@ -4,7 +4,7 @@ use super::bvh::Path;
 use super::segment_triangle::SegmentTest;
 use crate::shape::stream::{RAYS, Stream, Walk};
 
-/// Up to [`RAYS`] rays in the frame of a shape, and what each met first.
+/// Up to [`RAYS`] rays in the frame of a shape, and the first hit of each.
 #[derive(Debug)]
 pub(crate) struct TriangleRays {
     /// For meshes.

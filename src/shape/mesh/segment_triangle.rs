@@ -3,8 +3,8 @@
 //! The triangle is sheared so that the path becomes an axis; then three edge functions tell on which side of
 //! each edge it passes. Two triangles compute the function of the edge they share to the same bits but for
 //! its sign, so no path passes outside of both (Woop, Benthin and Wald, *Watertight Ray/Triangle
-//! Intersection*, JCGT 2013). A path within a relative 1e-6 of an edge counts as on it: what a mesh is for
-//! here is to let nothing through.
+//! Intersection*, JCGT 2013). A path within a relative 1e-6 of an edge counts as on it, so that a mesh lets
+//! nothing through.
 
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use glam::Vec3;
@@ -73,7 +73,7 @@ impl SegmentTest {
         let corner = [shear(triangle[0]), shear(triangle[1]), shear(triangle[2])];
         let edge = |i: usize, j: usize| {
             let (one, other) = (corner[i].0 * corner[j].1, corner[i].1 * corner[j].0);
-            // What the sheared coordinates may be off by, on top of the products' own rounding.
+            // Error of the sheared coordinates, on top of the products' own rounding.
             let reach = (corner[i].0.abs() + corner[i].1.abs() + corner[j].0.abs() + corner[j].1.abs())
                 * (corner[i].2.abs() + corner[j].2.abs());
             let slack = L::splat(WIDEN) * (one.abs() + other.abs()) + L::splat(0.25 * WIDEN) * reach;

@@ -191,7 +191,7 @@ impl World {
         self.index(body).is_ok()
     }
 
-    /// Checks a description and computes what the body's columns need.
+    /// Checks a description and computes the entries of the body's columns.
     fn check(&self, desc: &BodyDesc) -> Result<MassColumns, Error> {
         desc.validate()?;
         let total = desc.mass.unwrap_or_else(|| mass_of(&desc.shapes));

@@ -12,13 +12,13 @@ use std::sync::Arc;
 /// # Height fields that change
 impl World {
     /// Changes heights of a height field [m]: `size[0]` times `size[1]` samples from column `first[0]` and
-    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Heights that
-    /// are no others change nothing and wake nobody.
+    /// row `first[1]` on, row by row ([`HeightField::set_heights`]). Holes and materials stay. Equal heights
+    /// change nothing and wake no body.
     ///
-    /// What is near wakes. What lay on a surface that was lowered falls. A body that stood above the surface
-    /// and would be below it is lifted, by any height and at once, until its centres are as far above as they
-    /// were or by their inner radius; what stands on it is lifted too. It gains no velocity. A static ceiling
-    /// does not stop it. What was below the surface before is left where it is.
+    /// Nearby bodies wake. Bodies on a surface that was lowered fall. A body that stood above the surface and
+    /// would be below it is lifted, by any height and at once, until its centres are as far above as they
+    /// were or by their inner radius; bodies that stand on it are lifted too. It gains no velocity. A static
+    /// ceiling does not stop it. A body that was below the surface before stays there.
     ///
     /// Other shapes, worlds and snapshots that share the field keep theirs: the first edit then copies the
     /// field, others are made in place. If the least or the largest height of the whole field changes, its
@@ -63,10 +63,10 @@ impl World {
     /// column `first[0]` and row `first[1]` on, row by row, those are holes for which `holes` says so
     /// ([`HeightField::set_holes`]). Where all are so already nothing happens.
     ///
-    /// What is near wakes. What lay on a cell that becomes a hole falls. A filled cell carries again. A shape
-    /// in it whose centre is above the surface, by less than its inner radius, is lifted by what is missing
-    /// of that, as by [`World::set_heights`], and what stands on its body too; what overlaps the surface from
-    /// below is left to contacts. What is shared is copied as there.
+    /// Nearby bodies wake. Bodies on a cell that becomes a hole fall. A filled cell carries again. A shape in
+    /// it whose centre is above the surface by less than its inner radius is lifted to that height, as by
+    /// [`World::set_heights`], with the bodies that stand on its body; a shape that overlaps the surface from
+    /// below is left to contacts. A shared field is copied as there.
     ///
     /// # Errors
     /// If the handle is stale, the shape is no height field, the region is refused by the field, or the
@@ -122,19 +122,19 @@ impl World {
         Ok(Some(field))
     }
 
-    /// World bounds of what a patch changes, before and after.
+    /// World bounds of the changed part of the surface, before and after.
     fn bounds_of_patch(&self, collider: u32, field: &HeightField, patch: &Patch<'_>) -> Aabb {
         let (low, high) = field.box_of(patch);
         let (pose, half) = (self.collider_pose(collider), 0.5 * (high - low));
         let middle = pose.position + (pose.rotation * (0.5 * (low + high))).as_dvec3();
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (pose.rotation * (axis * half)).abs());
-        // What hovers within the margin of contacts belongs to it too.
+        // Bodies that hover within the margin of contacts are included.
         let half = x + y + z + self.settings.length_unit;
         let middle = middle.as_vec3();
         Aabb { min: middle - half, max: middle + half }
     }
 
-    /// Has contacts of a field with what is in a box found anew, and keeps these bodies awake.
+    /// Marks the contacts of a field with bodies in a box to be found again, and keeps these bodies awake.
     fn find_anew(&mut self, field: u32, bounds: &Aabb) {
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
@@ -156,8 +156,8 @@ impl World {
         }
     }
 
-    /// Lifts bodies that stood above the surface and would be below it, and what stands on them. `rise`: how
-    /// far a ball has to go up [m], from its centre in the field's frame and its radius.
+    /// Lifts bodies that stood above the surface and would be below it, and bodies that stand on them.
+    /// `rise`: how far a ball has to go up [m], from its centre in the field's frame and its radius.
     fn lift(&mut self, collider: u32, bounds: &Aabb, rise: impl Fn(Vec3, f32) -> Option<f32>) {
         let pose = self.collider_pose(collider);
         let (up, to_field) = (pose.rotation * Vec3::Y, pose.rotation.conjugate());
@@ -196,7 +196,7 @@ impl World {
         }
     }
 
-    /// Hands on lifts to bodies whose lowest point is above the middle of what they are next to; returns
+    /// Passes lifts on to bodies whose lowest point is above the middle of a lifted neighbour; returns
     /// whether there were any. The largest lift wins, so the order doesn't matter.
     fn lift_what_stands_on(&self, lifts: &mut [f32], up: Vec3) -> bool {
         let mut any = false;
@@ -224,7 +224,7 @@ impl World {
         Aabb { min: one.min - reach, max: one.max + reach }.overlaps(other)
     }
 
-    /// Edits a field that was checked, in place if nobody else has it, and takes it as a shape's.
+    /// Edits a field that was checked, in place if it is not shared, and sets it as a shape's.
     fn exchange_field(
         &mut self,
         collider: u32,

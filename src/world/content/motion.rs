@@ -67,7 +67,7 @@ impl World {
     }
 
     /// Moves a body to a pose of its origin, at once. The pose that it has, as [`World::position`] and
-    /// [`World::rotation`] return it, changes nothing and wakes nobody.
+    /// [`World::rotation`] return it, changes nothing and wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -115,7 +115,7 @@ impl World {
     }
 
     /// Sets linear [m/s] and angular [rad/s] velocity. Has no effect on a static body. Here and below a
-    /// velocity that is no other changes nothing and wakes nobody.
+    /// velocity that is equal changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
@@ -249,9 +249,9 @@ impl World {
     }
 
     /// Moves a kinematic body to a pose of its origin within the next step, as [`World::move_kinematic`]
-    /// does, and has it stand there in the steps after, until it is moved again: a platform that is told
-    /// where to be. After the step it still has the velocity that led there, for what reads it; the next step
-    /// begins by taking it away. Other bodies are treated as there.
+    /// does, and has it stand there in the steps after, until it is moved again, as a platform does. After
+    /// the step it still has the velocity that led there, for readers; the next step begins by removing it.
+    /// Other bodies are treated as there.
     ///
     /// # Errors
     /// As for [`World::move_kinematic`].

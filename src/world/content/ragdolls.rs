@@ -63,11 +63,11 @@ impl Ragdoll {
     /// `pose`: of each bone the rotation from where it is in the skeleton, in the skeleton's axes; the
     /// identity for all is the skeleton itself. Of the rotations of a hinge's two bones only the twist about
     /// its axis counts. `spring`: [`Spring::Frequency`] moves light bones as fast as heavy ones, but knows
-    /// only the two bodies of a joint and not what hangs on them.
+    /// only the two bodies of a joint and not the bodies joined to them.
     ///
     /// # Errors
     /// If there is not one rotation for each bone, a number is out of range, or the budget does not allow the
-    /// drives.
+    /// motors.
     pub fn drive_to(
         &self,
         world: &mut World,
@@ -98,7 +98,7 @@ impl Ragdoll {
         })
     }
 
-    /// Sets or removes the drive about each axis: all of them, or none.
+    /// Sets or removes the motor about each axis: all of them, or none.
     fn set_drives(
         &self,
         world: &mut World,

@@ -11,7 +11,7 @@ use crate::shape::{Collider, Geometry, MassProperties};
 use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
-/// What a shape adds to the mass of its body, in the body's axes.
+/// Contribution of a shape to the mass of its body, in the body's axes.
 struct Part<'a> {
     geometry: &'a Geometry,
     density: f32,
@@ -30,8 +30,8 @@ impl World {
     }
 
     /// Replaces the form of a shape; the mass follows if it is that of the shapes. The shape keeps its handle
-    /// and its place; its contacts, and what it noticed as a sensor, end and begin anew. The form that it has
-    /// (of shared geometry the same, not a copy of it) changes nothing.
+    /// and its place; its contacts and its overlaps as a sensor end and begin again. Its present form (of
+    /// shared geometry the same, not a copy of it) changes nothing.
     ///
     /// # Errors
     /// If the handle is stale, a number is out of range, the body or a sensor can't have the form, a dynamic
@@ -135,7 +135,7 @@ impl World {
         Part { geometry, density: *density, position, rotation }
     }
 
-    /// The mass of a body once a shape of it has changed; `None` if it stays what it is.
+    /// The mass of a body once a shape of it has changed; `None` if it stays the same.
     ///
     /// # Errors
     /// If it is not that of a dynamic body, which this one is.

@@ -118,8 +118,8 @@ impl World {
         Ok(self.colliders.material(self.collider(shape)?))
     }
 
-    /// Changes the material of a shape: a belt that starts, ice that melts. One that is no other changes
-    /// nothing and wakes nobody.
+    /// Changes the material of a shape: a belt that starts, ice that melts. An equal one changes nothing and
+    /// wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -159,8 +159,7 @@ impl World {
         Ok(self.colliders.all[self.collider(shape)? as usize].filter)
     }
 
-    /// Changes which shapes a shape collides with. A filter that is no other changes nothing and wakes
-    /// nobody.
+    /// Changes which shapes a shape collides with. An equal filter changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -263,7 +262,7 @@ impl World {
         Ok(())
     }
 
-    /// Whether a shape, as a sensor, also notices what is static; see
+    /// Whether a shape, as a sensor, also notices static shapes; see
     /// [`ShapeDesc::senses_static`](crate::ShapeDesc::senses_static).
     ///
     /// # Errors
@@ -272,8 +271,8 @@ impl World {
         Ok(self.colliders.all[self.collider(shape)? as usize].flags & STATICS != 0)
     }
 
-    /// Sets whether a shape, as a sensor, also notices what is static. What a sensor has noticed leaves, and
-    /// enters anew. Nothing happens if it is so already.
+    /// Sets whether a shape, as a sensor, also notices static shapes. Shapes in the sensor leave and enter
+    /// again. Nothing happens if the value is the same.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -298,7 +297,7 @@ impl World {
         self.enter_broad(index);
     }
 
-    /// Changes flags of a shape, or what they follow from, and what is counted by them.
+    /// Changes flags of a shape, or their causes, and the counts that follow from them.
     fn change_flags(&mut self, index: u32, change: impl FnOnce(&mut Collider)) {
         let collider = &mut self.colliders.all[index as usize];
         self.needs.count(collider, -1);

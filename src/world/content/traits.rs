@@ -1,4 +1,4 @@
-//! Traits of the world's bodies: look up and change what their descriptions said.
+//! Traits of the world's bodies: look up and change the values of their descriptions.
 
 use crate::body::{BodyKind, Damping, KeptMass, RareCounts, SpeedCap, Traits};
 use crate::config::{ContinuousMode, RowGroup};
@@ -9,7 +9,7 @@ use crate::limits;
 use crate::world::{Addition, Change, World};
 use glam::Vec3;
 
-/// # What a body may do
+/// # Traits of bodies
 ///
 /// Its kind, damping, locked axes, mode of continuous collision.
 impl World {
@@ -127,7 +127,7 @@ impl World {
         Ok(self.bodies.traits[self.index(body)?].gravity_scale)
     }
 
-    /// Sets the factor on gravity. Here and below a value that is no other changes nothing and wakes nobody.
+    /// Sets the factor on gravity. Here and below an equal value changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale or the number is beyond 1e6.

@@ -12,7 +12,7 @@ pub(in crate::world) struct Assets {
 
 impl Assets {
     fn key(geometry: &Geometry) -> Option<(usize, Kind, (usize, usize))> {
-        // The size of what is shared is included in its bytes; the rest is the counters of the `Arc`.
+        // The size of the shared value is included in its bytes; the rest is the counters of the `Arc`.
         let counts = in_arc::<usize>() - size_of::<usize>();
         let (live, reserved) = geometry.bytes();
         Some((geometry.address()?, Kind::of(geometry), (live + counts, reserved + counts)))

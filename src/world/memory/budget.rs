@@ -43,7 +43,7 @@ pub(crate) struct Counts {
     pub(in crate::world) once: Amounts,
 }
 
-/// What a call adds to a world, for which its budget must have room.
+/// Content that a call adds to a world, for which its budget must have room.
 #[derive(Clone, Copy)]
 pub(crate) enum Addition<'a> {
     Bodies(&'a [BodyDesc]),
@@ -102,7 +102,7 @@ impl World {
         self.joints.promised(WIDEST_JOINT_BATCH)
     }
 
-    /// Each buffer as a whole. No field is left out by `..`: whoever adds one says here what it holds.
+    /// Each buffer as a whole. No field is left out by `..`: a new field must state its memory here.
     pub(in crate::world) fn buffers_by_category(&self) -> MemoryReport {
         let World {
             bodies,
@@ -154,7 +154,7 @@ impl World {
         report.add(Category::BroadPhase, sleep.kept_bytes());
         report.add(Category::Scratch, faults.bytes());
         report.add(Category::Scratch, helpers.bytes());
-        // A budget asks for the motion as what continuous bodies need, before it is known whether any comes.
+        // A budget counts the motion as needed by continuous bodies, before it is known whether any comes.
         buffers.report(&mut report, self.is_continuous() || !self.settings.budget.is_none());
         report
     }
@@ -198,7 +198,7 @@ impl World {
     }
 
     /// Bytes that the contacts of continuous collision and their rows may take in a step: all that is left of
-    /// its limit, and what they had before.
+    /// its limit, and their bytes before.
     pub(crate) fn room_ahead(&self, allowances: &Allowances) -> usize {
         if self.settings.budget.limit_of(Category::Continuous).is_none() {
             return usize::MAX;
@@ -212,7 +212,7 @@ impl World {
         self.events.allowance = self.allowance(Category::Events);
     }
 
-    /// Reserves entries for what is added in all buffers that have one for each, including those that steps
+    /// Reserves entries for added content in all buffers that have one for each, including those that steps
     /// can't do without, so that a step can only lack memory for pairs and contacts. Without a budget there
     /// is nothing to reserve.
     ///
@@ -224,8 +224,8 @@ impl World {
         }
         let more = self.counts_of(addition);
         let (mut counts, allowances) = (self.counts(more), self.allowances());
-        // More while that is a small part of what is left, so that buffers do not move for each of many that
-        // are added one by one.
+        // More while that is a small part of the rest, so that buffers do not move for each of many
+        // additions.
         let wider = match addition {
             Addition::Bodies([_]) | Addition::Shape(..) => counts.with_more(4),
             Addition::Joints(joints, true) => Counts { joints: self.joints.ahead(joints), ..counts },
@@ -487,10 +487,10 @@ impl World {
     }
 }
 
-/// A margin beyond the request may take this part of what is left.
+/// A margin beyond the request may take this part of the rest.
 const AHEAD: usize = 8;
 
-/// Checks that so much fits; the error tells what is short.
+/// Checks that so much fits; the error names the category that lacks it.
 pub(in crate::world) fn check(asked: &Amounts, allowances: &Allowances) -> Result<(), Error> {
     if allowances.fits(asked) {
         return Ok(());

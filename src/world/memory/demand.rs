@@ -1,4 +1,4 @@
-//! What the starting step needs, and the release of what only earlier steps needed.
+//! The needs of the starting step, and the release of buffers that only earlier steps needed.
 
 use super::needs::Demand;
 use crate::config::ContinuousMode;

@@ -1,4 +1,4 @@
-//! Memory of the world: what its content needs, what it holds, and what its budget allows.
+//! Memory of the world: the needs of its content, the bytes held, and the budget.
 
 mod assets;
 mod budget;

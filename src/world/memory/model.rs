@@ -82,9 +82,9 @@ features! {
         JointLocks "joint_locks" "locks outside of trees" "solve",
         /// Limits with a width.
         JointLimits "joint_limits" "limits with a width" "solve",
-        /// Drives: motors, and friction of joints.
+        /// Motors, and friction of joints.
         JointDrives "joint_motors" "drives" "solve",
-        /// Springs, of limits and of drives.
+        /// Springs, of limits and of motors.
         JointSprings "joint_springs" "springs of limits and drives" "solve",
         /// Couplings of two motions of joints: gears, racks, screws, pulleys.
         Couplings "couplings" "couplings" "solve",
@@ -138,7 +138,7 @@ pub struct FeatureCost {
     /// Number of objects that need it: [`Feature::asked_by`] names them. If zero, it is not needed.
     pub count: u32,
     /// Bytes that are reserved for it alone. After it was last needed they are released at the end of the
-    /// next step; lists of events, once nobody can read them any more.
+    /// next step; lists of events, once they can't be read any more.
     pub bytes: usize,
     /// Its time in the last step, as far as it can be separated from that of its [stage](Feature::stage)
     /// [us]; `None` if it can't, or if it was not needed.
@@ -202,7 +202,7 @@ impl fmt::Display for FeatureReport {
 /// solver.
 const OF_A_MOVER: usize = 4 * size_of::<Record>();
 
-/// # What the content needs
+/// # Needs of the content
 impl World {
     /// The optional parts of the engine that the world's content needs, by how many shapes, bodies or joints,
     /// and their cost. Needs are counted when content is added, changed or removed; how joints are solved is
@@ -219,7 +219,7 @@ impl World {
         let [beside, trees, locks, rows] = buffers.joints.parts();
         let [in_trees, alone] = buffers.joints.counts();
         let [own, of_locks, of_rows] = joints.parts();
-        // Limits, drives and springs share rows.
+        // Limits, motors and springs share rows.
         let kinds = joints.kinds_of_rows();
         let shares = share_out(of_rows + rows, [kinds[0], kinds[1]]);
         let (count, bytes, time) = match feature {

@@ -21,7 +21,7 @@ pub(crate) struct Needs {
     /// Shapes that ask for events, are sensors, or have hooks.
     pub(crate) events: u32,
     pub(crate) sensors: u32,
-    /// Sensors that notice what is static.
+    /// Sensors that notice static shapes.
     pub(crate) senses_static: u32,
     pub(crate) hooks: u32,
     /// Shapes by the kind of geometry that they share.
@@ -31,7 +31,7 @@ pub(crate) struct Needs {
 }
 
 impl Needs {
-    /// What rows of contacts have beside them.
+    /// Additional data beside rows of contacts.
     pub(in crate::world) fn beside(&self) -> Beside {
         Beside { surfaces: self.belts > 0, rolling: self.rolling > 0, soft: self.soft > 0 }
     }

@@ -31,8 +31,8 @@ pub struct ContentForecast {
 
 /// Bytes that a world with a budget will hold at most, before it exists.
 ///
-/// Buffers with an entry for each body, shape or joint are exact: they are what [`World::add_bodies`]
-/// reserves. Pairs, contacts and their rows follow from a [`ContentForecast`].
+/// Buffers with an entry for each body, shape or joint are exact: [`World::add_bodies`] reserves as much.
+/// Pairs, contacts and their rows follow from a [`ContentForecast`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     bytes: Amounts,

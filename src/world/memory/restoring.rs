@@ -14,8 +14,8 @@ use crate::shape::{Geometry, Kind, RARE};
 use crate::world::{Assets, Buffers, World};
 use std::mem::swap;
 
-/// What a step makes anew, or a snapshot brings as a whole: events, contacts, pairs, and buffers of steps but
-/// for those of joints, which may be arranged already.
+/// Buffers that a step makes again, or a snapshot brings as a whole: events, contacts, pairs, and buffers of
+/// steps but for those of joints, which may be arranged already.
 #[derive(Default)]
 struct Passing {
     buffers: Buffers,
@@ -116,7 +116,7 @@ impl World {
         self.assets.cost(geometries).0
     }
 
-    /// Whether what is held or promised is more than the budget allows, which was lowered then.
+    /// Whether more is held or promised than the budget allows, because it was lowered.
     pub(crate) fn is_over_budget(&self) -> bool {
         let budget = &self.settings.budget;
         if budget.is_none() {
@@ -174,8 +174,8 @@ impl World {
                 // Asked for as it is when such settings are set.
                 return allowed;
             }
-            // Steps have grown into what was left when the snapshot was taken. What restoring and the next
-            // step make anew makes way.
+            // Steps have grown into the memory that was free when the snapshot was taken. Buffers that
+            // restoring and the next step make again are given up.
             let held = self.buffers_by_category().reserved();
             let mut passing = Passing::default();
             passing.swap(self);
@@ -198,7 +198,7 @@ impl World {
         Ok(())
     }
 
-    /// What a snapshot brings of the columns that settings and forces switch on, and the world does not have.
+    /// The columns switched on by settings and forces that a snapshot brings and the world does not have.
     fn switched_on(&self, brings: &Brings<'_>) -> Counts {
         let now = self.counts(Counts::default());
         let Settings { sleeping, continuous_method, .. } = brings.settings;

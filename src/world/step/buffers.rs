@@ -33,7 +33,7 @@ impl Buffers {
     /// Leaves wrong values in all that a step makes anew; see [`spoil`](crate::memory::spoil).
     #[cfg(debug_assertions)]
     pub(crate) fn spoil(&mut self) {
-        // Rows are made from nothing, trees of joints forget, and `finish` has state in what it keeps.
+        // Rows are made from nothing, trees of joints forget, and the buffers of `finish` contain state.
         let Buffers {
             forces, broad, narrow, restitution, prepare, rows: _, joints: _, statics, solver, ..
         } = self;

@@ -183,7 +183,7 @@ impl World {
         prepared
     }
 
-    /// What rows are made from. `ahead`: bytes that those of contacts by continuous collision may take.
+    /// The input of rows. `ahead`: bytes that those of contacts by continuous collision may take.
     pub(crate) fn prepare_input(&self, lengths: StepLengths, ahead: usize) -> PrepareInput<'_> {
         let (forces, beside) = (&self.buffers.forces, self.needs.beside());
         let tweaked = self.events.tweaks.iter().any(|tweak| tweak.surface != Vec3::ZERO);
@@ -283,9 +283,9 @@ impl World {
         self.joints.forget_unsound();
     }
 
-    /// Breaks joints and couplings that were overloaded in the step, and lists those that were strained. What
-    /// breaks wakes bodies, which changes their indices: not before all stages that read predictions by these
-    /// have ended ([`Forces::is_of`]).
+    /// Breaks joints and couplings that were overloaded in the step, and lists those that were strained. A
+    /// break wakes bodies, which changes their indices: so it comes after all stages that read predictions by
+    /// them ([`Forces::is_of`]).
     pub(crate) fn break_overloaded(&mut self) {
         self.joints.broken.clear();
         self.joints.strained.clear();

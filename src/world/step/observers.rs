@@ -11,11 +11,11 @@ use crate::shape::{Filter, Geometry, HolePatch, MassProperties, Material, Patch,
 use crate::world::{Resident, Stage, World};
 use glam::{DVec3, Vec3};
 
-/// Hands the list of all calls that a recording has to a macro, after what else that is given: each with the
-/// method that makes it, and with its arguments. The first argument of `body` is the handle of the body that
-/// it changes. These, and those of others that are the `same` for the method, in a [`Change`] and in a
-/// recording, are all that it takes to play a call; `as` has them where the method wants them otherwise. What
-/// a recording has `apart` it makes `of` a change, if it is one, and plays by itself.
+/// Hands the list of all calls in a recording to a macro, after its other arguments: each call with its
+/// method and its arguments. The first argument of `body` is the handle of the body that it changes. These,
+/// and those of others that are the `same` for the method, in a [`Change`] and in a recording, are enough to
+/// play a call; `as` has them where the method takes them in another form. A call that a recording has
+/// `apart` is made `of` a change, if it is one, and played by itself.
 ///
 /// New ones go to the end: their numbers are those of recordings.
 macro_rules! each_call {
@@ -73,7 +73,7 @@ macro_rules! each_call {
             SendToSleep sleep body(),
             SetCanSleep set_can_sleep body(can_sleep: bool),
             SetEnabled set_enabled body(enabled: bool),
-            /// What a body is called in what is said of the replay.
+            /// The name of a body in reports of the replay.
             NameRecorded name_recorded apart(BodyHandle, String),
             /// A query was asked. It changes nothing but the memory that the world holds, which a budget
             /// counts.
@@ -165,7 +165,7 @@ pub(crate) trait Recorder: std::any::Any + std::fmt::Debug + Send + Sync {
 /// Measures steps.
 #[cfg(feature = "observe")]
 pub(crate) trait StepMeter: std::any::Any + std::fmt::Debug + Send + Sync {
-    /// Who observes the solver.
+    /// The observer of the solver.
     fn witness(&mut self) -> &mut dyn crate::solver::Witness;
     /// Called before rows are solved, over a step of `dt` seconds.
     fn before_rows(&mut self, world: &mut World, dt: f32);

@@ -1,4 +1,4 @@
-//! Up to eight trees and what is known about each.
+//! Up to eight trees and their data.
 
 use crate::config::tuning::TREE_RECOVERY_TOUCHING;
 use crate::constraint::articulation::cut::Extra;
@@ -67,7 +67,7 @@ impl<L> TreeBatch<L> {
 }
 
 impl<L: TreeWidth> TreeBatch<L> {
-    /// Forgets the last step: what outlives it is in the joints, and a restored world has nothing else.
+    /// Forgets the last step: state that outlives it is in the joints, and a restored world has nothing else.
     pub(crate) fn forget(&mut self) {
         let TreeBatch { mut nodes, mut extra, real, place, .. } = std::mem::take(self);
         nodes.iter_mut().for_each(Node::forget);

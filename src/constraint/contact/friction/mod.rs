@@ -33,7 +33,7 @@ pub(crate) struct FrictionRow<L, const B: usize> {
     pub(crate) twist: L,
 }
 
-/// What a potential manifold needs for friction once it touches.
+/// Data of a potential manifold for friction once it touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct ImpactRow<L, const B: usize> {
@@ -44,10 +44,10 @@ pub(crate) struct ImpactRow<L, const B: usize> {
     pub(crate) coefficient: L,
 }
 
-/// Rows against rolling of a batch of touching contacts, about both tangents of its friction, and what
-/// spinning friction adds to the bound of its twist; a lane each. The torque against rolling is bounded by a
-/// lever arm times the load: T. Pöschel et al., *Rolling friction of a hard cylinder on a viscous plane*
-/// (1999), derive such an arm.
+/// Rows against rolling of a batch of touching contacts, about both tangents of its friction, and the
+/// addition of spinning friction to the bound of its twist; a lane each. The torque against rolling is
+/// bounded by a lever arm times the load: T. Pöschel et al., *Rolling friction of a hard cylinder on a
+/// viscous plane* (1999), derive such an arm.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RollingRow {
     /// Lever arms of the load against rolling and spinning [m].
@@ -92,8 +92,8 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
 
 kernel! {
     /// Takes the arms of bodies `b` that can't be pushed, those of `lanes`, on by a time, as these turn
-    /// [rad/s], [s]. The direction in which ground carries turns within a step, and what it carries has to
-    /// follow. Rows are solved for the middle of a substep, in which the body moves along the chord of its
+    /// [rad/s], [s]. The direction in which ground carries turns within a step, and the carried bodies have
+    /// to follow. Rows are solved for the middle of a substep, in which the body moves along the chord of its
     /// circle.
     #[cold]
     pub(crate) fn carry<'a, L: GatherLanes, const B: usize>(
@@ -153,7 +153,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         if self.needed { Some(unsafe { self.rows.get(batch.friction as usize) }) } else { None }
     }
 
-    /// What is stored for a batch of potential contacts, if any shape has friction.
+    /// Data of a batch of potential contacts, if any shape has friction.
     ///
     /// # Safety
     /// No other thread works on the batch.
@@ -163,7 +163,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         if self.needed { Some(unsafe { *self.impacts.get(batch.friction as usize) }) } else { None }
     }
 
-    /// What friction of impacts needs from a batch whose contacts bear load before they touch.
+    /// Input of the friction of impacts from a batch whose contacts bear load before they touch.
     ///
     /// # Safety
     /// No other thread works on the batch.

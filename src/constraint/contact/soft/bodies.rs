@@ -1,9 +1,9 @@
 //! Bodies that only soft contacts hold.
 //!
-//! Rows stop a body by its velocity at the end of a substep, and move it by that. A spring gives back what it
-//! took only if the body moves by the mean of its velocities at both ends; but to a rigid row this mean is
-//! half of what it stopped. So bodies move by the mean where every contact that they have is soft, and no
-//! joint holds them. At rest both are the same.
+//! Rows stop a body by its velocity at the end of a substep, and move it by that. A spring gives back the
+//! energy that it took only if the body moves by the mean of its velocities at both ends; but to a rigid row
+//! this mean is half of the velocity that it stopped. So bodies move by the mean where every contact that
+//! they have is soft, and no joint holds them. At rest both are the same.
 
 use crate::constraint::contact::input::PrepareInput;
 use crate::lanes::Record;
@@ -13,7 +13,8 @@ use crate::memory::Allowance;
 const YIELDS: u8 = 1;
 const HELD: u8 = 2;
 
-/// Marks the dynamic bodies by what holds them in this step. Without memory for that, none is marked.
+/// Marks the dynamic bodies by the contacts and joints that hold them in this step. Without memory for that,
+/// none is marked.
 pub(crate) fn mark(marks: &mut Vec<u8>, input: &PrepareInput<'_>, allowance: &mut Allowance) {
     let &PrepareInput { bodies, colliders, pairs, contacts, joints, .. } = input;
     marks.clear();
@@ -49,8 +50,9 @@ pub(crate) fn moves_by_mean(marks: &[u8], body: u32, dynamic: usize) -> bool {
 }
 
 /// Corrects the displacements of a substep of `h` seconds for the bodies that move by the mean of their
-/// velocities at both ends of it. `base`: velocities before any row acted, with what `acceleration` added. A
-/// part of a velocity that no row changed is not corrected: its displacement takes acceleration into account.
+/// velocities at both ends of it. `base`: velocities before any row acted, including those by `acceleration`.
+/// A part of a velocity that no row changed is not corrected: its displacement takes acceleration into
+/// account.
 pub(crate) fn move_by_mean(
     marks: &[u8],
     velocity: &[Record],

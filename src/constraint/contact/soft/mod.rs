@@ -94,7 +94,7 @@ fn solve_rows<L: GatherLanes, const P: usize, const B: usize>(
             let (point, own) = (&batch.points[i], rows.impulse[i]);
             let spring = Spring { rate: L::load(&soft.rate[i]), drag: L::load(&soft.drag[i]) };
             let new = if pass.relax {
-                // A body that the stop threw back is left with what the spring gives it.
+                // A body that the stop threw back keeps only the velocity that the spring gives it.
                 let held = L::load(&soft.held[i]).gt(L::zero());
                 let least = (spring.rate * -point.now).max(L::zero()).min(own);
                 L::select(held, (own - point.mass * rows.u[i]).max(least), own)
@@ -109,7 +109,7 @@ fn solve_rows<L: GatherLanes, const P: usize, const B: usize>(
                     gain: h * (L::one() - start_share) * point.stiffness,
                 };
                 let impulse = spring.impulse(&course);
-                // At the stop overlap grows no further; what is deeper is pushed apart.
+                // At the stop overlap grows no further; deeper overlap is pushed apart.
                 let least = (-(stop + point.now)).min(h * L::splat(pass.push_speed));
                 let stopping = (least - course.free_way) / course.gain;
                 let held = stopping.gt(impulse);

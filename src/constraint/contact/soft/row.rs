@@ -1,4 +1,4 @@
-//! What soft lanes of a batch need besides their normal rows.
+//! Data of the soft lanes of a batch besides their normal rows.
 
 use super::super::batch::Batch;
 use super::super::batch::GONE;
@@ -6,7 +6,7 @@ use super::super::columns::{SpringColumns, vec3};
 use crate::config::tuning::{LEAST_SOFT_DAMPING, SOFT_TURN};
 use crate::lanes::{GatherLanes, Vec3, kernel};
 
-/// What soft lanes of a batch need besides their normal rows.
+/// Data of the soft lanes of a batch besides their normal rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SoftRow {
     /// One in soft lanes, zero in others.
@@ -18,7 +18,7 @@ pub(crate) struct SoftRow {
     /// For each point: impulse of the spring in a substep per depth [N s/m], and force per speed [N s/m].
     pub(super) rate: [[f32; 8]; 4],
     pub(super) drag: [[f32; 8]; 4],
-    /// What acceleration adds to the normal velocity in a substep [m/s].
+    /// Normal velocity that acceleration adds in a substep [m/s].
     pub(super) pull: [[f32; 8]; 4],
     /// One for points that the stop held in the last pass.
     pub(super) held: [[f32; 8]; 4],

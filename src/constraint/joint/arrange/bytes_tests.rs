@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::{Mat3, Vec3};
 
-/// What a table is for, and its live and reserved bytes.
+/// Purpose of a table, and its live and reserved bytes.
 fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
     [
         ("points", rows.tables.points.bytes()),
@@ -27,7 +27,7 @@ fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
 
 type Make = fn([BodyHandle; 2], [Frame; 2]) -> JointDesc;
 type Pairs = &'static [[usize; 2]];
-/// What joins which of five balls, and the tables that take bytes then.
+/// The joint, the pairs of five balls that it joins, and the tables that take bytes then.
 type Case = (Make, Pairs, &'static [&'static str]);
 
 /// The tables that take bytes after a step of five balls joined in pairs: to make a chain, a ring, which is a
@@ -75,7 +75,7 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     }
 }
 
-/// A scene that has no joints any more is like one that never had any, but for what it keeps for the next.
+/// A scene that has no joints any more is like one that never had any, except for memory kept for new joints.
 #[test]
 fn joints_that_are_gone_are_not_live() {
     let mut world = World::new(Settings::default()).unwrap();

@@ -1,9 +1,9 @@
-//! Couplings that share bodies, and the drives of what they couple: one dense system.
+//! Couplings that share bodies, and the motors of the coupled motions: one dense system.
 //!
 //! Solved one after another, a motor that turns the slow end of a train of gears knows its own wheel, a
-//! hundredth of a percent of what hangs on it by the ratios, and each pass brings the train a hundredth of a
-//! percent nearer to its speed: the teeth of four pairs of 4 : 1 were eleven radians apart. Together they are
-//! exact. A drive at its bound is fixed there, and the others are solved again.
+//! hundredth of a percent of the inertia that hangs on it by the ratios, and each pass brings the train a
+//! hundredth of a percent nearer to its speed: the teeth of four pairs of 4 : 1 were eleven radians apart.
+//! Together they are exact. A motor at its bound is fixed there, and the others are solved again.
 
 use super::{CouplingRow, Owner};
 use crate::constraint::contact::input::PrepareInput;
@@ -116,7 +116,7 @@ impl CouplingBlock {
         }
     }
 
-    /// Reports the impulses of drives.
+    /// Reports the impulses of motors.
     pub(in crate::constraint::joint) fn report_drives(&self, to: &mut impl Report) {
         for row in &self.rows {
             if let Owner::Motor(owner) = row.owner {
@@ -181,8 +181,8 @@ impl System {
                 (target - speed - drive.give * old, drive.give, [-drive.most - old, drive.most - old])
             }
             None => {
-                // Rigid, unlike other rows: a soft row is late by a fifth of what a motor asks for at once,
-                // and the teeth were 0.03 rad apart when one started at 60 rad/s.
+                // Rigid, unlike other rows: a soft row is late by a fifth of the speed that a motor asks for
+                // at once, and the teeth were 0.03 rad apart when one started at 60 rad/s.
                 let target = row.correction(row.gap[0], rate, &pass.recovery);
                 (target - speed, 0.0, [f32::NEG_INFINITY, f32::INFINITY])
             }

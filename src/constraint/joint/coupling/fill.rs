@@ -1,4 +1,4 @@
-//! Fills the rows of couplings and of drives in a step.
+//! Fills the rows of couplings and of motors in a step.
 
 use super::{Coupled, CouplingRow, Gauge, Owner};
 use crate::config::tuning::LOCK_AWRY;
@@ -12,7 +12,7 @@ use crate::lanes::Vec3;
 use std::f32::consts::TAU;
 
 impl CouplingRow {
-    /// The row of a coupling or a drive: where its bodies are, and with what it bore.
+    /// The row of a coupling or a motor, at the poses of its bodies and with its last load.
     pub(super) fn new(owner: Owner, input: &PrepareInput<'_>) -> CouplingRow {
         let mut row = match owner {
             Owner::Coupling(slot) => of_coupling(slot, input),
@@ -92,7 +92,7 @@ fn of_drive(index: u32, input: &PrepareInput<'_>) -> CouplingRow {
     made
 }
 
-/// Marks a row that is no drive.
+/// Marks a row that is no motor.
 const RIGID: Coefficients = Coefficients::Coefficients { stiffness: 0.0, damping: 0.0 };
 
 /// A motion, and its displacement without whole turns.

@@ -2,16 +2,16 @@
 //!
 //! With displacements x and y of two joints, a x + b y stays within a range. Its Jacobian is a times that of
 //! x plus b times that of y, each as the row of a limit would have it: a pair of opposite forces and torques
-//! on the two bodies of a joint. So an impulse conserves linear and angular momentum, whatever the joints
-//! hang on. Bodies may occur twice: two gears have their gearbox in common, and a screw has both motions on
-//! the same pair.
+//! on the two bodies of a joint. So an impulse conserves linear and angular momentum, regardless of the
+//! carriers of the joints. Bodies may occur twice: two gears have their gearbox in common, and a screw has
+//! both motions on the same pair.
 //!
-//! Angles are counted with whole turns, in `f64`, from step to step; a row has what the sum is off by at the
-//! start of the step, and what has changed since. So nothing drifts, however many turns there are.
+//! Angles are counted with whole turns, in `f64`, from step to step; a row has the error of the sum at the
+//! start of the step, and the change since then. So nothing drifts, however many turns there are.
 //!
 //! Up to four bodies fit no batch of pairs. Rows that share bodies are a *block*, solved as one dense system
-//! along with the drives of what they couple ([`block`]), by one thread, before the locks at their place in
-//! the order.
+//! along with the motors of the coupled motions ([`block`]), by one thread, before the locks at their place
+//! in the order.
 
 pub(super) mod block;
 mod fill;
@@ -26,7 +26,7 @@ use crate::lanes::{Record, Vec3, turned};
 use crate::limits::MAX_LEFT_SPEED;
 use std::f32::consts::TAU;
 
-/// What is measured of a joint.
+/// Measured motion of a joint.
 #[derive(Clone, Copy, Debug)]
 enum Gauge {
     Slide(Slide<f32>),
@@ -54,7 +54,7 @@ struct Coupled {
     factor: f32,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     arm: [Vec3<f32>; 2],
-    /// What the joint's own locks add to an impulse so that it does not move what they hold: force and
+    /// The impulse of the joint's own locks per impulse of the row, which keeps them closed: force and
     /// torque, at the start of the step.
     borne: [Vec3<f32>; 2],
     lever: Lever<f32>,
@@ -146,39 +146,39 @@ impl Coupled {
     }
 }
 
-/// Whose row it is. In a block drives come after couplings.
+/// Whose row it is. In a block motors come after couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Owner {
     /// A coupling, by its slot.
     Coupling(u32),
-    /// The drive of a coupled motion, by the index of its row.
+    /// The motor of a coupled motion, by the index of its row.
     Motor(u32),
 }
 
-/// The row of a coupling, or of a drive of what it couples.
+/// The row of a coupling, or of a motor of a coupled motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CouplingRow {
     pub(super) owner: Owner,
-    /// A drive has the first only.
+    /// A motor has the first only.
     motions: [Coupled; 2],
     drive: Option<Spring<f32>>,
     /// The displacements at the start of the step, with whole turns.
     displacements: [f64; 2],
     /// How far the sum is above the lower end of its range, and below the upper one, at the start of the
-    /// step; after the last substep. For a drive: above its target.
+    /// step; after the last substep. For a motor: above its target.
     room: [f32; 2],
     gap: [f32; 2],
     /// A range without width: the lower end bears either way.
     equality: bool,
     /// Speed of the sum per impulse; zero if nothing can move it.
     mobility: f32,
-    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
+    /// Impulses of the last substep at the lower and the upper end; a motor has the first only.
     impulse: [f32; 2],
     /// The lasting part of their difference, which does not yield.
     lasting: f32,
 }
 
-// Rounding: what two motions of the same bodies leave of each other.
+// Rounding: two motions of the same bodies may cancel each other.
 /// Share of the mobility of each motion for itself below which the sum can't be moved.
 const LEAST: f32 = 1e-6;
 

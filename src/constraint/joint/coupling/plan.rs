@@ -1,4 +1,4 @@
-//! Which couplings and drives make a block.
+//! Which couplings and motors make a block.
 
 use super::Owner;
 use super::block::MAX_ROWS;
@@ -6,7 +6,7 @@ use crate::config::RowGroup;
 use crate::constraint::schedule::order::Place;
 use crate::joint::{Coupling, Joints, RowKind};
 
-/// The blocks, in the order in which they are solved, and the drives that are in them.
+/// The blocks, in the order in which they are solved, and the motors that are in them.
 #[derive(Default)]
 pub(in crate::constraint::joint) struct Plan {
     pub(in crate::constraint::joint) blocks: Vec<(Place, Vec<Owner>)>,
@@ -14,7 +14,7 @@ pub(in crate::constraint::joint) struct Plan {
     drives: Vec<bool>,
 }
 
-/// What a plan is made of.
+/// Input of a plan.
 pub(in crate::constraint::joint) struct PlanInput<'a> {
     pub(in crate::constraint::joint) joints: &'a Joints,
     /// Where the rows of a joint are solved; none if they have no effect.
@@ -65,12 +65,12 @@ impl Plan {
         plan
     }
 
-    /// Whether a row is a drive that goes along with a coupling.
+    /// Whether a row is a motor that goes along with a coupling.
     pub(in crate::constraint::joint) fn has_drive(&self, row: u32) -> bool {
         self.drives.get(row as usize).is_some_and(|&is| is)
     }
 
-    /// Adds the drives of what is kept at one value to the block that keeps it.
+    /// Adds the motors of motions that are kept at one value to the block that keeps them.
     fn add_drives(&mut self, members: &mut Vec<Member>, joints: &Joints) {
         for i in 0..members.len() {
             let Member { place, root, owner } = members[i];

@@ -33,8 +33,8 @@ fn measured<M: Measure<f32>>(at: &Placed, axes: Axes, v: &BodyPair<f32>, time: f
     [lever.speed(v), measure.bend(v, &lever, h), value]
 }
 
-/// Where the bodies go says how fast displacements change, by differences; and what is followed within a step
-/// is what is there at the end of it.
+/// Rates of displacements equal their differences over a motion, and displacements that are followed within a
+/// step equal those measured at its end.
 fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
     let mut random = Random(1);
     let mut checked = 0;
@@ -97,7 +97,7 @@ fn displacements_change_as_their_rows_say() {
     assert!(checked > 3000, "{checked}");
 }
 
-/// What coincides is pushed apart in a direction all the same, and at half a turn of tilt there are numbers.
+/// Coincident frames are pushed apart in some direction, and half a turn of tilt gives finite numbers.
 #[test]
 fn there_is_always_a_direction() {
     fn lever<M: Measure<f32>>(second: Quat, axes: Axes) -> Lever<f32> {

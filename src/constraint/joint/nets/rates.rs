@@ -1,4 +1,4 @@
-//! What the check of nets needs from each batch of joints: the bodies it joins, how fast its directions turn,
+//! Input of the check of nets from each batch of joints: the bodies it joins, how fast its directions turn,
 //! the energy of its springs.
 
 use crate::config::tuning::{FOLLOWED_IN_PARTS, FOLLOWED_TURN, LOCK_SPEED_LEFT};
@@ -279,8 +279,8 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 on_nodes! {
-    /// Lanes in which the arms or the axis of a joint turn faster than each of two speeds [rad/s], or nobody
-    /// knows how fast. Where arms move by the rotation of their bodies, the longer one counts.
+    /// Lanes in which the arms or the axis of a joint turn faster than each of two speeds [rad/s], or at an
+    /// unknown rate. Where arms move by the rotation of their bodies, the longer one counts.
     ///
     /// # Safety
     /// No thread writes velocities.

@@ -80,7 +80,8 @@ fn mesh() -> Collider {
 fn a_box_slides_along_a_floor_up_to_a_wall() {
     let cube = collider(Geometry::cuboid(0.5, 0.5, 0.5));
     let soup = floor_and_wall();
-    // Sunk in by a slop, just touching, just above; with what gravity adds; turning on its spot as well.
+    // Sunk in by a slop, just touching, just above; with the displacement by gravity; turning on its spot as
+    // well.
     for height in [-0.0005, 0.0, 0.0005, 0.002] {
         for spin in [0.0, 0.3] {
             let mut pa = path(Vec3::new(-6.3, 0.5 + height, 0.2), Vec3::new(15.0, -0.0027, 0.3));
@@ -98,7 +99,7 @@ fn a_box_slides_along_a_floor_up_to_a_wall() {
     }
 }
 
-/// The tree finds what all triangles by hand do, in a mesh and in a height field.
+/// The tree finds the same touch as a search over all triangles, in a mesh and in a height field.
 #[test]
 fn meshes_and_height_fields_answer_like_their_triangles() {
     let mut random = Random(22);
@@ -132,8 +133,8 @@ fn meshes_and_height_fields_answer_like_their_triangles() {
                 let found = cast_mesh(&a, other, &motion.relative(0.0), &motion, cast, nearby);
                 let found = if let CastResult::First(touch) = found { Some(touch.fraction) } else { None };
                 assert_eq!(found.is_some(), expected.is_some());
-                // Where a search begins depends on what was found before, and so, within the tolerance, does
-                // where it ends.
+                // The start of a search depends on earlier results, and so, within the tolerance, does its
+                // end.
                 if let Some(found) = found {
                     let least = soup.gap(&a, &motion, found);
                     assert!(least > 0.0 && least <= 1.01e-4, "{i} {found} {expected:?} {least}");

@@ -23,7 +23,7 @@ fn contact(id: u32, points: usize) -> Contact {
     contact
 }
 
-/// What is seen of a contact: its shapes, its loads, and the keys and impulses of its points.
+/// The visible state of a contact: its shapes, its loads, and the keys and impulses of its points.
 fn seen(contact: ContactRef<'_>) -> (u32, f32, Vec<(u32, f32)>) {
     let points = contact.points().iter().map(|point| (point.key, point.impulse)).collect();
     (contact.a, contact.twist, points)
@@ -185,7 +185,7 @@ fn under_a_budget_nothing_is_reserved_beyond_it_and_what_finds_no_place_keeps_it
     let slots: Vec<u32> = (0..10).map(|id| store.insert(&contact(id, 1), 0)).collect();
     assert_eq!(store.insert(&contact(10, 1), 0), NO_CONTACT);
     assert_eq!(store.grow(slots[0], MAX_POINTS), 1);
-    // What others give up is theirs.
+    // Places that others give up are theirs.
     slots[2..4].iter().for_each(|&slot| store.remove_chain(slot));
     assert_eq!(store.grow(slots[0], MAX_POINTS), 3);
     assert_eq!(store.insert(&contact(11, 1), 0), NO_CONTACT);

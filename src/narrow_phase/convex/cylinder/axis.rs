@@ -7,7 +7,7 @@
 //! Let the known depth be d, the gap that was opened e, and θ the angle between the known direction and a
 //! better one of depth d': the move opens (d + e) cos θ - d' along that, which is more than e unless d' > d
 //! cos θ - e (1 - cos θ). So each round is less deep, and a round that finds nothing ends within a factor of
-//! cos θ of whatever is shallower at the angle θ: nothing near, and what is far is among the candidates that
+//! cos θ of any shallower one at the angle θ: nothing near, and distant ones are among the candidates that
 //! the search starts from.
 
 use super::frustum::{Disc, Frustum};
@@ -23,7 +23,7 @@ use glam::{DMat3, Vec3};
 /// Rounds of taking back an overlap.
 const ROUNDS: usize = 6;
 
-/// A cylinder, or what has flat faces.
+/// A cylinder, or a shape with flat faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Body<'a> {
     Round(Frustum),
@@ -84,7 +84,7 @@ pub(super) struct Axis {
 
 const NO_AXIS: Axis = Axis { normal: Vec3::Y, separation: f32::MIN, face: None };
 
-/// What is tried at once.
+/// Directions that are tried at once.
 pub(super) struct Candidates {
     /// The best flat face.
     pub(super) flat: Axis,
@@ -132,7 +132,7 @@ impl Both<'_> {
     }
 
     /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle
-    /// of the other shape, and what is across two axes. `None`: one separates by more than the margin.
+    /// of the other shape, and perpendiculars of two axes. `None`: one separates by more than the margin.
     pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
         let mut found = Candidates { flat: NO_AXIS, best: NO_AXIS };
         for on_b in [false, true] {
@@ -181,7 +181,7 @@ impl Both<'_> {
     ///
     /// `size`: a length of the smaller shape [m].
     pub(super) fn best(&self, supports: (&Support, &Support), from: Axis, size: f32) -> (Axis, [Vec3; 2]) {
-        // Seen from the wrong side what is apart may seem deep.
+        // Seen from the wrong side, separate shapes may seem deep.
         if from.separation < -CYLINDER_DEEP * size {
             let gap = self.gap(supports, from.normal, 0.0, 1e-6 * size);
             if !gap.overlap && gap.upper > 0.0 {
@@ -247,7 +247,7 @@ impl Both<'_> {
             if gain <= 0.0 {
                 break;
             }
-            // What the next round gains is to this gain about as the depth is to the size.
+            // The gain of the next round is to this gain about as the depth is to the size.
             let depth = -best.separation;
             let settled = depth > CYLINDER_GAP * size && gain * depth <= 1e-5 * size * size;
             if open == 0.0 || gain <= 1e-5 * size || settled || best.separation < hopeless {

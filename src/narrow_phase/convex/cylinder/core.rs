@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 /// A sphere or capsule and a cylinder, in the frame of the cylinder; the normal points to the cylinder.
 ///
 /// The signed distance of a point from the frustum is exact and, like that of any convex set, convex: so is
-/// what the balls of a capsule are away. Lying along a side or on a cap gives two points.
+/// the distance of the balls of a capsule. Lying along a side or on a cap gives two points.
 pub(crate) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawManifold {
     let mut manifold = RawManifold::default();
     let Some(frustum) = Frustum::of(shape) else { return manifold };
@@ -43,9 +43,10 @@ pub(crate) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawM
 }
 
 impl Frustum {
-    /// The ball of a core that comes nearest: where what the balls are away stops falling. By false position,
-    /// with the weight of an end that stays halved (Dowell and Jarratt, *A modified regula falsi method*,
-    /// 1971): a search for the least value itself would know the place only to the root of the rounding.
+    /// The ball of a core that comes nearest: where the distance of the balls stops falling. By false
+    /// position, with the weight of an end that stays halved (Dowell and Jarratt, *A modified regula falsi
+    /// method*, 1971): a search for the least value itself would know the place only to the root of the
+    /// rounding.
     fn nearest_ball(&self, core: &Core) -> f32 {
         if core.is_ball() {
             return 0.0;

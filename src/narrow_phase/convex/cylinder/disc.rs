@@ -1,8 +1,8 @@
-//! Contact points of a cap with what it lies on: a polygon, another cap, a line.
+//! Contact points of a cap with a polygon, another cap, or a line.
 //!
 //! Seen along the normal of contact both faces are regions of a plane, and the separation is linear over it.
-//! The points are the corners of what both cover, the point of the rim that is deepest, and a few of the rim
-//! that turn with the shape: they stay what they are while it rests.
+//! The points are the corners of the common area, the point of the rim that is deepest, and a few of the rim
+//! that turn with the shape: they stay the same while it rests.
 
 use super::frustum::Disc;
 use crate::narrow_phase::contacts::manifold::RawPoint;
@@ -19,7 +19,7 @@ const CORNER: u32 = 2;
 /// In place of a direction of [`RIM`].
 const DEEPEST: usize = 4;
 
-/// A cap and the plane of what it meets, looked at along the normal of contact.
+/// A cap and the plane of the other shape, seen along the normal of contact.
 pub(super) struct Face<'a> {
     disc: &'a Disc,
     /// +1 for a disc of `a`, -1 for one of `b`: the sign of a step along the normal from the disc to the
@@ -28,7 +28,7 @@ pub(super) struct Face<'a> {
     /// Unit, from a to b.
     normal: Vec3,
     margin: f32,
-    /// Separation under the middle of the disc, and what it grows by along x and z.
+    /// Separation under the middle of the disc, and its slopes along x and z.
     middle: f32,
     slope: Vec2,
 }
@@ -95,7 +95,7 @@ impl<'a> Face<'a> {
         }
     }
 
-    /// With a polygon in that plane. `tolerance` [m]: what counts as inside, and as level.
+    /// With a polygon in that plane. `tolerance` [m]: for inside, and for level.
     pub(super) fn polygon(&self, polygon: &Loop, tolerance: f32, cloud: &mut Cloud) {
         let (corners, index) = polygon.corners();
         let count = corners.len();
@@ -146,8 +146,8 @@ impl<'a> Face<'a> {
         }
     }
 
-    /// With a line of another shape's side: the ends of what of it is over the disc. `self` is made of a
-    /// plane that the line is in.
+    /// With a line of another shape's side: the ends of its part over the disc. `self` is made of a plane
+    /// that the line is in.
     pub(super) fn line(&self, ends: [Vec3; 2], cloud: &mut Cloud) {
         let [p, q] = ends.map(|end| self.seen(end));
         let d = q - p;

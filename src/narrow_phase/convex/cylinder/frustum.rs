@@ -65,8 +65,8 @@ impl Frustum {
         [pose.point(u * self.bottom - rise), pose.point(u * self.top + rise)]
     }
 
-    /// What of the side is furthest along `d`: its line, or the end of it that is further by more than
-    /// `tolerance` [m].
+    /// The part of the side that is furthest along `d`: its line, or the end of it that is further by more
+    /// than `tolerance` [m].
     pub(super) fn furthest(&self, d: Vec3, tolerance: f32, pose: &Pose) -> Segment {
         let [low, high] = self.line(d, &Pose::IDENTITY).map(|end| end.dot(d));
         let index = match low - high {

@@ -2,8 +2,8 @@
 //! rims and sides.
 //!
 //! First the direction of contact ([`axis`]), judged by the exact extents of both shapes. Where it is the
-//! normal of a flat face the points are the corners of what that face and the one that lies on it both cover
-//! ([`disc`]); elsewhere two lines meet, or the nearest points are all there is.
+//! normal of a flat face the points are the corners of the common area of that face and the one that lies on
+//! it ([`disc`]); elsewhere two lines meet, or the nearest points are all there is.
 
 mod axis;
 mod core;
@@ -149,7 +149,7 @@ impl<'a> Contact<'a> {
         area > longest * -face.separation
     }
 
-    /// The points of a flat face and what of the other shape faces it.
+    /// The points of a flat face and the part of the other shape that faces it.
     fn on_face(&self, axis: &Axis, cloud: &mut Cloud) {
         let Some((face, on_b)) = axis.face else { return };
         let n = axis.normal;

@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 const MARGIN: f32 = 0.05;
 
-/// How far a manifold is from the truth [m]: what its normal loses against the best direction, how far the
-/// deepest point is from the depth along the normal, or how far points are outside of the shapes.
+/// The error of a manifold [m]: the loss of its normal against the best direction, how far the deepest point
+/// is from the depth along the normal, or how far points are outside of the shapes.
 fn error(found: &Compared, manifold: &RawManifold) -> f64 {
     let &Compared { distance, along, least, outside } = found;
     if manifold.count == 0 {
@@ -40,7 +40,7 @@ fn near(random: &mut Random, a: &Collider, b: &Collider, at: f32) -> Relative {
 }
 
 /// How many contacts of pairs with a cylinder are off by more than a millimetre, on shapes of about a metre;
-/// half of that may be what a flat face is preferred by.
+/// half of that may be the preference of a flat face.
 fn failures(seed: u64, rounds: usize) -> usize {
     let mut failed = 0;
     for (i, other) in CONVEX.into_iter().enumerate() {
@@ -124,8 +124,8 @@ fn two_rims_meet_in_one_point_between_the_axes() {
     }
 }
 
-/// What stands on its cap touches with four points of its rim, what lies with both ends of a line; on a
-/// triangle too.
+/// A cylinder that stands on its cap touches with four points of its rim, one that lies with both ends of a
+/// line; on a triangle too.
 #[test]
 fn at_rest_it_stands_on_four_points_and_lies_on_two() {
     let (h, r) = (0.4f32, 0.5f32);

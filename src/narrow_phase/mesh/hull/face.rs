@@ -1,7 +1,7 @@
 //! The part of a hull's face that is over a triangle.
 //!
-//! The face is clipped to the triangle's three sides on what each corner knows: how far it is beyond each
-//! side and over the plane, which are linear along an edge.
+//! The face is clipped to the triangle's three sides by values at its corners: the distances beyond each side
+//! and over the plane, which are linear along an edge.
 
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::cut_off;

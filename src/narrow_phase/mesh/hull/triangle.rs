@@ -307,7 +307,7 @@ kernel! {
             let dd = Lanes::max(along.length_squared(), L::splat(tiny));
             let by_dd = one / dd;
             for e in (0..3).filter(|&e| beyond[e] || none) {
-                // As in `nearest_on_segments`; what is known of one side saves three of four divisions.
+                // As in `nearest_on_segments`; the results of one side save three of four divisions.
                 let from = touch.corners[e];
                 let side = touch.corners[(e + 1) % 3] - from;
                 let ee = side.length_squared().max(tiny);

@@ -105,8 +105,8 @@ fn check(found: &[RawManifold], pairs: &[Pair]) -> [u32; 3] {
         // A nearly flat face may stand for the edges in it.
         let by_face = m.points().iter().all(|p| p.key >= 4096);
         if by_face && truth < 0.0 {
-            // What of the other box reaches below the face beside it is no overlap: moved out along the
-            // normal by the depth, the boxes are apart, but for its angle to the edges' axis.
+            // The part of the other box that reaches below the face beside it is no overlap: moved out along
+            // the normal by the depth, the boxes are apart, but for its angle to the edges' axis.
             assert!(along < truth + tolerance, "normal: {along} {truth} {pair:?}");
             let mut out = *pair;
             out.0.position -= m.normal * truth as f32;

@@ -1,9 +1,9 @@
 use super::*;
 
-/// Three vertices, one with y = 1e-45, kept a loader busy for ever: times 1.001 the least number stays what
-/// it is.
+/// Three vertices, one with y = 1e-45, kept a loader busy for ever: times 1.001 the least number stays the
+/// same.
 ///
-/// Expected: what any grid must do, its lines 0 and 255 enclose the range, and so do the boxes made of them.
+/// Expected: as for any grid, lines 0 and 255 enclose the range, and so do the boxes made of them.
 #[test]
 fn boxes_enclose_their_triangles_at_any_extent() {
     let scales = [0.0, f32::from_bits(1), 1e-43, 1e-40, f32::MIN_POSITIVE, 1e-20, 1.0, 1e6, 1e30, f32::MAX];

@@ -2,7 +2,7 @@
 //!
 //! Where the rows of a joint keep their kind, and so their places in the batches, a change writes numbers in
 //! place: nothing is arranged again, nothing is allocated, and impulses are warm-started as before. Other
-//! changes replace the rows of the joint, and what stays of its kind keeps its impulses too.
+//! changes replace the rows of the joint, and rows that keep their kind keep their impulses too.
 
 use crate::config::RowGroup;
 use crate::constraint::arranged_alike;
@@ -13,10 +13,10 @@ use crate::joint::{
 };
 use crate::world::{Addition, Change, World};
 
-/// # Joints: limits, drives, frames
+/// # Joints: limits, motors, frames
 impl World {
-    /// Sets a drive of a joint: it replaces the first of the same motion and axis, or is added. A target that
-    /// changes is cheaper set by [`World::set_joint_target`]; a drive that is no other wakes nobody.
+    /// Sets a motor of a joint: it replaces the first of the same motion and axis, or is added. A target that
+    /// changes is cheaper set by [`World::set_joint_target`]; an equal motor wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -50,7 +50,7 @@ impl World {
         self.replace_joint_rows(slot, &limits, &drives, change)
     }
 
-    /// Removes the drives of a joint along or about an axis. Returns whether there was any.
+    /// Removes the motors of a joint along or about an axis. Returns whether there was any.
     ///
     /// # Errors
     /// If the handle is stale, or the budget does not allow the rows of the joint to be arranged again.
@@ -71,9 +71,9 @@ impl World {
         Ok(true)
     }
 
-    /// Sets the target of a drive that the joint has, the first of this motion and axis: a position [m] or
+    /// Sets the target of a motor that the joint has, the first of this motion and axis: a position [m] or
     /// [rad] and a velocity [m/s] or [rad/s]. Meant for targets that change in every step: it costs no more
-    /// than looking up the row. A target that is no other wakes nobody.
+    /// than looking up the row. An equal target wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -96,7 +96,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// If the handle is stale, a number is out of range, or there is no such drive ([`Error::NoMotor`]).
+    /// If the handle is stale, a number is out of range, or there is no such motor ([`Error::NoMotor`]).
     pub fn set_joint_target(
         &mut self,
         joint: JointHandle,
@@ -115,7 +115,7 @@ impl World {
     }
 
     /// Sets a limit of a joint: it replaces the first of the same motion and axes, or is added. A limit from
-    /// minus infinity to infinity is taken away. A limit that is no other wakes nobody.
+    /// minus infinity to infinity is taken away. An equal limit wakes no body.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -177,8 +177,8 @@ impl World {
         Ok(true)
     }
 
-    /// Replaces all limits of a joint, locks included; its drives stay. Here and below what is no other
-    /// changes nothing and wakes nobody.
+    /// Replaces all limits of a joint, locks included; its motors stay. Here and below, a value equal to the
+    /// present one changes nothing and wakes no body.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
@@ -192,7 +192,7 @@ impl World {
         self.replace_joint_rows(slot, limits, &drives, Change::SetJointLimits(joint, limits))
     }
 
-    /// Replaces all drives of a joint; its limits stay.
+    /// Replaces all motors of a joint; its limits stay.
     ///
     /// # Errors
     /// If the handle is stale, a number out of range, or the budget does not allow it.
@@ -206,7 +206,7 @@ impl World {
         self.replace_joint_rows(slot, &limits, drives, Change::SetJointDrives(joint, drives))
     }
 
-    /// Moves a joint on its bodies. Bodies stay where they are: the next steps close what is open then.
+    /// Moves a joint on its bodies. Bodies stay where they are: the next steps close the gap.
     ///
     /// # Errors
     /// If the handle is stale or a number out of range.
@@ -245,8 +245,8 @@ impl World {
         Ok(())
     }
 
-    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. A strength
-    /// that is no other wakes nobody.
+    /// Sets the force [N] and the torque [N m] above which a joint breaks; infinity for never. An equal one
+    /// wakes no body.
     ///
     /// # Errors
     /// If the handle is stale, a number is not at least zero, or the budget does not allow it.
@@ -339,7 +339,7 @@ impl World {
         true
     }
 
-    /// The rows that an angular drive about an axis, or its removal, makes anew if up to so many come to a
+    /// The rows that an angular motor about an axis, or its removal, makes anew if up to so many come to a
     /// joint.
     pub(in crate::world) fn more_for_drive(
         &self,

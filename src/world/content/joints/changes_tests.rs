@@ -1,4 +1,4 @@
-//! What changes of joints leave as it is inside.
+//! Changes of joints leave other rows and impulses as they are.
 
 use super::*;
 use crate::body::BodyDesc;
@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 const SPRINGS: [Spring; 2] =
     [Spring::Coefficients { stiffness: 500.0, damping: 20.0 }, Spring::Frequency { hertz: 5.0, ratio: 1.0 }];
 
-/// Doors on hinges whose drives are motors of trees, and rows of their own.
+/// Doors on hinges whose motors are solved with trees, and in rows of their own.
 fn doors(world: &mut World) -> Vec<JointHandle> {
     let ground = world.add_body(&BodyDesc::fixed()).unwrap();
     let doors = SPRINGS.into_iter().cycle().take(12).enumerate().map(|(i, spring)| {
@@ -28,7 +28,7 @@ fn doors(world: &mut World) -> Vec<JointHandle> {
     doors.collect()
 }
 
-/// Expected: values that change leave the arrangement of the first step, and impulses; a drive of another
+/// Expected: values that change leave the arrangement of the first step, and impulses; a motor of another
 /// kind, or one more, makes it anew.
 #[test]
 fn nothing_is_arranged_for_other_values() {
@@ -63,7 +63,7 @@ fn nothing_is_arranged_for_other_values() {
     let held: Vec<Vec3> = world.joints.locks.iter().map(|lock| lock.impulse).collect();
     world.set_joint_motor(joints[3], Motor::friction(Motion::Angular, Axis::Y, 1.0)).unwrap();
     assert!(world.joints.changed);
-    // Locks keep what they bear, whosever they are, and at whichever place.
+    // Locks keep their loads, of any joint and at any place.
     let sorted = |mut all: Vec<Vec3>| {
         all.sort_unstable_by_key(|v| v.to_array().map(f32::to_bits));
         all
@@ -96,7 +96,7 @@ fn snapshots_keep_targets_and_share_the_list() {
     turn(&mut world, 100..200);
     world.snapshot(&mut new);
     assert_eq!(world.revisions.moving, revision, "the list is not written again");
-    // Without further changes, so that what counts is what the snapshots kept.
+    // Without further changes, so that only the content of the snapshots counts.
     let go = |world: &mut World, snapshot: &Snapshot| {
         world.restore(snapshot).unwrap();
         for _ in 0..60 {

@@ -114,8 +114,8 @@ impl World {
         Ok(coupling.sum(self.displacements_of(coupling)))
     }
 
-    /// What a coupling exerted on each of its two motions in the last substep [N] or [N m]: on the second
-    /// body of the joint along or about the axis, and the opposite on the first.
+    /// Force or torque of a coupling on each of its two motions in the last substep [N] or [N m]: on the
+    /// second body of the joint along or about the axis, and the opposite on the first.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -124,7 +124,7 @@ impl World {
     }
 
     /// Sets the factors of a coupling where its motions are: shifts a gear. The range is moved with the sum,
-    /// so that a rope has as much slack as before. Factors that are no other wake nobody.
+    /// so that a rope has as much slack as before. Equal factors wake no body.
     ///
     /// # Errors
     /// If the handle is stale, or a factor or an end of the range is out of its range.
@@ -145,7 +145,7 @@ impl World {
         Ok(())
     }
 
-    /// Sets the range of the sum of a coupling; `None` keeps it at what it is.
+    /// Sets the range of the sum of a coupling; `None` keeps the present one.
     ///
     /// # Errors
     /// If the handle is stale or an end out of range.
@@ -171,7 +171,7 @@ impl World {
     }
 
     /// Sets the force or torque on either motion above which a coupling breaks [N] or [N m]; infinity for
-    /// never. A strength that is no other wakes nobody.
+    /// never. An equal one wakes no body.
     ///
     /// # Errors
     /// If the handle is stale or a number is negative.

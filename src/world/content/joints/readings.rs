@@ -1,4 +1,4 @@
-//! What a joint is and does, read back.
+//! Readings of joints: descriptions, positions, loads.
 
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
@@ -6,7 +6,7 @@ use crate::joint::{Axes, Axis, Frame, Joint, Limit, Motion, Motor, Placed};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// # Joints: where they are and what they bear
+/// # Joints: positions and loads
 impl World {
     /// The two bodies of a joint.
     ///
@@ -27,7 +27,7 @@ impl World {
         Ok(self.joints.limits_of(self.joint(joint)?))
     }
 
-    /// The drives of a joint, in the order in which they were given.
+    /// The motors of a joint, in the order in which they were given.
     ///
     /// # Errors
     /// If the handle is stale.
@@ -35,10 +35,10 @@ impl World {
         Ok(self.joints.drives_of(self.joint(joint)?))
     }
 
-    /// How far the second frame of a joint is from the first: what a limit of the same motion and axes
-    /// restricts [m] or [rad]. The angle of a hinge with a limit has its whole turns, counted from the first
-    /// step on. Any other twist about one axis is in `-pi..=pi`; limits and drives take it with the whole
-    /// turns that bring it nearest to the middle of the range or to the target.
+    /// How far the second frame of a joint is from the first, the quantity that a limit of the same motion
+    /// and axes restricts [m] or [rad]. The angle of a hinge with a limit has its whole turns, counted from
+    /// the first step on. Any other twist about one axis is in `-pi..=pi`; limits and motors take it with the
+    /// whole turns that bring it nearest to the middle of the range or to the target.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};
@@ -64,9 +64,9 @@ impl World {
         Ok(known.unwrap_or(displacement))
     }
 
-    /// How fast the displacement along an axis, or the twist about it, grows [m/s] or [rad/s]: what a drive
-    /// of the same motion and axis brings to its target velocity. It is the second body's velocity as seen
-    /// from the first, whose axes turn with it.
+    /// How fast the displacement along an axis, or the twist about it, grows [m/s] or [rad/s], the quantity
+    /// that a motor of the same motion and axis brings to its target velocity. It is the second body's
+    /// velocity as seen from the first, whose axes turn with it.
     ///
     /// # Errors
     /// If the handle is stale.

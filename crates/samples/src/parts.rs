@@ -1,0 +1,88 @@
+//! What many samples begin with: a level ground, bodies of one shape, and worlds in which something acts before
+//! each step.
+
+use crate::{Running, Tick};
+use backstop::{BodyDesc, BodyHandle, Error, Geometry, Settings, ShapeDesc, World};
+use std::fmt;
+
+/// A world with a level ground at y = 0, and the body of the ground.
+///
+/// # Errors
+///
+/// Those of [`World::new`] and [`World::add_body`].
+pub fn level_world() -> Result<(World, BodyHandle), Error> {
+    level_world_with(Settings::default())
+}
+
+/// The same with settings.
+///
+/// # Errors
+///
+/// Those of [`World::new`] and [`World::add_body`].
+pub fn level_world_with(settings: Settings) -> Result<(World, BodyHandle), Error> {
+    let mut world = World::new(settings)?;
+    let ground = world.add_body(&fixed(Geometry::plane()))?;
+    Ok((world, ground))
+}
+
+/// A dynamic body of one shape, of the density of water.
+pub fn solid(geometry: Geometry) -> BodyDesc {
+    BodyDesc::dynamic().with_shape(ShapeDesc::new(geometry))
+}
+
+/// A body of one shape that nothing moves.
+pub fn fixed(geometry: Geometry) -> BodyDesc {
+    BodyDesc::fixed().with_shape(ShapeDesc::new(geometry))
+}
+
+/// A number in 0..1 for each index. Numbers of neighbours are far apart, so that what is placed by them is
+/// spread evenly.
+pub fn spread(index: usize) -> f32 {
+    (index as f32 * 0.618_034).fract()
+}
+
+/// Steps without a user, for some time [s].
+///
+/// # Errors
+///
+/// Those of [`Running::step`].
+pub fn run(sample: &mut impl Running, seconds: f64) -> Result<(), Error> {
+    Tick::during(seconds).try_for_each(|tick| sample.step(&tick))
+}
+
+type Act = dyn Fn(&mut World, &Tick) -> Result<(), Error>;
+
+/// A world in which something acts before each step.
+pub struct Driven {
+    world: World,
+    act: Box<Act>,
+}
+
+impl Driven {
+    /// Calls a function before each step.
+    pub fn new(world: World, act: impl Fn(&mut World, &Tick) -> Result<(), Error> + 'static) -> Driven {
+        Driven { world, act: Box::new(act) }
+    }
+}
+
+impl fmt::Debug for Driven {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Driven").field("world", &self.world).finish_non_exhaustive()
+    }
+}
+
+impl Running for Driven {
+    fn world(&self) -> &World {
+        &self.world
+    }
+
+    fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    fn step(&mut self, tick: &Tick) -> Result<(), Error> {
+        (self.act)(&mut self.world, tick)?;
+        self.world.step(tick.dt)?;
+        Ok(())
+    }
+}
