@@ -50,7 +50,7 @@ const run = (page, name) =>
 async function everySampleRuns(page, folder) {
     const names = await page.evaluate(() => testbed.catalogue.map((entry) => entry.name));
     await mkdir(folder, { recursive: true });
-    await page.evaluate(() => testbed.still(true));
+    await page.evaluate(() => [testbed.still(true), testbed.bare(true)]);
     const slow = [];
     for (const name of names) {
         const { refused, step, wrong, ms, ...picture } = await run(page, name);
@@ -61,7 +61,7 @@ async function everySampleRuns(page, folder) {
         assert.deepEqual(page.problems, [], name);
         slow.push([ms, name]);
     }
-    await page.evaluate(() => testbed.still(false));
+    await page.evaluate(() => [testbed.still(false), testbed.bare(false)]);
     slow.sort(([a], [b]) => b - a);
     const worst = slow.slice(0, 3).map(([ms, name]) => `${name} ${(ms / 1000).toFixed(1)} s`);
     console.log(`    ${names.length} samples of ${SECONDS} s each; the slowest: ${worst.join(', ')}`);
@@ -99,7 +99,7 @@ async function thePageFitsATelephone(browser, address) {
     await page.screenshot({ path: new URL('telephone-samples.png', HERE).pathname });
     await page.tap('#list button[data-name=windmill]');
     await page.waitForFunction(() => testbed.header.name === 'windmill');
-    assert.equal(await page.isVisible('#samples'), false);
+    await page.waitForSelector('#samples', { state: 'hidden' });
     await page.tap('#panel-open');
     await page.waitForTimeout(300);
     await page.screenshot({ path: new URL('telephone-panel.png', HERE).pathname });

@@ -100,7 +100,7 @@ crate::world::each_call! { calls {
         Change::AddJoint(desc) => Call::AddJoint(desc.clone()),
         Change::AddJoints(descs) => Call::AddJoints(descs.to_vec()),
         Change::SetJointLimits(joint, limits) => Call::SetJointLimits(joint, limits.to_vec()),
-        Change::SetJointDrives(joint, drives) => Call::SetJointDrives(joint, drives.to_vec()),
+        Change::SetJointMotors(joint, drives) => Call::SetJointMotors(joint, drives.to_vec()),
         Change::SetGeometry(shape, geometry) => Call::SetGeometry(shape, sink.form(geometry)),
         Change::AddCharacter(resident) => sink.resident(resident, Call::AddCharacter),
         Change::SetCharacter(character, resident) => {

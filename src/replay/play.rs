@@ -433,7 +433,7 @@ impl<R: Read> Replay<R> {
                 self.world.set_holes(shape, usual(first), usual(size), &holes)?;
             }
             Call::SetJointLimits(joint, limits) => self.world.set_joint_limits(joint, &limits)?,
-            Call::SetJointDrives(joint, drives) => self.world.set_joint_motors(joint, &drives)?,
+            Call::SetJointMotors(joint, drives) => self.world.set_joint_motors(joint, &drives)?,
             of_character => self.play_on_character(of_character)?,
         }
         Ok(())

@@ -28,7 +28,7 @@ class App {
             failed: tell,
         });
         this.hand = new Hand(this.loop);
-        this.view = new View(element('canvas'), this.hand, () => this.turned());
+        this.view = new View(element('canvas'), this.hand, (panned) => this.turned(panned));
         this.hand.attach(this.view);
         this.ledger = new Ledger();
         this.transport = new Transport(this.loop, () => this.link());
@@ -59,8 +59,11 @@ class App {
         if (state.layers) this.setLayers(state.layers);
         await this.open(known ? (state.sample ?? first) : first, state);
         if (!known) tell(`there is no sample "${state.sample}"`);
-        if (state.camera?.length === 6) this.view.camera.restore(state.camera);
+        if (state.camera?.length !== 6) return;
+        this.view.camera.restore(state.camera);
         this.view.invalidate();
+        this.turnedBy = state.camera;
+        this.link();
     }
 
     /** Opens a sample from its start. `add`: as a page to come back from. */
@@ -78,7 +81,7 @@ class App {
         this.keys.set(Boolean(entry?.controls));
         showSource(entry ?? {});
         this.panel.showSize(entry, size);
-        this.setFollow(follow ?? (stays ? this.follows : Boolean(entry?.controls)));
+        this.setFollow(follow ?? (stays ? this.follows : true));
         this.ledger.clear();
         if (add) history.pushState(null, '', `#sample=${name}`);
         const kept = stays && Object.keys(settings).length === 0 ? this.changed : settings;
@@ -150,7 +153,7 @@ class App {
             this.view.renderer.select(set.size > 0 ? (i) => set.has(i) : null);
         }
         const whom = shapes.length > 0 ? shapes[0] : 'moving';
-        this.view.follows = this.follows ? whom : 'nothing';
+        this.view.follows = this.follows && !this.hand.holding ? whom : 'nothing';
     }
 
     setFollow(follows) {
@@ -174,7 +177,9 @@ class App {
     }
 
     /** The user turned the camera: it is a part of the address from now on. */
-    turned() {
+    turned(panned) {
+        // Who moves the camera to a place wants it to stay there.
+        if (panned) this.setFollow(false);
         this.turnedBy = this.view.camera.saved();
         this.link();
     }
@@ -191,8 +196,7 @@ class App {
         const { playing, speed, rate } = this.loop;
         const layers = same([...this.layers], FIRST_LAYERS) ? undefined : [...this.layers];
         const simple = Object.entries(this.changed).filter(([, value]) => value === null || typeof value !== 'object' || Array.isArray(value));
-        const usual = Boolean(this.samples?.entry(this.name)?.controls);
-        const follow = this.follows === usual ? undefined : this.follows;
+        const follow = this.follows ? undefined : false;
         const settings = Object.fromEntries(simple);
         return written({ sample: this.name, size: this.size, settings, layers, speed, rate: Math.round(rate * 100) / 100, play: playing, follow, camera: this.turnedBy });
     }
@@ -237,7 +241,16 @@ class App {
         for (const id of ['samples', 'panel']) element(id).classList.remove('open');
     }
 
+    /** Puts what is framed into the middle of what nothing covers. */
+    makeRoom() {
+        const high = (name) => document.querySelector(`main > ${name}`).offsetHeight;
+        this.view.camera.lift = (high('footer') - high('header')) / Math.max(1, element('canvas').clientHeight);
+        this.view.invalidate();
+    }
+
     listen() {
+        const room = new ResizeObserver(() => this.makeRoom());
+        for (const name of ['footer', 'header', '#canvas']) room.observe(document.querySelector(`main > ${name}`));
         const on = (id, event, work) => element(id).addEventListener(event, work);
         addEventListener('hashchange', () => this.follow(location.hash));
         on('samples-open', 'click', () => this.drawer('samples'));

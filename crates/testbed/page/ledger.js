@@ -1,7 +1,7 @@
 // The figures beside the scene.
 
 import { MARKS } from './draw/marks.js';
-import { element, figure } from './page.js';
+import { element, escaped, figure } from './page.js';
 
 /** Colours of the categories of memory and of the stages, in the order of reports. */
 const CATEGORIES = ['#4d82c4', '#8f6fc0', '#6a9a5b', '#e3a23c', '#d9604c', '#3aa39a', '#b0773f', '#9aa3ad', '#c5cbd3', '#c04a86'];
@@ -106,6 +106,9 @@ export class Ledger {
     }
 }
 
+/** What is known of a body, in the order in which it is shown. */
+const KNOWN = ['body', 'kind', 'shape', 'mass', 'position', 'velocity', 'spin', 'asleep', 'contacts', 'joints'];
+
 /** Shows what is known of the inspected body, as the engine says it. */
 export function showInspected(inspected) {
     element('inspector').hidden = !inspected;
@@ -113,9 +116,13 @@ export function showInspected(inspected) {
     const text = (value) => {
         if (Array.isArray(value)) return value.map((x) => x.toFixed(Math.abs(x) < 10 ? 3 : 1)).join(' &nbsp;');
         if (typeof value === 'boolean') return value ? 'yes' : 'no';
-        return typeof value === 'number' ? figure(value) : String(value).replace(/[<&]/g, ' ');
+        if (typeof value === 'number') return figure(value);
+        // A body without a name is told by its handle.
+        return escaped(String(value).replace(/^BodyHandle \{ slot: (\d+).*$/, 'number $1').replaceAll('_', ' '));
     };
     const units = { mass: 'kg', position: 'm', velocity: 'm/s', spin: 'rad/s', density: 'kg/m³', point: 'm' };
+    const order = (name) => (KNOWN.includes(name) ? KNOWN.indexOf(name) : KNOWN.length);
     const line = ([name, value]) => ({ name: units[name] ? `${name} <small>[${units[name]}]</small>` : name, value: text(value) });
-    rows(element('inspected'), Object.entries(inspected).filter(([name]) => name !== 'shapes').map(line));
+    const known = Object.entries(inspected).filter(([name]) => name !== 'shapes');
+    rows(element('inspected'), known.sort(([a], [b]) => order(a) - order(b)).map(line));
 }

@@ -158,6 +158,7 @@ const KINEMATIC: u32 = 5;
 /// The colour of a shape, as an index into the renderer's list.
 fn tone(kind: BodyKind, geometry: &Geometry) -> u32 {
     match (kind, geometry) {
+        (_, Geometry::Plane) => 8,
         _ if !geometry.is_convex() => 7,
         (BodyKind::Static, _) => 6,
         (BodyKind::Kinematic, _) => KINEMATIC,

@@ -83,7 +83,7 @@ features! {
         /// Limits with a width.
         JointLimits "joint_limits" "limits with a width" "solve",
         /// Motors, and friction of joints.
-        JointDrives "joint_motors" "drives" "solve",
+        JointMotors "joint_motors" "motors" "solve",
         /// Springs, of limits and of motors.
         JointSprings "joint_springs" "springs of limits and drives" "solve",
         /// Couplings of two motions of joints: gears, racks, screws, pulleys.
@@ -261,7 +261,7 @@ impl World {
             Feature::JointTrees => (in_trees, trees, None),
             Feature::JointLocks => (alone, of_locks + locks, None),
             Feature::JointLimits => (kinds[0], shares[0], None),
-            Feature::JointDrives => (kinds[1], shares[1], None),
+            Feature::JointMotors => (kinds[1], shares[1], None),
             Feature::JointSprings => (kinds[2], 0, None),
             Feature::Couplings => {
                 let bytes = joints.couplings.reserved() + buffers.joints.coupling_bytes();

@@ -53,14 +53,14 @@ macro_rules! each_call {
             AddJoint add_joint apart(JointDesc) of(&'a JointDesc),
             AddJoints add_joints apart(Vec<JointDesc>) of(&'a [JointDesc]),
             RemoveJoint remove_joint same(joint: JointHandle),
-            SetJointDrive set_joint_motor same(joint: JointHandle, drive: Motor),
-            RemoveJointDrive remove_joint_motor same(joint: JointHandle, motion: Motion, axis: Axis),
+            SetJointMotor set_joint_motor same(joint: JointHandle, drive: Motor),
+            RemoveJointMotor remove_joint_motor same(joint: JointHandle, motion: Motion, axis: Axis),
             SetJointTarget set_joint_target same(joint: JointHandle, motion: Motion, axis: Axis, to: [f32; 2])
                 as (joint, motion, axis, to[0], to[1]),
             SetJointLimit set_joint_limit same(joint: JointHandle, limit: Limit),
             RemoveJointLimit remove_joint_limit same(joint: JointHandle, motion: Motion, axes: Axes),
             SetJointLimits set_joint_limits apart(JointHandle, Vec<Limit>) of(JointHandle, &'a [Limit]),
-            SetJointDrives set_joint_motors apart(JointHandle, Vec<Motor>) of(JointHandle, &'a [Motor]),
+            SetJointMotors set_joint_motors apart(JointHandle, Vec<Motor>) of(JointHandle, &'a [Motor]),
             SetJointFrames set_joint_frames same(joint: JointHandle, frames: [Frame; 2]),
             SetJointCollide set_joint_collide same(joint: JointHandle, collide: bool),
             SetJointStrength set_joint_break_force same(joint: JointHandle, most: [f32; 2])

@@ -306,7 +306,7 @@ const OF_JOINTS: [Feature; 7] = [
     Feature::JointTrees,
     Feature::JointLocks,
     Feature::JointLimits,
-    Feature::JointDrives,
+    Feature::JointMotors,
     Feature::JointSprings,
     Feature::BreakableJoints,
 ];
@@ -333,7 +333,7 @@ fn joints_have_what_their_kind_needs() {
         ),
         (
             |b, f, _| JointDesc::new(b, f).with_motor(Motor::velocity(Motion::Angular, Axis::X, 1.0, 10.0)),
-            &[Feature::JointDrives],
+            &[Feature::JointMotors],
         ),
         (
             |b, f, _| JointDesc::ball(b, f).with_break_force(1e9, 1e9),

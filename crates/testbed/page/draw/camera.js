@@ -70,6 +70,8 @@ export function frameOf(places, home) {
 export class Camera {
     constructor() {
         this.frame = { middle: [0, 0, 0], radius: 5 };
+        /** How far above the middle of the picture its target is, in halves of its height. */
+        this.lift = 0;
         this.reset();
     }
 
@@ -150,6 +152,7 @@ export class Camera {
 
     /** The ray from the eye through a place of the picture: -1 to 1 to the right and up; `aspect` wide. */
     ray(x, y, aspect) {
+        y -= this.lift;
         const m = look([0, 0, 0], this.back);
         const high = Math.tan(HALF_ANGLE) / Math.min(1, aspect);
         const along = [0, 1, 2].map((i) => m[4 * i] * x * high * aspect + m[4 * i + 1] * y * high - this.back[i]);
@@ -164,7 +167,9 @@ export class Camera {
         const { distance, back } = this;
         const target = this.target;
         const eye = sum(target, scaled(back, distance));
-        const clip = product(perspective(focal, width / height, 0.02 * distance, 40 * distance), look(eye, back));
+        const lens = perspective(focal, width / height, 0.02 * distance, 40 * distance);
+        lens[9] = -this.lift;
+        const clip = product(lens, look(eye, back));
         const pixel = 2 / (focal * height);
         return { clip, eye, target, back, radius: this.frame.radius * Math.max(this.zoom, 1), pixel };
     }

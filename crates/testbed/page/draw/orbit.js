@@ -47,10 +47,11 @@ export function orbit(canvas, view, hand = { holding: false, press() {}, drop() 
         if (start.click) return;
         const after = middle();
         const [dx, dy] = [after.x - before.x, after.y - before.y].map((d) => d / canvas.clientHeight);
-        if (fingers.size > 1 || e.shiftKey || e.buttons & 6) camera.pan(-dx, dy);
+        const pans = fingers.size > 1 || e.shiftKey || Boolean(e.buttons & 6);
+        if (pans) camera.pan(-dx, dy);
         else camera.turn(-4 * dx, 3 * dy);
         if (before.spread > 0 && after.spread > 0) camera.zoomBy(before.spread / after.spread);
-        view.moved();
+        view.moved(pans);
     });
     for (const end of ['pointerup', 'pointercancel']) {
         canvas.addEventListener(end, (e) => {

@@ -7,10 +7,10 @@ import { CORNER, cornersOf } from './normals.js';
 import { SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX } from './shaders.js';
 
 /**
- * Colours: sphere, capsule, box, cylinder and cone, hull; kinematic; static; and ground that is seen from both
- * sides: planes, meshes, height fields.
+ * Colours: sphere, capsule, box, cylinder and cone, hull; kinematic; static; ground that is seen from both sides:
+ * meshes, height fields; planes, which have no end.
  */
-const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#cfd2cc'];
+const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#cfd2cc', '#cfd2cc'];
 /** Colours of figures: dynamic bodies that are joined have one. */
 const FIGURES = ['#d9604c', '#4d82c4', '#57a773', '#e3a23c', '#8f6fc0', '#3aa39a', '#c8688f', '#8a9a3c'];
 /** Numbers of a pose: position [m], rotation, 1 if asleep. */
@@ -264,7 +264,7 @@ export class Renderer {
     drawGroups(shader, view, wanted) {
         const { gl } = this;
         for (const group of this.groups.filter(wanted)) {
-            (group.tone === GROUND ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
+            (group.tone >= GROUND || this.options.wireframe ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
             shader.use({ wide: group.wide, large: group.wide < 0.5 * view.radius ? 0 : 1 });
             gl.bindVertexArray(group.array);
             gl.drawArraysInstanced(gl.TRIANGLES, 0, group.vertices, group.count);

@@ -40,10 +40,10 @@ vec3 turned(vec3 v) {
 }
 
 void main() {
-    // What moves is never smaller than a few pixels.
+    // What moves is never smaller than a few pixels. Planes reach to where all fades.
     float selected = step(15.5, look.w);
     float tone = look.w - 16.0 * selected;
-    float grow = tone < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
+    float grow = tone > 7.5 ? 30.0 : tone < 5.5 ? max(1.0, 2.5 * pixel * distance(eye, place) / wide) : 1.0;
     at = place + turned(corner * grow);
     facing = turned(normal);
     edge = edges;
@@ -73,7 +73,7 @@ uniform mat4 sunlight; // world to shadow map
 uniform float texel;   // of the shadow map, in the world
 uniform sampler2DShadow shadows;
 out vec4 colour;
-const float ROUND = ${ROUND.toFixed(1)};
+#define ROUND ${ROUND.toFixed(1)}
 ${BACKGROUND}
 
 float lit(vec3 n) {
@@ -170,7 +170,7 @@ uniform vec2 size;  // of the picture [pixels]
 uniform float wide; // [pixels]
 out vec3 shade;
 out float across;   // from the middle of the line [pixels]
-const float NEAR = 1e-3;
+#define NEAR 1e-3
 void main() {
     vec4 p = clip * vec4(from, 1.0);
     vec4 q = clip * vec4(to, 1.0);

@@ -47,10 +47,10 @@ export class View {
         this.moved();
     }
 
-    /** The camera was moved. */
-    moved() {
+    /** The camera was moved; `panned` is to another place. */
+    moved(panned = false) {
         this.invalidate();
-        this.changed();
+        this.changed(panned);
     }
 
     /** The ray from the eye through a place of the page. */

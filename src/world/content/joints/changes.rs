@@ -37,7 +37,7 @@ impl World {
         let slot = self.joint(joint)?;
         drive.validate()?;
         let row = self.joints.drive_row(slot, drive.motion, drive.axis);
-        let change = Change::SetJointDrive(joint, drive);
+        let change = Change::SetJointMotor(joint, drive);
         if row.is_some_and(|row| self.change_row(slot, row, drive.kind(), change)) {
             return Ok(());
         }
@@ -67,7 +67,7 @@ impl World {
         if drives.len() == before {
             return Ok(false);
         }
-        self.replace_joint_rows(slot, &limits, &drives, Change::RemoveJointDrive(joint, motion, axis))?;
+        self.replace_joint_rows(slot, &limits, &drives, Change::RemoveJointMotor(joint, motion, axis))?;
         Ok(true)
     }
 
@@ -203,7 +203,7 @@ impl World {
         if old == drives {
             return Ok(());
         }
-        self.replace_joint_rows(slot, &limits, drives, Change::SetJointDrives(joint, drives))
+        self.replace_joint_rows(slot, &limits, drives, Change::SetJointMotors(joint, drives))
     }
 
     /// Moves a joint on its bodies. Bodies stay where they are: the next steps close the gap.

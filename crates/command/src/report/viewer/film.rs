@@ -45,6 +45,7 @@ pub(crate) struct Film {
 /// The colour of a shape, as an index into the renderer's list.
 fn tone(kind: BodyKind, geometry: &Geometry) -> i32 {
     match (kind, geometry) {
+        (_, Geometry::Plane) => 8,
         _ if !geometry.is_convex() => 7,
         (BodyKind::Static, _) => 6,
         (BodyKind::Kinematic, _) => 5,

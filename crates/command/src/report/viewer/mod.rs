@@ -11,21 +11,14 @@ use crate::report::html::Part;
 use anyhow::Context;
 use askama::Template;
 use backstop_scene::Scene;
+use backstop_testbed::page;
 use film::Film;
 
-/// The modules, each after those that it imports from. Put together they are one.
-const MODULES: [&str; 9] = [
-    include_str!("../../../../testbed/page/draw/camera.js"),
-    include_str!("../../../../testbed/page/draw/orbit.js"),
-    include_str!("../../../../testbed/page/draw/shaders.js"),
-    include_str!("../../../../testbed/page/draw/normals.js"),
-    include_str!("../../../../testbed/page/draw/gl.js"),
-    include_str!("../../../../testbed/page/draw/marks.js"),
-    include_str!("../../../../testbed/page/draw/renderer.js"),
-    include_str!("../../../../testbed/page/draw/view.js"),
-    include_str!("player.js"),
-];
+/// The modules of the renderer, each after those that it imports from. Put together they are one, with the
+/// player's after them.
+const MODULES: [&str; 8] = ["camera", "orbit", "shaders", "normals", "gl", "marks", "renderer", "view"];
 
+const PLAYER: &str = include_str!("player.js");
 const STYLE: &str = include_str!("player.css");
 
 /// Text of these fields is put in as it is, but for the notes.
@@ -44,9 +37,14 @@ pub(crate) fn part(scene: &Scene, motion: &Motion) -> anyhow::Result<Part> {
         Ok(film) => film,
         Err(reason) => return Ok(Part::Text(format!("No motion is shown: {reason}."))),
     };
-    let module = MODULES.iter().map(|module| joined(module)).collect();
-    let viewer = Viewer { style: STYLE, notes: &film.notes, film: film.json(), module };
+    let viewer = Viewer { style: STYLE, notes: &film.notes, film: film.json(), module: module() };
     Ok(Part::Viewer(viewer.render().context("can't make the page")?))
+}
+
+/// Renderer and player as one module.
+fn module() -> String {
+    let renderer = MODULES.iter().map(|name| page::text(&format!("draw/{name}.js")));
+    renderer.chain([PLAYER]).map(joined).collect()
 }
 
 /// A module without its imports and exports: a page that is opened from disk can load no other file.
@@ -61,7 +59,8 @@ mod tests {
 
     #[test]
     fn modules_put_together_import_nothing_and_end_no_element() {
-        let module: String = MODULES.iter().map(|module| joined(module)).collect();
+        let module = module();
+        assert!(MODULES.iter().all(|name| !page::text(&format!("draw/{name}.js")).is_empty()));
         let imports = |line: &&str| line.starts_with("import") || line.starts_with("export");
         assert_eq!(module.lines().find(imports), None);
         // In a page these would end the script.
