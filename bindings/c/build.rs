@@ -1,4 +1,4 @@
-//! The name by which programs find the shared library: with the version of the interface that it keeps.
+//! The name by which programs find the shared library. Its number grows when linked programs would break.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -8,5 +8,5 @@ fn main() {
     }
 }
 
-/// Grows only when what was there changes, unlike `BS_ABI_VERSION`, which grows with each addition.
-const INTERFACE: u32 = 1;
+/// Grows when something is renamed, removed or changed. `BS_ABI_VERSION` grows with additions too.
+const INTERFACE: u32 = 2;

@@ -30,11 +30,20 @@ export async function opened(browser, address, size, more = {}) {
     return page;
 }
 
+/** Waits until a function of the page is true. Playwright's own way needs `eval`, which the page forbids. */
+export async function until(page, work, given) {
+    const end = Date.now() + 30000;
+    while (!(await page.evaluate(work, given))) {
+        assert.ok(Date.now() < end, `${work} for 30 s`);
+        await page.waitForTimeout(30);
+    }
+}
+
 /** The same with the testbed in it, when that has opened its first sample. */
 export async function testbedAt(browser, address, size, more) {
     const page = await opened(browser, address, size, more);
     try {
-        await page.waitForFunction('globalThis.testbed', undefined, { timeout: 30000 });
+        await until(page, () => Boolean(globalThis.testbed));
     } catch {
         assert.fail(`no testbed: ${await page.textContent('#error')} ${page.problems}`);
     }
@@ -50,5 +59,5 @@ export async function native(...options) {
         child.once('error', failed);
         child.once('exit', (code) => failed(new Error(`${program} ended with ${code}`)));
     });
-    return { address, end: () => child.kill() };
+    return { address, end: () => child.kill('SIGKILL') };
 }

@@ -2,7 +2,7 @@
 // saw are in target/web-test/.
 import assert from 'node:assert/strict';
 import { mkdir, readFile } from 'node:fs/promises';
-import { HERE, launch, native, opened, testbedAt } from './browser.mjs';
+import { HERE, launch, native, opened, testbedAt, until } from './browser.mjs';
 import { serve } from './serve.mjs';
 import * as tools from './tools.mjs';
 
@@ -98,7 +98,7 @@ async function thePageFitsATelephone(browser, address) {
     await page.waitForTimeout(300);
     await page.screenshot({ path: new URL('telephone-samples.png', HERE).pathname });
     await page.tap('#list button[data-name=windmill]');
-    await page.waitForFunction(() => testbed.header.name === 'windmill');
+    await until(page, () => testbed.header.name === 'windmill');
     await page.waitForSelector('#samples', { state: 'hidden' });
     await page.tap('#panel-open');
     await page.waitForTimeout(300);
@@ -144,8 +144,8 @@ async function theProgramServesTheSamePage(browser) {
 
 async function aReportPlaysFromDisk(browser) {
     const page = await opened(browser, new URL('report/index.html', HERE).href, { width: 1100, height: 1000 });
-    await page.waitForFunction('globalThis.player');
-    await page.waitForFunction(() => player.time > 2);
+    await until(page, () => Boolean(globalThis.player));
+    await until(page, () => player.time > 2);
     await page.click('.player button');
     assert.equal(await page.evaluate(() => player.playing), false);
     const pixels = () => page.locator('.player canvas').screenshot();

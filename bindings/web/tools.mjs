@@ -1,6 +1,6 @@
 // What the hand, the keys and the panel of the page do.
 import assert from 'node:assert/strict';
-import { testbedAt } from './browser.mjs';
+import { testbedAt, until } from './browser.mjs';
 
 const header = (page) => page.evaluate(() => testbed.header);
 const bodies = (header) => header.ledger.counts.find(([name]) => name === 'bodies')[1];
@@ -131,7 +131,7 @@ export async function settingsAreThoseOfTheirTime(page) {
     assert.equal(await page.inputValue('#set-substeps'), '8');
     const before = bodies(await settled(page));
     await page.fill('#set-size', '100');
-    await page.waitForFunction((n) => testbed.header.ledger?.counts[0][1] > n, before);
+    await until(page, (n) => testbed.header.ledger?.counts[0][1] > n, before);
     // The settings stay with a new size.
     assert.equal((await settled(page)).settings.continuous_method, 'speculative');
     await page.fill('#set-budget', '');
@@ -141,7 +141,7 @@ export async function settingsAreThoseOfTheirTime(page) {
 
 export async function theAddressIsTheState(browser, address, size) {
     const page = await testbedAt(browser, `${address}#sample=pile&size=80&play=0`, size);
-    await page.waitForFunction(() => testbed.header.name === 'pile');
+    await until(page, () => testbed.header.name === 'pile');
     await page.fill('#set-substeps', '6');
     await page.fill('#set-gravity', '-3.5');
     await page.selectOption('#rate', '120');
@@ -161,14 +161,14 @@ export async function theAddressIsTheState(browser, address, size) {
     const first = await page.evaluate(state);
     assert.match(first[0], /sample=pile&size=80&.*gravity=0,-3.5,0.*layers=sleep,normals,real.*camera=/);
     const other = await testbedAt(browser, address + first[0], size);
-    await other.waitForFunction(() => testbed.app.loop.speed === 0.25 && testbed.header.settings.substeps === 6);
+    await until(other, () => testbed.app.loop.speed === 0.25 && testbed.header.settings.substeps === 6);
     await other.waitForTimeout(400);
     assert.deepEqual(await other.evaluate(state), first);
     // A page to come back to.
     await other.click('#list button[data-name=dominoes]');
-    await other.waitForFunction(() => testbed.header.name === 'dominoes');
+    await until(other, () => testbed.header.name === 'dominoes');
     await other.goBack();
-    await other.waitForFunction(() => testbed.header.name === 'pile');
+    await until(other, () => testbed.header.name === 'pile');
     for (const { problems } of [page, other]) assert.deepEqual(problems, []);
     await Promise.all([page, other].map((page) => page.context().close()));
 }
@@ -178,7 +178,7 @@ export async function samplesAreFoundAndRead(page) {
     const shown = await page.locator('#list button:visible').allTextContents();
     assert.ok(shown.length >= 1 && shown.length < 5, `${shown}`);
     await page.press('#search', 'Enter');
-    await page.waitForFunction(() => testbed.header.name === 'dominoes');
+    await until(page, () => testbed.header.name === 'dominoes');
     await page.fill('#search', '');
     await page.click('#source-open');
     assert.match(await page.textContent('#code'), /fn start\(\)/);

@@ -123,7 +123,7 @@ fn blocks(page: &str) -> Vec<(&str, String)> {
 }
 
 /// Rust is compiled as documentation (`tests/lib.rs`, and the README of the plugin), C by
-/// `scripts/bindings-c`, commands are parsed by `crates/command/src/args/documented.rs` and here. Text is no
+/// `scripts/bindings-c`, Python by `bindings/python/tests`, commands are parsed by `crates/command/src/args/documented.rs` and here. Text is no
 /// code.
 #[test]
 fn each_block_of_code_is_checked_by_something() {
@@ -134,7 +134,8 @@ fn each_block_of_code_is_checked_by_something() {
         for (language, text) in blocks(&page) {
             match language {
                 "rust" | "rust,no_run" if is_compiled => {}
-                "c" if path.starts_with("bindings/c") => {}
+                "c" | "cmake" if path.starts_with("bindings/c") => {}
+                "python" if path.starts_with("bindings/python") => {}
                 "toml" => {
                     let table = text.parse::<toml::Table>().map_err(|e| e.to_string());
                     let path_of = |table: &toml::Table| {

@@ -25,7 +25,7 @@
 #endif
 
 
-// Version of the interface: it grows with each addition, and what was there stays as it was.
+// Version of the interface: it grows with each release that changes it.
 #define BS_ABI_VERSION 2
 
 // No triangle: the shape is no mesh and no height field.
@@ -1155,7 +1155,7 @@ typedef struct BsStepReport {
     // lost energy that their rows would have added.
     uint32_t damped_trees;
     // Bodies that had to be stopped, see `bs_world_faulted_bodies`.
-    uint32_t stopped;
+    uint32_t faulted;
     // Impacts that were solved one by one at their times.
     uint32_t struck;
     // Bodies that lost the rest of the step after too many of those.
@@ -1541,7 +1541,7 @@ typedef struct BsFeatureCost {
 // No group: the rows stay in their own place.
 #define BS_ROWS_NONE 0
 
-// Springs, motors, motors and friction of joints.
+// Springs, motors and friction of joints.
 #define BS_ROWS_SOFT_JOINTS 1
 
 // Limits of joints.
@@ -2378,8 +2378,8 @@ BS_API BsStatus bs_world_remove_joint(struct BsWorld *world, struct BsJoint join
 // Whether a handle is that of a joint of the world; no if there is no such world.
 BS_API BsBool bs_world_contains_joint(const struct BsWorld *world, struct BsJoint joint);
 
-// Replaces what a joint limits and motors by that of a description: its kind with `range_min`, `range_max`
-// and `spring`, its limits and its motors. Nothing else of the description is looked at.
+// Replaces the limits and motors of a joint by those of a description: its kind with `range_min`,
+// `range_max` and `spring`, its limits and its motors. Nothing else of the description is read.
 BS_API BsStatus bs_joint_set(struct BsWorld *world, struct BsJoint joint, const struct BsJointDesc *desc);
 
 // Frames on two bodies that coincide at the bodies' current poses, at a point of the world [m], with the

@@ -74,8 +74,8 @@ pub unsafe extern "C" fn bs_world_contains_joint(world: *const BsWorld, joint: B
     value_or(0, || unsafe { reading(world) }.is_ok_and(|content| content.contains_joint(joint.into())).into())
 }
 
-/// Replaces what a joint limits and motors by that of a description: its kind with `range_min`, `range_max`
-/// and `spring`, its limits and its motors. Nothing else of the description is looked at.
+/// Replaces the limits and motors of a joint by those of a description: its kind with `range_min`,
+/// `range_max` and `spring`, its limits and its motors. Nothing else of the description is read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_joint_set(
     world: *mut BsWorld,

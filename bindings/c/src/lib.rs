@@ -55,7 +55,7 @@ pub use world::*;
 
 use std::ffi::c_char;
 
-/// Version of the interface: it grows with each addition, and what was there stays as it was.
+/// Version of the interface: it grows with each release that changes it.
 pub const BS_ABI_VERSION: u32 = 2;
 
 /// The interface's version of this library; a program that was built with a later header than the library

@@ -88,20 +88,6 @@ pub unsafe extern "C" fn bs_body_set_mass(
     call(|| Ok(unsafe { changing(world) }?.set_mass(body.into(), mass.to_engine())?))
 }
 
-/// The name that `bs_body_centre_of_mass` had in version 1 of the interface, for programs that were linked
-/// then.
-///
-/// cbindgen:ignore
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_body_center_of_mass(
-    world: *const BsWorld,
-    body: BsBody,
-    centre: *mut crate::abi::values::BsDVec3,
-) -> BsStatus {
-    // SAFETY: the caller keeps to the header.
-    unsafe { bs_body_centre_of_mass(world, body, centre) }
-}
-
 /// Position of a body's centre of mass in the world [m].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_body_centre_of_mass(

@@ -76,7 +76,7 @@ codes! { "friction model", FrictionModel {
 pub type BsRowGroup = u32;
 /// No group: the rows stay in their own place.
 pub const BS_ROWS_NONE: BsRowGroup = 0;
-/// Springs, motors, motors and friction of joints.
+/// Springs, motors and friction of joints.
 pub const BS_ROWS_SOFT_JOINTS: BsRowGroup = 1;
 /// Limits of joints.
 pub const BS_ROWS_JOINT_LIMITS: BsRowGroup = 2;

@@ -22,7 +22,7 @@ pub(crate) fn read_text(path: &Path, most: u64) -> anyhow::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|_| anyhow!("it is not text in UTF-8"))
 }
 
-/// Put into pages and pictures of charts: what has it may be replaced by another.
+/// Mark of written pages and pictures of charts: a file with it may be replaced.
 pub(crate) const MARK: &str = "<!-- by backstop -->\n";
 
 /// The first bytes of a recording.
@@ -30,7 +30,7 @@ const REPLAY: &[u8] = b"backstop replay\n";
 /// Bytes at the start of a file by which its kind is told.
 const HEAD: u64 = 256;
 
-/// What is written.
+/// The kind of file to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A scene or film.

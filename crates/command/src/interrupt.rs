@@ -34,12 +34,12 @@ impl Drop for Watch {
     }
 }
 
-/// Whether what is asked for is to end early.
+/// Whether the user asked to end early.
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// The exit code of a command that has written what was done.
+/// The exit code of a command that has written its partial results.
 pub(crate) fn code() -> ExitCode {
     if asked() { ExitCode::from(CODE) } else { ExitCode::SUCCESS }
 }

@@ -62,7 +62,7 @@ pub(crate) fn open(path: &Path, starts: &[&str]) -> anyhow::Result<File> {
 /// Refuses bytes whose first line, or whose incomplete last line after so many bytes, can't be one of
 /// results.
 fn expect_results(bytes: &[u8], whole: usize, starts: &[&str]) -> anyhow::Result<()> {
-    // A line may end within what it begins with.
+    // A line may end within its expected beginning.
     let is_own = |line: &[u8]| {
         let begins = |start: &&str| line.iter().zip(start.as_bytes()).all(|(a, b)| a == b);
         starts.iter().any(begins)
@@ -110,7 +110,7 @@ mod tests {
         std::fs::remove_file(&path).unwrap();
     }
 
-    /// A file without a line break was emptied. Expected: what is not of results stays as it is.
+    /// A file without a line break was emptied. Expected: a file that does not have results stays as it is.
     #[test]
     fn what_is_not_of_results_is_refused_untouched() {
         let path = std::env::temp_dir().join(format!("backstop-foreign-{}.txt", std::process::id()));

@@ -1,4 +1,4 @@
-//! Leading eigenvalues of a linear map that is known only by what it does to vectors.
+//! Leading eigenvalues of a linear map that is known only by its images of vectors.
 
 use backstop_scene::Rng;
 use nalgebra::{Complex, DMatrix, DVector};

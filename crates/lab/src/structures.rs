@@ -1,4 +1,4 @@
-//! The same few structures under every method: what each costs, and how well structures stay up.
+//! The same few structures under every method: time of a step, and how well structures stay up.
 
 use super::WorldSolver;
 use super::envelope::{Conditions, Trial};

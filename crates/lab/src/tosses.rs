@@ -29,7 +29,7 @@ pub struct Sample {
     pub body_spin: DVec3,
 }
 
-/// What was thrown, and onto what.
+/// The thrown cube and the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cube {
     /// Half of its width [m]. Default 0.0524.

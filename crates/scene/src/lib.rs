@@ -42,7 +42,7 @@ use backstop::{Frame, JointDesc, Limit, Motor};
 use glam::Vec3;
 use std::path::PathBuf;
 
-/// Bodies and what else a world needs to start.
+/// Bodies, joints and settings with which a world starts.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Name of the builtin scene, or of the file without its extension.

@@ -60,6 +60,7 @@ class App {
         await this.open(known ? (state.sample ?? first) : first, state);
         if (!known) tell(`there is no sample "${state.sample}"`);
         if (state.camera?.length !== 6) return;
+        this.setFollow(state.follow ?? false);
         this.view.camera.restore(state.camera);
         this.view.invalidate();
         this.turnedBy = state.camera;

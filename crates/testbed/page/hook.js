@@ -57,11 +57,11 @@ export function hook(app) {
         play(playing = true) {
             app.transport.play(playing);
         },
-        /** Looks from one place to another; frames what moves without them. */
+        /** Looks from one place to another, and stays; frames what moves without them. */
         camera({ eye, lookAt } = {}) {
-            if (eye && lookAt) view.camera.between(eye, lookAt);
-            else view.home();
-            app.turned();
+            if (!eye || !lookAt) return view.home();
+            view.camera.between(eye, lookAt);
+            return view.moved(true);
         },
         /** Shows these layers alone, and waits. */
         async layers(names) {

@@ -1,6 +1,9 @@
 // Settings and layers: controls that show what the engine says, and say what the user wants.
 
+import { legible, MARKS } from './draw/marks.js';
 import { element, figure, make, shows } from './page.js';
+
+const css = (tone) => `rgb(${legible(tone).map((x) => Math.round(255 * x)).join(' ')})`;
 
 const METHODS = ['one-pass', 'talk', 'speculative', 'linear-cast', 'conservative-advancement'];
 const GUIDED = {
@@ -16,24 +19,25 @@ const GUIDED = {
 /** Shown elsewhere, or not as a number. */
 const ELSEWHERE = ['dt', 'order'];
 
-/** Layers: name, label, and a colour where it has one. Without an engine's layer the page does it itself. */
+/** Layers: name, label, and the colour of its lines or points where it has one, as the engine has it. */
 const LAYERS = [
-    ['real', 'Contacts: real', '#c3121f'],
-    ['potential', 'Contacts: potential', '#1668d8'],
-    ['ghosts', 'Contacts: ghosts', '#d613b5'],
-    ['normals', 'Normals and gaps', '#1d4fb8'],
-    ['impulses', 'Impulses', '#d4341c'],
-    ['joints', 'Joints', '#c58300'],
-    ['centres', 'Centres of mass', '#14181d'],
-    ['motion', 'Motion of swept bodies', '#d18a00'],
-    ['aabbs', 'Bounds', '#1f8a3b'],
-    ['fat_aabbs', 'Fat bounds', '#7d9a1e'],
-    ['trees', 'Trees', '#7a4fb0'],
+    ['real', 'Contacts: real', MARKS[0]],
+    ['potential', 'Contacts: potential', MARKS[1]],
+    ['ghosts', 'Contacts: ghosts', MARKS[2]],
+    ['normals', 'Normals and gaps', [235, 235, 235]],
+    ['impulses', 'Impulses', [255, 150, 40]],
+    ['joints', 'Joints', [190, 150, 255]],
+    ['centres', 'Centres of mass', MARKS[3]],
+    ['motion', 'Motion of swept bodies', [255, 225, 70]],
+    ['aabbs', 'Bounds', [120, 205, 120]],
+    ['fat_aabbs', 'Fat bounds', [60, 125, 75]],
     ['islands', 'Islands'],
+    ['trees', 'Trees of joints'],
     ['colours', 'Solver colours'],
     ['sleep', 'Sleepers are dim'],
     ['wireframe', 'Wireframe'],
 ];
+/** Those that the page draws by itself, of what it has anyway. */
 const OWN = ['real', 'potential', 'ghosts', 'sleep', 'wireframe'];
 export const LAYER_NAMES = LAYERS.map(([name]) => name);
 /** Layers that are shown at first. */
@@ -62,7 +66,7 @@ export class Panel {
             const box = make('input', { type: 'checkbox', id: `layer-${name}` });
             box.addEventListener('input', () => layer(name, box.checked));
             const dot = make('i', { className: 'dot' });
-            dot.style.background = colour ?? 'none';
+            dot.style.background = Array.isArray(colour) ? css(colour) : (colour ?? 'none');
             element('layers').append(make('label', { className: 'check' }, box, make('span', {}, label), dot));
             this.boxes.set(name, box);
         }

@@ -1,4 +1,4 @@
-//! What a joint limits, motors and bears, read and changed one by one.
+//! Limits, motors and greatest loads of joints, read and changed one by one.
 
 use super::desc::{BsFrame, BsJointAxes, BsLimitDesc, BsMotion, BsMotorDesc};
 use crate::abi::guard::call;

@@ -5,7 +5,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::path::Path;
 
-/// Lines of blocks of shell, those that go on put together, and what is in backquotes.
+/// Lines of blocks of shell, continued ones joined, and text in backquotes.
 fn commands(page: &str) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, block) in page.split("```").enumerate() {

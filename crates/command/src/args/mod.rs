@@ -30,7 +30,7 @@ impl Options {
     /// Those of this process; ends it where they are wrong, with the usage under the name by which it was
     /// called.
     pub(crate) fn of_process() -> Options {
-        // Cargo says who it is to what it runs, be it by the alias `cargo backstop`.
+        // Cargo passes its name to the program that it runs, also by the alias `cargo backstop`.
         let by_cargo = std::env::var_os("CARGO").is_some();
         let command = Options::command().bin_name(if by_cargo { "cargo backstop" } else { "backstop" });
         let matches = command.get_matches();

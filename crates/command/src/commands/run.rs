@@ -72,7 +72,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
 
 /// `--view`: in the testbed, until the user ends it.
 fn view(options: &RunOptions, chosen: &Chosen, scene: &Scene) -> anyhow::Result<()> {
-    // What is refused is refused here.
+    // Refused options end the run here.
     start(chosen, scene).with_context(|| format!("scene {} is refused", scene.name))?;
     let (chosen, scene) = (chosen.clone(), scene.clone());
     serve(&options.serve, chosen.settings.threads, Some("file"), move || {
@@ -96,7 +96,7 @@ fn start(chosen: &Chosen, scene: &Scene) -> Result<(World, Vec<(BodyHandle, Stri
     Ok((world, handles.into_iter().zip(names).collect()))
 }
 
-/// The motion of a run, for what is asked for.
+/// The motion of a run, for the requested outputs.
 struct Films {
     /// For a glTF animation.
     animation: Option<Recorder>,

@@ -10,7 +10,7 @@ use backstop_scene::{Scene, Standing, open};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
-/// One world at rest, and what was found about it.
+/// One world at rest, and its measured stability.
 struct Found {
     name: String,
     hertz: f32,

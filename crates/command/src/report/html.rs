@@ -15,7 +15,7 @@ pub(crate) struct Page {
     parts: Vec<Part>,
 }
 
-/// What follows one another on a page.
+/// Parts of a page, in their order.
 pub(crate) enum Part {
     Heading(String),
     Text(String),
@@ -23,7 +23,7 @@ pub(crate) enum Part {
     Viewer(String),
     /// A picture's file, and its caption.
     Figure(String, String),
-    /// A table of names and what belongs to them.
+    /// A table of names and values.
     Pairs(Vec<(String, String)>),
     Table(Table),
 }

@@ -140,7 +140,7 @@ pub(crate) fn exact(value: &impl serde::Serialize) -> serde_json::Result<serde_j
     serde_json::from_str(&serde_json::to_string(value)?)
 }
 
-/// A length of time, as a fraction if that is what it is: 1/60 s.
+/// A length of time, as a fraction where it is one: 1/60 s.
 pub(crate) fn seconds(s: f32) -> String {
     let whole = (1.0 / s).round();
     if whole >= 2.0 && 1.0 / whole == s { format!("1/{whole} s") } else { format!("{s} s") }

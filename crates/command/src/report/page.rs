@@ -141,7 +141,7 @@ pub(crate) fn settings_table(page: &mut Page, settings: &impl serde::Serialize) 
     Ok(())
 }
 
-/// Names and values as a person writes them; what is within a setting is a row of its own.
+/// Names and values as a person writes them; a field within a setting is a row of its own.
 fn settings_rows(settings: &Value) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     for (name, value) in settings.as_object().into_iter().flatten() {

@@ -98,7 +98,7 @@ fn no_output_replaces_something_else() {
     }
 }
 
-/// What the command has written it writes again.
+/// The command replaces files that it has written.
 #[test]
 fn outputs_are_replaced_by_their_kind() {
     let all = ["--out", "own.glb", "--record", "own.replay", "--report", "own"];

@@ -1,4 +1,4 @@
-//! Ctrl-C leaves whole files of what was done.
+//! Ctrl-C leaves whole files of the finished part.
 #![cfg(unix)]
 
 use std::path::PathBuf;

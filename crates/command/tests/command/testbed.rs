@@ -1,4 +1,4 @@
-//! The testbed: who gets an answer, and what it is.
+//! The testbed: which requests get an answer, and which answer.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -10,7 +10,7 @@ struct Served {
     child: Child,
     port: u16,
     secret: String,
-    /// What comes after the secret.
+    /// The path after the secret.
     rest: String,
 }
 
@@ -121,7 +121,7 @@ fn nobody_else_gets_an_answer() {
     }
     assert_eq!(status(&page, &format!("{host}origin: http://example.org\r\n")), 403);
     assert_eq!(status(&page, &format!("{host}origin: http://127.0.0.1:{}\r\n", served.port)), 200);
-    // What is not there, and what is asked for in another way.
+    // Paths that do not exist, and requests by another method.
     assert_eq!(status(&format!("GET /{secret}/no.js"), &host), 404);
     assert_eq!(status(&format!("GET /{secret}/../Cargo.toml"), &host), 404);
     assert_eq!(status(&format!("GET /{secret}/frame"), &host), 405);

@@ -79,7 +79,7 @@ fn the_document_is_that_of_its_description() {
     let cells = found["cells"].as_array().expect("cells");
     assert_eq!((cells.len(), &found["scene"], &found["unit"]), (9, &"tower_2".into(), &"body widths".into()));
     assert_eq!(found["default"]["cost_ratio"], 1.0);
-    // Nobody on the front is beaten by anybody, and whoever is not on it is beaten by somebody on it.
+    // No setting beats one on the front, and each other setting is beaten by one on the front.
     let point = |row: &Value| {
         let certain_to = found["certain_to"].as_f64().expect("a number");
         [
@@ -268,7 +268,7 @@ fn what_can_not_be_is_refused() {
     refused(&format!("run tower_2 --settings {settings}"), "there is no setting \"substep\"");
     refused(&format!("trade tower_2 --settings {settings}"), "there is no setting \"substep\"");
     std::fs::write(&settings, "{\"substeps\": 3, \"dt\": \"1/50\"}").expect("a file");
-    // What is given beside a file counts more.
+    // An option beside a file overrides it.
     let run = document(&format!("run tower_2 --settings {settings} --substeps 2 --steps 2 --json"));
     assert_eq!((&run["settings"]["substeps"], run["settings"]["dt"].as_f64()), (&2.into(), Some(0.02)));
 }

@@ -12,7 +12,7 @@ use glam::Vec3;
 pub struct Case {
     /// Lower case, with hyphens.
     pub name: &'static str,
-    /// What happens and what is measured.
+    /// Sentence about the case and the measured number.
     pub about: &'static str,
     /// The exact answer as a formula.
     pub formula: &'static str,
@@ -108,9 +108,9 @@ impl Setting {
 /// The exact answer and the measured one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// The formula's value for what was actually built.
+    /// The formula's value for the bodies that were built.
     pub expected: f64,
-    /// NaN if what was to be measured never happened.
+    /// NaN if the event to be measured never happened.
     pub measured: f64,
     /// The divisor of the difference.
     pub scale: f64,
@@ -122,7 +122,7 @@ impl Outcome {
         Outcome { expected, measured, scale: expected.abs() }
     }
 
-    /// The exact answer is zero: the error is what was measured.
+    /// The exact answer is zero: the error is the measured number.
     pub(super) fn zero(measured: f64) -> Outcome {
         Outcome { expected: 0.0, measured, scale: 1.0 }
     }

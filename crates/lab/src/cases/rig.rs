@@ -1,4 +1,4 @@
-//! A world with a clock, and what many cases build in it.
+//! A world with a clock, and bodies that many cases build in it.
 
 use super::case::Setting;
 use backstop::BodyDesc;

@@ -1,4 +1,4 @@
-//! Blocks on blocks: what stands, what falls, and how fast a row of them does.
+//! Blocks on blocks: when they stand or fall, and how fast a row of them falls.
 
 use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, Rig, dynamic, shape, surface, tilted};

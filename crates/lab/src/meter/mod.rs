@@ -39,13 +39,13 @@ pub struct Measures {
     /// velocity of the law that is obeyed worst [m/s], `relative` the norm of all errors over that of the
     /// velocities without impulses. Good: `worst` below the slop per step, 0.05 of gravity times the step;
     /// `relative` below 1e-2. An angular error counts as that of a point at the radius of gyration. Springs
-    /// and drives that yield are left out.
+    /// and motors that yield are left out.
     pub residual: Residual,
     /// The owner of the worst law.
     pub worst: Option<Owner>,
     /// Fastest approach at the end of the step of points that touched at its start or bear load [m/s].
     pub approach: f64,
-    /// The greatest impulse times separating speed of a point: what pushes must not separate [J].
+    /// The greatest impulse times separating speed of a point: a pushing point must not separate [J].
     pub parting: f64,
     /// The most by which friction exceeds its cone, as a share of it. The engine's own solver keeps it to
     /// rounding, 1e-6.
@@ -69,7 +69,7 @@ pub struct Measures {
     pub energy_before: f64,
     /// The same after it [J].
     pub energy_after: f64,
-    /// Work of motors, drives, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the
+    /// Work of motors, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the
     /// mean of the velocities before and after.
     pub work: f64,
     /// Change of momentum that neither gravity, nor forces, nor impulses of rows explain [N s].
@@ -84,7 +84,7 @@ pub struct Measures {
     pub laws: usize,
     /// Points that touch, and those that might have.
     pub points: [usize; 2],
-    /// Laws that were left out: springs and drives that yield.
+    /// Laws that were left out: springs and motors that yield.
     pub soft: usize,
     /// Laws that were left out because a body bounced and had more than one contact: impacts are solved one
     /// by one, each at its time, and no law of the whole step says what is left after several.
@@ -104,7 +104,7 @@ impl Measures {
 pub struct IslandAccuracy {
     /// Its dynamic bodies.
     pub bodies: Vec<BodyHandle>,
-    /// What was measured.
+    /// The measures.
     pub measures: Measures,
 }
 
@@ -119,7 +119,7 @@ pub struct Accuracy {
     pub bounced: usize,
 }
 
-/// What measuring keeps of a step.
+/// State of the meter within a step.
 #[derive(Debug, Default)]
 struct Meter {
     /// Energy of each dynamic body before the step [J].
@@ -130,7 +130,7 @@ struct Meter {
     solver: Option<Box<Solving>>,
 }
 
-/// A method that solves the world, and what it remembers.
+/// A method that solves the world, and its state from step to step.
 #[derive(Debug)]
 struct Solving {
     solver: WorldSolver,
@@ -139,7 +139,7 @@ struct Solving {
 }
 
 impl Meter {
-    /// Forgets what the previous method remembered.
+    /// Drops the state of the previous method.
     fn set_solver(&mut self, solver: Option<WorldSolver>) {
         let with =
             |solver| Box::new(Solving { solver, report: SolverReport::default(), last: Last::default() });
@@ -176,7 +176,7 @@ fn with_meter(world: &mut World, change: impl FnOnce(&mut Meter)) {
     }
 }
 
-/// What the lab does with a world that steps. It takes the place of another [`Observer`] of the world.
+/// Measuring and solving by the lab in a world that steps. It replaces any other [`Observer`] of the world.
 pub trait LabWorld {
     /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is
     /// measured allocates, and takes a multiple of its time.
@@ -192,7 +192,7 @@ pub trait LabWorld {
     /// for which islands it solves and what becomes of the others.
     fn solve_with(&mut self, solver: Option<WorldSolver>);
 
-    /// What the method of [`LabWorld::solve_with`] did in the last step.
+    /// Counts of the method of [`LabWorld::solve_with`] in the last step.
     fn solver_report(&self) -> Option<&SolverReport>;
 }
 

@@ -51,7 +51,7 @@ pub enum Friction {
     Box,
 }
 
-/// What a method may spend and what it starts from.
+/// Limits on the work of a method, and its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
     /// Unit-free natural-map residual to be reached. Default 1e-10.

@@ -31,7 +31,7 @@ pub enum Form {
 /// A problem out of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct File {
-    /// What is to be solved.
+    /// The problem to be solved.
     pub problem: Problem,
     /// The kind of problem in the file.
     pub form: Form,
@@ -197,7 +197,7 @@ fn read_ends(words: &mut Words, count: usize, size: usize) -> Result<Vec<usize>,
 /// The words of a text with their lines.
 #[derive(Clone)]
 struct Words<'a> {
-    /// What is not read yet.
+    /// The text that is not read yet.
     rest: &'a str,
     line: usize,
 }

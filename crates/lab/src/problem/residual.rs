@@ -141,7 +141,7 @@ mod tests {
             let rest = [x[0] - p[0], x[1] - p[1], x[2] - p[2]];
             assert!(p[1].hypot(p[2]) <= mu * p[0] + 1e-15);
             assert!((0..3).map(|i| p[i] * rest[i]).sum::<f64>().abs() < 1e-12, "{x:?}");
-            // What is left lies in the polar cone.
+            // The remainder lies in the polar cone.
             assert!(mu * rest[1].hypot(rest[2]) <= -rest[0] + 1e-12, "{x:?}");
         }
     }

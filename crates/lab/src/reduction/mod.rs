@@ -31,7 +31,7 @@ const CLUSTERS: usize = 4;
 const ROUNDS: usize = 100;
 
 /// The points to keep, at most `most` of each cluster and at least 1, by their indices in ascending order.
-/// The deepest of a cluster is always among them. What is not finite is left out.
+/// The deepest of a cluster is always among them. Points that are not finite are left out.
 pub fn reduce(points: &[Point], most: usize) -> Vec<usize> {
     let sound = |&i: &usize| {
         let point = &points[i];

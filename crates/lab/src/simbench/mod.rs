@@ -1,6 +1,6 @@
 //! Four tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
 //! the description: the same scenes, the same metrics, and the numbers that were published for other engines
-//! ([`Test::published`]). `docs/simbench.md` says where each number comes from and what was found.
+//! ([`Test::published`]). `docs/simbench.md` has the source of each number and the results.
 //!
 //! As there, a metric is taken before each step, at the times 0, `dt`, 2 `dt` and so on, and averaged over
 //! the run.

@@ -1,4 +1,4 @@
-//! How a test is run, what runs it, and what comes out.
+//! How a test is run, by which solver, and its result.
 
 use crate::LabWorld;
 use crate::WorldSolver;

@@ -1,4 +1,4 @@
-//! What a method gets of a step, and what it gives back.
+//! Input and output of a method for a step.
 
 use crate::methods::{Effort, Solution};
 use crate::problem::Problem;

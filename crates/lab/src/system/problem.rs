@@ -139,7 +139,7 @@ fn matrix(system: &System, rows: &[usize]) -> Matrix {
     Matrix::from_entries(rows.len(), entries)
 }
 /// Whether the bodies of an island have more kinetic energy with velocities `end` than they would without
-/// any row, although nothing in it can supply any: no bounce, drive, spring, moving surface or kinematic
+/// any row, although nothing in it can supply any: no bounce, motor, spring, moving surface or kinematic
 /// body. A solution never does (it is the nearest to the free velocities, in the energy norm, of all that
 /// the rows allow, and rest is allowed); wrong impulses may.
 pub(crate) fn gains(system: &System, island: &SystemIsland, end: &[Velocity]) -> bool {

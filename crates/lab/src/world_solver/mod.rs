@@ -100,7 +100,7 @@ pub struct WorldSolver {
     pub effort: Effort,
     /// What it starts from.
     pub guess: Guess,
-    /// Islands with more rows keep what the fast path found. Default 400.
+    /// Islands with more rows keep the answer of the fast path. Default 400.
     pub most_rows: usize,
     /// Only islands with one of these bodies are solved; none: all are.
     pub only: Vec<BodyHandle>,

@@ -71,7 +71,7 @@ fn a_box_at_rest_bears_its_weight_and_breaks_no_law() {
             assert!(measures.momentum < 1e-5 * weight.max(1.0), "{measures:?}");
             assert!(measures.gained().abs() < 1e-4, "{measures:?}");
             assert!(measures.points[0] == 4 && measures.penetration < 0.006, "{measures:?}");
-            // What the engine found solves the problem of the step.
+            // The engine's impulses solve the problem of the step.
             let problem = world.system().unwrap().problem(Stabilisation::Rest).unwrap();
             let left = problem.residual(&world.system().unwrap().impulses());
             assert!(left.worst < 1e-3, "{left:?}");
@@ -244,7 +244,7 @@ fn a_door_with_a_motor_gains_what_the_motor_gives() {
     }
 }
 
-/// A slider at its end stop bears the weight of what slides: one row with one end, besides five that lock.
+/// A slider at its end stop bears the weight of its body: one row with one end, besides five that lock.
 #[test]
 fn an_end_stop_bears_the_weight() {
     let mut world = world(Settings::default());
@@ -264,7 +264,7 @@ fn an_end_stop_bears_the_weight() {
     assert!(found.residual.worst < 1e-3 && found.unexplained < 1e-3, "{found:?}");
 }
 
-/// What falls freely has no rows, and keeps its energy by the parabola that the engine moves it on.
+/// A freely falling body has no rows, and keeps its energy on the parabola of the engine.
 #[test]
 fn free_fall_keeps_its_energy() {
     let mut world = world(Settings::default());

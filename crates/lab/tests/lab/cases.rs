@@ -3,7 +3,7 @@
 
 use backstop_lab::cases::{Case, Setting};
 
-/// Cases that fall short of their bars: what is reached, as an error. Each has its line in `docs/cases.md`.
+/// Cases that fall short of their bars, with their errors. Each has its line in `docs/cases.md`.
 const SHORT: &[(&str, f64)] = &[
     ("euler-disc", 0.37),
     ("bounce-time", 0.012),

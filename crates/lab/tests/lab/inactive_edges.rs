@@ -1,4 +1,4 @@
-//! What inactive edges of a mesh are worth: bodies that slide over its seams.
+//! The effect of inactive edges of a mesh: bodies that slide over its seams.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, Geometry, Material, Settings, ShapeDesc, TriangleMesh, World};

@@ -1,4 +1,4 @@
-//! Penalty methods: how stiff they may be, and the way out of what was entered.
+//! Penalty methods: how stiff they may be, and the way out of an overlapped body.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, ContinuousMode, Geometry, Material, Settings, ShapeDesc, World};

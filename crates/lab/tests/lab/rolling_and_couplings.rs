@@ -220,7 +220,7 @@ fn methods_of_the_lab_solve_rolling_friction_and_gears() {
     }
 }
 
-/// What a form can't say, it says so.
+/// A form refuses a law that it can't express.
 #[test]
 fn contact_problems_tell_of_rolling_friction_that_they_leave_out() {
     let mut world = world(leaning(0.01));

@@ -1,5 +1,5 @@
-//! Methods of the lab as solvers of worlds: what they are exact for, both laws of impacts, and what becomes
-//! of what they can't do.
+//! Methods of the lab as solvers of worlds: their exact cases, both laws of impacts, and islands that they
+//! can't solve.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
@@ -34,7 +34,7 @@ fn off(world: &World, boxes: &[BodyHandle]) -> f64 {
     boxes.iter().enumerate().map(place).fold(0.0, f64::max)
 }
 
-/// Steps for some seconds, and says what reports say together.
+/// Steps for some seconds, and returns the sum of the reports.
 fn run(world: &mut World, seconds: f32) -> SolverReport {
     let mut sum = SolverReport::default();
     for _ in 0..(seconds / DT).round() as u32 {
@@ -81,7 +81,7 @@ fn how_all_methods_stand() {
     }
 }
 
-/// Balls of 1 m in a row that touch, the first of which arrives at 2 m/s; what they do after one step.
+/// Balls of 1 m in a row that touch, the first of which arrives at 2 m/s; their velocities after one step.
 fn cradle(count: usize, restitution: f32, method: &str) -> Vec<f64> {
     let settings = Settings::default().with_gravity(Vec3::ZERO);
     let mut world = World::new(settings).unwrap();
@@ -151,7 +151,7 @@ fn an_inelastic_collapse_ends() {
         assert!(report.solved == 1 && report.iterations < 2000, "{report:?}");
         let found: Vec<f32> = balls.iter().map(|&b| world.linear_velocity(b).unwrap().x).collect();
         assert!(found.iter().sum::<f32>().abs() < 1e-4, "{found:?}");
-        // What still approaches is slower than the threshold of restitution.
+        // Balls that still approach are slower than the threshold of restitution.
         assert!(found.windows(2).all(|pair| pair[0] <= pair[1] + 1e-4), "{found:?}");
         assert!(found.iter().all(|v| v.abs() < 10.0), "{found:?}");
     }
@@ -267,7 +267,7 @@ fn warm_starting_knows_all_rows_of_a_joint() {
     assert!(last * 3 < zero, "{last} with, {zero} without");
 }
 
-/// What has too many rows, or is not asked for, moves as the fast path alone moves it: to the bit.
+/// An island with too many rows, or not asked for, moves as by the fast path alone: to the bit.
 #[test]
 fn what_is_not_solved_is_the_fast_paths() {
     let mut finals = Vec::new();

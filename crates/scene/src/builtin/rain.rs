@@ -18,7 +18,7 @@ const RIM: f32 = 0.1;
 impl Scene {
     /// Adds `count` dynamic bodies of mixed shapes above the scene's contents, spread over their width in
     /// layers, none touching another. Above means against the scene's gravity. They start at rest, their own
-    /// width above what is below them; their sizes suit the ground's. The same seed gives the same bodies.
+    /// width above the bodies below them; their sizes suit the ground's. The same seed gives the same bodies.
     pub fn rain(&mut self, count: usize, seed: u64) {
         let ground = Ground::of(self, count);
         let mut rng = Rng::new(seed);
@@ -182,7 +182,7 @@ fn outline(body: &BodyDesc, mut add: impl FnMut([Vec3; 3])) {
     }
 }
 
-/// The `i`-th body and what to call it: every kind of shape in turn, at most 1.5 `size` around its origin.
+/// The `i`-th body and its name: every kind of shape in turn, at most 1.5 `size` around its origin.
 fn drop(i: usize, size: f32, rng: &mut Rng) -> (&'static str, BodyDesc) {
     let s = size * rng.range(0.7, 1.0);
     let geometry = match i % 9 {

@@ -54,7 +54,7 @@ fn talk() -> Scene {
         pebble(14, Vec3::new(0.35, 0.3, 0.4), &mut rng),
         pebble(22, Vec3::new(0.4, 0.3, 0.3), &mut rng),
         Geometry::Sphere { radius: 0.15 },
-        // A plate, 2 cm thick: what falls through most easily.
+        // A plate, 2 cm thick: the shape that falls through most easily.
         Geometry::cuboid(0.4, 0.01, 0.3),
     ];
     for (i, shape) in shapes.into_iter().enumerate() {

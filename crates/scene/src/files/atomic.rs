@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// A file that appears under its name, or replaces what is there, once it is complete.
+/// A file that appears under its name, or replaces the present one, once it is complete.
 ///
 /// Until [`AtomicFile::commit`] all goes into a temporary file beside the target; without it, on an error or
 /// when the value is dropped, the temporary file is removed and the target stays as it was. A target that is
@@ -48,7 +48,7 @@ impl AtomicFile {
     /// Flushes, syncs the data to disk, and gives the file its name.
     ///
     /// # Errors
-    /// If one of these fails, for instance because the disk is full; the target is then what it was.
+    /// If one of these fails, for instance because the disk is full; the target is then unchanged.
     pub fn commit(mut self) -> io::Result<()> {
         self.file.flush()?;
         let Some((temporary, target)) = &self.paths else { return Ok(()) };
@@ -90,7 +90,7 @@ impl Drop for AtomicFile {
 /// Writes a whole file by [`AtomicFile`].
 ///
 /// # Errors
-/// What the closure or the system says; the target is then what it was.
+/// Errors of the closure or the system; the target is then unchanged.
 pub fn write_file(
     target: impl AsRef<Path>,
     write: impl FnOnce(&mut AtomicFile) -> io::Result<()>,

@@ -105,7 +105,7 @@ mod tests {
         }
     }
 
-    /// A scene read any file of the system. Expected: only what lies in its folder is.
+    /// A scene read any file of the system. Expected: only files in its folder are read.
     #[test]
     fn only_regular_files_in_the_folder_of_the_scene_are_read() {
         let outer = scratch("resolve");

@@ -1,4 +1,4 @@
-//! A shot at a static target, and what came of it.
+//! A shot at a static target, and its outcome.
 
 use super::body::{self, SHAPES};
 use super::draw::{generator, log_range, pick, step_lengths, until};

@@ -37,7 +37,7 @@ fn sum(own: &mut [u64; 3], of: &[u64; 3]) {
     own.iter_mut().zip(of).for_each(|(a, b)| *a += b);
 }
 
-/// Shots at static targets, and what came of them under each of [`MODES`].
+/// Shots at static targets, and their outcomes under each of [`MODES`].
 #[derive(Clone, Debug, Default)]
 pub struct Count {
     /// How many got through.
@@ -50,7 +50,7 @@ pub struct Count {
     pub lifted: [u64; 3],
     /// How many were settled at least once.
     pub settled: [u64; 3],
-    /// How many gained energy: more than [`GAIN`] of what they had.
+    /// How many gained energy: more than [`GAIN`] of their own.
     pub gained: [u64; 3],
 }
 

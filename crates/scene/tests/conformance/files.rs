@@ -17,7 +17,7 @@ fn a_filter_lets_one_ball_through() {
         run.for_seconds(5.0, dt);
         let (held, lost) = (run.body(0), run.body(1));
         assert!((held.position.y - 1.0).abs() < 2e-3 && held.at_rest(), "{dt}: {held:?}");
-        // Free fall for 5 s: 122.6 m, less or more by what a step counts.
+        // Free fall for 5 s: 122.6 m, less or more by the fall of a step.
         let fall = 0.5 * 9.81 * 25.0;
         assert!((lost.position.y - 5.0 + fall).abs() < 9.81 * 5.0 * dt as f64, "{dt}: {lost:?}");
     }

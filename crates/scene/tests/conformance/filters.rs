@@ -1,4 +1,4 @@
-//! Collision filters of our own: who falls through whom, by the specification's rule.
+//! Collision filters of our own: which bodies fall through which, by the specification's rule.
 
 use super::*;
 

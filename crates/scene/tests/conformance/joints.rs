@@ -156,7 +156,7 @@ fn a_drive_reaches_its_target() {
     });
 }
 
-/// All limits, and what the drives of a motor and a spring are to do.
+/// All limits, and the motions that a motor and a spring should give.
 ///
 /// The bounds are what was measured, and a fifth more: 0.9 m/s dt and 2.6 rad/s dt at most. The latter is a
 /// ball with one angle locked and another limited, in the step in which it swings into its limit: two rows
@@ -178,7 +178,7 @@ fn sample_keeps_its_limits(collide: bool) {
             assert!(worst.linear < linear && worst.angular < angular, "{names:?} at {dt}: {worst:?}");
         }
         let named = |name: &str| run.body(scene.bodies.iter().position(|b| b.name == name).unwrap());
-        // Joint node on the static body, so that the drive's speed is the other's.
+        // Joint node on the static body, so that the motor's speed is the other body's.
         let motor = named("Cube.017").angular;
         near3(motor, Vec3::NEG_Z * 1.57, 0.05, "the motor's speed");
         // k = 10 N/m for 1 kg can't lift it to the target of 1.2 m above the other: g / k less, still

@@ -1,4 +1,4 @@
-//! Physics materials of our own: every rule for combining against every other, in what it does to motion.
+//! Physics materials of our own: every rule for combining against every other, by its effect on motion.
 
 use super::files::rebounds;
 use super::*;
@@ -86,8 +86,8 @@ fn rebounds_follow_the_rules() {
     }
 }
 
-/// On a slope of 0.5 (26.6°) static friction of 0.6 holds what rests, and dynamic friction of 0.2 speeds up
-/// what slides: g (sin - 0.2 cos).
+/// On a slope of 0.5 (26.6°) static friction of 0.6 holds a body at rest, and with dynamic friction of 0.2
+/// a sliding body accelerates by g (sin - 0.2 cos).
 #[test]
 fn static_friction_holds_what_dynamic_friction_lets_slide() {
     let angle = 0.5f32.atan();

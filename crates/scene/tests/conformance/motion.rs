@@ -179,7 +179,7 @@ fn a_body_falls_towards_its_centre_of_mass() {
     }
 }
 
-/// A kinematic body keeps turning at its speed, and what lies on it turns with it.
+/// A kinematic body keeps turning at its speed, and the bodies on it turn with it.
 #[test]
 fn a_turntable_carries_what_lies_on_it() {
     let nodes = json!([

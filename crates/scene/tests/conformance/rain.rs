@@ -110,7 +110,7 @@ fn rain_on(file: &str, turn: Quat, count: usize, level: bool) {
     scene.bodies[0].desc.rotation = turn;
     scene.rain(count, 7);
     let ground = Ground::read(&path, turn);
-    // From 3 m above what is below each, or the fall alone would take half of the time.
+    // From 3 m above the body below each, or the fall alone would take half of the time.
     for body in scene.bodies.iter_mut().filter(|b| b.desc.kind == BodyKind::Dynamic) {
         let p = body.desc.position;
         if let Some(height) = ground.below(p) {

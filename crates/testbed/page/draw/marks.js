@@ -13,7 +13,7 @@ const END = 4;
 const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 
 /** A colour of 0 to 255 as the light ground lets it be seen: what is bright gets darker, white black. */
-function legible(tone) {
+export function legible(tone) {
     const [r, g, b] = tone.map((x) => x / 255);
     const bright = 0.3 * r + 0.59 * g + 0.11 * b;
     if (Math.min(r, g, b) > 0.8) return LINK;

@@ -166,7 +166,8 @@ export class Renderer {
     setTints(tints, tones = []) {
         if (!tints && !this.tints) return;
         this.tints = tints;
-        this.shades = tones.map((tone) => tone.map((x) => x / 255));
+        // Large faces want duller colours than lines.
+        this.shades = tones.map((tone) => tone.map((x) => 0.14 + (0.72 * x) / 255));
         this.paint();
     }
 

@@ -105,9 +105,9 @@ void main() {
     if (wall != (glass > 0.5)) discard;
     if (wire > 0.5) {
         vec3 across = edge - ROUND * step(0.5 * ROUND, edge);
-        vec3 on = clamp(1.3 - across / max(fwidth(across), vec3(1e-6)), 0.0, 1.0);
+        vec3 on = clamp(1.1 - across / max(fwidth(across), vec3(1e-6)), 0.0, 1.0);
         float cover = max(on.x, max(on.y, on.z));
-        if (cover < 0.15) discard;
+        if (cover < 0.35) discard;
         colour = vec4(shade * (dims > 0.5 && style.z > 0.5 ? 0.45 : 0.72), 1.0);
         return;
     }

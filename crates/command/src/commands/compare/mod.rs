@@ -42,7 +42,7 @@ pub(crate) struct MethodResult {
     pub(crate) verdict: Verdict,
 }
 
-/// What `cargo backstop compare` does.
+/// Runs `cargo backstop compare`.
 pub(crate) fn print(options: &CompareOptions) -> anyhow::Result<()> {
     let comparison = compare(options)?;
     if options.json {

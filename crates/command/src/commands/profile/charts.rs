@@ -10,7 +10,7 @@ use crate::report::output::{bytes, count_threads};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A line of a chart: its name, and what it shows of a frame.
+/// A line of a chart: its name, and its value of a frame.
 type Line<T> = (&'static str, RGBColor, fn(&Frame) -> T);
 /// A slice of a pie: its name and its bytes.
 type Slice = (&'static str, usize);

@@ -1,4 +1,4 @@
-//! What continuous collision adds for one body: in flight, at a strike, and rolling or sliding.
+//! Time that continuous collision adds for one body: in flight, at a strike, and rolling or sliding.
 //!
 //! A percentage of a step depends on the rest of the step. So here, worlds of [`SIDE`]² equal bodies over one
 //! ground all do the same thing at once; a step is taken both ways from the same snapshot, and the difference
@@ -37,7 +37,7 @@ pub(crate) const PAIRS: u64 = (GROUNDS.len() * SHAPES.len()) as u64;
 /// Steps of 1/60 s until all rest.
 const SETTLE: u32 = 60;
 
-/// What continuous collision adds for a body of one shape over one ground [us]: medians over rounds.
+/// Time that continuous collision adds for a body of one shape over one ground [us]: medians over rounds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Each {
     pub(crate) shape: &'static str,

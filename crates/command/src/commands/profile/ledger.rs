@@ -20,7 +20,7 @@ pub(crate) struct Ledger {
     pub(crate) dynamic_bodies: usize,
     /// At each number of threads.
     pub(crate) runs: Vec<Run>,
-    /// What is added for one body, by shape and ground.
+    /// Additional time for one body, by shape and ground.
     pub(crate) each: Vec<Each>,
     pub(crate) memory: Memory,
     pub(crate) hash: String,
@@ -54,7 +54,7 @@ impl Run {
     }
 }
 
-/// What continuous collision costs more than discrete physics [%].
+/// Additional time of continuous over discrete physics [%].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Additional {
     /// Mean over all frames.
@@ -130,7 +130,7 @@ impl Totals {
     }
 }
 
-/// Bytes by category, and what continuous collision takes of them.
+/// Bytes by category, and the share of continuous collision.
 #[derive(Debug, Serialize)]
 pub(crate) struct Memory {
     pub(crate) categories: Vec<CategoryBytes>,

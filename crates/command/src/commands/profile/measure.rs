@@ -7,7 +7,7 @@ use backstop_scene::Scene;
 use serde::Serialize;
 use std::time::Instant;
 
-/// What a frame costs both ways, from the same state. Times are medians [us].
+/// Times of a frame both ways, from the same state: medians [us].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Frame {
     pub(crate) threads: usize,
@@ -148,7 +148,7 @@ pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyho
     })
 }
 
-/// Fills in what the steps counted.
+/// Fills in the counts of the steps.
 fn count(
     frame: Frame,
     before: Option<&Frame>,

@@ -1,4 +1,4 @@
-//! `profile`: what continuous collision costs, frame by frame and in bytes, as Vincent Robert's talk measured
+//! `profile`: the cost of continuous collision, by frame and in bytes, as Vincent Robert's talk measured
 //! it (GDC 2012).
 
 mod charts;

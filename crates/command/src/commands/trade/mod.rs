@@ -1,4 +1,4 @@
-//! `trade`: what speed costs in accuracy, over a grid of settings (docs/trade.md).
+//! `trade`: speed against accuracy, over a grid of settings (docs/trade.md).
 
 mod charts;
 mod lines;
@@ -85,7 +85,7 @@ fn merged(files: &[PathBuf]) -> anyhow::Result<(Header, Vec<Candidate>, Results)
     all.context("there is nothing to merge")
 }
 
-/// Prints and writes what was asked for.
+/// Prints and writes the requested results.
 fn finish(options: &TradeOptions, outcome: &Outcome) -> anyhow::Result<()> {
     if options.common.json {
         output::print_json(outcome)?;

@@ -45,7 +45,7 @@ pub(super) struct Row {
     pub(super) axes: Vec<String>,
 }
 
-/// What settings with one value of an axis reach.
+/// The best results of settings with one value of an axis.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct AxisValue {
     #[serde(serialize_with = "axis_name")]

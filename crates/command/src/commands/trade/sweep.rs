@@ -63,7 +63,7 @@ impl Candidate {
     }
 }
 
-/// What is swept.
+/// The swept scene and settings.
 pub(super) struct Sweep<'a> {
     pub(super) header: Header,
     pub(super) candidates: Vec<Candidate>,

@@ -40,7 +40,7 @@ impl Columns {
         Columns { steps, width: steps.div_ceil(COLUMNS).max(1) }
     }
 
-    /// Middle of each column [steps] with what `f` makes of its steps.
+    /// Middle of each column [steps] with the value of `f` for its steps.
     pub(crate) fn map<'a, T: 'a>(
         &'a self,
         mut f: impl FnMut(std::ops::Range<usize>) -> T + 'a,

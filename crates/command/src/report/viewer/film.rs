@@ -1,4 +1,4 @@
-//! What the viewer is given: meshes, shapes that are instances of them, and how these move.
+//! Data of the viewer: meshes, shapes that are instances of them, and how these move.
 
 use super::motion::Motion;
 use crate::report::output::count;

@@ -68,7 +68,7 @@ fn fields_are_those_that_are_documented() {
     let profile = ["profile", "scenes/tower.gltf", "--steps", "2", "--repeats", "1", "--json"];
     let profile = [&profile[..], &["--threads", "1", "--no-compare"]].concat();
     let mut document = document(&backstop(&profile));
-    // What `compare` prints, which it left out.
+    // The output of `compare`, which `--no-compare` leaves out.
     document["comparison"] = Value::Null;
     agrees(&document, "profile");
 }

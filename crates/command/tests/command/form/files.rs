@@ -1,4 +1,4 @@
-//! Scenes, films and recordings as files; what is refused.
+//! Scenes, films and recordings as files, and refused ones.
 
 use super::*;
 

@@ -27,7 +27,7 @@ fn a_profile_has_both_costs_of_every_frame() {
         assert_eq!((&frames[0]["swept"], &frames[0]["falling"]), (&11.into(), &true.into()));
         let totals = &run["totals"];
         assert!(totals["casts"].as_u64() > Some(0) && totals["pushed"].as_u64() > Some(0), "{totals}");
-        // What was pushed in one frame is confirmed or a ghost in the next.
+        // A contact that pushed in one frame is confirmed or a ghost in the next.
         let pushed: u64 = frames[..25].iter().filter_map(|f| f["pushed"].as_u64()).sum();
         let told = totals["confirmed"].as_u64().zip(totals["ghosts"].as_u64()).map(|(a, b)| a + b);
         assert_eq!(told, Some(pushed));

@@ -1,4 +1,4 @@
-//! Runs, their options, and what they write.
+//! Runs, their options, and their files.
 
 use super::*;
 
@@ -128,7 +128,7 @@ fn a_plan_is_compared_with_a_run() {
     has_keys(&planned, &["scene", "steps", "categories", "planned", "measured", "budget"]);
     for line in planned["categories"].as_array().expect("a list") {
         has_keys(line, &["name", "planned", "measured"]);
-        // What bodies and shapes take is no guess.
+        // Bytes of bodies and shapes are exact.
         if ["bodies", "shapes", "meshes"].iter().any(|name| line["name"] == *name) {
             assert_eq!(line["planned"], line["measured"], "{line}");
         }

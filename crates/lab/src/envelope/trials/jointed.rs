@@ -17,7 +17,7 @@ fn together(unit: f32) -> Gauge {
     Gauge { measure: Measure::Apart { unit: f64::from(unit) }, bounds: [0.01, 0.1] }
 }
 
-/// A mechanism without drives may gain a hundredth of its energy, and is lost at a tenth.
+/// A mechanism without motors may gain a hundredth of its energy, and is lost at a tenth.
 fn gains(unit: f64) -> Gauge {
     Gauge { measure: Measure::Gain { unit }, bounds: [0.01, 0.1] }
 }

@@ -1,4 +1,4 @@
-//! What a trial is made of, and what trials share.
+//! Contents of a trial, and common parts of trials.
 
 use super::super::measures::{Boundary, Gauge};
 use backstop::BodyDesc;

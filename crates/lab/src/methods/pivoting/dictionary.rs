@@ -1,4 +1,4 @@
-//! Complementary pivoting along a path: what Lemke's method and the path search share.
+//! Complementary pivoting along a path: common parts of Lemke's method and the path search.
 //!
 //! The system is `w = M z + q + d t` with a covering vector `d`; all points of the path have `z, w >= 0` and
 //! `z w = 0`. The path parameter `t` is lowered until it is zero, which is a solution.

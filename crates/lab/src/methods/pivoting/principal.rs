@@ -1,12 +1,12 @@
 //! Driving one row at a time until it obeys its law, by principal pivots, while finished rows keep theirs:
-//! what Dantzig's and Keller's methods share.
+//! common parts of Dantzig's and Keller's methods.
 
 use crate::methods::forms::Boxed;
 use crate::methods::linear;
 use crate::methods::tableau::{SMALL, Tableau};
 use crate::problem::nearest_within;
 
-/// Where a drive ends.
+/// Where the increase of a driving variable ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Driven {
     /// The row obeys its law.

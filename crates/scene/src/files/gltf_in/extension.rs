@@ -200,7 +200,7 @@ pub(super) struct Filter {
     pub(super) not_collide_with_systems: Option<Vec<String>>,
 }
 
-/// What joints limit and drive.
+/// Limits and drives of joints.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Joint {
@@ -247,7 +247,7 @@ pub(super) struct NodePhysics {
     pub(super) joint: Option<NodeJoint>,
 }
 
-/// Which joint a node has, and with what.
+/// Which joint a node has, and with which other body.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct NodeJoint {

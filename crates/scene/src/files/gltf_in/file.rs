@@ -51,7 +51,7 @@ impl Parts {
         if !root.asset.version.starts_with("2.") {
             return Err(malformed(format!("glTF {} instead of 2.0", root.asset.version)));
         }
-        // The validation below refuses every extension that it doesn't know; we know better what we need.
+        // The validation below refuses every extension that it doesn't know; some are supported here.
         let required = std::mem::take(&mut root.extensions_required);
         let unknown_required = required.into_iter().filter(|e| !KNOWN.contains(&e.as_str())).collect();
         // The crate's own check looks at the accessor of positions before it has checked the index (gltf-json
@@ -139,7 +139,7 @@ fn read_buffers(
     Ok(buffers)
 }
 
-/// The bytes behind a data URI, or else what the resolver finds; at most `most` of them.
+/// The bytes behind a data URI, or else those that the resolver finds; at most `most` of them.
 pub(crate) fn read_uri(
     scene: &Path,
     uri: &str,

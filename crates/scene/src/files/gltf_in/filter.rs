@@ -1,8 +1,8 @@
 //! Collision systems by name to bits.
 //!
-//! A filter that lists `collideWithSystems` collides with what is in any of them; one that lists
-//! `notCollideWithSystems` with what is in any other system. A collider in no system counts as in every one:
-//! it is kept apart only by lists that name all. A filter with both lists collides with what is in a system
+//! A filter that lists `collideWithSystems` collides with colliders in any of them; one that lists
+//! `notCollideWithSystems` with those in any other system. A collider in no system counts as in every one:
+//! it is kept apart only by lists that name all. A filter with both lists collides with those in a system
 //! that the first names and the second doesn't. Both filters of a pair have to agree.
 
 use super::extension;

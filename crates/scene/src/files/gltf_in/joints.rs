@@ -1,4 +1,4 @@
-//! Joints: what they limit and drive, and where they sit.
+//! Joints: their limits, motors and frames.
 
 use super::extension::{self, NodeJoint};
 use super::file::Parts;
@@ -11,7 +11,7 @@ use backstop::{Axes, Axis, Frame, Limit, Motion, Motor, Spring};
 use backstop::{BodyDesc, BodyKind};
 use glam::DQuat;
 
-/// Limits and drives of one joint description, which several nodes may use.
+/// Limits and motors of one joint description, which several nodes may use.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     limits: Vec<Limit>,

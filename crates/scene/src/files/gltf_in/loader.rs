@@ -48,7 +48,7 @@ pub(super) struct Loader<'a> {
     pub(super) joint_at: BTreeMap<usize, Option<usize>>,
     pub(super) scene: Scene,
     pub(super) tally: Tally,
-    /// What was built, for all who use the same at the same scale.
+    /// Built geometry, shared by all nodes that use it at the same scale.
     built: BTreeMap<Build, Placed>,
     /// Per node: the body with `motion` that it belongs to.
     pub(super) body: Vec<Option<usize>>,
@@ -295,7 +295,7 @@ impl<'a> Loader<'a> {
         (back * apart, back * self.tree.rotation[node])
     }
 
-    /// Mass and velocity, once all shapes are there; then joints, once it is known what moves.
+    /// Mass and velocity, once all shapes are there; then joints, once the moving bodies are known.
     pub(super) fn finish(mut self) -> Result<Scene, SceneError> {
         for index in 0..self.scene.bodies.len() {
             let Some(node) = self.scene.bodies[index].node else { continue };

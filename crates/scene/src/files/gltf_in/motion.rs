@@ -12,7 +12,7 @@ use glam::{DMat3, Mat3, Vec3};
 const DENSITY: f32 = 1000.0;
 
 /// Puts a motion on a body that has its pose and shapes. `scale`: linear map from the node's frame to the
-/// body's. Returns notes about what is not supported exactly.
+/// body's. Returns notes about properties that are not supported exactly.
 pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Result<Vec<&'static str>, Error> {
     let mut notes = Vec::new();
     // Velocities are given along the node's axes, but in the world's units: not scaled.
@@ -23,7 +23,7 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
     (desc.linear_damping, desc.angular_damping) = (extras.linear_damping, extras.angular_damping);
     desc.gravity_scale = finite("gravity factor", motion.gravity_factor.unwrap_or(1.0))?;
     if desc.kind == BodyKind::Kinematic {
-        // Its mass never counts, but its centre is what moves at the linear velocity.
+        // Its mass never counts, but its centre moves at the linear velocity.
         desc.gravity_scale = 1.0;
     }
 
@@ -61,7 +61,7 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
             desc.lock_rotation = [true; 3];
         }
         if desc.lock_rotation == [true; 3] && desc.kind == BodyKind::Dynamic {
-            // Nothing can change its velocity, which is what kinematic means.
+            // Nothing can change the velocity of a kinematic body.
             desc.kind = BodyKind::Kinematic;
             (desc.lock_translation, desc.lock_rotation) = ([false; 3], [false; 3]);
         } else if desc.linear_velocity != Vec3::ZERO {

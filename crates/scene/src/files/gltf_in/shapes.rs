@@ -146,7 +146,7 @@ pub(super) fn of_mesh(
     Ok(Placed { geometry, offset: Vec3::ZERO, note })
 }
 
-/// Counts what [`of_mesh`] takes, before it takes it.
+/// Counts the vertices and triangles of [`of_mesh`] before they are read.
 pub(super) fn charge_mesh(
     parts: &Parts,
     node: usize,
@@ -246,7 +246,7 @@ pub(super) fn add_primitive(
     Ok(())
 }
 
-/// Counts what a primitive takes, before it takes it.
+/// Counts the vertices and triangles of a primitive before they are read.
 pub(super) fn charge(
     primitive: &gltf::Primitive,
     vertices: &mut Count,

@@ -58,7 +58,7 @@ fn over_source(
     source: &Path,
     resolve: &Resolver<'_>,
 ) -> Result<(Document, Vec<Track>), SceneError> {
-    // Its file was read before, within what limits there were.
+    // Its file was read before, within its limits.
     let mut tally = Tally::new(&LoadLimits::NONE);
     let parts = Parts::read(source, resolve, &mut tally)?;
     let tree = Tree::new(&parts, &mut tally)?;

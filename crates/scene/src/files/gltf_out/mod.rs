@@ -20,7 +20,7 @@ use std::path::Path;
 /// shape. `.gltf`: text with its data inside; anything else: `.glb`.
 ///
 /// # Errors
-/// If the file can't be written; whatever was at `path` is then still there.
+/// If the file can't be written; a file that was at `path` is then still there.
 pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneError> {
     let (document, _) = build::scene(scene, true);
     write(document, path.as_ref())

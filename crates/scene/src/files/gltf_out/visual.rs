@@ -21,7 +21,7 @@ pub(super) fn triangles(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     }
 }
 
-/// Colour (linear red, green, blue) of a shape; what can't move is grey.
+/// Colour (linear red, green, blue) of a shape; static shapes are grey.
 pub(super) fn colour(geometry: &Geometry, moves: bool) -> [f32; 3] {
     match geometry {
         _ if !moves => [0.45, 0.47, 0.5],
