@@ -94,7 +94,7 @@ fn balls_beside_each_other() {
 fn a_stack_of_boxes() {
     let mut scene = vec![fixed(Geometry::Plane, Vec3::ZERO)];
     scene.extend((0..3).map(|i| dynamic(cube(0.5), Vec3::Y * (0.499 + 0.998 * i as f32))));
-    // What is moved by its velocity alone, and what may only turn about y.
+    // A body that is moved by its velocity alone, and one that may only turn about y.
     let belt = BodyDesc::kinematic().with_position(Vec3::X * 1.5).with_velocity(Vec3::X * -0.1, Vec3::ZERO);
     scene.push(belt.with_shape(ShapeDesc::new(cube(1.0))));
     let mut locked = dynamic(cube(0.5), Vec3::new(1.5, 1.499, 0.0)).with_velocity(Vec3::ZERO, Vec3::Y);
@@ -184,7 +184,7 @@ fn a_slab_with_more_points_than_colours() {
     alone_and_shared(&per_point, &scene);
 }
 
-/// Joints by every kernel, beside contacts with what hangs on them.
+/// Joints by every kernel, beside contacts of the bodies that hang on them.
 #[test]
 fn joints_of_every_kind() {
     alone_and_shared_with(&settings(), &|world, at| {

@@ -27,7 +27,7 @@ fn stacks(settings: Settings) -> (World, Vec<BodyHandle>) {
     (world, bodies)
 }
 
-/// The force is at the limit of what a caller may say: a ton would be out of the world within a step.
+/// The force is at the limit of the allowed range: a ton would be out of the world within a step.
 /// Expected: it stays exactly where it was, at rest; the stack on it and those beside it, which it touches,
 /// do not notice.
 #[test]
@@ -206,7 +206,7 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
         common::steps(&mut world, 30, DT);
         assert_eq!(world.state_hash(), expected);
     }
-    // What does not step it still can be called.
+    // Calls that do not step it still work.
     poison(&mut world);
     world.remove_body(bodies[3]).unwrap();
     world.add_body(&cube(DVec3::Y * 9.0)).unwrap();

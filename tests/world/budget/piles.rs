@@ -65,7 +65,7 @@ fn a_wide_budget_on_a_running_world_changes_nothing() {
     assert_eq!(worlds[0].state_hash(), worlds[1].state_hash());
 }
 
-/// What it takes from share to share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.
+/// Overlap by share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.
 #[test]
 #[ignore = "a table, of some minutes"]
 fn table() {

@@ -1,4 +1,4 @@
-//! What breaks or wakes in a step takes effect once its bodies have moved.
+//! Breaking and waking in a step take effect once its bodies have moved.
 //!
 //! Seen: a coupling between sleeping bodies was weakened below what it bore; it broke in the next step, after
 //! motions were predicted, and woke bodies of which the step then read motions that nobody had predicted.

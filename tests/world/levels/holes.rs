@@ -1,4 +1,4 @@
-//! Holes in height fields: what falls there falls through, all else stays on what is left.
+//! Holes in height fields: bodies above them fall through, all others stay on the remaining cells.
 
 use super::common;
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};

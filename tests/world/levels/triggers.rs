@@ -1,4 +1,4 @@
-//! Sensors that notice what is static: triggers of a level, and sensors that come into its ground.
+//! Sensors that notice static bodies: triggers of a level, and sensors that come into its ground.
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
