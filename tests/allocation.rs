@@ -271,7 +271,7 @@ fn couplings_allocate_nothing() {
     assert_eq!(count(&mut world, 300, |_, _| {}), 0);
 }
 
-/// Twenty doors whose targets, limits and drives change in every step, and joints that are reported.
+/// Twenty doors whose targets, limits and motors change in every step, and joints that are reported.
 #[test]
 fn changes_of_joints_in_place_allocate_nothing() {
     let _alone = one_at_a_time();

@@ -1,4 +1,4 @@
-//! What the tests share: floors of three kinds, worlds out of scenes, and a little mathematics.
+//! Shared by the tests: floors of three kinds, worlds out of scenes, and a little mathematics.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use backstop::glam::{DVec3, Quat, Vec3};

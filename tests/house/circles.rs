@@ -13,19 +13,19 @@ use std::fmt;
 /// A module by its names from the root of the crate, or a path as it is written.
 type Path = Vec<String>;
 
-/// What a path stands for: what is defined in a file, by the place of the file; or a module.
+/// The meaning of a path: an item defined in a file, by the place of the file; or a module.
 #[derive(Clone, Debug, PartialEq)]
 enum Target {
     Item(usize),
     Module(Path),
 }
 
-/// What a module has of names, besides the modules below it.
+/// Names of a module, besides the modules below it.
 #[derive(Default)]
 struct Scope {
     file: usize,
     items: BTreeSet<String>,
-    /// What a name that is imported stands for.
+    /// The meaning of an imported name.
     imports: BTreeMap<String, Path>,
     /// Paths before a `*`.
     globs: Vec<Path>,
@@ -65,7 +65,7 @@ pub(crate) fn arrows(sources: &[Source]) -> Arrows {
     found
 }
 
-/// Files of which each reaches each other one, and what they name of each other.
+/// Files of which each reaches each other one, and the names that they use of each other.
 pub(crate) struct Circle {
     pub(crate) files: Vec<String>,
     arrows: Arrows,
@@ -147,7 +147,7 @@ impl Library {
         while let [first, others @ ..] = rest {
             match self.look_up(&here, first, others.is_empty(), steps) {
                 Some(Target::Module(module)) => (here, rest, led_here) = (module, others, true),
-                // What a macro defines is not seen, but must be in the module: the compiler found it.
+                // Items of macros are not seen, but must be in the module: the compiler found them.
                 None if led_here => return Some(Target::Item(self.scopes.get(&here)?.file)),
                 found => return found,
             }

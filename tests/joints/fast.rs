@@ -1,4 +1,4 @@
-//! Joints of what is hit hard or spins fast: nothing goes to infinity, and joints give no energy.
+//! Joints of bodies that are hit hard or spin fast: nothing goes to infinity, and joints give no energy.
 //!
 //! Two balls on arms of a metre, one of them hit: a wheel's joint went to NaN from 200 m/s, a slider's from
 //! 300 m/s, and a distance threw them at a hundred times their speed from 150 m/s. Two bodies on a ball joint
@@ -115,7 +115,7 @@ fn locked_axes_and_joints_throw_nothing() {
             let frames = world.frames_at([a, b], DVec3::new(0.5, 2.0, 0.0), q).unwrap();
             world.add_joint(&make([a, b], frames)).unwrap();
             common::steps(&mut world, 120, DT);
-            // In two seconds what is free falls to 20 m/s.
+            // In two seconds a free body falls to 20 m/s.
             for body in [a, b] {
                 let (v, w) = (world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap());
                 assert!(v.length() < 25.0 && w.length() < 50.0, "{name}, case {case}: {v} {w}");
@@ -133,7 +133,7 @@ struct Case {
     bodies: Vec<BodyHandle>,
     dt: f32,
     name: String,
-    /// Kinetic energy at the start, and what a fall of two metres gives.
+    /// Kinetic energy at the start, and that of a fall of two metres.
     scale: f64,
 }
 
@@ -299,7 +299,7 @@ fn trees_of_one_kind_gain_nothing() {
     }
 }
 
-/// What gained more than 1 %, of nets of all kinds.
+/// Nets of all kinds that gained more than 1 %.
 fn sweep(seeds: std::ops::Range<u64>) -> usize {
     let gained = seeds.map(|seed| Case::random(seed, None)).filter_map(|mut case| {
         let gained = case.gained();

@@ -47,7 +47,7 @@ impl Grip {
     }
 }
 
-/// Static friction holds for ever what it holds at all. In the first substep nothing bears yet, and the cube
+/// Static friction that holds a body holds it for ever. In the first substep nothing bears yet, and the cube
 /// falls by g h². Friction of what rests acts after bodies moved, which adds about half of that again: 1.55 g
 /// h² in all is measured, not derived (0.26 mm at 60 Hz and 4 substeps). Beside that it sinks by less than a
 /// tenth of a millimetre, and in the last half minute not at all. Along x the three are free.

@@ -1,5 +1,5 @@
-//! Ground that turns, strikes, or is in the way: what it carries goes with it, what it hits gets no faster
-//! than it can make it, and what begins in it comes out.
+//! Ground that turns, strikes, or is in the way: bodies on it go with it, bodies that it hits get no faster
+//! than it can make them, and bodies that begin in it come out.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};

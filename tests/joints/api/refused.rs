@@ -177,7 +177,7 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
         before = added;
         assert!(world.memory().total() <= most, "{budget}: {} of {most}", world.memory().total());
         common::steps(&mut world, 3, DT);
-        // What a step needs for them was counted too.
+        // The buffers that a step needs for them were counted too.
         assert!(world.memory().total() <= most, "{budget}: {} of {most}", world.memory().total());
         assert!(common::all_finite(&world));
     }

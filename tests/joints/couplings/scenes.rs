@@ -1,4 +1,4 @@
-//! Couplings, and what else glTF has no names for, in scenes: written, read back, and refused.
+//! Couplings, and other properties without names in glTF, in scenes: written, read back, and refused.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{
@@ -162,7 +162,7 @@ fn file(root: &str, material: &str, motion: &str) -> Result<Scene, SceneError> {
     from_bytes("some.gltf", text.as_bytes(), &|_, _| unreachable!(), &LoadLimits::default())
 }
 
-/// What other programs put into extras is theirs; ours is checked, and each error says where and why.
+/// Extras of other programs are ignored; ours are checked, and each error says where and why.
 #[test]
 fn what_a_file_says_wrongly_is_refused() {
     let motions = |motions: &str| format!(r#"{{"backstop": {{"couplings": [{{"motions": [{motions}]}}]}}}}"#);

@@ -128,7 +128,7 @@ fn two_belts_that_meet_add_up() {
     }
 }
 
-/// A belt that starts wakes what sleeps on it, and one that stops lets it sleep again.
+/// A belt that starts wakes the bodies on it, and one that stops lets them sleep again.
 #[test]
 fn a_belt_that_starts_wakes_what_lies_on_it() {
     let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();

@@ -1,4 +1,4 @@
-//! Whatever the masses, a step leaves numbers, and what is joined stays joined.
+//! With any masses, a step leaves numbers, and joined bodies stay joined.
 
 use crate::common::{self, all_finite};
 use backstop::glam::{DVec3, Quat, Vec3};

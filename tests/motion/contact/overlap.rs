@@ -60,7 +60,7 @@ fn geometry_size(geometry: &Geometry) -> f32 {
 }
 
 /// Six hundred boxes at one point are 180,000 pairs, 160 MB. Expected: within a budget of 16 MB no more is
-/// reserved in any step, and what has no place is counted.
+/// reserved in any step, and omitted contacts are counted.
 #[test]
 fn a_budget_bounds_what_a_crowd_takes() {
     let limit = 16 << 20;

@@ -1,4 +1,4 @@
-//! What a body meets that the planes of the step's start don't show: a plate that turns under it, and a wall
+//! Obstacles that the planes of the step's start don't show: a plate that turns under it, and a wall
 //! behind which its end is while its centre is in front.
 
 use crate::common::random::Random;

@@ -61,7 +61,7 @@ fn how_often_the_guard_holds() {
 }
 
 mod moving {
-    //! Where both sides move, or what presses is slow.
+    //! Where both sides move, or the pressing body is slow.
 
     use backstop::glam::{DVec3, Quat, Vec3};
     use backstop::{BodyDesc, BodyHandle, BodyKind, Geometry, Settings, ShapeDesc, TriangleMesh, World};

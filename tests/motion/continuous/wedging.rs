@@ -1,5 +1,5 @@
-//! What lands hard on rough ground gets off it again: thin plates and lopsided shapes do not stay stuck in
-//! it.
+//! A body that lands hard on rough ground gets off it again: thin plates and lopsided shapes do not stay
+//! stuck in it.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -56,7 +56,7 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
         for (i, &body) in bodies.iter().enumerate() {
             let at = world.centre_of_mass(body).unwrap().as_vec3();
             let over = at.y - terrain.height(at.x, at.z);
-            // What f32 resolves of a height of a few metres.
+            // The resolution of f32 at a height of a few metres.
             fell[i] |= !terrain.contains(at.x, at.z) && over < 0.0;
             assert!(
                 fell[i] || !terrain.contains(at.x, at.z) || over > -1e-5,

@@ -1,4 +1,4 @@
-//! What is no seam is felt: steps, walls, corners, gaps; and a lift of pieces is one surface too.
+//! Steps, walls, corners and gaps are felt, as they are no seams; and a lift of pieces is one surface too.
 
 use super::RATES;
 use super::floors::rough;

@@ -39,7 +39,7 @@ fn slider(kind: usize, size: f32, random: &mut Random) -> (&'static str, Geometr
     }
 }
 
-/// What a slide over a floor came to: speed that was kept, how far it went off its way [rad], and the highest
+/// Result of a slide over a floor: speed that was kept, how far it went off its way [rad], and the highest
 /// and the lowest that its centre was above where it lies [m].
 #[derive(Clone, Copy, Debug)]
 struct Slide {
@@ -79,7 +79,7 @@ fn slides(seed: u64, count: usize) -> usize {
             .with_position(at)
             .with_rotation(rotation)
             .with_velocity(Vec3::X * speed, Vec3::ZERO);
-        // What stands on a point falls over: a character does not.
+        // A body on a point falls over: a character does not.
         let stands = name == "capsule that stands";
         let body = body.with_lock_rotation([stands; 3]).with_shape(rough(geometry, 0.0));
         let body = world.add_body(&body).unwrap();
@@ -154,7 +154,7 @@ fn rolling(seed: u64, count: usize, one: Option<f32>) -> usize {
         };
         let went = run(false, &mut random);
         let plane = run(true, &mut random);
-        // What lies on a line of a few decimetres goes straight on by nothing but that line.
+        // A body on a line of a few decimetres goes straight on by nothing but that line.
         let kept = |slide: &Slide| slide.kept.hypot(slide.aside);
         let slower = (kept(&went) - kept(&plane)).abs() > 5e-3;
         if slower || went.rise > 1e-3 + 2.0 * plane.rise.max(0.0) || went.aside.abs() > 0.05 {
@@ -257,8 +257,8 @@ fn wheels_roll_over_seams_as_on_a_plane() {
     assert!(rolling(1, 40, Some(1.0)) == 0);
 }
 
-/// What slides over hills of chunks. Expected: as over the same hills of one mesh, within a twentieth of the
-/// speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes off.
+/// Bodies that slide over hills of chunks. Expected: as over the same hills of one mesh, within a twentieth
+/// of the speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes off.
 #[test]
 fn hills_of_chunks_are_those_of_one_mesh() {
     assert!(over_hills(1, 40) <= 2);

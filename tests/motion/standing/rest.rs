@@ -1,4 +1,4 @@
-//! What stands stays standing: two minutes of it, at several rates.
+//! Structures stay standing: for two minutes, at several rates.
 //!
 //! Stacks used to sway themselves over within a minute, from a lean of a micrometre
 //! (docs/decisions/frozen-contacts.md). Rigid blocks on top of each other have no way to move, so what is
@@ -232,7 +232,7 @@ fn random_step(step: u32, least: f32, most: f32) -> f32 {
     Random(u64::from(step)).range(least, most)
 }
 
-/// Springs follow the usual substep; since they bear no part of a known load, what stands does not.
+/// Springs follow the usual substep; since they bear no part of a known load, standing bodies do not.
 #[test]
 fn what_stands_does_so_at_random_steps() {
     for boxes in [10, 20] {
