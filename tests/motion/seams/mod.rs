@@ -258,7 +258,8 @@ fn wheels_roll_over_seams_as_on_a_plane() {
 }
 
 /// Bodies that slide over hills of chunks. Expected: as over the same hills of one mesh, within a twentieth
-/// of the speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes off.
+/// of the speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes
+/// off.
 #[test]
 fn hills_of_chunks_are_those_of_one_mesh() {
     assert!(over_hills(1, 40) <= 2);
