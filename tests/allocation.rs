@@ -166,7 +166,7 @@ fn a_pile_that_sheds_contacts_allocates_nothing() {
     assert!(world.report().shed > 0);
 }
 
-/// What falls, flies and comes to rest has its most contacts once; after that nothing grows any more.
+/// Bodies that fall, fly and come to rest have their most contacts once; after that nothing grows.
 #[test]
 fn a_scene_past_its_densest_moment_allocates_nothing() {
     let _alone = one_at_a_time();
@@ -183,7 +183,7 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
         let steps = steps_that_allocate(&scene, densest + 300);
         println!("{}: {steps:?}", scene.name);
         assert!(steps.iter().all(|&step| step < densest), "{}: {steps:?}", scene.name);
-        // On the way there, too, few steps reach what was never reached before.
+        // On the way there, too, few steps need more than all before.
         assert!(steps.len() < 40, "{}: {steps:?}", scene.name);
     }
 }
@@ -311,7 +311,7 @@ fn changes_of_joints_in_place_allocate_nothing() {
     assert_eq!(drives, 0);
 }
 
-/// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, whatever the method.
+/// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, with any method.
 #[test]
 fn every_method_of_continuous_collision_allocates_nothing() {
     let _alone = one_at_a_time();

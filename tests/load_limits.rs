@@ -1,6 +1,6 @@
 //! Files of a few bytes that ask for gigabytes. A scene of 810 KB took 6.2 GB, one of 931 KB 2.1 GB and a
 //! minute, one of 597 bytes half a gigabyte. Here they are built, and the bytes that loading them takes are
-//! counted: what is alike is built once, and what is too much is refused by the name of its limit.
+//! counted: equal geometry is built once, and a file beyond a limit is refused by the name of the limit.
 
 #[path = "common/counting.rs"]
 mod counting;
@@ -98,7 +98,7 @@ fn colliders_of_one_mesh_and_scale_share_it() {
     let scene = scene.unwrap();
     assert_eq!((scene.bodies.len(), geometries(&scene)), (500, 2));
     println!("{length} bytes of file, {most} to load");
-    // Text, the two trees that it is parsed into, and what is built: not 500 meshes of 60 KB.
+    // Text, the two trees that it is parsed into, and built geometry: not 500 meshes of 60 KB.
     assert!(most < 40 * length, "{most} of {length}");
 }
 

@@ -31,7 +31,7 @@ fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
     });
 }
 
-/// The same for what `add` adds at a place.
+/// The same for bodies that `add` adds at a place.
 fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) -> Vec<BodyHandle> + Sync)) {
     let run = |threads: usize| {
         let mut world = World::new(settings.clone().with_threads(threads)).unwrap();

@@ -129,7 +129,7 @@ impl Library {
         }
     }
 
-    /// What a path in a module stands for; nothing for what is of another crate.
+    /// The meaning of a path in a module; none for a path into another crate.
     fn resolve(&self, module: &[String], path: &[String], steps: usize) -> Option<Target> {
         let steps = steps.checked_sub(1)?;
         let mut here = module.to_vec();
@@ -306,7 +306,7 @@ impl Reader {
     }
 }
 
-/// Words and signs of a file's code, without what is for unit tests only.
+/// Words and signs of a file's code, without that of unit tests.
 fn tokens(source: &Source) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut joined = false;

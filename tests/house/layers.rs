@@ -150,7 +150,7 @@ impl Root {
         found
     }
 
-    /// The module at the first level that a name at the root stands for; none for what is of another crate.
+    /// The module at the first level that a name at the root stands for; none for a name of another crate.
     fn module_of(&self, name: &str) -> Option<String> {
         let named = self.names.get(name).or_else(|| self.macros.get(name));
         match named {

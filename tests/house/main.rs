@@ -214,7 +214,7 @@ fn no_line_around_the_library_is_long() {
     none("lines of more than 110 columns", &long_lines(&Source::all(AROUND)));
 }
 
-/// The reader itself: what looks like code in comments and literals is none, and lifetimes are no characters.
+/// The reader itself: text like code in comments and literals is none, and lifetimes are no characters.
 #[test]
 fn the_reader_knows_code_from_comments_and_literals() {
     let text = r##"

@@ -95,7 +95,7 @@ fn what_whirls_gets_no_faster_by_its_joint() {
     }
 }
 
-/// A body of which some axes are locked, on a joint that may ask for what they forbid.
+/// A body of which some axes are locked, on a joint whose motions they may forbid.
 #[test]
 fn locked_axes_and_joints_throw_nothing() {
     for (name, make) in KINDS {

@@ -10,7 +10,7 @@ use backstop::{BodyHandle, BoneJoint, Error, Ragdoll, Settings, Skeleton, Spring
 const DT: f32 = 1.0 / 60.0;
 const SERVO: Spring = Spring::Frequency { hertz: 8.0, ratio: 1.0 };
 
-/// Each bone's rotation from where it is in the skeleton, in its axes: bent by so much of what limits allow.
+/// Each bone's rotation from where it is in the skeleton, in its axes: bent by that share of its limits.
 fn pose(figure: &Skeleton, share: f32) -> Vec<Quat> {
     let mut pose: Vec<Quat> = Vec::new();
     for (i, bone) in figure.bones.iter().enumerate() {

@@ -86,7 +86,7 @@ fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
     }
 }
 
-/// Ground that is moved up into what rests on it, by up to 0.4 of its height.
+/// Ground that is moved up into bodies on it, by up to 0.4 of their height.
 /// Expected: out within half a second, as plain soft contacts get it out, and no jump: never more than 2 cm
 /// above the surface. Before, half of it was left after 1.4 s, whatever the push speed.
 #[test]

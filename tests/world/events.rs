@@ -493,7 +493,7 @@ impl ContactHooks for Asks {
     }
 }
 
-/// What a hook learns of where bodies are at the start of a step must not be what queries say after it.
+/// Queries by a hook see bodies at the start of a step, and queries after the step see their later places.
 #[test]
 fn a_query_in_a_hook_leaves_none_behind_that_is_out_of_date() {
     let mut world = World::new(Settings::default()).unwrap();

@@ -306,7 +306,7 @@ fn contacts_of_the_world_are_those_of_its_bodies() {
     }
 }
 
-/// What [`World::contacts`] has of a body, by a look at all of the world's.
+/// The contacts of a body, by a search through [`World::contacts`].
 fn looked_through(world: &World, body: BodyHandle) -> Vec<BodyContact> {
     world.contacts().filter(|contact| contact.bodies.contains(&body)).collect()
 }

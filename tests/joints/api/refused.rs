@@ -84,7 +84,7 @@ fn bad_drives() -> Vec<Motor> {
     all
 }
 
-/// What is refused leaves no trace: not in the counts, not in the bytes, not in the bits of what follows.
+/// Refused calls leave no trace: not in the counts, not in the bytes, not in the bits of later steps.
 #[test]
 fn bad_input_is_refused_and_changes_nothing() {
     let run = |bother: bool| {

@@ -216,7 +216,7 @@ fn chains_that_whip_bear_any_load() {
     assert!(damped > 0);
 }
 
-/// A chain that swings down from level does not whip: it is solved as it always was, whatever it bears.
+/// A chain that swings down from level does not whip: it is solved as it always was, under any load.
 #[test]
 fn a_chain_that_swings_from_level_is_not_damped() {
     for ratio in [1e2, 1e4, 1e6] {

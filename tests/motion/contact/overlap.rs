@@ -7,7 +7,7 @@ use backstop::{BodyDesc, Budget, Geometry, Settings, ShapeDesc, World};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// `Settings::push_speed` says: what overlaps give a body ends at five times that.
+/// `Settings::push_speed` says: overlaps give a body at most five times that.
 const BOUND: f32 = 5.0 * 3.0;
 
 fn crowd(count: usize, spread: f64, geometry: &Geometry, settings: Settings) -> World {

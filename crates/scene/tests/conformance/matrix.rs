@@ -45,7 +45,7 @@ fn every_type_rests_on_every_type() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// What is wrong after 10 s, if anything is.
+/// The error after 10 s, if there is one.
 fn drop_on(scene: &Scene, ground: usize, faller: usize, expected: f64, dt: f32) -> Option<String> {
     let mut run = Run::new(scene);
     run.for_seconds(10.0, dt);

@@ -185,7 +185,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What a shape is at its node.
+/// The geometry of a shape at its node.
 fn role(shape: &ShapeDesc) -> &'static str {
     if shape.sensor { "trigger" } else { "collider" }
 }
@@ -309,7 +309,7 @@ fn material(m: &Material) -> Value {
     out
 }
 
-/// Adds what the extensions have no names for, if there is any.
+/// Adds properties for which the extensions have no names, if there are any.
 fn add_extras(to: &mut Value, extras: Value) {
     if extras != json!({}) {
         to["extras"] = json!({ OWN: extras });
