@@ -475,16 +475,15 @@ fn two_threads_allocate_nothing() {
     assert_eq!(pool.install(|| resting(2)), 0);
 }
 
-/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box
-/// for each helper, and a block for each 63 jobs, whoever hands them in. Nothing else is allocated, and
-/// nothing by the engine.
+/// Rayon allocates for jobs from outside of a pool (docs/memory.md): a box for each helper, and a block for
+/// each 63 jobs. Nothing else is allocated, and nothing by the engine.
 #[test]
 fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
     let _alone = one_at_a_time();
     const HELPERS: usize = 3;
     pool(1 + HELPERS).build_global().unwrap();
-    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that
-    // all helpers of a step have left when a `join` after it returns, and the next step calls them anew.
+    // All threads of the pool but one are taken. The one takes jobs from outside in their order, so that all
+    // helpers of a step have left when a `join` after it returns, and the next step calls them anew.
     let taken: Vec<_> = (0..HELPERS)
         .map(|_| {
             let (arrived, is_there) = std::sync::mpsc::channel();

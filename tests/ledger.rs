@@ -1,7 +1,7 @@
 //! The report has every byte that a world holds: the sum of its categories is the count of the allocator.
 //!
-//! What lies in the `World` itself (`size_of::<World>()`) is the caller's, on his stack or wherever he puts
-//! it, and neither in the report nor on the heap.
+//! The `World` itself (`size_of::<World>()`) belongs to the caller, on the stack or elsewhere, and is neither
+//! in the report nor on the heap.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;

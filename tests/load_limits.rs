@@ -118,8 +118,8 @@ fn bodies_of_one_hull_share_it() {
     }
 }
 
-/// What moves below a geometry's node is left out, unless it is the collider's own node. So nodes that look
-/// alike are not.
+/// Moving nodes below a geometry's node are left out, unless they are the collider's own node. So nodes that
+/// look alike may differ.
 #[test]
 fn a_geometry_depends_on_who_asks_only_where_he_is_below() {
     let body = physics(json!({ "collider": { "geometry": { "node": 0 } }, "motion": {} }));
@@ -210,8 +210,8 @@ fn faces_and_nodes_are_counted_before_they_are_parsed() {
     assert!(most < 40 * length, "{most} of {length}");
 }
 
-/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: what is not there takes no memory, and
-/// more than the limit is refused.
+/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: absent bytes take no memory, and more
+/// than the limit is refused.
 #[test]
 fn a_sparse_accessor_takes_what_is_in_the_file() {
     let mut bytes: Vec<u8> = [0u32, 1, 2].iter().flat_map(|i| i.to_le_bytes()).collect();

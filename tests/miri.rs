@@ -1,7 +1,7 @@
 //! Every stage through the unsafe code that threads share, in worlds so small that Miri can run them.
 //!
-//! Blocks are as small as can be under Miri, so two threads share what is one block elsewhere. What it looks
-//! for are two threads at the same element, and references to what another thread writes. The same worlds,
+//! Blocks are as small as can be under Miri, so two threads share a block of other builds. Miri looks for two
+//! threads at the same element, and for references to memory that another thread writes. The same worlds,
 //! several times over so that threads are worth it, must give the same bits in any build.
 
 mod common;
@@ -148,8 +148,8 @@ fn bullets() {
     alone_and_shared(&settings(), &scene);
 }
 
-/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows of what an
-/// impact takes over are put out of action in their lanes.
+/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows that an
+/// impact replaces are put out of action in their lanes.
 #[test]
 fn elastic_bodies() {
     let bouncy = |mut desc: BodyDesc| {

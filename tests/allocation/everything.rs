@@ -209,7 +209,7 @@ impl Everything {
 }
 
 /// The same frames a second time, from a snapshot: every buffer was as large as it has to be once before. The
-/// same bits come out, and what asks for memory in a step, however briefly, is counted.
+/// same bits come out, and each allocation in a step is counted.
 #[test]
 fn a_world_of_everything_allocates_nothing() {
     let _alone = one_at_a_time();

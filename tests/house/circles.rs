@@ -1,9 +1,9 @@
 //! Which files of the library know each other in a circle.
 //!
-//! An arrow goes from a file to the one that *defines* what it names: paths are followed through `use`,
-//! through what a `mod.rs` gives out, and through `*`. To declare a module, or to give out a name without
-//! using it, is no arrow. Methods of a type count with the file of the type, wherever their `impl` is; unit
-//! tests don't count.
+//! An arrow goes from a file to the one that *defines* an item that it names: paths are followed through
+//! `use`, through reexports of a `mod.rs`, and through `*`. To declare a module, or to reexport a name
+//! without using it, is no arrow. Methods of a type count with the file of the type, wherever their `impl`
+//! is; unit tests don't count.
 
 use crate::layers::reachable;
 use crate::source::Source;
@@ -344,8 +344,8 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// A circle of four, each by another way to name what is in a file: through what a `mod.rs` gives out, by a
-/// module that is imported, within a group, by `*`. What is for tests, only declared, only given out, or of
+/// A circle of four, each by another way to name an item of a file: through a reexport of a `mod.rs`, by a
+/// module that is imported, within a group, by `*`. A name for tests, only declared, only reexported, or of
 /// another crate is no arrow.
 #[test]
 fn a_circle_is_found_through_every_way_to_name_a_thing() {

@@ -3,8 +3,8 @@
 //! Two balls on arms of a metre, one of them hit: a wheel's joint went to NaN from 200 m/s, a slider's from
 //! 300 m/s, and a distance threw them at a hundred times their speed from 150 m/s. Two bodies on a ball joint
 //! that whirl at 15 to 24 rad/s gained up to 35 times their energy in two seconds. A step without a motor
-//! can't add energy, whatever the step is long: that is the expected value of all that follows, with 1 % for
-//! rounding and for velocities that are half a substep late under gravity.
+//! can't add energy, at any length: that is the expected value of all tests here, with 1 % for rounding and
+//! for velocities that are half a substep late under gravity.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::{self, random::Random};
@@ -234,8 +234,7 @@ impl Case {
         self.world.add_joint(&desc).unwrap();
     }
 
-    /// The most that was gained in two seconds, as a share of what there was. Whatever a step is asked for,
-    /// all stays finite.
+    /// The most that was gained in two seconds, as a share of the start. All numbers stay finite.
     fn gained(&mut self) -> f64 {
         let start = self.world.energy();
         (0..(2.0 / self.dt) as u32).fold(0.0, |most: f64, step| {
@@ -247,7 +246,7 @@ impl Case {
     }
 }
 
-/// What counts above belongs to these nets, so they are drawn as they always were: not by the common methods.
+/// The counts above belong to these nets, so they are drawn as before, and not by the common methods.
 fn rotation(rng: &mut Random) -> Quat {
     Quat::from_vec4(rng.cube().extend(rng.signed())).normalize()
 }

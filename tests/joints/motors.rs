@@ -1,4 +1,4 @@
-//! Motors move what they drive, all of it, from the first step: as the torque allows until they have their
+//! Motors move all bodies behind their joint from the first step: as the torque allows until they have their
 //! speed, then at that.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]

@@ -56,8 +56,8 @@ struct Fall {
     held: u32,
     /// The most energy there was, over that at the start.
     energy: f64,
-    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: what hangs
-    /// somewhere, held by the guard, falls ever faster without moving.
+    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: a body that is
+    /// held by the guard falls ever faster without moving.
     hanging: f64,
 }
 

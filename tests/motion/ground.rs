@@ -52,9 +52,9 @@ fn what_lies_on_a_disc_that_turns_stays_there() {
     }
 }
 
-/// Balls and boxes that a blade of 2 m hits anywhere, without gravity. Expected: none gets faster than what
-/// slides along a rod without friction to its tip, the root of two of the speed of the tip, and 3 % for what
-/// bodies turn in a step of half a radian and more. Before, a ball before a tip at 60 m/s left it at 224 m/s.
+/// Balls and boxes that a blade of 2 m hits anywhere, without gravity. Expected: none gets faster than a body
+/// that slides along a rod without friction to its tip, the root of two of the speed of the tip, and 3 % for
+/// rotations of half a radian and more in a step. Before, a ball before a tip at 60 m/s left it at 224 m/s.
 #[test]
 fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
     let mut random = Random(5);

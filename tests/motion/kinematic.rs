@@ -73,7 +73,7 @@ fn what_is_called_later_counts() {
 
 /// A platform that is told where to be stands there when it is told no more, where one that is only moved
 /// goes on. Expected: places by the calls, to the bit; a velocity of 0.01 m in 0.02 s until the next step
-/// begins; what lies on it stands, too.
+/// begins; bodies on it stand, too.
 #[test]
 fn a_platform_that_is_to_stop_stands_where_it_was_told_to_be() {
     let mut world = World::new(Settings::default()).unwrap();

@@ -1,8 +1,8 @@
 //! With any calls in any order a step neither panics nor leaves numbers that are not finite.
 //!
 //! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies,
-//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of what sleeps with what is
-//! kinematic and at rest.
+//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of sleeping bodies with
+//! kinematic ones at rest.
 
 use crate::common::{self, random::Random};
 use backstop::glam::Vec3;

@@ -467,8 +467,7 @@ fn many_sleep_on_one_plate_and_bear_what_they_bore_when_it_starts() {
     for _ in 0..60 {
         world.step(DT).unwrap();
         for (&body, height) in riders.iter().zip(&heights) {
-            // By less than what tells a contact that kept its impulses from one that begins without: g dt^2 =
-            // 2.7 mm.
+            // By less than the fall of a contact that begins without impulses: g dt^2 = 2.7 mm.
             assert!((world.position(body).unwrap().y - height).abs() < 3e-4);
         }
     }

@@ -138,8 +138,8 @@ fn couplings_of_joints_that_are_not_there_are_refused() {
     assert_eq!(written("beyond.gltf", &scene).couplings.len(), 4);
 }
 
-/// A file with two hinges at nodes 1 and 3, what the root and a material have in their extras, and what the
-/// motion of node 2 has.
+/// A file with two hinges at nodes 1 and 3, with extras of the root, of a material and of the motion of node
+/// 2.
 fn file(root: &str, material: &str, motion: &str) -> Result<Scene, SceneError> {
     let text = format!(
         r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0, 4]}}],

@@ -72,7 +72,7 @@ fn a_belt_turns_with_its_shape() {
     }
 }
 
-/// A conveyor on a truck: what lies on it moves by the sum of both velocities over a kinematic truck. A free
+/// A conveyor on a truck: a body on it moves by the sum of both velocities over a kinematic truck. A free
 /// truck of mass M on ice is pushed back: with the crate of mass m on the belt, m v + M V = 0 and v - V = 1.
 #[test]
 fn belts_move_on_kinematic_and_dynamic_bodies() {

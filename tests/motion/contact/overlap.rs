@@ -75,9 +75,9 @@ fn a_budget_bounds_what_a_crowd_takes() {
     assert!(shed > 0);
 }
 
-/// A heavy body that comes fast pushes a crowd as fast as that: the bound is for what overlap gives.
-/// Expected: by the law of impulse, without restitution, what is light ends as fast as what is heavy; and
-/// what stays before the ram is out of it in the end, half of each apart.
+/// A heavy body that comes fast pushes a crowd as fast as that: the bound is for speeds by overlap. Expected:
+/// by the law of impulse, without restitution, light bodies end as fast as the heavy one; and those before
+/// the ram are out of it in the end, half of each apart.
 #[test]
 fn a_crowd_is_pushed_as_fast_as_what_hits_it() {
     let mut world = crowd(30, 0.3, &Geometry::cuboid(0.5, 0.5, 0.5), Settings::default());

@@ -140,8 +140,8 @@ fn the_talk_s_method_lets_past_what_misses_the_end_of_a_wall() {
     }
 }
 
-/// Between the posts bodies fly: what they pass must not turn them. A ghost is a body that is turned in an
-/// earlier step than where impacts are met at their times.
+/// Bodies fly between the posts: those that they pass must not turn them. A ghost is a body that is turned in
+/// an earlier step than where impacts are met at their times.
 #[test]
 fn the_gates_of_the_talk_s_method_keep_ghosts_out_of_the_field_of_posts() {
     let scene = builtin::build("posts").unwrap();

@@ -15,7 +15,7 @@ const BODIES: usize = 400;
 /// Thrown at 20 to 60 m/s, spinning: the centre of mass of every one stays above the ground, and once they
 /// have come to rest the guard has nothing left to do. A plate of 2 cm overlaps the ground by its whole
 /// thickness as soon as it is stuck, and an upright cone's origin is above its centre of mass, so both are
-/// pushed out only by who knows which side they came from.
+/// pushed out only if the engine knows the side they came from.
 #[test]
 fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
     let terrain = Terrain::bumpy(96, 0.75);

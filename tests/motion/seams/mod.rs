@@ -1,5 +1,5 @@
-//! Ground of many pieces is one surface: what slides or rolls over its seams goes on as on a plane, and what
-//! is no seam (a step, a wall, a gap) is felt.
+//! Ground of many pieces is one surface: bodies that slide or roll over its seams go on as on a plane, and
+//! steps, walls and gaps are felt.
 
 use crate::common::G;
 use crate::common::random::Random;
@@ -231,15 +231,14 @@ fn over_hills(seed: u64, count: usize) -> usize {
 
 /// Boxes, balls, capsules, cylinders, cones and hulls without friction, at 1 to 100 m/s, over floors of
 /// boxes, hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a
-/// plane: the speed to a tenth of a percent, beside what steps down and up give and take, and no centre more
-/// than a millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m
-/// high.
+/// plane: the speed to a tenth of a percent, beside the changes by steps down and up, and no centre more than
+/// a millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m high.
 #[test]
 fn what_slides_over_a_floor_of_pieces_goes_on_as_on_a_plane() {
     assert_eq!(slides(1, 300), 0);
 }
 
-/// The same for six thousand. Expected: no more than two in a thousand are off, by what a body that leans on
+/// The same for six thousand. Expected: no more than two in a thousand are off, by the speed that a body on
 /// the border of a piece gains or loses.
 #[test]
 #[ignore = "takes minutes"]
@@ -249,7 +248,7 @@ fn thousands_that_slide_over_a_floor_of_pieces_go_on() {
 
 /// Balls, capsules and cylinders that roll over the same floors without steps, and on one mesh of fine
 /// triangles. Expected: as fast as on a plane to half a percent, and no higher than a millimetre and twice
-/// what they rise there; on one mesh all of them, on pieces at least nineteen of twenty.
+/// their rise there; on one mesh all of them, on pieces at least nineteen of twenty.
 #[test]
 fn wheels_roll_over_seams_as_on_a_plane() {
     assert!(rolling(1, 100, None) <= 5);

@@ -75,7 +75,7 @@ fn drive(world: &mut World, doors: &mut [Door]) {
 
 /// The door's weight, hung on its edge, makes two hundred newton metres.
 const TORQUE: f32 = 5e4;
-/// What stays on its side is beyond by less than this; what does not, by more: the near face of its edge too,
+/// A body that stays on its side is beyond by less than this, another by more: the near face of its edge too,
 /// 1 cm from its middle [m].
 const STAYS: f32 = 0.001;
 const PASSES: f32 = 0.01;
@@ -124,9 +124,9 @@ fn pressed(force: f32, facing: f32) -> f64 {
 
 /// The predicted paths of limbs, which know of no joint, missed the wall that they were next to, so that
 /// there was no contact when the joints led them into it: 45 mm deep, which is the radius of the thinnest
-/// limb. A motor that presses with 7 to 18 times the weight of the figure, which is 850 N, drives what is
-/// caught between hips and wall in by 10 to 40 mm/s until it slips out: 8 iterations do not bring both to
-/// agree. So one pose in 27 gets deeper than 5 mm.
+/// limb. A motor that presses with 7 to 18 times the weight of the figure, which is 850 N, presses a limb
+/// between hips and wall in by 10 to 40 mm/s until it slips out: 8 iterations do not bring both to agree. So
+/// one pose in 27 gets deeper than 5 mm.
 ///
 /// Ways to face are spread over the circle: a figure that faces along the wall or across it stays in a plane
 /// as long as rounding keeps it there, and tells nothing about any other.

@@ -1,5 +1,5 @@
-//! What takes memory once bodies are there asks the budget too: restoring, the tree of queries, what settings
-//! switch on, bodies that are enabled again. These took it unasked.
+//! Later memory is within the budget too: restoring, the tree of queries, parts that settings switch on,
+//! bodies that are enabled again. These once took it without a check.
 
 use crate::common;
 
@@ -165,8 +165,8 @@ fn a_snapshot_that_switches_sleeping_on_comes_back_without_a_byte() {
     assert!(held(&world) <= most);
 }
 
-/// Expected: the first query of a world, and one that meets what is static and new, are refused without
-/// place; later ones take nothing.
+/// Expected: the first query of a world, and one that meets new static bodies, are refused without place;
+/// later ones take nothing.
 #[test]
 fn queries_ask_for_their_tree() {
     let (mut world, bodies) = heap(wide());
@@ -223,8 +223,8 @@ fn what_settings_switch_on_later_is_asked_for() {
     }
 }
 
-/// Expected: bodies that are added to a world that sleeps bring what its first step needs, and waking takes
-/// nothing.
+/// Expected: bodies that are added to a world that sleeps bring the bytes that its first step needs, and
+/// waking takes nothing.
 #[test]
 fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
     let mut world = World::new(wide().with_sleeping(true)).unwrap();

@@ -453,8 +453,8 @@ fn thousands_of_calls_at_random_play_again() {
     assert_eq!(drawn, CALLS.into_iter().filter(|&name| name != "asked").collect());
 }
 
-/// A budget counts all that the world holds: what of it depends on what was asked, and on who shares memory
-/// with whom, has to be the same too.
+/// A budget counts all that the world holds: bytes that depend on queries, and on worlds that share geometry,
+/// have to be the same too.
 #[test]
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));

@@ -1,5 +1,4 @@
-//! What was recorded plays again to the bit, at any number of threads, and what is not a recording is
-//! refused.
+//! Recordings play again to the bit, at any number of threads, and other files are refused.
 
 mod calls;
 mod files;

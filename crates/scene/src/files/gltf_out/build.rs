@@ -2,8 +2,8 @@
 //! extensions.
 //!
 //! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups
-//! of filters, no locked axes and no gravity; these are not written. What they have for joints is in
-//! `joints.rs`. What else they have no names for is in the object `backstop` of `extras`, see `gltf_in`.
+//! of filters, no locked axes and no gravity; these are not written. Joints are in `joints.rs`. Other
+//! properties without names are in the object `backstop` of `extras`, see `gltf_in`.
 
 use super::document::Document;
 use super::visual;
