@@ -49,6 +49,7 @@
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
 //! - [`Character`]: a capsule or another convex shape that walks.
+//! - [`Explosion`], [`Grab`]: what games write again and again; [`fields`]: forces on all that is somewhere.
 //! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
 //!   [`Category`].
 //! - [`World::feature_report`]: the parts of the engine that the world's content needs, and their cost, by
@@ -96,6 +97,10 @@ pub mod replay;
 
 pub mod debug;
 
+pub mod fields;
+
+mod extra;
+
 #[cfg(feature = "observe")]
 pub mod observe;
 
@@ -142,6 +147,8 @@ pub use config::{
 };
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
+pub use extra::{Grab, GrabSettings};
+pub use fields::Explosion;
 pub use glam;
 pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};
 pub use joint::{

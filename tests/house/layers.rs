@@ -43,7 +43,10 @@ const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("world", &["world", "step"]),
-    ("on a world", &["query", "character", "snapshot", "replay", "debug", "observe", "bench"]),
+    (
+        "on a world",
+        &["query", "character", "snapshot", "replay", "debug", "observe", "bench", "fields", "extra"],
+    ),
 ];
 
 /// About in the order of a step: what a stage hands on is defined by the stage that makes it.

@@ -38,7 +38,8 @@ const COLUMNS: usize = 110;
 /// Files that may know each other in a circle.
 const CIRCLE: usize = 3;
 /// Folders of the packages of the workspace; the first is that of the library.
-const PACKAGES: &[&str] = &["", "crates/command/", "crates/lab/", "crates/scene/"];
+const PACKAGES: &[&str] =
+    &["", "crates/command/", "crates/lab/", "crates/samples/", "crates/scene/", "crates/testbed/"];
 
 /// Files whose purpose float constants are.
 const TUNED: &[&str] = &["src/config/tuning.rs", "src/limits.rs"];

@@ -35,5 +35,5 @@ samples! {
     /// Each kind of joint by itself.
     joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
     /// Bodies which joints and motors move.
-    machines: windmill;
+    machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
 }

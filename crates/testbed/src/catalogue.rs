@@ -1,4 +1,5 @@
-//! What can be opened: samples, builtin scenes of a size that can be chosen, and the file of the command line.
+//! What can be opened: samples, builtin scenes of a size that can be chosen, and the file of the command
+//! line.
 
 use crate::Refusal;
 use backstop::{BodyDesc, BodyHandle, BodyKind, Error, Geometry, Settings, ShapeDesc, TriangleMesh, World};

@@ -21,21 +21,36 @@ pub(crate) struct Moment {
     pub(crate) grab: Option<Grab>,
 }
 
+/// A moment, and the world at that time.
+#[derive(Debug)]
+struct Kept {
+    moment: Moment,
+    snapshot: Snapshot,
+    /// Bytes of what it shares with those after it, if it is the first that has it: bodies and shapes.
+    shared: usize,
+}
+
+impl Kept {
+    fn bytes(&self) -> usize {
+        self.snapshot.size() + self.shared
+    }
+}
+
 /// Times to go back to, in the order of their steps, without a gap. After a step back those that lie ahead
 /// are kept until a step or a change makes them another future.
 #[derive(Debug)]
 pub(crate) struct History {
-    kept: VecDeque<(Moment, Snapshot)>,
+    kept: VecDeque<Kept>,
     /// Of all that is kept.
     bytes: usize,
     most_bytes: usize,
-    /// Snapshots whose buffers are used again.
-    spare: Vec<Snapshot>,
+    /// A snapshot whose buffer is used again.
+    spare: Option<Snapshot>,
 }
 
 impl Default for History {
     fn default() -> History {
-        History { kept: VecDeque::new(), bytes: 0, most_bytes: MOST_BYTES, spare: Vec::new() }
+        History { kept: VecDeque::new(), bytes: 0, most_bytes: MOST_BYTES, spare: None }
     }
 }
 
@@ -43,66 +58,72 @@ impl History {
     /// Keeps the world as it is at this moment, in place of what was kept of this step and of later ones.
     pub(crate) fn keep(&mut self, world: &World, moment: Moment) {
         self.forget_from(moment.step);
-        while self.kept.len() >= MOST_STEPS || (self.bytes > self.most_bytes && !self.kept.is_empty()) {
-            let first = self.kept.pop_front();
-            self.drop_snapshots(first.into_iter());
+        while self.kept.len() >= MOST_STEPS || self.bytes > self.most_bytes {
+            let Some(mut first) = self.kept.pop_front() else { break };
+            if let Some(next) = self.kept.front_mut().filter(|next| next.shared == 0) {
+                next.shared = std::mem::take(&mut first.shared);
+            }
+            self.bytes -= first.bytes();
+            self.spare = Some(first.snapshot);
         }
-        let mut snapshot = self.spare.pop().unwrap_or_default();
-        self.spare.clear();
+        let mut snapshot = self.spare.take().unwrap_or_default();
         world.snapshot(&mut snapshot);
-        self.bytes += size(&snapshot);
-        self.kept.push_back((moment, snapshot));
+        // What has another size is another; what has the same is most probably shared.
+        let before = self.kept.back().map(|last| last.snapshot.shared_size());
+        let shared = Some(snapshot.shared_size()).filter(|&size| before != Some(size)).unwrap_or(0);
+        let kept = Kept { moment, snapshot, shared };
+        self.bytes += kept.bytes();
+        self.kept.push_back(kept);
     }
 
     /// Forgets this step and later ones: the world has changed.
     pub(crate) fn forget_from(&mut self, step: u64) {
-        let from = self.kept.partition_point(|(moment, _)| moment.step < step);
-        let gone: Vec<_> = self.kept.drain(from..).collect();
-        self.drop_snapshots(gone.into_iter());
+        while self.has_from(step)
+            && let Some(last) = self.kept.pop_back()
+        {
+            self.bytes -= last.bytes();
+            self.spare = Some(last.snapshot);
+        }
     }
 
-    fn drop_snapshots(&mut self, gone: impl Iterator<Item = (Moment, Snapshot)>) {
-        for (_, snapshot) in gone {
-            self.bytes -= size(&snapshot);
-            self.spare.push(snapshot);
-        }
+    /// Whether this step or a later one is kept.
+    fn has_from(&self, step: u64) -> bool {
+        self.kept.back().is_some_and(|last| last.moment.step >= step)
+    }
+
+    fn place(&self, step: u64) -> Option<usize> {
+        self.kept.binary_search_by_key(&step, |kept| kept.moment.step).ok()
     }
 
     /// Whether this step is kept.
     pub(crate) fn has(&self, step: u64) -> bool {
-        self.kept.binary_search_by_key(&step, |(moment, _)| moment.step).is_ok()
+        self.place(step).is_some()
     }
 
     /// Brings a step back, if it is kept.
     pub(crate) fn restore(&self, world: &mut World, step: u64) -> Result<Option<Moment>, Error> {
-        let Ok(place) = self.kept.binary_search_by_key(&step, |(moment, _)| moment.step) else {
-            return Ok(None);
-        };
-        let (moment, snapshot) = &self.kept[place];
+        let Some(place) = self.place(step) else { return Ok(None) };
+        let Kept { moment, snapshot, .. } = &self.kept[place];
         world.restore(snapshot)?;
         Ok(Some(moment.clone()))
     }
 
     /// Steps before and after this one that are kept.
     pub(crate) fn around(&self, step: u64) -> [usize; 2] {
-        let before = self.kept.partition_point(|(moment, _)| moment.step < step);
-        let upto = self.kept.partition_point(|(moment, _)| moment.step <= step);
+        let before = self.kept.partition_point(|kept| kept.moment.step < step);
+        let upto = self.kept.partition_point(|kept| kept.moment.step <= step);
         [before, self.kept.len() - upto]
     }
 
     /// The first step that is kept.
     pub(crate) fn first(&self) -> Option<u64> {
-        self.kept.front().map(|(moment, _)| moment.step)
+        self.kept.front().map(|kept| kept.moment.step)
     }
 
-    /// Bytes of all that is kept. What snapshots share is counted for each of them, so this is too much.
+    /// Bytes of all that is kept, but for geometry, which the world has.
     pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }
-}
-
-fn size(snapshot: &Snapshot) -> usize {
-    snapshot.size()
 }
 
 #[cfg(test)]
@@ -120,6 +141,7 @@ mod tests {
         }
         assert_eq!((history.first(), history.around(1000)), (Some(400), [600, 0]));
         let one = history.bytes() / 600;
+        assert_eq!(history.bytes(), 600 * history.kept[0].snapshot.size() + history.kept[0].shared);
         history.most_bytes = 10 * one;
         history.keep(&world, moment(1000));
         assert_eq!(history.around(1001), [11, 0]);

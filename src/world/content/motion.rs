@@ -456,6 +456,20 @@ impl World {
         Ok(())
     }
 
+    /// Refuses what [`World::apply_impulse`] and [`World::apply_angular_impulse`] would refuse, one after the
+    /// other.
+    pub(crate) fn check_impulses(&self, body: BodyHandle, impulse: Vec3, about: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        limits::force("impulse", impulse)?;
+        limits::force("angular impulse", about)?;
+        if self.bodies.kind[index] != BodyKind::Dynamic {
+            return Ok(());
+        }
+        let velocity = self.after_impulses(index, impulse, about);
+        limits::speed("linear velocity after the impulse", velocity.linear)?;
+        limits::speed("angular velocity after the impulse", velocity.angular)
+    }
+
     /// The velocity of a body after an impulse at its centre of mass, and `t` about it.
     fn after_impulses(&self, index: usize, impulse: Vec3, t: Vec3) -> Record {
         let mass = &self.bodies.mass[index];

@@ -42,7 +42,7 @@ impl Options {
 pub(crate) enum Command {
     /// Run a scene and say what came of it.
     Run(Box<RunOptions>),
-    /// Show samples and builtin scenes on a page of the browser: to step back and forth, to grab and to throw.
+    /// Show samples and builtin scenes in the browser: to step back and forth, to grab and to throw.
     Testbed(TestbedOptions),
     /// What continuous collision costs, frame by frame and in bytes.
     Profile(ProfileOptions),

@@ -1,5 +1,5 @@
-//! The testbed over HTTP, for the user of this machine alone: on the loopback address, and under a secret part
-//! of the path that no other page knows.
+//! The testbed over HTTP, for the user of this machine alone: on the loopback address, and under a secret
+//! part of the path that no other page knows.
 
 use anyhow::{Context, bail};
 use backstop_testbed::page;

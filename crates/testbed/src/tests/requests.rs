@@ -154,3 +154,44 @@ fn layers_have_points_lines_and_tints() {
     let trees = page.ask(&json!({ "layers": ["trees"] }));
     assert_eq!(trees["tones"].as_array().unwrap().len(), 6);
 }
+
+/// Expected: whatever is asked for, a frame whose numbers are finite.
+#[test]
+fn no_numbers_make_it_panic() {
+    let mut rng = backstop_scene::Rng::new(7);
+    let extremes = [0.0, -0.0, 1.0, -1.0, 0.3, 5.0, 60.0, -1e-30, 1e6, -1e6, 1e9, 1e15, 1e38, -1e300];
+    let mut number = move || extremes[rng.range(0.0, extremes.len() as f32) as usize % extremes.len()];
+    let shapes = ["box", "sphere", "capsule", "tapered_capsule", "cylinder", "cone", "hull", "ragdoll"];
+    let names = ["dominoes", "windmill", "chain", "deflector"];
+    let mut page = Page::open("dominoes");
+    let mut refusals = 0;
+    for i in 0..3000_usize {
+        let [a, b] = [(); 2].map(|()| json!([number(), number(), number()]));
+        let (x, y) = (number(), number());
+        let command = match i % 13 {
+            0 => json!({ "do": "spawn", "shape": shapes[i / 13 % 8], "position": a, "size": x }),
+            1 => {
+                json!({ "do": "shoot", "origin": a, "direction": b, "speed": x, "shape": shapes[i / 13 % 8] })
+            }
+            2 => json!({ "do": "grab", "origin": a, "direction": b }),
+            3 => json!({ "do": "drag", "to": a }),
+            4 => json!({ "do": "remove", "origin": a, "direction": b }),
+            5 => json!({ "do": "explode", "position": a, "radius": x, "impulse": y }),
+            6 => json!({ "do": "inspect", "origin": a, "direction": b }),
+            7 => json!({ "do": "controls", "forward": x, "right": y, "jump": i % 2 == 0 }),
+            8 => json!({ "do": "settings", "gravity": a, "dt": x }),
+            9 => json!({ "do": "settings", "slop": x, "contact_hertz": y, "sleeping": i % 2 == 0 }),
+            10 => json!({ "do": "back", "steps": i % 5 }),
+            11 => json!({ "do": if i % 2 == 0 { "release" } else { "restart" } }),
+            _ if i % 100 == 12 => json!({ "do": "open", "name": names[i / 100 % 4] }),
+            _ => json!({ "do": "seek", "step": i % 40 }),
+        };
+        let layers = ["contacts", "joints", "islands", "centres", "motion", "trees"];
+        let request = json!({ "commands": [command], "steps": i % 3, "layers": layers, "want": ["scene"] });
+        let header = page.say(&request.to_string());
+        refusals += usize::from(header["error"] != Value::Null);
+        assert!(page.numbers(&header, "poses").iter().all(|n| n.is_finite()), "{request}");
+    }
+    // Most are out of some range; many are not.
+    assert!((500..2800).contains(&refusals), "{refusals}");
+}
