@@ -34,6 +34,8 @@ samples! {
     stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
     /// Each kind of joint by itself.
     joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
+    /// What games do.
+    games: billiards, bonded_wall, bowling, digging, doors, galton, grab, gravity_gun, labyrinth, one_way, seams, voxels;
     /// Bodies which joints and motors move.
     machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
 }

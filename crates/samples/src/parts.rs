@@ -2,7 +2,7 @@
 //! each step.
 
 use crate::{Running, Tick};
-use backstop::{BodyDesc, BodyHandle, Error, Geometry, Settings, ShapeDesc, World};
+use backstop::{BodyDesc, BodyHandle, ContactHooks, Error, Geometry, NoHooks, Settings, ShapeDesc, World};
 use std::fmt;
 
 /// A world with a level ground at y = 0, and the body of the ground.
@@ -56,12 +56,18 @@ type Act = dyn Fn(&mut World, &Tick) -> Result<(), Error>;
 pub struct Driven {
     world: World,
     act: Box<Act>,
+    hooks: Box<dyn ContactHooks>,
 }
 
 impl Driven {
     /// Calls a function before each step.
     pub fn new(world: World, act: impl Fn(&mut World, &Tick) -> Result<(), Error> + 'static) -> Driven {
-        Driven { world, act: Box::new(act) }
+        Driven { world, act: Box::new(act), hooks: Box::new(NoHooks) }
+    }
+
+    /// A world in which hooks see contacts, and nothing else acts.
+    pub fn hooked(world: World, hooks: impl ContactHooks + 'static) -> Driven {
+        Driven { world, act: Box::new(|_, _| Ok(())), hooks: Box::new(hooks) }
     }
 }
 
@@ -82,7 +88,7 @@ impl Running for Driven {
 
     fn step(&mut self, tick: &Tick) -> Result<(), Error> {
         (self.act)(&mut self.world, tick)?;
-        self.world.step(tick.dt)?;
+        self.world.step_with(tick.dt, &*self.hooks)?;
         Ok(())
     }
 }

@@ -113,3 +113,42 @@ impl Running for World {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::SAMPLES;
+    use std::collections::HashSet;
+
+    /// A sample is read in a minute: what each file must be, as the documentation of the package says.
+    #[test]
+    fn each_is_a_short_file_with_a_heading_and_a_test() {
+        assert!(SAMPLES.len() >= 60, "{} samples", SAMPLES.len());
+        let mut names = HashSet::new();
+        for sample in SAMPLES {
+            let lines = sample.source.lines().count();
+            assert!(lines <= 60, "{} has {lines} lines", sample.path());
+            let (title, about) = (sample.title(), sample.about());
+            assert!(!title.is_empty() && about.ends_with('.'), "{}: {title}: {about}", sample.path());
+            assert!(sample.source.contains("#[test]"), "{} has no test", sample.path());
+            assert!(sample.source.contains(".controls") == !sample.keys().is_empty(), "{}", sample.path());
+            assert!(names.insert(sample.name), "two are named {}", sample.name);
+        }
+    }
+
+    /// Whoever opens one sees it move or rest, and no number that is none: five seconds of each.
+    #[test]
+    fn each_runs_and_stays_finite() -> Result<(), backstop::Error> {
+        for sample in SAMPLES {
+            let mut running = (sample.start)()?;
+            for tick in crate::Tick::during(5.0) {
+                running.step(&tick)?;
+            }
+            let world = running.world();
+            assert!(world.bodies().count() > 0, "{} is empty", sample.path());
+            for body in world.bodies() {
+                assert!(world.position(body)?.is_finite(), "{}", sample.path());
+            }
+        }
+        Ok(())
+    }
+}
