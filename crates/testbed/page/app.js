@@ -8,7 +8,7 @@ import { HELP, Keys } from './keys.js';
 import { Ledger, showInspected } from './ledger.js';
 import { Loop } from './loop.js';
 import { element, make, shows, tell } from './page.js';
-import { engineLayers, FIRST_LAYERS, Panel } from './panel.js';
+import { engineLayers, FIRST_LAYERS, knownLayers, Panel } from './panel.js';
 import { parsed, written } from './permalink.js';
 import { copies, Samples, showSource } from './samples.js';
 import { Slow } from './slow.js';
@@ -167,7 +167,7 @@ class App {
     }
 
     setLayers(names) {
-        this.layers = new Set(names);
+        this.layers = new Set(knownLayers(names));
         this.panel.showLayers(this.layers);
         this.link();
         return this.loop.wake();
