@@ -9,6 +9,7 @@
 
 pub mod parts;
 mod sample;
+pub mod walker;
 
 pub use sample::{Controls, Running, Sample, Tick};
 
@@ -36,4 +37,6 @@ samples! {
     joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
     /// Bodies which joints and motors move.
     machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
+    /// Characters that walk, and figures that fall.
+    characters: stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose, knocked_down;
 }
