@@ -9,6 +9,8 @@
 
 pub mod parts;
 mod sample;
+pub mod terrain;
+pub mod walker;
 
 pub use sample::{Controls, Running, Sample, Tick};
 
@@ -42,4 +44,8 @@ samples! {
     materials: belts, bounce, combine, friction, racket, rolling, soft_ground, tops;
     /// Bodies which joints and motors move.
     machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
+    /// Characters that walk, and figures that fall.
+    characters: stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose, knocked_down;
+    /// Fast bodies.
+    continuous: bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
 }
