@@ -1,7 +1,6 @@
 //! The way back: a snapshot of each of the last steps.
 
-use crate::tools::Grab;
-use backstop::{Error, Snapshot, World};
+use backstop::{Error, Grab, Snapshot, World};
 use std::collections::VecDeque;
 
 /// Steps that are kept, at most, and the bytes of their snapshots.
@@ -140,9 +139,9 @@ mod tests {
             history.keep(&world, moment(step));
         }
         assert_eq!((history.first(), history.around(1000)), (Some(400), [600, 0]));
-        let one = history.bytes() / 600;
-        assert_eq!(history.bytes(), 600 * history.kept[0].snapshot.size() + history.kept[0].shared);
-        history.most_bytes = 10 * one;
+        let Kept { snapshot, shared, .. } = &history.kept[0];
+        assert_eq!(history.bytes(), 600 * snapshot.size() + shared);
+        history.most_bytes = 10 * snapshot.size() + shared;
         history.keep(&world, moment(1000));
         assert_eq!(history.around(1001), [11, 0]);
         // A step that is kept anew ends what was ahead of it.

@@ -4,9 +4,9 @@ use crate::catalogue::{FileScene, Opened, open};
 use crate::command::{Command, Form, Place};
 use crate::drawing::Drawing;
 use crate::history::{History, Moment};
-use crate::tools::{self, Blast, Grab, Shot};
+use crate::tools::{self, Blast, Shot};
 use crate::{Refusal, settings};
-use backstop::{BodyHandle, World};
+use backstop::{BodyHandle, Grab, World};
 use backstop_samples::{Controls, Running, Tick};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
@@ -89,7 +89,7 @@ impl Run {
             Command::Grab(sight) => {
                 self.release()?;
                 let ray = tools::ray(self.world(), &sight)?;
-                if let Some(grab) = Grab::new(self.running.world_mut(), &ray)? {
+                if let Some(grab) = tools::seize(self.running.world_mut(), &ray)? {
                     self.changed_world()?;
                     self.grab = Some(grab);
                 }
@@ -101,7 +101,7 @@ impl Run {
                 }
                 let world = self.changed_world()?;
                 let to = tools::point(world, to);
-                self.grab.as_mut().map_or(Ok(()), |grab| grab.drag(self.running.world_mut(), to))
+                self.grab.map_or(Ok(()), |grab| tools::drag(self.running.world_mut(), &grab, to))
             }
             Command::Release => self.release(),
             Command::Shoot { origin, direction, speed, shape, size } => {
@@ -145,7 +145,7 @@ impl Run {
         if std::mem::take(&mut self.grab_is_past)
             && let Some(grab) = self.grab.take()
         {
-            grab.release(self.running.world_mut())?;
+            tools::release(self.running.world_mut(), grab)?;
         }
         Ok(())
     }
@@ -169,12 +169,12 @@ impl Run {
             return Ok(());
         }
         self.changed_world()?;
-        self.grab.take().map_or(Ok(()), |grab| grab.release(self.running.world_mut()))
+        self.grab.take().map_or(Ok(()), |grab| tools::release(self.running.world_mut(), grab))
     }
 
     /// What is held and where to: two points of the world [m].
     pub(crate) fn grabbed(&self) -> Option<[backstop::glam::DVec3; 2]> {
-        self.grab.as_ref().filter(|_| !self.grab_is_past)?.ends(self.world())
+        tools::ends(self.world(), self.grab.as_ref().filter(|_| !self.grab_is_past)?)
     }
 
     /// What is known of the body that is inspected, if it is still there.
@@ -187,9 +187,6 @@ impl Run {
     pub(crate) fn step(&mut self) -> Result<(), Refusal> {
         self.drop_past_grab()?;
         self.keep();
-        if let Some(grab) = &mut self.grab {
-            grab.pull(self.running.world_mut(), self.dt)?;
-        }
         let tick = Tick { dt: self.dt, time: self.time, controls: self.controls };
         self.running.step(&tick)?;
         self.step += 1;
@@ -198,7 +195,7 @@ impl Run {
     }
 
     fn keep(&mut self) {
-        let moment = Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab.clone() };
+        let moment = Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab };
         self.history.keep(self.running.world(), moment);
     }
 

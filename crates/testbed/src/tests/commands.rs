@@ -88,11 +88,12 @@ fn an_explosion_pushes_what_is_near() {
     let spawn =
         |x: f32| json!({ "do": "spawn", "shape": "sphere", "position": [x, 30.0, 20.0], "size": 0.5 });
     page.ask(&json!({ "commands": [spawn(11.0), spawn(6.0)] }));
-    let explode = json!({ "do": "explode", "position": [10, 30, 20], "radius": 3, "impulse": 600 });
+    let explode = json!({ "do": "explode", "position": [10, 30, 20], "radius": 3, "impulse": 2400 });
     page.ask(&json!({ "commands": [explode], "steps": 30 }));
     let x: Vec<f32> = page.made(2).iter().map(|at| at[0]).collect();
-    // One is 1 m away of 3: two thirds of 600 N s on 65.4 kg, for half a second. The other is beyond.
-    assert!((x[0] - 14.06).abs() < 0.05 && x[1] == 6.0, "{x:?}");
+    // One is 0.75 m away of 3: three quarters of 2,400 N s/m² on the 0.196 m² of a ball of 65.4 kg, for half a
+    // second. The other is beyond.
+    assert!((x[0] - 13.7).abs() < 0.05 && x[1] == 6.0, "{x:?}");
 }
 
 #[test]

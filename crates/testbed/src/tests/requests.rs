@@ -91,7 +91,7 @@ fn what_the_catalogue_names_is_opened_and_drawn() {
             let corners = page.numbers(&header, &format!("mesh{index}")).len();
             assert!(corners > 0 && corners.is_multiple_of(9));
         }
-        assert!(instances.chunks(2).all(|pair| (pair[0] as u64) < meshes && pair[1] < 8.0));
+        assert!(instances.chunks(2).all(|pair| (pair[0] as u64) < meshes && pair[1] < 9.0));
         let links = page.numbers(&header, "links");
         assert!(links.iter().all(|&place| (place as usize) < instances.len() / 2));
         assert_eq!(Page::count(&header, "joints") > 0, !links.is_empty(), "{}", entry["name"]);

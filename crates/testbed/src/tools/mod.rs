@@ -4,14 +4,14 @@ mod grab;
 mod look;
 mod make;
 
-pub(crate) use grab::Grab;
+pub(crate) use grab::{drag, ends, release, seize};
 pub(crate) use look::{Inspected, look_at};
 pub(crate) use make::{Aim, SHOT, Shot, shoot, spawn};
 
 use crate::Refusal;
 use crate::command::{Place, Sight, Triple};
 use backstop::glam::{DVec3, Vec3};
-use backstop::{Aabb, BodyHandle, BodyKind, Overlap, QueryFilter, Ray, RayHit, World};
+use backstop::{Aabb, BodyHandle, BodyKind, Explosion, Overlap, QueryFilter, Ray, RayHit, World};
 
 /// How far the eye sees [m].
 const SIGHT: f32 = 2000.0;
@@ -76,9 +76,9 @@ pub(crate) fn spot(world: &World, place: &Place, before: f64) -> Result<DVec3, R
 pub(crate) struct Blast {
     /// Nothing further away than this is pushed [m].
     pub(crate) radius: f32,
-    /// At the centre [N s].
+    /// At the centre, on each square metre that is seen from there [N s/m²].
     pub(crate) impulse: Option<f32>,
-    /// In place of an impulse, the speed that a body at the centre gets [m/s].
+    /// In place of an impulse, the speed that a body at the centre gets, whatever its size and mass [m/s].
     pub(crate) speed: Option<f32>,
 }
 
@@ -88,6 +88,11 @@ pub(crate) fn explode(world: &mut World, place: &Place, blast: &Blast) -> Result
     let impulse = within("the impulse of an explosion", blast.impulse.unwrap_or(0.0), -MOST, MOST)?;
     let speed = within("the speed of an explosion", blast.speed.unwrap_or(0.0), -MOST, MOST)?;
     let centre = spot(world, place, 0.0)?;
+    if impulse != 0.0 {
+        let pressure = Explosion::default().with_position(centre).with_impulse_per_area(impulse);
+        world.apply_explosion(&pressure.with_radius(0.0).with_falloff(radius))?;
+        return Ok(());
+    }
     let area = Aabb { min: centre - f64::from(radius), max: centre + f64::from(radius) };
     let mut found: Vec<Overlap> = Vec::new();
     world.overlap_aabb(&area, &QueryFilter::only_dynamic(), &mut found)?;
@@ -98,7 +103,7 @@ pub(crate) fn explode(world: &mut World, place: &Place, blast: &Blast) -> Result
         let away = (world.centre_of_mass(body)? - centre).as_vec3();
         let share = 1.0 - away.length() / radius;
         if share > 0.0 {
-            let push = (impulse + speed * world.mass(body)?) * share;
+            let push = speed * world.mass(body)? * share;
             // What would become too fast is left as it is.
             let _ = world.apply_impulse(body, away.normalize_or(Vec3::Y) * push);
         }
