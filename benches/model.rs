@@ -20,7 +20,7 @@ type Change = fn(&mut Scene, &mut Settings);
 
 /// With the part, and without it.
 const CASES: &[(&str, Change, Change)] = &[
-    // What slides is looked at anew more often than what lies: so all are.
+    // Sliding pairs are tested more often than resting ones, so all are.
     (
         "friction",
         |_, settings| settings.recycling = false,

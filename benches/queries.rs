@@ -35,7 +35,7 @@ fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
 }
 
-/// Times both in turn and prints what came out.
+/// Times both in turn and prints the results.
 fn beside(name: &str, queries: usize, mut ours: impl FnMut() -> usize, mut theirs: impl FnMut() -> usize) {
     if !is_wanted(name) {
         return;
@@ -178,7 +178,7 @@ fn batch_of(call: usize, name: &str, world: &World, rays: &[Ray]) {
     for round in 0..2 * ROUNDS {
         for (rays, least) in rays.chunks(call).zip(&mut times) {
             let hits = &mut hits[..rays.len()];
-            // The second finds in the cache what the first looked at.
+            // The second finds the data of the first in the cache.
             for turn in [round, round + 1] {
                 let start = Instant::now();
                 let time = if turn % 2 == 0 {
@@ -209,7 +209,7 @@ fn is_wanted(name: &str) -> bool {
     name.contains(&std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default())
 }
 
-/// What cameras of 32 by 32 pixels see, one after the other; `wide` is half the width of the picture at the
+/// Rays of cameras of 32 by 32 pixels, one after the other; `wide` is half the width of the picture at the
 /// distance 1.
 fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec<Ray> {
     let mut random = Random(5);
@@ -227,7 +227,7 @@ fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec
     rays
 }
 
-/// What sound asks for: rays from a few places all around, in no order.
+/// Rays of sound: from a few places all around, in no order.
 fn echoes(at: impl Fn(&mut Random) -> Vec3, far: f32) -> Vec<Ray> {
     let mut random = Random(6);
     let mut rays = Vec::new();
@@ -240,7 +240,7 @@ fn echoes(at: impl Fn(&mut Random) -> Vec3, far: f32) -> Vec<Ray> {
     rays
 }
 
-/// What sensors see that turn once around, a ray a degree.
+/// Rays of sensors that turn once around, a ray a degree.
 fn sensors(at: impl Fn(&mut Random) -> Vec3, down: f32, far: f32) -> Vec<Ray> {
     let mut random = Random(5);
     let mut rays = Vec::new();
@@ -273,7 +273,7 @@ fn compare_casts(
     beside(name, ways.len(), ours, other);
 }
 
-/// 10,000 bodies and what they are to the other library, in a cube or spread over a plain.
+/// 10,000 bodies and their equivalents in the other library, in a cube or spread over a plain.
 fn crowd(
     extent: Vec3,
     kind: impl Fn() -> BodyDesc,
@@ -366,7 +366,7 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
     beside(&format!("{name}, nearest points"), points.len(), ours, other);
 }
 
-/// What bringing the tree up to date takes, of 10,000 bodies that fall; steps alone are not timed.
+/// Time to bring the tree up to date, of 10,000 bodies that fall; steps alone are not timed.
 fn after_a_step() {
     let mut random = Random(3);
     let mut world = World::new(Settings::default()).expect("default settings");

@@ -14,7 +14,7 @@ use rayon::ThreadPoolBuilder;
 const DT: f32 = 1.0 / 60.0;
 const THREADS: [usize; 2] = [1, 2];
 
-/// What of a scene is timed.
+/// The timed part of a scene.
 struct Case {
     name: &'static str,
     scene: fn() -> Scene,

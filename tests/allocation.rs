@@ -166,7 +166,7 @@ fn a_pile_that_sheds_contacts_allocates_nothing() {
     assert!(world.report().shed > 0);
 }
 
-/// What falls, flies and comes to rest has its most contacts once; after that nothing grows any more.
+/// Bodies that fall, fly and come to rest have their most contacts once; after that nothing grows.
 #[test]
 fn a_scene_past_its_densest_moment_allocates_nothing() {
     let _alone = one_at_a_time();
@@ -183,7 +183,7 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
         let steps = steps_that_allocate(&scene, densest + 300);
         println!("{}: {steps:?}", scene.name);
         assert!(steps.iter().all(|&step| step < densest), "{}: {steps:?}", scene.name);
-        // On the way there, too, few steps reach what was never reached before.
+        // On the way there, too, few steps need more than all before.
         assert!(steps.len() < 40, "{}: {steps:?}", scene.name);
     }
 }
@@ -271,7 +271,7 @@ fn couplings_allocate_nothing() {
     assert_eq!(count(&mut world, 300, |_, _| {}), 0);
 }
 
-/// Twenty doors whose targets, limits and drives change in every step, and joints that are reported.
+/// Twenty doors whose targets, limits and motors change in every step, and joints that are reported.
 #[test]
 fn changes_of_joints_in_place_allocate_nothing() {
     let _alone = one_at_a_time();
@@ -311,7 +311,7 @@ fn changes_of_joints_in_place_allocate_nothing() {
     assert_eq!(drives, 0);
 }
 
-/// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, whatever the method.
+/// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, with any method.
 #[test]
 fn every_method_of_continuous_collision_allocates_nothing() {
     let _alone = one_at_a_time();
@@ -475,16 +475,15 @@ fn two_threads_allocate_nothing() {
     assert_eq!(pool.install(|| resting(2)), 0);
 }
 
-/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box
-/// for each helper, and a block for each 63 jobs, whoever hands them in. Nothing else is allocated, and
-/// nothing by the engine.
+/// Rayon allocates for jobs from outside of a pool (docs/memory.md): a box for each helper, and a block for
+/// each 63 jobs. Nothing else is allocated, and nothing by the engine.
 #[test]
 fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
     let _alone = one_at_a_time();
     const HELPERS: usize = 3;
     pool(1 + HELPERS).build_global().unwrap();
-    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that
-    // all helpers of a step have left when a `join` after it returns, and the next step calls them anew.
+    // All threads of the pool but one are taken. The one takes jobs from outside in their order, so that all
+    // helpers of a step have left when a `join` after it returns, and the next step calls them anew.
     let taken: Vec<_> = (0..HELPERS)
         .map(|_| {
             let (arrived, is_there) = std::sync::mpsc::channel();

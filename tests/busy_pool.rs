@@ -65,7 +65,7 @@ fn without_the_pool<R>(taken: &Taken, steps: impl FnOnce() -> R) -> R {
 }
 
 /// All threads of the global pool are taken until the steps are done. A caller that is moved into the pool,
-/// or that waits for helpers who have not begun, needs one of them.
+/// or that waits for helpers which have not begun, needs one of them.
 #[test]
 fn a_step_ends_while_the_pool_is_taken() {
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().unwrap();

@@ -8,7 +8,7 @@ use backstop::{
     Overlap, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
 };
 
-/// What the rows of the table find at hand.
+/// Objects that the rows of the table use.
 struct AtHand<'a> {
     world: &'a mut World,
     desc: BodyDesc,

@@ -3,7 +3,7 @@
 
 use backstop::glam;
 
-/// What a renderer hands to the GPU as it is.
+/// Data that a renderer hands to the GPU as they are.
 #[repr(C)]
 struct Uniforms {
     view: glam::Mat4,

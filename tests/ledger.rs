@@ -1,7 +1,7 @@
-//! The report knows every byte that a world holds: the sum of its categories is what the allocator counted.
+//! The report has every byte that a world holds: the sum of its categories is the count of the allocator.
 //!
-//! What lies in the `World` itself (`size_of::<World>()`) is the caller's, on his stack or wherever he puts
-//! it, and neither in the report nor on the heap.
+//! The `World` itself (`size_of::<World>()`) belongs to the caller, on the stack or elsewhere, and is neither
+//! in the report nor on the heap.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
@@ -104,7 +104,7 @@ fn of_a_pile_that_falls_grows_and_is_cleared_away() {
     ledger.end();
 }
 
-/// What few bodies have is counted, and goes with them; others are no larger for it.
+/// Rare properties of bodies are counted, and go with them; other bodies are no larger for them.
 #[test]
 fn of_damping_targets_and_given_masses() {
     let mut ledger = Ledger::new(Settings::default());
@@ -278,7 +278,7 @@ fn of_all_that_a_world_can_do() {
     ledger.end();
 }
 
-/// A snapshot is the caller's while there is one. What is restored is counted like anything else.
+/// A snapshot is the caller's while there is one. Restored state is counted like any other.
 #[test]
 fn of_a_world_that_goes_back() {
     let (mut ledger, bodies) = Ledger::of(common::small_pile, Settings::default());

@@ -1,6 +1,6 @@
 //! Files of a few bytes that ask for gigabytes. A scene of 810 KB took 6.2 GB, one of 931 KB 2.1 GB and a
 //! minute, one of 597 bytes half a gigabyte. Here they are built, and the bytes that loading them takes are
-//! counted: what is alike is built once, and what is too much is refused by the name of its limit.
+//! counted: equal geometry is built once, and a file beyond a limit is refused by the name of the limit.
 
 #[path = "common/counting.rs"]
 mod counting;
@@ -98,7 +98,7 @@ fn colliders_of_one_mesh_and_scale_share_it() {
     let scene = scene.unwrap();
     assert_eq!((scene.bodies.len(), geometries(&scene)), (500, 2));
     println!("{length} bytes of file, {most} to load");
-    // Text, the two trees that it is parsed into, and what is built: not 500 meshes of 60 KB.
+    // Text, the two trees that it is parsed into, and built geometry: not 500 meshes of 60 KB.
     assert!(most < 40 * length, "{most} of {length}");
 }
 
@@ -118,8 +118,8 @@ fn bodies_of_one_hull_share_it() {
     }
 }
 
-/// What moves below a geometry's node is left out, unless it is the collider's own node. So nodes that look
-/// alike are not.
+/// Moving nodes below a geometry's node are left out, unless they are the collider's own node. So nodes that
+/// look alike may differ.
 #[test]
 fn a_geometry_depends_on_who_asks_only_where_he_is_below() {
     let body = physics(json!({ "collider": { "geometry": { "node": 0 } }, "motion": {} }));
@@ -210,8 +210,8 @@ fn faces_and_nodes_are_counted_before_they_are_parsed() {
     assert!(most < 40 * length, "{most} of {length}");
 }
 
-/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: what is not there takes no memory, and
-/// more than the limit is refused.
+/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: absent bytes take no memory, and more
+/// than the limit is refused.
 #[test]
 fn a_sparse_accessor_takes_what_is_in_the_file() {
     let mut bytes: Vec<u8> = [0u32, 1, 2].iter().flat_map(|i| i.to_le_bytes()).collect();

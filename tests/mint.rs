@@ -19,7 +19,7 @@ fn vectors_and_quaternions_convert_both_ways() {
     assert_eq!(mint::Quaternion::<f32>::from(Quat::from_xyzw(0.5, 0.5, -0.5, 0.5)), q);
 }
 
-/// Expected: what was put in, out again, through the world; builders take mint's types as they are.
+/// Expected: the same values come out of the world; builders take mint's types as they are.
 #[test]
 fn a_world_takes_them_and_gives_them_back() {
     let mut world = World::new(Settings::default()).unwrap();

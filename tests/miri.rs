@@ -1,7 +1,7 @@
 //! Every stage through the unsafe code that threads share, in worlds so small that Miri can run them.
 //!
-//! Blocks are as small as can be under Miri, so two threads share what is one block elsewhere. What it looks
-//! for are two threads at the same element, and references to what another thread writes. The same worlds,
+//! Blocks are as small as can be under Miri, so two threads share a block of other builds. Miri looks for two
+//! threads at the same element, and for references to memory that another thread writes. The same worlds,
 //! several times over so that threads are worth it, must give the same bits in any build.
 
 mod common;
@@ -31,7 +31,7 @@ fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
     });
 }
 
-/// The same for what `add` adds at a place.
+/// The same for bodies that `add` adds at a place.
 fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) -> Vec<BodyHandle> + Sync)) {
     let run = |threads: usize| {
         let mut world = World::new(settings.clone().with_threads(threads)).unwrap();
@@ -94,7 +94,7 @@ fn balls_beside_each_other() {
 fn a_stack_of_boxes() {
     let mut scene = vec![fixed(Geometry::Plane, Vec3::ZERO)];
     scene.extend((0..3).map(|i| dynamic(cube(0.5), Vec3::Y * (0.499 + 0.998 * i as f32))));
-    // What is moved by its velocity alone, and what may only turn about y.
+    // A body that is moved by its velocity alone, and one that may only turn about y.
     let belt = BodyDesc::kinematic().with_position(Vec3::X * 1.5).with_velocity(Vec3::X * -0.1, Vec3::ZERO);
     scene.push(belt.with_shape(ShapeDesc::new(cube(1.0))));
     let mut locked = dynamic(cube(0.5), Vec3::new(1.5, 1.499, 0.0)).with_velocity(Vec3::ZERO, Vec3::Y);
@@ -148,8 +148,8 @@ fn bullets() {
     alone_and_shared(&settings(), &scene);
 }
 
-/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows of what an
-/// impact takes over are put out of action in their lanes.
+/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows that an
+/// impact replaces are put out of action in their lanes.
 #[test]
 fn elastic_bodies() {
     let bouncy = |mut desc: BodyDesc| {
@@ -184,7 +184,7 @@ fn a_slab_with_more_points_than_colours() {
     alone_and_shared(&per_point, &scene);
 }
 
-/// Joints by every kernel, beside contacts with what hangs on them.
+/// Joints by every kernel, beside contacts of the bodies that hang on them.
 #[test]
 fn joints_of_every_kind() {
     alone_and_shared_with(&settings(), &|world, at| {

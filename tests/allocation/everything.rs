@@ -115,7 +115,7 @@ fn machines(world: &mut World) -> JointHandle {
     let mut hang = |x: f32, make: &dyn Fn([BodyHandle; 2], [backstop::Frame; 2]) -> JointDesc| {
         let at = Vec3::new(x, 4.0, 7.0);
         let wheel = common::dynamic(Geometry::cuboid(0.1, 0.3, 0.1), Material::default(), at);
-        // What is joined is arranged anew when it falls asleep or wakes, and that does allocate.
+        // Joints are arranged anew when their bodies fall asleep or wake, and that does allocate.
         let wheel = wheel.with_can_sleep(false);
         let pair = [frame, world.add_body(&wheel).unwrap()];
         let frames = world.frames_at(pair, at.as_dvec3() + DVec3::Y * 0.3, Quat::IDENTITY).unwrap();
@@ -209,7 +209,7 @@ impl Everything {
 }
 
 /// The same frames a second time, from a snapshot: every buffer was as large as it has to be once before. The
-/// same bits come out, and what asks for memory in a step, however briefly, is counted.
+/// same bits come out, and each allocation in a step is counted.
 #[test]
 fn a_world_of_everything_allocates_nothing() {
     let _alone = one_at_a_time();
@@ -217,7 +217,7 @@ fn a_world_of_everything_allocates_nothing() {
     let bones = all.figure.bodies.len();
     let poses = [0.0, 0.3, -0.4].map(|angle| vec![Quat::from_rotation_x(angle); bones]);
     let mut saved = Snapshot::new();
-    // The first frame makes the figure's drives.
+    // The first frame makes the figure's motors.
     all.frame(0, &poses);
     all.world.snapshot(&mut saved);
     let run = |all: &mut Everything| {

@@ -1,4 +1,4 @@
-//! An allocator that counts what each thread holds: a test alone, whatever else the process does.
+//! An allocator that counts the bytes of each thread: those of a test alone.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -12,7 +12,7 @@ thread_local! {
 }
 
 fn count(bytes: isize) {
-    // A thread that ends may free what it has after its counter is gone.
+    // A thread that ends may free its memory after its counter is gone.
     let _ = LIVE.try_with(|live| {
         let (now, most) = live.get();
         live.set((now + bytes, most.max(now + bytes)));
@@ -41,12 +41,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// What this thread holds now [bytes].
+/// Bytes that this thread holds now.
 pub(crate) fn live() -> isize {
     LIVE.with(Cell::get).0
 }
 
-/// What `f` makes, and the most bytes that were held meanwhile beyond those before.
+/// The result of `f`, and the most bytes that were held meanwhile beyond those before.
 pub(crate) fn most_bytes<T>(f: impl FnOnce() -> T) -> (T, usize) {
     let before = LIVE.with(|live| {
         let (now, _) = live.get();

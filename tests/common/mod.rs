@@ -1,4 +1,4 @@
-//! What the tests share: floors of three kinds, worlds out of scenes, and a little mathematics.
+//! Shared by the tests: floors of three kinds, worlds out of scenes, and a little mathematics.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -168,7 +168,7 @@ pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHan
 }
 
 /// A ball on so many welds, hinges and motors that some of each find no colour, of which there are 31.
-/// Returns the bodies, what it hangs on first.
+/// Returns the bodies, its support first.
 pub(crate) fn joints_without_colour(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
     let bodies = vec![world.add_body(&BodyDesc::fixed().with_position(post)).unwrap()];
     let mut hung = Hung { world, post, bodies };

@@ -1,4 +1,4 @@
-//! Piles within a budget: what they want, and how deep bodies lie in each other when they get less.
+//! Piles within a budget: bytes that they need, and how deep bodies lie in each other when they get less.
 
 use super::random::Random;
 use backstop::glam::{EulerRot, Quat, Vec3};
@@ -7,7 +7,7 @@ use backstop::{
     World,
 };
 
-/// What is dropped into a container, in layers.
+/// Bodies that are dropped into a container, in layers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Of {
     Boxes,
@@ -25,7 +25,7 @@ pub(crate) struct Pile {
     pub(crate) dt: f32,
 }
 
-/// What the bodies of all piles measure from side to side, within a fifth [m].
+/// Width of the bodies of all piles, within a fifth [m].
 pub(crate) const SIZE: f32 = 1.0;
 /// After so long nothing falls any more [s].
 const SETTLED: f32 = 5.0;
@@ -33,7 +33,7 @@ const SETTLED: f32 = 5.0;
 const SECONDS: f32 = 10.0;
 const LOOKS: f32 = 6.0;
 
-/// What a run shows.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
     /// Bytes once all bodies are there, and the most after any step: of all, and by category.

@@ -1,9 +1,9 @@
 //! Which files of the library know each other in a circle.
 //!
-//! An arrow goes from a file to the one that *defines* what it names: paths are followed through `use`,
-//! through what a `mod.rs` gives out, and through `*`. To declare a module, or to give out a name without
-//! using it, is no arrow. Methods of a type count with the file of the type, wherever their `impl` is; unit
-//! tests don't count.
+//! An arrow goes from a file to the one that *defines* an item that it names: paths are followed through
+//! `use`, through reexports of a `mod.rs`, and through `*`. To declare a module, or to reexport a name
+//! without using it, is no arrow. Methods of a type count with the file of the type, wherever their `impl`
+//! is; unit tests don't count.
 
 use crate::layers::reachable;
 use crate::source::Source;
@@ -13,19 +13,19 @@ use std::fmt;
 /// A module by its names from the root of the crate, or a path as it is written.
 type Path = Vec<String>;
 
-/// What a path stands for: what is defined in a file, by the place of the file; or a module.
+/// The meaning of a path: an item defined in a file, by the place of the file; or a module.
 #[derive(Clone, Debug, PartialEq)]
 enum Target {
     Item(usize),
     Module(Path),
 }
 
-/// What a module has of names, besides the modules below it.
+/// Names of a module, besides the modules below it.
 #[derive(Default)]
 struct Scope {
     file: usize,
     items: BTreeSet<String>,
-    /// What a name that is imported stands for.
+    /// The meaning of an imported name.
     imports: BTreeMap<String, Path>,
     /// Paths before a `*`.
     globs: Vec<Path>,
@@ -65,7 +65,7 @@ pub(crate) fn arrows(sources: &[Source]) -> Arrows {
     found
 }
 
-/// Files of which each reaches each other one, and what they name of each other.
+/// Files of which each reaches each other one, and the names that they use of each other.
 pub(crate) struct Circle {
     pub(crate) files: Vec<String>,
     arrows: Arrows,
@@ -129,7 +129,7 @@ impl Library {
         }
     }
 
-    /// What a path in a module stands for; nothing for what is of another crate.
+    /// The meaning of a path in a module; none for a path into another crate.
     fn resolve(&self, module: &[String], path: &[String], steps: usize) -> Option<Target> {
         let steps = steps.checked_sub(1)?;
         let mut here = module.to_vec();
@@ -147,7 +147,7 @@ impl Library {
         while let [first, others @ ..] = rest {
             match self.look_up(&here, first, others.is_empty(), steps) {
                 Some(Target::Module(module)) => (here, rest, led_here) = (module, others, true),
-                // What a macro defines is not seen, but must be in the module: the compiler found it.
+                // Items of macros are not seen, but must be in the module: the compiler found them.
                 None if led_here => return Some(Target::Item(self.scopes.get(&here)?.file)),
                 found => return found,
             }
@@ -306,7 +306,7 @@ impl Reader {
     }
 }
 
-/// Words and signs of a file's code, without what is for unit tests only.
+/// Words and signs of a file's code, without that of unit tests.
 fn tokens(source: &Source) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut joined = false;
@@ -344,8 +344,8 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// A circle of four, each by another way to name what is in a file: through what a `mod.rs` gives out, by a
-/// module that is imported, within a group, by `*`. What is for tests, only declared, only given out, or of
+/// A circle of four, each by another way to name an item of a file: through a reexport of a `mod.rs`, by a
+/// module that is imported, within a group, by `*`. A name for tests, only declared, only reexported, or of
 /// another crate is no arrow.
 #[test]
 fn a_circle_is_found_through_every_way_to_name_a_thing() {

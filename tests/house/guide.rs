@@ -1,4 +1,4 @@
-//! The pages of the guide: what they refer to is there, on its own and in the documentation of the crate.
+//! The pages of the guide: their references hold, on their own and in the documentation of the crate.
 //! Code of all pages: each block is of a language that something checks.
 
 use std::collections::BTreeSet;
@@ -77,7 +77,7 @@ fn pictures_as_text_are_the_pictures() {
     }
 }
 
-/// All pages of the repository, but what a build made.
+/// All pages of the repository, but for those that a build made.
 pub(crate) fn all_pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut folders, mut found) = (vec![PathBuf::from("docs"), PathBuf::from("bindings")], Vec::new());

@@ -1,4 +1,4 @@
-//! Who may use whom among the modules at the first level of `src`.
+//! Which modules at the first level of `src` may use which.
 
 use crate::source::{Source, ident, skip_space, words};
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,10 +49,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// About in the order of a step: what a stage hands on is defined by the stage that makes it.
+/// About in the order of a step: data between stages are defined by the stage that makes them.
 const STAGES: &str = "stages";
 
-/// What every unit test may use; no part of the library.
+/// Modules that every unit test may use; no part of the library.
 const FOR_TESTS: &[&str] = &["random"];
 
 /// One module of the first level names another.
@@ -150,7 +150,7 @@ impl Root {
         found
     }
 
-    /// The module at the first level that a name at the root stands for; none for what is of another crate.
+    /// The module at the first level that a name at the root stands for; none for a name of another crate.
     fn module_of(&self, name: &str) -> Option<String> {
         let named = self.names.get(name).or_else(|| self.macros.get(name));
         match named {
@@ -188,7 +188,7 @@ fn first_names(code: &[char], at: usize) -> Vec<String> {
     }
 }
 
-/// What stands behind `::`.
+/// The name behind `::`.
 fn behind_colons(code: &[char], at: usize) -> Option<usize> {
     let colons = code.get(at) == Some(&':') && code.get(at + 1) == Some(&':');
     colons.then(|| skip_space(code, at + 2))

@@ -1,4 +1,4 @@
-//! The house is in order: what the sources themselves must keep to, read from the files. No rule needs the
+//! The house is in order: rules of the sources themselves, read from the files. No rule needs the
 //! compiler.
 //!
 //! - No folder has more than 15 `.rs` files side by side: it has rooms by subject then.
@@ -8,7 +8,7 @@
 //! - Modules at the first level of `src` use those of layers below their own, in the order that `layers.rs`
 //!   states, and never each other in a circle. Unit tests may use all; `lib.rs` names all.
 //! - No more than three files know each other in a circle, as `circles.rs` finds it, in any package.
-//! - No line is longer than 110 columns; what is in strings doesn't count, nor a line with a URL in it.
+//! - No line is longer than 110 columns; strings don't count, nor a line with a URL in it.
 //! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in
 //!   `src/limits.rs`: elsewhere `const NAME: f32` and `f64` are no choices, and a comment above says which
 //!   kind they are: `// Rounding: ...` bounds rounding errors, `// Sentinel: ...` marks a state,
@@ -214,7 +214,7 @@ fn no_line_around_the_library_is_long() {
     none("lines of more than 110 columns", &long_lines(&Source::all(AROUND)));
 }
 
-/// The reader itself: what looks like code in comments and literals is none, and lifetimes are no characters.
+/// The reader itself: text like code in comments and literals is none, and lifetimes are no characters.
 #[test]
 fn the_reader_knows_code_from_comments_and_literals() {
     let text = r##"

@@ -1,4 +1,4 @@
-//! What pages name in backticks exists: paths, types with what is in them, and functions.
+//! Names in backticks in pages exist: paths, types with their items, and functions.
 
 use crate::guide::all_pages;
 use std::collections::BTreeSet;
@@ -125,7 +125,7 @@ fn what_pages_name_exists() {
     crate::none("names in backticks", &found);
 }
 
-/// The rule finds what it is for.
+/// The rule finds its offences.
 #[test]
 fn a_name_that_is_gone_is_found() {
     let mut all = Repository::default();

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What a character belongs to.
+/// The kind of text that a character belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     Code,
@@ -120,7 +120,7 @@ impl Source {
         found
     }
 
-    /// What `#[path = "..."]` above an item says, from the root of the repository and without `.rs`.
+    /// The file of `#[path = "..."]` above an item, from the root of the repository and without `.rs`.
     fn path_above(&self, at: usize) -> Option<String> {
         let folder = self.path.rsplit_once('/').map_or("", |(folder, _)| folder);
         let line = self.chars[..at].iter().rposition(|&c| c == '\n').unwrap_or(0);

@@ -92,7 +92,7 @@ fn a_double_pendulum_keeps_its_energy() {
     let joints = [world.add_joint(&first).unwrap(), world.add_joint(&second).unwrap()];
     let mass = f64::from(world.mass(one).unwrap());
     let start = world.energy();
-    // What there is to lose: both hanging straight down.
+    // The energy that can be lost: both hanging straight down.
     let scale = mass * G * 3.0;
     let (mut worst, mut widest) = (0.0_f64, 0.0_f64);
     for _ in 0..2400 {

@@ -1,4 +1,4 @@
-//! What hangs on two things gains nothing by itself.
+//! A chain that hangs on two bodies gains no energy.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Geometry, JointDesc, Settings, ShapeDesc, World};

@@ -1,4 +1,4 @@
-//! What swings and spins on joints gains nothing, and loses nothing: pendulums, tops, rotors and trees of
+//! Bodies that swing and spin on joints gain and lose no energy: pendulums, tops, rotors and trees of
 //! bodies against the conservation of energy and the precession of the heavy top.
 //!
 //! Joints once started each substep with the impulses of the one before, at arms that had turned since: a
@@ -228,7 +228,7 @@ fn whirl(of: impl Fn(Pace) -> bool) {
     }
 }
 
-/// What touches something is solved in another way. A ball on a lever that passes just above a box, in each
+/// Trees with contacts are solved in another way. A ball on a lever that passes just above a box, in each
 /// swing, has a contact with it that does nothing: its energy does not jump where one way takes over from the
 /// other.
 #[test]
@@ -263,7 +263,7 @@ fn cube(random: &mut Random) -> Vec3 {
     Vec3::new(random.congruential(), random.congruential(), random.congruential()) * 2.0 - 1.0
 }
 
-/// A tree of 2 to 12 boxes on balls, hinges and welds, and what its energy is measured by.
+/// A tree of 2 to 12 boxes on balls, hinges and welds, and the measure of its energy.
 fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
     let mut random = Random(seed * 7919 + 13);
     (0..8).for_each(|_| _ = random.congruential());
@@ -300,14 +300,14 @@ fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         join(&mut world, [ground, bodies[0]], Vec3::ZERO, Quat::IDENTITY, JointDesc::ball);
     }
-    // What does not fit the joints goes, as in a blow.
+    // Velocities that do not fit the joints go, as in a blow.
     world.step(1e-4).unwrap();
     let moving = |&b: &BodyHandle| {
         let v = world.linear_velocity(b).unwrap().length_squared();
         0.5 * world.mass(b).unwrap() * v
     };
     let kinetic = if gravity > 0.0 { bodies.iter().map(moving).sum() } else { world.energy() as f32 };
-    // What it weighs, by a metre.
+    // Its weight times a metre.
     (world, f64::from(kinetic + weight))
 }
 

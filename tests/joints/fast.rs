@@ -1,10 +1,10 @@
-//! Joints of what is hit hard or spins fast: nothing goes to infinity, and joints give no energy.
+//! Joints of bodies that are hit hard or spin fast: nothing goes to infinity, and joints give no energy.
 //!
 //! Two balls on arms of a metre, one of them hit: a wheel's joint went to NaN from 200 m/s, a slider's from
 //! 300 m/s, and a distance threw them at a hundred times their speed from 150 m/s. Two bodies on a ball joint
 //! that whirl at 15 to 24 rad/s gained up to 35 times their energy in two seconds. A step without a motor
-//! can't add energy, whatever the step is long: that is the expected value of all that follows, with 1 % for
-//! rounding and for velocities that are half a substep late under gravity.
+//! can't add energy, at any length: that is the expected value of all tests here, with 1 % for rounding and
+//! for velocities that are half a substep late under gravity.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::{self, random::Random};
@@ -95,7 +95,7 @@ fn what_whirls_gets_no_faster_by_its_joint() {
     }
 }
 
-/// A body of which some axes are locked, on a joint that may ask for what they forbid.
+/// A body of which some axes are locked, on a joint whose motions they may forbid.
 #[test]
 fn locked_axes_and_joints_throw_nothing() {
     for (name, make) in KINDS {
@@ -115,7 +115,7 @@ fn locked_axes_and_joints_throw_nothing() {
             let frames = world.frames_at([a, b], DVec3::new(0.5, 2.0, 0.0), q).unwrap();
             world.add_joint(&make([a, b], frames)).unwrap();
             common::steps(&mut world, 120, DT);
-            // In two seconds what is free falls to 20 m/s.
+            // In two seconds a free body falls to 20 m/s.
             for body in [a, b] {
                 let (v, w) = (world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap());
                 assert!(v.length() < 25.0 && w.length() < 50.0, "{name}, case {case}: {v} {w}");
@@ -133,7 +133,7 @@ struct Case {
     bodies: Vec<BodyHandle>,
     dt: f32,
     name: String,
-    /// Kinetic energy at the start, and what a fall of two metres gives.
+    /// Kinetic energy at the start, and that of a fall of two metres.
     scale: f64,
 }
 
@@ -234,8 +234,7 @@ impl Case {
         self.world.add_joint(&desc).unwrap();
     }
 
-    /// The most that was gained in two seconds, as a share of what there was. Whatever a step is asked for,
-    /// all stays finite.
+    /// The most that was gained in two seconds, as a share of the start. All numbers stay finite.
     fn gained(&mut self) -> f64 {
         let start = self.world.energy();
         (0..(2.0 / self.dt) as u32).fold(0.0, |most: f64, step| {
@@ -247,7 +246,7 @@ impl Case {
     }
 }
 
-/// What counts above belongs to these nets, so they are drawn as they always were: not by the common methods.
+/// The counts above belong to these nets, so they are drawn as before, and not by the common methods.
 fn rotation(rng: &mut Random) -> Quat {
     Quat::from_vec4(rng.cube().extend(rng.signed())).normalize()
 }
@@ -299,7 +298,7 @@ fn trees_of_one_kind_gain_nothing() {
     }
 }
 
-/// What gained more than 1 %, of nets of all kinds.
+/// Nets of all kinds that gained more than 1 %.
 fn sweep(seeds: std::ops::Range<u64>) -> usize {
     let gained = seeds.map(|seed| Case::random(seed, None)).filter_map(|mut case| {
         let gained = case.gained();

@@ -47,10 +47,10 @@ impl Grip {
     }
 }
 
-/// Static friction holds for ever what it holds at all. In the first substep nothing bears yet, and the cube
-/// falls by g h². Friction of what rests acts after bodies moved, which adds about half of that again: 1.55 g
-/// h² in all is measured, not derived (0.26 mm at 60 Hz and 4 substeps). Beside that it sinks by less than a
-/// tenth of a millimetre, and in the last half minute not at all. Along x the three are free.
+/// Static friction that holds a body holds it for ever. In the first substep nothing bears yet, and the cube
+/// falls by g h². Friction at rest acts after bodies moved, which adds about half of that again: 1.55 g h² in
+/// all is measured, not derived (0.26 mm at 60 Hz and 4 substeps). Beside that it sinks by less than a tenth
+/// of a millimetre, and in the last half minute not at all. Along x the three are free.
 #[test]
 fn jaws_with_locked_axes_hold_what_they_grip() {
     let mut wrong = Vec::new();
@@ -87,7 +87,7 @@ fn jaws_with_locked_axes_hold_what_they_grip() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Whatever is locked, on one side of a contact or on both: locked axes stay as they are to the bit, and no
+/// With axes locked on one side of a contact or on both, locked axes stay as they are to the bit, and no
 /// number is lost. A tilted box falls on a tilted, locked one, of which any axes may be free to recoil.
 #[test]
 fn no_contact_moves_what_is_locked() {

@@ -1,4 +1,4 @@
-//! Loops of joints: what is held twice moves as it would held once, and stays together.
+//! Loops of joints: a body that is held twice moves as if held once, and stays together.
 
 use crate::common;
 

@@ -1,4 +1,4 @@
-//! What joints hold, drive and keep: by calls, by mechanics, and at speed.
+//! Limits, motors and conservation laws of joints: by calls, by mechanics, and at speed.
 
 #[path = "../common/mod.rs"]
 mod common;

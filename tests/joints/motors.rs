@@ -1,4 +1,4 @@
-//! Motors move what they drive, all of it, from the first step: as the torque allows until they have their
+//! Motors move all bodies behind their joint from the first step: as the torque allows until they have their
 //! speed, then at that.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
@@ -101,7 +101,7 @@ fn motors_lift_an_arm_of_several_links() {
                 let at = DVec3::X * (length * (f64::from(i) + 0.5));
                 let link =
                     body(&mut world, Geometry::cuboid(0.5 * length as f32, 0.05, 0.05), mass as f32, at);
-                // What hangs beyond the hinge: weights times their arms.
+                // Bodies beyond the hinge: weights times their arms.
                 let moment: f64 = (i..links)
                     .map(|k| {
                         (if k + 1 == links { load } else { 1.0 }) * G * length * (f64::from(k - i) + 0.5)
@@ -196,7 +196,7 @@ fn a_motor_turns_a_four_bar_linkage() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// What a motor pushes at is pushed back: two bodies that nothing else holds keep their momentum of zero.
+/// A motor acts on both bodies: two that nothing else holds keep their momentum of zero.
 #[test]
 fn a_motor_between_two_free_bodies_makes_no_momentum() {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO).with_sleeping(false)).unwrap();

@@ -10,7 +10,7 @@ use backstop::{BodyHandle, BoneJoint, Error, Ragdoll, Settings, Skeleton, Spring
 const DT: f32 = 1.0 / 60.0;
 const SERVO: Spring = Spring::Frequency { hertz: 8.0, ratio: 1.0 };
 
-/// Each bone's rotation from where it is in the skeleton, in its axes: bent by so much of what limits allow.
+/// Each bone's rotation from where it is in the skeleton, in its axes: bent by that share of its limits.
 fn pose(figure: &Skeleton, share: f32) -> Vec<Quat> {
     let mut pose: Vec<Quat> = Vec::new();
     for (i, bone) in figure.bones.iter().enumerate() {
@@ -81,7 +81,7 @@ fn a_figure_takes_the_pose_and_follows_it() {
     assert!(world.set_joint_user_data(doll.joints[0], 1).is_ok());
 }
 
-/// What is refused changes nothing, and a joint that broke is left out.
+/// A refused pose changes nothing, and a joint that broke is left out.
 #[test]
 fn poses_are_refused_whole() {
     let figure = Skeleton::humanoid();
@@ -100,7 +100,7 @@ fn poses_are_refused_whole() {
     doll.drive_to(&mut world, &good, SERVO, 100.0).unwrap();
     doll.relax(&mut world).unwrap();
     assert!(doll.joints.iter().filter(|&&j| world.contains_joint(j)).count() == 9);
-    // A memory budget that has no place for the drives.
+    // A memory budget that has no place for the motors.
     let budget = backstop::Budget::total(world.memory().total() + 100);
     world.set_settings(world.settings().clone().with_budget(budget)).unwrap();
     assert!(matches!(doll.drive_to(&mut world, &good, SERVO, 100.0), Err(Error::Budget { .. })));

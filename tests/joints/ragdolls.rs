@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Substeps and iterations: small steps, and sequential impulses.
 const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
-/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. In
+/// The most by which a joint may open, in the frame of an impact or in any other, and at rest [m]. In
 /// other engines the same figures open by 190 to 500 mm and by 3 to 50 mm.
 const WIDEST: f64 = 0.050;
 const AT_REST: f64 = 0.003;
@@ -39,10 +39,10 @@ fn core(world: &World, figure: &Skeleton, ragdoll: &Ragdoll, bone: usize) -> [DV
     [at - along.as_dvec3(), at + along.as_dvec3()]
 }
 
-/// What was on the wrong side of something: figure, bone, step, and how far beyond [m].
+/// A bone on the wrong side of something: figure, bone, step, and how far beyond [m].
 type Astray = (usize, usize, usize, f64);
 
-/// What a crowd of ragdolls went through.
+/// Results of a crowd of ragdolls.
 #[derive(Default)]
 struct Fall {
     /// Widest gap after each step [m].
@@ -56,8 +56,8 @@ struct Fall {
     held: u32,
     /// The most energy there was, over that at the start.
     energy: f64,
-    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: what hangs
-    /// somewhere, held by the guard, falls ever faster without moving.
+    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: a body that is
+    /// held by the guard falls ever faster without moving.
     hanging: f64,
 }
 
@@ -89,7 +89,7 @@ impl Fall {
                     note(&mut fall.cores, p.max(q));
                 }
                 if let Some(velocity) = flying[i] {
-                    // What flies gets 0.16 m/s from gravity, and all of it the same.
+                    // Flying bodies get 0.16 m/s from gravity, all the same.
                     let changed = |&body| (world.linear_velocity(body).unwrap() - velocity).length() > 0.5;
                     let hit = ragdoll.bodies.iter().any(changed);
                     fall.impacts.extend(hit.then_some(own));
@@ -176,7 +176,7 @@ fn thrown_at_a_terrain(solver: (u32, u32), other: f32) -> Fall {
     let ragdolls: Vec<Ragdoll> = (0..100).map(throw).collect();
     Fall::of(&mut world, &ragdolls, 420, |_, at| {
         let at = at.as_vec3();
-        // What slid over its edge may hang below it.
+        // A limb that slid over its edge may hang below it.
         let inside = at.x.abs().max(at.z.abs()) < terrain.half() - 2.0;
         if inside { f64::from(terrain.height(at.x, at.z) - at.y) } else { 0.0 }
     })
@@ -237,7 +237,8 @@ fn rooms(world: &mut World, walls: Walls) {
 
 const CROWD: Range<usize> = 0..ROOMS * ROOMS * FIGURES;
 
-/// Some of a hundred figures, four to a room, thrown at its walls at 30 m/s; what leaves its room is astray.
+/// Some of a hundred figures, four to a room, thrown at its walls at 30 m/s; limbs outside their room are
+/// astray.
 fn thrown_at_walls(solver: (u32, u32), walls: Walls, figures: Range<usize>, other: f32) -> Fall {
     let mut world = world(solver);
     rooms(&mut world, walls);
@@ -286,7 +287,7 @@ fn ragdolls_thrown_at_walls_stay_in_their_rooms() {
 
 const WALLS: [Walls; 3] = [Walls::Mesh, Walls::Boxes(0.02), Walls::Boxes(0.05)];
 
-/// Ten throws of each kind, to tell what a change of the solver does from chance.
+/// Ten throws of each kind, to tell the effect of a change of the solver from chance.
 #[test]
 #[ignore = "prints the worst of many throws: takes three minutes in release"]
 fn many_throws() {

@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 const AXES: Axes = Axes::One(Axis::X);
 
 /// Ranges of up to ten turns, driven by motors or thrown, at 30 to 240 Hz. Expected of the angle, summed from
-/// step to step: an end is passed for a moment only, by at most 0.2 rad (what is thrown turns by up to two
-/// radians a step); at the end that a motor drives to it stays to 0.2 degrees; and what the joint says is
-/// that sum. From a snapshot on the way, as bytes, it goes on to the same bits.
+/// step to step: an end is passed for a moment only, by at most 0.2 rad (a thrown body turns by up to two
+/// radians a step); at the end of a motor's range it stays to 0.2 degrees; and the joint's reading is that
+/// sum. From a snapshot on the way, as bytes, it goes on to the same bits.
 #[test]
 fn a_hinge_stops_at_the_ends_of_any_range() {
     let mut wrong = Vec::new();

@@ -1,4 +1,4 @@
-//! The car of `examples/vehicle.rs` does what a car does: its springs bear it by Hooke's law, it reaches its
+//! The car of `examples/vehicle.rs` behaves as a car: its springs bear it by Hooke's law, it reaches its
 //! speed, goes where it is steered, and stays on its wheels.
 
 #[path = "../../examples/vehicle.rs"]

@@ -1,4 +1,4 @@
-//! Damping: velocity decays as exp(-c t), whatever the steps.
+//! Damping: velocity decays as exp(-c t), at any length of step.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Settings, ShapeDesc, Snapshot, World};
@@ -57,7 +57,7 @@ fn a_damped_body_has_a_terminal_velocity() {
     }
 }
 
-/// Only what is damped is, and only while it is dynamic.
+/// Only bodies with damping are damped, and only while they are dynamic.
 #[test]
 fn others_keep_their_velocity() {
     let (mut world, damped) = free(&ball().with_velocity(Vec3::X, Vec3::Y), Vec3::ZERO, 4);

@@ -1,5 +1,5 @@
-//! Ground that turns, strikes, or is in the way: what it carries goes with it, what it hits gets no faster
-//! than it can make it, and what begins in it comes out.
+//! Ground that turns, strikes, or is in the way: bodies on it go with it, bodies that it hits get no faster
+//! than it can make them, and bodies that begin in it come out.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -52,9 +52,9 @@ fn what_lies_on_a_disc_that_turns_stays_there() {
     }
 }
 
-/// Balls and boxes that a blade of 2 m hits anywhere, without gravity. Expected: none gets faster than what
-/// slides along a rod without friction to its tip, the root of two of the speed of the tip, and 3 % for what
-/// bodies turn in a step of half a radian and more. Before, a ball before a tip at 60 m/s left it at 224 m/s.
+/// Balls and boxes that a blade of 2 m hits anywhere, without gravity. Expected: none gets faster than a body
+/// that slides along a rod without friction to its tip, the root of two of the speed of the tip, and 3 % for
+/// rotations of half a radian and more in a step. Before, a ball before a tip at 60 m/s left it at 224 m/s.
 #[test]
 fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
     let mut random = Random(5);
@@ -86,7 +86,7 @@ fn a_blade_throws_nothing_faster_than_what_slides_to_its_tip() {
     }
 }
 
-/// Ground that is moved up into what rests on it, by up to 0.4 of its height.
+/// Ground that is moved up into bodies on it, by up to 0.4 of their height.
 /// Expected: out within half a second, as plain soft contacts get it out, and no jump: never more than 2 cm
 /// above the surface. Before, half of it was left after 1.4 s, whatever the push speed.
 #[test]

@@ -27,7 +27,7 @@ fn a_kinematic_body_is_where_it_was_told_to_be() {
                 world.set_pose(put, at, turn).unwrap();
                 assert_eq!(world.position(moved), world.position(put), "dt {dt}, step {step}");
                 assert_eq!(world.rotation(moved), world.rotation(put), "dt {dt}, step {step}");
-                // Within one rounding of what was asked for.
+                // Within one rounding of the requested pose.
                 let (p, q) = (world.position(moved).unwrap(), world.rotation(moved).unwrap());
                 let ulp = if centre == Vec3::ZERO { 0.0 } else { 1e-6 };
                 assert!((p - at).abs().max_element() <= ulp, "{p} for {at}");
@@ -37,7 +37,7 @@ fn a_kinematic_body_is_where_it_was_told_to_be() {
     }
 }
 
-/// Whoever steps otherwise than was said gets the velocity.
+/// A step of another length than announced moves by the velocity.
 #[test]
 fn a_step_of_another_length_goes_on_with_the_velocity() {
     let mut world = World::new(Settings::default()).unwrap();
@@ -73,7 +73,7 @@ fn what_is_called_later_counts() {
 
 /// A platform that is told where to be stands there when it is told no more, where one that is only moved
 /// goes on. Expected: places by the calls, to the bit; a velocity of 0.01 m in 0.02 s until the next step
-/// begins; what lies on it stands, too.
+/// begins; bodies on it stand, too.
 #[test]
 fn a_platform_that_is_to_stop_stands_where_it_was_told_to_be() {
     let mut world = World::new(Settings::default()).unwrap();

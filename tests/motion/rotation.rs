@@ -1,4 +1,4 @@
-//! Free rotation: what torque-free bodies must do, by Euler's equations.
+//! Free rotation: torque-free bodies, by Euler's equations.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
@@ -69,7 +69,7 @@ fn a_tumbling_box_flips_on_time_and_keeps_energy_and_momentum() {
     }
 }
 
-/// A free symmetric top: its axis goes round the angular momentum at L / I1, whatever the spin.
+/// A free symmetric top: its axis goes round the angular momentum at L / I1, at any spin.
 #[test]
 fn the_axis_of_a_free_top_precesses_at_momentum_over_inertia() {
     let inertia = Vec3::new(0.02, 0.03, 0.02);

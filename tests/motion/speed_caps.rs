@@ -1,4 +1,4 @@
-//! Greatest speeds of bodies: nothing that a caller sees is above, and what they take is only energy.
+//! Greatest speeds of bodies: no speed that a caller sees is above, and they take only energy.
 
 use crate::common::{self, Floor, G, dynamic};
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -36,7 +36,7 @@ fn a_falling_body_falls_at_its_greatest_speed() {
     }
 }
 
-/// Whatever drives a body: a velocity that is set, forces, impulses, a bat, spin that precesses.
+/// All causes of speed: a velocity that is set, forces, impulses, a bat, spin that precesses.
 #[test]
 fn no_step_leaves_a_body_faster_than_its_greatest_speeds() {
     let methods = [ContinuousMethod::OnePass, ContinuousMethod::ConservativeAdvancement];
@@ -79,7 +79,7 @@ fn no_step_leaves_a_body_faster_than_its_greatest_speeds() {
     }
 }
 
-/// Kinetic and potential energy of a free box that spins and is thrown up never grow, with whatever cap.
+/// Kinetic and potential energy of a free box that spins and is thrown up never grow, with any cap.
 #[test]
 fn a_cap_only_takes_energy() {
     for (linear, angular) in [(6.0f32, 30.0f32), (20.0, 4.0), (3.0, 2.0)] {

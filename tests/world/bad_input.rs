@@ -1,4 +1,4 @@
-//! What can't be is refused, by an error that says why; a refused call changes nothing.
+//! Impossible input is refused, by an error that says why; a refused call changes nothing.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
@@ -441,7 +441,7 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     refused("moments", w, |w| w.set_mass(body, mass));
 }
 
-/// Expected: whatever is allowed, a step leaves numbers, within the ranges for places.
+/// Expected: with any allowed input, a step leaves numbers, within the ranges for places.
 #[test]
 fn at_the_ends_of_the_ranges_steps_leave_numbers() {
     for size in [limits::MIN_LENGTH, 1.0, limits::MAX_LENGTH] {

@@ -125,7 +125,7 @@ fn a_world_survives_any_sequence_of_calls() {
             assert_eq!(world.body_count(), live.len() + 1);
             assert!(live.iter().all(|&(b, number)| world.user_data(b) == Ok(number)), "call {call}");
             assert!(dead.iter().all(|&b| !world.contains(b)), "call {call}");
-            // What has fallen or flown away is put back.
+            // Bodies that have fallen or flown away are put back.
             for &(body, _) in &live {
                 if world.position(body).unwrap().length() > 100.0 {
                     world.set_pose(body, DVec3::Y * 5.0, Quat::IDENTITY).unwrap();
@@ -138,7 +138,7 @@ fn a_world_survives_any_sequence_of_calls() {
         }
     }
     println!("{} bodies, memory {totals:?}", live.len());
-    // The densest crowds were there in the first half; what was kept for them is used again.
+    // The densest crowds were there in the first half; their buffers are used again.
     assert!(totals[15] < totals[7] * 5 / 4, "{totals:?}");
     assert!(world.contains(ground));
     for (body, _) in live {
@@ -159,7 +159,7 @@ fn a_kinematic_body_pushes_and_is_not_pushed() {
     let crate_ = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), material, Vec3::new(0.0, 0.5, 0.0));
     let crate_ = world.add_body(&crate_).unwrap();
     common::steps(&mut world, 180, DT);
-    // Three metres on its way, whatever is in it; the box in front of it, at its speed.
+    // Three metres along its path, also through obstacles; the box in front of it, at its speed.
     assert!((world.position(wall).unwrap() - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-4);
     assert!((world.position(crate_).unwrap().x - 2.6).abs() < 0.01, "{}", world.position(crate_).unwrap());
     assert!((world.linear_velocity(crate_).unwrap() - Vec3::X).length() < 0.01);
@@ -171,7 +171,7 @@ fn a_kinematic_body_pushes_and_is_not_pushed() {
     assert!(world.rotation(wall).unwrap().angle_between(Quat::from_rotation_y(0.3)) < 1e-3);
 }
 
-/// A platform carries what stands on it, by friction.
+/// A platform carries the bodies on it, by friction.
 #[test]
 fn a_platform_carries_what_stands_on_it() {
     let mut world = World::new(Settings::default()).unwrap();

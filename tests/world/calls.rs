@@ -1,8 +1,8 @@
-//! Whatever a game calls, in whatever order, a step neither panics nor leaves what is no number.
+//! With any calls in any order a step neither panics nor leaves numbers that are not finite.
 //!
 //! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies,
-//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of what sleeps with what is
-//! kinematic and at rest.
+//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of sleeping bodies with
+//! kinematic ones at rest.
 
 use crate::common::{self, random::Random};
 use backstop::glam::Vec3;
@@ -115,7 +115,7 @@ impl Game {
         self.joints.extend(self.world.add_joint(&desc));
     }
 
-    /// A call on a body; what is refused is refused.
+    /// A call on a body, which may be refused.
     fn call_on(&mut self, body: BodyHandle) -> Result<(), backstop::Error> {
         let (world, rng) = (&mut self.world, &mut self.rng);
         match rng.below(20) {

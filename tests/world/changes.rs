@@ -1,4 +1,4 @@
-//! Whatever is changed between steps holds from the next step on: bodies out of the world and back in, many
+//! A change between steps holds from the next step on: bodies out of the world and back in, many
 //! at once.
 
 use backstop::glam::{DVec3, Quat, Vec3};

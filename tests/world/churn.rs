@@ -1,4 +1,4 @@
-//! A hundred thousand random changes against what must hold whatever happens: handles name what is there,
+//! A hundred thousand random changes against rules that must always hold: handles name living objects,
 //! queries see that and nothing else, every begin has its end, sleep and snapshots lose nothing, and memory
 //! comes back.
 
@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// What is known of a world from the calls and from what it said, in the plainest way.
+/// Model of a world from the calls and their answers, in the plainest way.
 #[derive(Clone, Default)]
 struct Model {
     /// Shapes of each body, and whether it is enabled.
@@ -28,9 +28,9 @@ impl Model {
         self.bodies.values().flat_map(|(shapes, _)| shapes).copied().collect()
     }
 
-    /// Takes in what a step said: each begin is new, each end is of what had begun.
+    /// Takes in the events of a step: each begin is new, each end is of a contact that had begun.
     fn hear(&mut self, world: &World) {
-        // What was taken out and put back between two steps ends before it begins.
+        // A body that was taken out and put back between two steps ends before it begins.
         for end in world.contact_ends() {
             assert!(self.touching.remove(&end.shapes), "ended without a begin: {end:?}");
         }
@@ -55,13 +55,13 @@ impl Model {
         }
     }
 
-    /// What must hold after each step.
+    /// Rules that must hold after each step.
     fn check(&self, world: &World, random: &mut Random) {
         assert_eq!(world.report().events_lost, 0);
         assert_eq!(world.body_count(), self.bodies.len());
         assert_eq!(world.joint_count(), self.joints.len());
         let alive = self.shapes();
-        // Nobody touches what is gone.
+        // No shape touches a removed one.
         assert!(self.touching.iter().flatten().all(|shape| alive.contains(shape)));
         assert!(self.inside.iter().all(|(a, b)| alive.contains(a) && alive.contains(b)));
         let mut visitors = Vec::new();
@@ -200,7 +200,7 @@ impl Churn {
                 entry.1 = v.x > -0.3;
                 world.set_enabled(body, entry.1).unwrap();
             }
-            // Right after a step: ends of what was removed since are not in a snapshot.
+            // Right after a step: ends of shapes that were removed since are not in a snapshot.
             19 if v.y > 0.8 => {
                 self.step();
                 let mut snapshot = Snapshot::new();
@@ -231,7 +231,7 @@ impl Churn {
     }
 
     fn step(&mut self) {
-        // What kinematic bodies and pushes throw far away comes back.
+        // Bodies that kinematic bodies and pushes throw far away come back.
         let far: Vec<BodyHandle> = self.model.bodies.keys().copied().collect();
         for body in far {
             if self.world.position(body).unwrap().length() > 50.0 {

@@ -178,7 +178,7 @@ fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {
     assert_eq!(hash, JOINTS, "0x{hash:016X}");
 }
 
-/// What was added first or last, removed and added again must not show: the same calls give the same bits.
+/// The order of additions and removals must not show: the same calls give the same bits.
 #[test]
 fn the_same_calls_give_the_same_bits() {
     let run = || {

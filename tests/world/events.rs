@@ -42,7 +42,7 @@ fn fixed(world: &mut World, at: DVec3, shape: ShapeDesc) -> BodyHandle {
 fn who_lands_is_heard_of_once_with_its_speed_and_impulse() {
     for per_point in [false, true] {
         let friction_model = [FrictionModel::Patch, FrictionModel::Point][usize::from(per_point)];
-        // Above what an edge does that comes down second.
+        // Above the speed of an edge that comes down second.
         let settings = Settings::default().with_friction_model(friction_model).with_hit_speed(2.0);
         let mut world = World::new(settings).unwrap();
         let floor = fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
@@ -80,7 +80,7 @@ fn who_lands_is_heard_of_once_with_its_speed_and_impulse() {
     }
 }
 
-/// Who ceases to listen hears no end, not even when it is removed; who listens again hears a begin.
+/// A shape that loses its events gets no end, not even when it is removed; with events again it gets a begin.
 #[test]
 fn a_shape_may_listen_now_and_then() {
     let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();
@@ -274,7 +274,7 @@ fn a_sensor_knows_who_is_in_it() {
     world.remove_body(other).unwrap();
     world.step(DT).unwrap();
     assert_eq!((world.sensor_ends().len(), inside(&world).len()), (1, 0));
-    // A shape that becomes a sensor lets go of what it bore; one that is solid again bears.
+    // A shape that becomes a sensor lets go of the bodies on it; one that is solid again bears.
     let floor = fixed(&mut world, DVec3::new(20.0, -1.0, 0.0), cube());
     let floor = shape(&world, floor);
     assert!(world.set_sensor(floor, true).is_ok() && world.set_sensor(floor, false).is_ok());
@@ -320,10 +320,10 @@ impl IntoBody for ShapeDesc {
     }
 }
 
-/// Lets through whoever is below, or comes from there.
+/// Lets bodies through that are below, or come from there.
 struct OneWay {
     platform: ShapeHandle,
-    /// Height of what stands on it above the platform itself [m].
+    /// Height of a standing body above the platform itself [m].
     height: f64,
 }
 
@@ -420,7 +420,7 @@ fn a_belt_carries_what_is_on_it() {
     }
 }
 
-/// By what a hook says, whatever the materials: ice, glue, and a trampoline.
+/// By the hook, with any materials: ice, glue, and a trampoline.
 struct Ground {
     friction: f32,
     restitution: f32,
@@ -456,7 +456,7 @@ fn hooks_change_friction_and_restitution() {
         }
         world.position(body).unwrap().x
     };
-    // v² / (2 mu g), and what nothing stops.
+    // v² / (2 mu g), and a body that nothing stops.
     for friction in [0.2_f32, 0.5] {
         let way = f64::from(16.0 / (2.0 * friction * 9.81));
         assert!((slide(friction) / way - 1.0).abs() < 0.05, "{friction}: {} of {way}", slide(friction));
@@ -493,7 +493,7 @@ impl ContactHooks for Asks {
     }
 }
 
-/// What a hook learns of where bodies are at the start of a step must not be what queries say after it.
+/// Queries by a hook see bodies at the start of a step, and queries after the step see their later places.
 #[test]
 fn a_query_in_a_hook_leaves_none_behind_that_is_out_of_date() {
     let mut world = World::new(Settings::default()).unwrap();

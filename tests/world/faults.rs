@@ -1,5 +1,4 @@
-//! What becomes of a body whose motion is no number: it stands where it was, it is named, and the others go
-//! on without it.
+//! A body whose motion is not finite stands where it was and is named, and the others go on without it.
 
 use crate::common;
 
@@ -27,7 +26,7 @@ fn stacks(settings: Settings) -> (World, Vec<BodyHandle>) {
     (world, bodies)
 }
 
-/// The force is at the limit of what a caller may say: a ton would be out of the world within a step.
+/// The force is at the limit of the allowed range: a ton would be out of the world within a step.
 /// Expected: it stays exactly where it was, at rest; the stack on it and those beside it, which it touches,
 /// do not notice.
 #[test]
@@ -62,7 +61,7 @@ fn a_torque_beyond_all_bounds_stops_its_body() {
     assert_eq!((world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap()), at);
 }
 
-/// Bodies that a fault is joined to: the joint is to what stands still, as to something static, and comes
+/// Bodies that a fault is joined to: the joint acts as one to a static body while it stands still, and comes
 /// back with it.
 #[test]
 fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
@@ -83,8 +82,8 @@ fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
     assert!(world.position(top).unwrap().distance(DVec3::Y) < 1e-2);
 }
 
-/// The lightest body there may be, joined to ones of a ton by joints that can't all hold: whatever comes of
-/// it is finite, and a stack beside it stands.
+/// The lightest body there may be, joined to ones of a ton by joints that can't all hold: the results are
+/// finite, and a stack beside it stands.
 #[test]
 fn joints_that_make_no_numbers_stop_what_they_join() {
     let (mut world, bodies) = stacks(Settings::default());
@@ -141,8 +140,8 @@ fn what_a_hook_asks_for_leaves_numbers() {
     }
 }
 
-/// Faults in one world and none in another that lacks the body: what is far from it has the same bits, and so
-/// it has at any number of threads.
+/// Faults in one world and none in another that lacks the body: distant bodies have the same bits, at any
+/// number of threads.
 #[test]
 fn faults_do_not_depend_on_threads() {
     let run = |threads: usize| {
@@ -206,7 +205,7 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
         common::steps(&mut world, 30, DT);
         assert_eq!(world.state_hash(), expected);
     }
-    // What does not step it still can be called.
+    // Calls that do not step it still work.
     poison(&mut world);
     world.remove_body(bodies[3]).unwrap();
     world.add_body(&cube(DVec3::Y * 9.0)).unwrap();
@@ -215,8 +214,8 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
 
 /// Pairs of bodies on a ball joint, run over by a half space that spins at up to 1e5 rad/s: where it meets
 /// them it moves at up to 1e6 m/s, and so do they afterwards. Impacts that are met at their times left
-/// velocities of 1e20 m/s and a position of NaN. Expected: numbers, whatever else; who was stopped is named,
-/// and bodies that were not are within twice the greatest speed that a caller may set.
+/// velocities of 1e20 m/s and a position of NaN. Expected: finite numbers; stopped bodies are named, and
+/// others are within twice the greatest speed that a caller may set.
 #[test]
 fn impacts_with_what_spins_beyond_reason_leave_numbers() {
     let mut stopped = 0;

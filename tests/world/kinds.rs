@@ -84,7 +84,7 @@ fn a_kinematic_body_keeps_its_velocity_when_it_is_let_go() {
     assert!((height(&world, body) - wanted).abs() < 1e-3, "{}", height(&world, body));
 }
 
-/// What the caller gave, not what the shapes would have.
+/// The caller's mass, not that of the shapes.
 #[test]
 fn a_given_mass_comes_back() {
     let mut world = world();
@@ -138,7 +138,7 @@ fn a_joint_waits_for_a_dynamic_body() {
         world.set_velocity(door, Vec3::ZERO, Vec3::ZERO).unwrap();
         steps(&mut world, 30);
         assert_eq!(world.position(door), Ok(before));
-        // What the joint is, whoever reads it.
+        // The joint as each reader gets it.
         let mut saved = Snapshot::new();
         world.snapshot(&mut saved);
         world.restore(&Snapshot::from_bytes(&saved.to_whole_bytes()).unwrap()).unwrap();

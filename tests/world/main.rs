@@ -1,4 +1,4 @@
-//! What a world promises its caller: calls, errors, events, queries, sleep, memory, snapshots, determinism.
+//! Promises of a world to its caller: calls, errors, events, queries, sleep, memory, snapshots, determinism.
 #![allow(
     clippy::duplicate_mod,
     reason = "bodies of fuzz targets bring the helpers that they share with tests"

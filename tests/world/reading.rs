@@ -1,4 +1,4 @@
-//! What a game reads of bodies and shapes is what it said, and what the last step did.
+//! Readings of bodies and shapes are the values that were set, and the results of the last step.
 
 use crate::common::Floor;
 use crate::common::random::Random;
@@ -95,7 +95,7 @@ fn each_field_of_a_shape_is_read_as_it_was_written() {
     assert_eq!(world.shape_pose(shape), Err(Error::StaleShape));
 }
 
-/// The mass is that of a body that was made so; what was said before is forgotten.
+/// The mass is that of a body that was made so; earlier values are forgotten.
 #[test]
 fn a_shape_that_changes_gives_its_body_the_mass_of_the_new_one() {
     let mut world = world();
@@ -132,7 +132,7 @@ fn a_form_that_a_body_can_not_have_is_refused() {
     assert_eq!(world.mass_properties(body), before);
 }
 
-/// What rests on a shape falls onto it when it shrinks: from 0.5 to 0.2 above the ground.
+/// A body on a shape falls onto it when it shrinks: from 0.5 to 0.2 above the ground.
 #[test]
 fn what_lies_on_a_shape_wakes_when_it_changes() {
     let mut world = world();
@@ -237,7 +237,7 @@ fn contacts_of_a_body_bear_its_weight() {
     assert!(world.contacts_of(flying).is_err());
 }
 
-/// A body that falls asleep moved in its last step: whoever draws it needs where it came to rest.
+/// A body that falls asleep moved in its last step: a renderer needs its place of rest.
 #[test]
 fn what_moved_is_told_up_to_the_last_step_before_sleep() {
     let mut world = world();
@@ -306,7 +306,7 @@ fn contacts_of_the_world_are_those_of_its_bodies() {
     }
 }
 
-/// What [`World::contacts`] has of a body, by a look at all of the world's.
+/// The contacts of a body, by a search through [`World::contacts`].
 fn looked_through(world: &World, body: BodyHandle) -> Vec<BodyContact> {
     world.contacts().filter(|contact| contact.bodies.contains(&body)).collect()
 }
@@ -377,7 +377,7 @@ fn contacts_of_a_body_are_those_of_the_whole_list() {
 }
 
 /// Expected: a contact for each box on the floor, and for each that lies on another one a contact of both;
-/// prints what one body takes (`--nocapture`).
+/// prints the time of one body (`--nocapture`).
 #[test]
 fn contacts_of_one_body_among_many() {
     let mut world = world();

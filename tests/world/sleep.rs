@@ -1,4 +1,4 @@
-//! What is at rest sleeps, in islands; what touches it, moves it or takes its support away wakes it.
+//! Bodies at rest sleep, in islands, which wake when touched, moved or deprived of their support.
 
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -117,7 +117,7 @@ fn an_impact_is_that_of_bodies_that_are_awake() {
     }
 }
 
-/// Each in its own world: what a caller does, and the stack that has to wake of it.
+/// Each in its own world: a caller's change, and the stack that it has to wake.
 #[test]
 fn whatever_changes_about_a_stack_wakes_it() {
     type Change = fn(&mut World, [BodyHandle; 3]);
@@ -271,7 +271,7 @@ fn neighbours_that_slept_apart_meet() {
     for speed in [0.02, 0.06, 1.0, 50.0] {
         let mut world = floor();
         let (one, other) = (add(&mut world, DVec3::Y * 0.5), add(&mut world, DVec3::new(1.02, 0.5, 0.0)));
-        // Without friction, so that what is slow gets anywhere.
+        // Without friction, so that slow bodies get anywhere.
         for body in world.bodies().collect::<Vec<_>>() {
             let shape = world.shapes(body).unwrap().next().unwrap();
             world.set_material(shape, Material::default().with_friction(0.0)).unwrap();
@@ -334,7 +334,7 @@ fn sleep_does_not_depend_on_threads() {
     assert!(play(2) == one && play(3) == one);
 }
 
-/// Random changes: what holds after each step, and that memory comes back.
+/// Random changes: invariants after each step, and that memory comes back.
 #[test]
 fn bodies_come_and_go_while_others_sleep() {
     let mut world = floor();
@@ -467,8 +467,7 @@ fn many_sleep_on_one_plate_and_bear_what_they_bore_when_it_starts() {
     for _ in 0..60 {
         world.step(DT).unwrap();
         for (&body, height) in riders.iter().zip(&heights) {
-            // By less than what tells a contact that kept its impulses from one that begins without: g dt^2 =
-            // 2.7 mm.
+            // By less than the fall of a contact that begins without impulses: g dt^2 = 2.7 mm.
             assert!((world.position(body).unwrap().y - height).abs() < 3e-4);
         }
     }

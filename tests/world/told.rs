@@ -1,4 +1,4 @@
-//! What is refused is told so that it can be found: which of many, how many there must be, in short numbers.
+//! Errors name the refused object: which of many, how many there must be, in short numbers.
 
 use backstop::glam::{DVec3, Vec2, Vec3};
 use backstop::{

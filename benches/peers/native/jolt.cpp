@@ -31,7 +31,7 @@ namespace {
 
 using JPH::uint32;
 
-// What doesn't move, and what does.
+// Static bodies, and moving ones.
 constexpr JPH::ObjectLayer cStill = 0;
 constexpr JPH::ObjectLayer cMoving = 1;
 
@@ -158,7 +158,7 @@ struct PeersWorldDef {
 
 // A part of a body; `points` and `indices` by kind.
 struct PeersShape {
-	// What tells it from others, if bodies share it; 0 if not.
+	// Its identity, if bodies share it; 0 if not.
 	uint64_t key;
 	// 0 sphere, 1 capsule, 2 box, 3 hull, 4 mesh.
 	uint32 kind;
@@ -222,7 +222,7 @@ World *peers_world_new(const PeersWorldDef *def) {
 	else
 		world->jobs.reset(new JPH::JobSystemSingleThreaded(JPH::cMaxPhysicsJobs));
 	world->steps = static_cast<int>(def->steps);
-	// Its tables have a fixed size: what is beyond falls through the world, and the step says so.
+	// Its tables have a fixed size: contacts beyond it are lost, and the step says so.
 	const uint32 bodies = std::max(def->bodies + 16u, 1024u);
 	world->system.Init(bodies, 0, 24 * bodies, 16 * bodies, world->layers, world->against_tree,
 		world->against_layer);
@@ -378,7 +378,7 @@ void peers_start(World *world) {
 	world->system.OptimizeBroadPhase();
 }
 
-// What Jolt says went wrong, by bits; 0 for nothing.
+// Errors that Jolt reports, by bits; 0 for none.
 uint32 peers_step(World *world, float dt) {
 	return static_cast<uint32>(
 		world->system.Update(dt, world->steps, &world->scratch, world->jobs.get()));

@@ -1,4 +1,4 @@
-//! What a record was measured with.
+//! Machine and programs of a record.
 
 use std::process::{Command, Stdio};
 

@@ -7,7 +7,7 @@ pub(crate) fn status_kib(field: &str) -> Option<u64> {
     line.trim().trim_end_matches("kB").trim().parse().ok()
 }
 
-/// Gives back to the system what was freed, so that what grows next is seen to grow.
+/// Gives freed memory back to the system, so that later growth is seen.
 #[cfg(target_env = "gnu")]
 pub(crate) fn trim() {
     unsafe extern "C" {

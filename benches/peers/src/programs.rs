@@ -17,7 +17,7 @@ pub(crate) struct Programs {
 }
 
 impl Programs {
-    /// Finds or builds what runs these engines; `given`: `ENGINE=PATH`.
+    /// Finds or builds the programs of these engines; `given`: `ENGINE=PATH`.
     pub(crate) fn new(engines: &[String], given: &[String], patience: u64) -> anyhow::Result<Programs> {
         let mut programs = BTreeMap::new();
         for pair in given {

@@ -90,7 +90,7 @@ fn run(args: &Args, subject: &Subject) -> anyhow::Result<Outcome> {
     let start = Instant::now();
     let mut engine = (entry.build)(&subject.scene, &meshes, &config)?;
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
-    // What it took to make the world is no part of it.
+    // Bytes used only to make the world are no part of it.
     trim();
 
     let (mut after, mut asleep_after, mut each) = (None, None, Vec::with_capacity(steps as usize));

@@ -229,7 +229,7 @@ pub unsafe extern "C" fn bs_height_field_create(
     field: *mut *const BsHeightField,
 ) -> BsStatus {
     call(|| {
-        // What does not fit is null or too long to be a slice.
+        // A pointer that does not fit is null or too long to be a slice.
         let count = columns.saturating_mul(rows);
         // SAFETY: the caller keeps to the header.
         let (out, heights) =

@@ -1,4 +1,4 @@
-//! Shapes: what they are, what they are made of, and on which body.
+//! Shapes: their geometry, their materials, and their bodies.
 
 mod change;
 

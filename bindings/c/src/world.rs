@@ -1,4 +1,4 @@
-//! The world: what it is made of, its steps, and who may use it when.
+//! The world: its creation, its steps, and access to it.
 
 use crate::abi::guard::{call, value_or};
 use crate::abi::lock::{Changing, Reading, Shared};

@@ -1,4 +1,4 @@
-//! What a world says of its content after it was changed is what was asked for; what is wrong is refused.
+//! Readings of a changed world are the values that were set; wrong values are refused.
 
 mod common;
 

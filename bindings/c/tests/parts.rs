@@ -1,4 +1,4 @@
-//! What the interface has besides bodies, joints and queries: settings, shared shapes, sensors, characters,
+//! The interface besides bodies, joints and queries: settings, shared shapes, sensors, characters,
 //! drawing, sleep.
 
 mod common;

@@ -1,4 +1,4 @@
-//! What a caller gets wrong is refused with a status that says so, and has changed nothing.
+//! Errors of a caller are refused with a status that says so, and change nothing.
 
 mod common;
 
@@ -107,7 +107,7 @@ fn sizes_that_no_version_had_are_refused() {
             assert_eq!(bs_world_add_body(world.0, &desc, &mut body), BS_ERROR_SIZE, "{wrong}");
         }
         assert_eq!(bs_world_report(world.0, &mut report), BS_ERROR_SIZE);
-        // A later version of a report gets what this one knows, and how much that is.
+        // A later version of a report gets the fields that this one has, and their size.
         report.size = u32::MAX;
         ok(bs_world_report(world.0, &mut report));
         assert_eq!(report.size as usize, size_of::<BsStepReport>());

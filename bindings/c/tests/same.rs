@@ -205,7 +205,7 @@ fn same_reports(c: &World, rust: &backstop::World) {
     assert_eq!(energy, rust.energy());
 }
 
-/// Columns of any stride, in double and in single precision, hold what single calls tell.
+/// Columns of any stride, in double and in single precision, equal the answers of single calls.
 fn same_columns(c: &World, rust: &backstop::World, bodies: &[BsBody]) {
     #[repr(C, packed)]
     #[derive(Clone, Copy, Default)]

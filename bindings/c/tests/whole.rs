@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// What is sought, and what functions of it begin with.
+/// The sought subject, and the prefix of its functions.
 const TYPES: [(&str, &[&str]); 3] =
     [("World", &["world", "body", "shape"]), ("Character", &["character"]), ("Ragdoll", &["ragdoll"])];
 

@@ -23,9 +23,8 @@ pub(crate) fn whole(bytes: &[u8]) -> &[u8] {
     if is_whole { bytes } else { &bytes[..end] }
 }
 
-/// Refuses what is not of results, as it is: a file in which the first or the last line begins in another way
-/// than
-/// `starts`. Returns how many bytes are complete lines, of a file that is there.
+/// Refuses a file without results, and leaves it as it is: one in which the first or the last line begins in
+/// another way than `starts`. Returns how many bytes are complete lines, of a file that is there.
 pub(crate) fn expect(path: &Path, starts: &[&str]) -> anyhow::Result<usize> {
     let about = || format!("can't write results to {}", path.display());
     let Ok(there) = path.metadata() else { return Ok(0) };
@@ -40,7 +39,7 @@ pub(crate) fn expect(path: &Path, starts: &[&str]) -> anyhow::Result<usize> {
 }
 
 /// Opens a file to add to, or makes one. An incomplete last line is removed, or the next line would be
-/// appended to it. `starts`: how lines of results begin; what is not of results is refused by [`expect`].
+/// appended to it. `starts`: how lines of results begin; other files are refused by [`expect`].
 pub(crate) fn open(path: &Path, starts: &[&str]) -> anyhow::Result<File> {
     let kept = expect(path, starts)?;
     let begin = || {

@@ -1,5 +1,5 @@
 //! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability
-//! of rest, what holds at the extremes and the errors of cases with known answers, trades speed for accuracy,
+//! of rest, results at the extremes and the errors of cases with known answers, trades speed for accuracy,
 //! solves problems of contact resolution, and writes the shipped scenes.
 
 mod args;

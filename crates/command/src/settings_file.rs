@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(file.world, settings.with_threads(1));
     }
 
-    /// Each field of the settings can be set by its name, and what is set counts more than a file.
+    /// Each field of the settings can be set by its name, which overrides a file.
     #[test]
     fn any_setting_is_set_by_its_name() {
         let usual = object(&Settings::default()).unwrap();

@@ -94,7 +94,7 @@ impl Probe {
     }
 }
 
-/// What the map about rest does.
+/// Modes of the map about rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stability {
     /// Number of components of the state.
@@ -118,10 +118,10 @@ pub struct Stability {
     pub changed: usize,
 }
 
-/// What the spectral radius says, given its noise.
+/// The verdict on the spectral radius, given its noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// No mode grows by more than 1e-5 a step plus what the noise could hide.
+    /// No mode grows by more than 1e-5 a step plus the growth that noise could hide.
     Stable,
     /// A mode grows by more than that.
     Unstable,

@@ -20,7 +20,7 @@ pub(super) fn copy_of(world: &World, rest: &mut Snapshot) -> Result<World, Error
     Ok(copy)
 }
 
-/// Takes a displacement from rest to what it has become after some steps.
+/// Maps a displacement from rest to the displacement after some steps.
 #[derive(Debug)]
 pub(super) struct StepMap {
     rest: Snapshot,

@@ -23,7 +23,7 @@ pub struct Retroactive {
     pub rounds: u32,
 }
 
-/// What a step took.
+/// Counts of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Returns {
     /// Steps that were taken and kept.

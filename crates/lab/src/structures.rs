@@ -12,7 +12,7 @@ use backstop_scene::Standing;
 use glam::DVec3;
 use std::time::Instant;
 
-/// What is built.
+/// The structure to build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Structure {
     /// Seven rows of boxes, 28 of them.
@@ -103,7 +103,7 @@ impl Structure {
     }
 }
 
-/// What became of a structure.
+/// The outcome of a structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Time of a step, measuring included: the median [s].

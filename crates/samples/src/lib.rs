@@ -9,6 +9,8 @@
 
 pub mod parts;
 mod sample;
+pub mod terrain;
+pub mod walker;
 
 pub use sample::{Controls, Running, Sample, Tick};
 
@@ -34,8 +36,16 @@ samples! {
     stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
     /// Each kind of joint by itself.
     joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
+    /// What a world can do besides its steps.
+    engine: budget, far_away, filters, hits, kinds, level_of_detail, orbits, prediction, radar, shape_cast, sleeping;
     /// What games do.
-    games: billiards, bonded_wall, bowling, digging, doors, galton, grab, gravity_gun, labyrinth, one_way, seams, voxels;
+    games: billiards, bonded_wall, bowling, digging, doors, explosion, galton, grab, gravity_gun, labyrinth, one_way, seams, voxels;
+    /// What surfaces and masses do, against formulas.
+    materials: belts, bounce, combine, friction, racket, rolling, soft_ground, tops;
     /// Bodies which joints and motors move.
     machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
+    /// Characters that walk, and figures that fall.
+    characters: stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose, knocked_down;
+    /// Fast bodies.
+    continuous: bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
 }

@@ -82,6 +82,14 @@ impl Tick {
     }
 }
 
+impl Tick {
+    /// The numbers of what happens in this step, of something that happens every so often [s], from 0 at the
+    /// start.
+    pub fn due(&self, every: f64) -> std::ops::Range<usize> {
+        (self.time / every).ceil() as usize..((self.time + f64::from(self.dt)) / every).ceil() as usize
+    }
+}
+
 /// A sample while it runs.
 ///
 /// What changes in it is in the world, so that a snapshot of the world is one of the sample: other fields are

@@ -9,7 +9,7 @@ use backstop::{Axes, CoupledMotion, CouplingDesc, Motion};
 pub struct SceneCoupling {
     /// Indices in [`Scene::joints`](super::Scene::joints), of the joint of each of the two motions.
     pub joints: [usize; 2],
-    /// What is coupled of each.
+    /// The coupled motion of each.
     pub motions: [Motion; 2],
     /// Along or about which axes.
     pub axes: [Axes; 2],

@@ -33,7 +33,7 @@ const STEP: f32 = 1.0 / 60.0;
 /// Buffers that grow on demand end about this factor larger than needed.
 const SLACK: f32 = 1.12;
 
-/// What a shape's contacts look like.
+/// The kind of a shape's contacts.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Sphere,

@@ -61,7 +61,7 @@ pub struct Scene {
     pub source: Option<PathBuf>,
     /// The existing files that this one refers to: buffers and images.
     pub parts: Vec<PathBuf>,
-    /// What was left out or approximated when the file was read, in sentences.
+    /// Properties that were left out or approximated when the file was read, in sentences.
     pub notes: Vec<String>,
 }
 

@@ -3,14 +3,15 @@
 import { View } from './draw/view.js';
 import { Engine } from './engine.js';
 import { Hand, TOOLS } from './hand.js';
+import { hook } from './hook.js';
 import { HELP, Keys } from './keys.js';
 import { Ledger, showInspected } from './ledger.js';
 import { Loop } from './loop.js';
 import { element, make, shows, tell } from './page.js';
-import { engineLayers, FIRST_LAYERS, Panel } from './panel.js';
+import { engineLayers, FIRST_LAYERS, knownLayers, Panel } from './panel.js';
 import { parsed, written } from './permalink.js';
 import { copies, Samples, showSource } from './samples.js';
-import { hook } from './hook.js';
+import { Slow } from './slow.js';
 import { Transport } from './transport.js';
 
 const SHAPES = ['box', 'sphere', 'capsule', 'tapered_capsule', 'cylinder', 'tapered_cylinder', 'cone', 'hull', 'ragdoll'];
@@ -25,11 +26,13 @@ class App {
         this.loop = new Loop(engine, {
             layers: () => engineLayers(this.layers),
             shown: (answer, seconds) => this.show(answer, seconds),
+            between: (share, seconds) => this.view.setPoses(this.slow.at(share), seconds),
             failed: tell,
         });
         this.hand = new Hand(this.loop);
         this.view = new View(element('canvas'), this.hand, (panned) => this.turned(panned));
         this.hand.attach(this.view);
+        this.slow = new Slow();
         this.ledger = new Ledger();
         this.transport = new Transport(this.loop, () => this.link());
         this.keys = new Keys(this.acts(), (controls) => this.loop.do({ do: 'controls', ...controls }));
@@ -115,7 +118,7 @@ class App {
         this.mark(answer);
         renderer.options.dims = this.layers.has('sleep');
         renderer.options.wireframe = this.layers.has('wireframe');
-        this.view.setPoses(answer.numbers('poses'), seconds);
+        this.view.setPoses(this.slow.take(answer.numbers('poses'), this.loop.slow), seconds);
         this.transport.show(header);
         this.panel.show(header.settings);
         this.header = header;
@@ -164,7 +167,7 @@ class App {
     }
 
     setLayers(names) {
-        this.layers = new Set(names);
+        this.layers = new Set(knownLayers(names));
         this.panel.showLayers(this.layers);
         this.link();
         return this.loop.wake();

@@ -6,9 +6,12 @@ const PATIENCE = 24;
 const LEDGER = 120;
 
 export class Loop {
-    /** `layers()` says which sections to draw; `shown(answer, seconds)` shows one; `failed(error)` tells it. */
-    constructor(engine, { layers, shown, failed }) {
-        Object.assign(this, { engine, layers, shown, failed });
+    /**
+     * `layers()` says which sections to draw; `shown(answer, seconds)` shows one; `between(share, seconds)` what
+     * is on the way to it; `failed(error)` tells an error.
+     */
+    constructor(engine, { layers, shown, between, failed }) {
+        Object.assign(this, { engine, layers, shown, between, failed });
         [this.playing, this.speed, this.rate] = [false, 1, 60];
         [this.owed, this.cost, this.ledgerAt] = [0, 1, 0];
         [this.revision, this.opened, this.meshes] = [0, 0, []];
@@ -17,6 +20,11 @@ export class Loop {
 
     clear() {
         [this.commands, this.steps, this.wants] = [[], 0, new Set()];
+    }
+
+    /** Whether there are fewer steps than pictures. */
+    get slow() {
+        return this.playing && this.speed * this.rate < 45;
     }
 
     /** Commands for the next picture. Several `drag`s and `controls` become one. */
@@ -67,6 +75,7 @@ export class Loop {
             steps += whole;
             this.owed = Math.min(this.owed - whole, 1);
         }
+        if (steps === 0 && this.slow) this.between(Math.min(1, this.owed), passed);
         if (steps === 0 && this.playing && this.commands.length === 0 && this.wants.size === 0) {
             this.wake();
             return;

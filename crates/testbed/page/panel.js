@@ -38,15 +38,21 @@ const LAYERS = [
     ['wireframe', 'Wireframe'],
 ];
 /** Those that the page draws by itself, of what it has anyway. */
-const OWN = ['real', 'potential', 'ghosts', 'sleep', 'wireframe'];
-export const LAYER_NAMES = LAYERS.map(([name]) => name);
+const CONTACTS = ['real', 'potential', 'ghosts'];
+const OWN = [...CONTACTS, 'sleep', 'wireframe'];
 /** Layers that are shown at first. */
 export const FIRST_LAYERS = ['sleep'];
+
+/** The layers of a list of names that there are; `contacts` are three. */
+export function knownLayers(names) {
+    const all = [...names].flatMap((name) => (name === 'contacts' ? CONTACTS : [name]));
+    return all.filter((name) => LAYERS.some(([known]) => known === name));
+}
 
 /** The names of layers that an engine has to draw for a set of the page's. */
 export function engineLayers(layers) {
     const asked = [...layers].filter((name) => !OWN.includes(name));
-    return ['real', 'potential', 'ghosts'].some((name) => layers.has(name)) ? ['contacts', ...asked] : asked;
+    return CONTACTS.some((name) => layers.has(name)) ? ['contacts', ...asked] : asked;
 }
 
 export class Panel {

@@ -27,6 +27,7 @@ pub const FILES: &[(&str, &str, &[u8])] = files! {
     "panel.js": SCRIPT,
     "permalink.js": SCRIPT,
     "samples.js": SCRIPT,
+    "slow.js": SCRIPT,
     "transport.js": SCRIPT,
     "worker.js": SCRIPT,
     "draw/camera.js": SCRIPT,

@@ -117,7 +117,7 @@ fn calls_change_what_is_driven_and_limited() {
         let spin = world.angular_velocity(wheel).unwrap();
         assert!((spin - Vec3::X * speed).length() < 1e-4, "{spin} for {speed}");
     }
-    // Without a drive it coasts; without a limit it flies off.
+    // Without a motor it coasts; without a limit it flies off.
     assert_eq!(world.remove_joint_motor(joint, Motion::Angular, Axis::X), Ok(true));
     common::steps(&mut world, 30, DT);
     assert!((world.angular_velocity(wheel).unwrap() - Vec3::X * 3.0).length() < 1e-4);
@@ -128,7 +128,7 @@ fn calls_change_what_is_driven_and_limited() {
     assert_eq!(world.joint_count(), 1);
 }
 
-/// A joint with nothing to it bears nothing, whatever it bore before.
+/// A joint without limits and motors bears nothing, also if it bore something before.
 #[test]
 fn a_joint_that_was_emptied_bears_nothing() {
     let mut world = world(G);

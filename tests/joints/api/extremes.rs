@@ -62,7 +62,7 @@ fn locked_bodies_can_be_joined() {
     }
 }
 
-/// What is asked for at the ends of the ranges that are allowed.
+/// Limits and motors at the ends of the allowed ranges.
 #[test]
 fn extreme_numbers_stay_numbers() {
     let springs = [

@@ -1,4 +1,4 @@
-//! Which handles stay good, and what joints leave behind.
+//! Which handles stay valid, and that removed joints leave nothing behind.
 
 use super::*;
 
@@ -61,7 +61,7 @@ fn handles_go_stale_with_the_joint_with_either_body_and_when_it_breaks() {
         }
         assert!(is_stale(&mut world, joint), "{way}");
         assert_eq!((world.joint_count(), world.contains_joint(keep)), (1, true), "{way}");
-        // Whoever gets the slot next is someone else.
+        // The next joint in the slot has another handle.
         let [d, e] = [4.0, 5.0].map(|x| world.add_body(&ball(DVec3::X * x)).unwrap());
         let next = join(&mut world, [d, e], f32::INFINITY);
         assert!(is_stale(&mut world, joint) && next != joint, "{way}");
@@ -72,7 +72,7 @@ fn handles_go_stale_with_the_joint_with_either_body_and_when_it_breaks() {
     }
 }
 
-/// What the world should know of its joints.
+/// The expected state of a joint.
 struct Expected {
     joint: JointHandle,
     bodies: [BodyHandle; 2],
@@ -109,7 +109,7 @@ fn random_calls_match_a_slow_model() {
                 let pair = [0; 2].map(|_| bodies[random.below(bodies.len())]);
                 let still = pair.iter().all(|&b| world.mass(b) == Ok(0.0));
                 let mut desc = any(pair, &mut random).with_user_data(call);
-                // They fit where they are: what joints do that can't be met is not asked here.
+                // They fit where they are: this is no test of joints that can't be met.
                 let frames = world.frames_at(pair, world.position(pair[1]).unwrap(), Quat::IDENTITY).unwrap();
                 desc.frames = frames;
                 match world.add_joint(&desc) {

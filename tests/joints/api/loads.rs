@@ -1,8 +1,8 @@
-//! What joints bear, report and break at.
+//! Loads that joints bear, report and break at.
 
 use super::*;
 
-/// What acted in the last step starts the next in proportion to its length.
+/// Impulses of the last step start the next in proportion to its length.
 #[test]
 fn steps_of_changing_length_bear_the_same_load() {
     let mut world = world(G);
@@ -109,7 +109,7 @@ fn a_joint_breaks_above_its_strength_and_not_below() {
         let y = world.position(body).unwrap().y;
         assert!(if holds { (y + 1.0).abs() < 1e-3 } else { y < -4.0 }, "{y}");
     }
-    // By torque: m g l. The load comes slowly, since what is suddenly loaded rings.
+    // By torque: m g l. The load comes slowly, since a sudden one rings.
     for (share, holds) in [(1.02, true), (0.98, false)] {
         let mut world = world(0.0);
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();

@@ -1,4 +1,4 @@
-//! Joints as their caller sees them: what is refused, which handles stay good, what is reported.
+//! Joints as their caller sees them: refused calls, valid handles, reports.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

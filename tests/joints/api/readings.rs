@@ -1,8 +1,8 @@
-//! What a joint is and does, as it is read back.
+//! Properties and motion of a joint, as they are read back.
 
 use super::*;
 
-/// Expected: each limit and drive of a description, as it was given, and nothing else; the order is that of
+/// Expected: each limit and motor of a description, as it was given, and nothing else; the order is that of
 /// the documentation.
 #[test]
 fn limits_and_drives_are_read_as_they_were_given() {
@@ -53,7 +53,7 @@ fn limits_and_drives_are_read_as_they_were_given() {
     assert_eq!(world.remove_joint_limit(joints[6], Motion::Linear, Axes::One(Axis::Y)), Ok(true));
     assert_eq!(world.remove_joint_limit(joints[6], Motion::Linear, Axes::One(Axis::Y)), Ok(false));
     assert_eq!(read(&world, joints[6]).0, [Axis::X, Axis::Z].map(|axis| lock(Motion::Linear, axis)));
-    // What restricts nothing is not kept.
+    // A limit that restricts nothing is not kept.
     let free = Limit::new(Motion::Linear, Axes::One(Axis::Z), f32::NEG_INFINITY, f32::INFINITY);
     world.set_joint_limit(joints[6], free).unwrap();
     assert_eq!(read(&world, joints[6]).0, [lock(Motion::Linear, Axis::X)]);
@@ -155,8 +155,8 @@ fn speeds_are_the_rates_of_displacements() {
     }
 }
 
-/// Statics: what hangs pulls with m g, in every step. Three joints side by side: one asks for less than it
-/// bears, one for more, one not at all; a fourth breaks.
+/// Statics: a hanging body pulls with m g, in every step. Three joints side by side: one asks for less than
+/// it bears, one for more, one not at all; a fourth breaks.
 #[test]
 fn joints_above_their_thresholds_are_reported() {
     let mut world = world(G);
@@ -194,7 +194,7 @@ fn joints_above_their_thresholds_are_reported() {
     world.set_joint_thresholds(below, none, none).unwrap();
     world.step(DT).unwrap();
     assert_eq!(world.strained_joints().len(), 1);
-    // A torque: what is fixed an arm of half a metre away bears m g / 2.
+    // A torque: a weld an arm of half a metre away bears m g / 2.
     let body = world.add_body(&ball(DVec3::new(0.5, 5.0, 0.0))).unwrap();
     let frames = [Frame::at(Vec3::Y * 5.0), Frame::at(Vec3::NEG_X * 0.5)];
     let desc = JointDesc::fixed([ground, body], frames).with_thresholds(none, 0.45 * weight);
@@ -215,7 +215,7 @@ fn joints_above_their_thresholds_are_reported() {
     assert!(world.strained_joints().is_empty());
 }
 
-/// What sleeps is not solved, and not reported; it is when it wakes.
+/// A sleeping joint is not solved and not reported; it is when it wakes.
 #[test]
 fn joints_that_sleep_are_not_reported() {
     let settings = Settings::default().with_sleeping(true).with_gravity(Vec3::Y * -G as f32);

@@ -84,7 +84,7 @@ fn bad_drives() -> Vec<Motor> {
     all
 }
 
-/// What is refused leaves no trace: not in the counts, not in the bytes, not in the bits of what follows.
+/// Refused calls leave no trace: not in the counts, not in the bytes, not in the bits of later steps.
 #[test]
 fn bad_input_is_refused_and_changes_nothing() {
     let run = |bother: bool| {
@@ -177,7 +177,7 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
         before = added;
         assert!(world.memory().total() <= most, "{budget}: {} of {most}", world.memory().total());
         common::steps(&mut world, 3, DT);
-        // What a step needs for them was counted too.
+        // The buffers that a step needs for them were counted too.
         assert!(world.memory().total() <= most, "{budget}: {} of {most}", world.memory().total());
         assert!(common::all_finite(&world));
     }

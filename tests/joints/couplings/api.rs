@@ -1,4 +1,4 @@
-//! Couplings as their caller sees them: what is refused, what goes with what, the same bits again.
+//! Couplings as their caller sees them: refused calls, removal with joints, the same bits again.
 
 use super::*;
 use backstop::{Axes, Budget, Category, Error, Feature, Snapshot};

@@ -102,8 +102,8 @@ fn a_slack_rope_bears_nothing() {
     assert!((tension / (-2.0 * G) - 1.0).abs() < 1e-3, "{tension}");
 }
 
-/// The pulleys hang on a body that is free: a tackle that is dropped. Expected: momentum is what gravity
-/// gives to all three.
+/// The pulleys hang on a body that is free: a tackle that is dropped. Expected: momentum is that which
+/// gravity gives to all three.
 #[test]
 fn the_reaction_goes_to_what_bears_the_pulleys() {
     let mut world = falling();

@@ -1,4 +1,4 @@
-//! Couplings, and what else glTF has no names for, in scenes: written, read back, and refused.
+//! Couplings, and other properties without names in glTF, in scenes: written, read back, and refused.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{
@@ -138,8 +138,8 @@ fn couplings_of_joints_that_are_not_there_are_refused() {
     assert_eq!(written("beyond.gltf", &scene).couplings.len(), 4);
 }
 
-/// A file with two hinges at nodes 1 and 3, what the root and a material have in their extras, and what the
-/// motion of node 2 has.
+/// A file with two hinges at nodes 1 and 3, with extras of the root, of a material and of the motion of node
+/// 2.
 fn file(root: &str, material: &str, motion: &str) -> Result<Scene, SceneError> {
     let text = format!(
         r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0, 4]}}],
@@ -162,7 +162,7 @@ fn file(root: &str, material: &str, motion: &str) -> Result<Scene, SceneError> {
     from_bytes("some.gltf", text.as_bytes(), &|_, _| unreachable!(), &LoadLimits::default())
 }
 
-/// What other programs put into extras is theirs; ours is checked, and each error says where and why.
+/// Extras of other programs are ignored; ours are checked, and each error says where and why.
 #[test]
 fn what_a_file_says_wrongly_is_refused() {
     let motions = |motions: &str| format!(r#"{{"backstop": {{"couplings": [{{"motions": [{motions}]}}]}}}}"#);

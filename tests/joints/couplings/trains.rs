@@ -77,7 +77,7 @@ fn forty_gears_turn_as_one() {
 }
 
 /// Three gears in a ring, of which each would turn the next the other way round, and two ratios for one
-/// pair. Expected: they stand, whatever turns them, and nothing goes to infinity.
+/// pair. Expected: they stand under any torque, and nothing goes to infinity.
 #[test]
 fn gears_that_contradict_each_other_lock() {
     let mut world = weightless();

@@ -154,7 +154,7 @@ fn off_half_a_turn(load: f32, hold: &dyn Fn(JointDesc, f32) -> JointDesc) -> f64
     f64::from(half) - twist(seen(&world, joint).1).abs()
 }
 
-/// Half a turn is half a turn either way: what is held there is not thrown round.
+/// Half a turn is half a turn either way: a body held there is not thrown round.
 #[test]
 fn a_lock_at_half_a_turn_holds() {
     for load in [-1.0, 1.0] {
@@ -199,7 +199,7 @@ fn narrow_and_wide_cones_hold() {
                 println!("{cone} {solver:?} {spin}: {:.2e}, widest {widest:.4}", angle - f64::from(cone));
                 // Stopped from a fall it may give by a little, once.
                 assert!(widest < f64::from(cone) + 0.02, "{cone} {solver:?} {spin}: {widest}");
-                // What spins about its axis goes round, and rests nowhere.
+                // A body that spins about its axis goes round, and rests nowhere.
                 if spin == 0.0 {
                     assert!((angle - f64::from(cone)).abs() < MILLIRADIANS, "{cone} {solver:?}: {angle}");
                 }

@@ -1,4 +1,4 @@
-//! Limits, springs, motors and conservation laws of joints, against what mechanics says.
+//! Limits, springs, motors and conservation laws of joints, against mechanics.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

@@ -1,4 +1,4 @@
-//! Momentum and energy of what is joined and spins.
+//! Momentum and energy of joined bodies that spin.
 
 use super::*;
 
@@ -182,7 +182,7 @@ fn a_rope_keeps_angular_momentum() {
     none(&wrong);
 }
 
-/// What circles at the edge of a cone is turned by it, across its motion, and keeps its speed.
+/// A body that circles at the edge of a cone is turned by it, across its motion, and keeps its speed.
 #[test]
 fn a_cone_does_not_brake_what_circles_in_it() {
     let mut wrong = Vec::new();
@@ -214,7 +214,7 @@ fn a_cone_does_not_brake_what_circles_in_it() {
     none(&wrong);
 }
 
-/// Whatever acts within it: a body without outer forces keeps its momentum.
+/// Bodies without outer forces keep their momentum, with any joints between them.
 #[test]
 fn an_articulated_body_keeps_its_momentum() {
     for solver in SOLVERS {

@@ -72,7 +72,7 @@ fn a_belt_turns_with_its_shape() {
     }
 }
 
-/// A conveyor on a truck: what lies on it moves by the sum of both velocities over a kinematic truck. A free
+/// A conveyor on a truck: a body on it moves by the sum of both velocities over a kinematic truck. A free
 /// truck of mass M on ice is pushed back: with the crate of mass m on the belt, m v + M V = 0 and v - V = 1.
 #[test]
 fn belts_move_on_kinematic_and_dynamic_bodies() {
@@ -128,7 +128,7 @@ fn two_belts_that_meet_add_up() {
     }
 }
 
-/// A belt that starts wakes what sleeps on it, and one that stops lets it sleep again.
+/// A belt that starts wakes the bodies on it, and one that stops lets them sleep again.
 #[test]
 fn a_belt_that_starts_wakes_what_lies_on_it() {
     let mut world = World::new(Settings::default().with_sleeping(true)).unwrap();

@@ -111,7 +111,7 @@ impl Throw {
     }
 }
 
-/// What is wrong with an impact; `Ok(None)` if it was not one impact of one point.
+/// The error of an impact; `Ok(None)` if it was not one impact of one point.
 ///
 /// The impulse is read from the velocity. With it the spin, the speed at the point along the normal, and the
 /// friction must be what Euler's, Newton's and Coulomb's laws say.
@@ -136,7 +136,7 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
         r * DMat3::from_diagonal(throw.inertia) * r.transpose()
     };
     let spin = inertia(now) * w;
-    // Its spin at the impact: what is kept is the angular momentum.
+    // Its spin at the impact: the angular momentum is kept.
     let w = inertia(rotation).inverse() * spin;
     if impacts != 1 || throw.touches_late(dt) || !throw.touches_once(v, w, dt) {
         return None;
@@ -163,7 +163,7 @@ fn judge(throw: &Throw, dt: f64) -> Option<Result<(), String>> {
     }
     let want = -throw.restitution * throw.speed.y;
     let off = (slip.y - want) / -throw.speed.y;
-    // What would gain energy gives back less, and then all that it had.
+    // An impact that would gain energy gives back less, and then all that it had.
     if !(off.abs() < 5e-3 || off < 0.0 && gain > -1e-3) {
         return wrong("Newton: speed", off);
     }

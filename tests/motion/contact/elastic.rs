@@ -1,4 +1,5 @@
-//! What bounces with restitution 1 keeps its energy, however it is hit, and a row of bodies passes motion on.
+//! Bodies that bounce with restitution 1 keep their energy in any impact, and a row of bodies passes motion
+//! on.
 //!
 //! Once a fast pair was stopped in the step of the impact and sent back in the next one. Two balls that met
 //! off centre no longer touched by then, and kept as little as 1.6 % of their energy; a gas of 50 balls kept
@@ -119,7 +120,7 @@ fn gas_of(
     (0..50).map(&mut add).collect()
 }
 
-/// What is lost is what meets more slowly than the threshold: without one, all forty keep 99.997 %.
+/// The loss is that of impacts below the threshold: without one, all forty keep 99.997 %.
 #[test]
 fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
     for (hz, speed) in [(30.0, 5.0), (60.0, 5.0), (120.0, 5.0), (120.0, 10.0)] {
@@ -143,10 +144,10 @@ fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
     }
 }
 
-/// Bodies that turn meet where nobody looked for it, and the guard has to hold one in a thousand. Once it
-/// stopped what it held, and gave it a spin by its momentum where it had never been: hulls kept 90 %,
-/// what is mixed 51 to 65 %. What is lost now is what meets more slowly than the threshold; without one
-/// all keep 99.99 %, but for one at 30 Hz where a row stops what it pushed into the way of a third, as above.
+/// Bodies that turn meet where no contact was found, and the guard has to hold one in a thousand. Once it
+/// stopped these, and gave them a spin by a wrong place: hulls kept 90 %, mixed bodies 51 to 65 %. The loss
+/// now is that of impacts below the threshold; without one all keep 99.99 %, but for one at 30 Hz where a row
+/// stops a body that it pushed into the way of a third, as above.
 #[test]
 fn a_gas_of_elastic_bodies_of_any_shape_keeps_its_energy_for_a_minute() {
     let ball = Geometry::Sphere { radius: 0.2 };
@@ -351,9 +352,9 @@ fn what_whirls_keeps_its_energy_over_ten_bounces() {
     assert!(lost <= 2, "{lost} of 640 lost more than 3 % at 30 Hz");
 }
 
-/// A ball with friction that bounces off the floor at e = 1, by Coulomb's law at the impulse 2 m v: what
-/// slips throughout loses 2 mu v of its speed along the floor and gains 5 mu v / r of spin; what slips by
-/// less than 7 mu v rolls, at 5/7 of its speed and 2/7 of what its spin makes of it (Cross, *Grip-slip
+/// A ball with friction that bounces off the floor at e = 1, by Coulomb's law at the impulse 2 m v: a ball
+/// that slips throughout loses 2 mu v of its speed along the floor and gains 5 mu v / r of spin; one that
+/// slips by less than 7 mu v rolls, at 5/7 of its speed and 2/7 of that of its spin (Cross, *Grip-slip
 /// behavior of a bouncing ball*, 2002, without tangential restitution).
 #[test]
 fn a_ball_with_spin_leaves_the_floor_as_a_hard_one_does() {
@@ -366,7 +367,7 @@ fn a_ball_with_spin_leaves_the_floor_as_a_hard_one_does() {
                 let mut world = world(0.0, 4);
                 let material = bouncy(1.0, mu);
                 world.add_body(&floor.desc(material)).unwrap();
-                // What rolls along x turns about -z.
+                // A ball that rolls along x turns about -z.
                 let ball = dynamic(Geometry::Sphere { radius: r }, material, Vec3::new(0.3, r + 0.5, 0.2));
                 let ball = ball.with_velocity(Vec3::new(along, -fall, 0.0), Vec3::NEG_Z * spin);
                 let ball = world.add_body(&ball).unwrap();
@@ -466,7 +467,7 @@ fn the_number_of_collisions_is_that_of_pi() {
     }
 }
 
-/// Below the threshold nothing bounces, so what bounced comes to rest.
+/// Below the threshold nothing bounces, so bouncing bodies come to rest.
 #[test]
 fn what_bounces_comes_to_rest() {
     for floor in Floor::ALL {

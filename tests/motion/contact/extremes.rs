@@ -1,4 +1,4 @@
-//! Whatever the masses, a step leaves numbers, and what is joined stays joined.
+//! With any masses, a step leaves numbers, and joined bodies stay joined.
 
 use crate::common::{self, all_finite};
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -184,9 +184,9 @@ fn chains_of_other_sizes_bear_any_load() {
 }
 
 /// A chain that is let go bent comes straight all at once: the load stops, and its light links whip. They
-/// came apart then. Joints open by no more than what is left to velocities, half a millimetre. What pulls is
-/// all that gives energy, so none should be gained; measured is 0.11 of what falling gives at most (20 links,
-/// 1 : 1e5, 120 Hz), and below 0.06 in all others but one.
+/// came apart then. Joints open by no more than half a millimetre, which is left to velocities. Only gravity
+/// gives energy, so none should be gained; measured is 0.11 of the energy of the fall at most (20 links, 1 :
+/// 1e5, 120 Hz), and below 0.06 in all others but one.
 #[test]
 fn chains_that_whip_bear_any_load() {
     let (mut wrong, mut damped) = (Vec::new(), 0);
@@ -216,7 +216,7 @@ fn chains_that_whip_bear_any_load() {
     assert!(damped > 0);
 }
 
-/// A chain that swings down from level does not whip: it is solved as it always was, whatever it bears.
+/// A chain that swings down from level does not whip: it is solved as it always was, under any load.
 #[test]
 fn a_chain_that_swings_from_level_is_not_damped() {
     for ratio in [1e2, 1e4, 1e6] {
@@ -273,8 +273,8 @@ fn a_figure_bears_any_load_at_its_foot() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// What no solver can do: forces at the end of what is allowed, on bodies alone, in contact and joined. Every
-/// step leaves numbers, the report says how many bodies lost their motion, and what is sound goes on.
+/// Impossible loads: forces at the end of the allowed range, on bodies alone, in contact and joined. Every
+/// step leaves numbers, the report says how many bodies lost their motion, and the others go on.
 #[test]
 fn no_step_leaves_what_is_no_number() {
     for joined in [false, true] {

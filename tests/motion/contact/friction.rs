@@ -1,5 +1,4 @@
-//! Coulomb's law: sliding distances, the angle of friction, rolling, and what the friction settings say of
-//! themselves.
+//! Coulomb's law: sliding distances, the angle of friction, rolling, and the settings of friction.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

@@ -1,5 +1,5 @@
-//! Friction of impacts: what lands at an angle is slowed and set spinning in the step in which it lands, by
-//! Coulomb's law for impulses, although potential points have no friction while rows are solved.
+//! Friction of impacts: a body that lands at an angle is slowed and set spinning in the step in which it
+//! lands, by Coulomb's law for impulses, although potential points have no friction while rows are solved.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

@@ -1,4 +1,4 @@
-//! Contacts: bouncing, friction, sliding, parting, and what extreme masses do.
+//! Contacts: bouncing, friction, sliding, parting, and extreme masses.
 
 mod belts;
 mod eccentric;

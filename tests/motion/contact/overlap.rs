@@ -7,7 +7,7 @@ use backstop::{BodyDesc, Budget, Geometry, Settings, ShapeDesc, World};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// `Settings::push_speed` says: what overlaps give a body ends at five times that.
+/// `Settings::push_speed` says: overlaps give a body at most five times that.
 const BOUND: f32 = 5.0 * 3.0;
 
 fn crowd(count: usize, spread: f64, geometry: &Geometry, settings: Settings) -> World {
@@ -60,7 +60,7 @@ fn geometry_size(geometry: &Geometry) -> f32 {
 }
 
 /// Six hundred boxes at one point are 180,000 pairs, 160 MB. Expected: within a budget of 16 MB no more is
-/// reserved in any step, and what has no place is counted.
+/// reserved in any step, and omitted contacts are counted.
 #[test]
 fn a_budget_bounds_what_a_crowd_takes() {
     let limit = 16 << 20;
@@ -75,9 +75,9 @@ fn a_budget_bounds_what_a_crowd_takes() {
     assert!(shed > 0);
 }
 
-/// A heavy body that comes fast pushes a crowd as fast as that: the bound is for what overlap gives.
-/// Expected: by the law of impulse, without restitution, what is light ends as fast as what is heavy; and
-/// what stays before the ram is out of it in the end, half of each apart.
+/// A heavy body that comes fast pushes a crowd as fast as that: the bound is for speeds by overlap. Expected:
+/// by the law of impulse, without restitution, light bodies end as fast as the heavy one; and those before
+/// the ram are out of it in the end, half of each apart.
 #[test]
 fn a_crowd_is_pushed_as_fast_as_what_hits_it() {
     let mut world = crowd(30, 0.3, &Geometry::cuboid(0.5, 0.5, 0.5), Settings::default());

@@ -1,4 +1,4 @@
-//! A body that bounces gives back the share of its approach speed that its material says, whatever the step.
+//! A body that bounces gives back the share of its approach speed of its material, at any length of step.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

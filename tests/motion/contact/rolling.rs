@@ -1,4 +1,4 @@
-//! Rolling and spinning friction: what slows a ball on a plane and a top on its tip.
+//! Rolling and spinning friction: they slow a ball on a plane and a top on its tip.
 //!
 //! A torque of at most `b N` resists rolling, where N is the load and b the lever arm of the material. A ball
 //! of mass m, radius r and moment c m r² rolls without slip under friction F and this torque: m a = -F and
@@ -135,8 +135,8 @@ fn a_ball_that_spins_stops_in_the_time_that_its_lever_arm_says() {
     }
 }
 
-/// A floor resists whatever rolls on it, and the larger lever arm counts: by the formula above, with the arm
-/// of the floor.
+/// A floor resists bodies that roll on it, and the larger lever arm counts: by the formula above, with the
+/// arm of the floor.
 #[test]
 fn of_two_lever_arms_the_larger_counts() {
     let way = |of_ball: f32, of_floor: f32| {

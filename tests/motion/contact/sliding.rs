@@ -1,4 +1,4 @@
-//! What slides over a flat mesh feels no edge in it, at any speed; a wall in the same mesh stops it.
+//! A body that slides over a flat mesh feels no edge in it, at any speed; a wall in the same mesh stops it.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::random::Random;
@@ -25,7 +25,7 @@ fn frustum(corners: usize) -> Geometry {
     Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()))
 }
 
-/// What slides on a face.
+/// Shapes that slide on a face.
 fn forms() -> Vec<(&'static str, Geometry)> {
     vec![
         ("box", Geometry::cuboid(0.5, 0.25, 0.4)),
@@ -35,7 +35,7 @@ fn forms() -> Vec<(&'static str, Geometry)> {
     ]
 }
 
-/// What touches in a point or a line, with how it is turned and the height of its centre.
+/// Shapes that touch in a point or a line, with their rotation and the height of their centre.
 fn round_forms() -> Vec<(&'static str, Geometry, Quat, f64)> {
     let capsule = Geometry::capsule(0.5, 0.25);
     let across = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);

@@ -192,7 +192,7 @@ fn an_overdamped_spring_throws_nothing_back() {
     }
 }
 
-/// What swings is not put to sleep: a ball on a spring of 1 Hz without damping moves for a minute, at one
+/// A swinging body is not put to sleep: a ball on a spring of 1 Hz without damping moves for a minute, at one
 /// amplitude.
 #[test]
 fn a_body_that_swings_stays_awake() {
@@ -445,7 +445,7 @@ fn soft_contacts_are_the_same_on_any_threads_and_from_a_snapshot() {
     assert_eq!(twin.material(kept).unwrap(), soft(9.0, 0.2));
     common::steps(&mut twin, 120, dt);
     assert_eq!(poses(&twin, &twins), want);
-    // And what has not rolled off the floor lies on it.
+    // And bodies that have not rolled off the floor lie on it.
     common::steps(&mut twin, 600, dt);
     let on_floor = |at: DVec3| at.x.abs() < 9.9 && at.z.abs() < 9.9;
     let mut lying = 0;

@@ -62,7 +62,7 @@ fn flight(geometry: &Geometry, degrees: f32, before: f32, spin: Vec3, origin: DV
 }
 
 /// At all angles from the normal, at touches early, late and between in the step, with and without spin. By
-/// geometry the centre of what is kept out stays on its side of the wall's face; that it stops there and does
+/// geometry the centre of a stopped body stays on its side of the wall's face; that it stops there and does
 /// not bounce is e = 0.
 #[test]
 fn a_bullet_of_five_millimetres_at_ten_kilometres_a_second_stops_at_a_wall_of_one() {
@@ -81,9 +81,9 @@ fn a_bullet_of_five_millimetres_at_ten_kilometres_a_second_stops_at_a_wall_of_on
                             break;
                         }
                     }
-                    // What tumbles along the wall may lift off again; a ball that doesn't spin has nothing to
-                    // do so with. What it keeps of its speed towards the wall is rounding: single precision
-                    // has 0.001 m/s at 10 km/s.
+                    // A body that tumbles along the wall may lift off again, a ball that doesn't spin can't.
+                    // The rest of its speed towards the wall is rounding: single precision has 0.001 m/s at
+                    // 10 km/s.
                     if spin == Vec3::ZERO && matches!(geometry, Geometry::Sphere { .. }) {
                         let [.., before, last] = places[..] else { continue };
                         let rise = 60.0 * (last.y - before.y);
@@ -109,7 +109,7 @@ fn a_bullet_stops_at_the_same_place_however_far_from_the_origin() {
             for distance in DISTANCES {
                 let far =
                     flight(&geometry, degrees, 83.0, Vec3::ZERO, DVec3::new(distance, -distance, distance));
-                // A ball; what tumbles away from the impact at kilometres a second makes much of a rounding.
+                // A ball; a body that tumbles away from the impact at kilometres a second amplifies rounding.
                 if matches!(geometry, Geometry::Sphere { .. }) {
                     let off = (here[0] - far[0]).length();
                     assert!(off < 1e-4, "{geometry:?} at {degrees} degrees, {distance} m: {off} m off");

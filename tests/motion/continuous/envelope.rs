@@ -50,8 +50,8 @@ fn the_published_map_has_every_cell() {
 
 #[test]
 fn green_cells_hold_in_their_first_seconds() {
-    // What is not lost within a minute is not in three seconds; but how deep bodies are counts only when they
-    // have settled.
+    // A cell that is not lost within a minute is not in three seconds; but depth counts only when bodies have
+    // settled.
     let lost =
         |figures: &[Figure]| figures.iter().any(|f| f.verdict == Verdict::Lost && f.measure != "depth");
     let worse: Vec<_> = green(SECONDS / 20.0).into_iter().filter(|(_, figures)| lost(figures)).collect();
@@ -68,10 +68,10 @@ fn green_cells_are_green() {
 }
 
 /// Lengths and gravity by the same factor: the same motion in units of the scene, by dimensional analysis.
-/// Factors that are powers of two change no rounding, so that even a heap and what tumbles are alike after
-/// ten seconds: what differs is a length, a speed or a mass that the engine compares with a number of its
-/// own. Bullets are alike to the last bit down to a sixteenth: below, squares of impulses that are nearly
-/// zero leave the range of single precision, and what whirls in a corner makes much of that.
+/// Factors that are powers of two change no rounding, so that even a heap and tumbling bodies are alike after
+/// ten seconds: the causes of a difference are a length, a speed or a mass that the engine compares with a
+/// number of its own. Bullets are alike to the last bit down to a sixteenth: below, squares of impulses that
+/// are nearly zero leave the range of single precision, and bodies that whirl in a corner amplify that.
 #[test]
 fn a_scene_scaled_with_its_gravity_is_the_same_run() {
     use backstop::World;

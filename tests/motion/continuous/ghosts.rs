@@ -1,5 +1,5 @@
-//! Nothing is pushed by what it never touches: fast bodies fly through a field of posts and box corners, a
-//! millimetre and more from each, and must stay on the path that they would have alone.
+//! No body is pushed by one that it never touches: fast bodies fly through a field of posts and box corners,
+//! a millimetre and more from each, and must stay on the path that they would have alone.
 //!
 //! That a path is free is shown apart from the engine: each post lies wholly behind a plane along the flight,
 //! and the flyer, in every orientation that it takes while it passes, wholly before it. Both follow from

@@ -140,8 +140,8 @@ fn the_talk_s_method_lets_past_what_misses_the_end_of_a_wall() {
     }
 }
 
-/// Between the posts bodies fly: what they pass must not turn them. A ghost is a body that is turned in an
-/// earlier step than where impacts are met at their times.
+/// Bodies fly between the posts: those that they pass must not turn them. A ghost is a body that is turned in
+/// an earlier step than where impacts are met at their times.
 #[test]
 fn the_gates_of_the_talk_s_method_keep_ghosts_out_of_the_field_of_posts() {
     let scene = builtin::build("posts").unwrap();
@@ -156,7 +156,7 @@ fn the_gates_of_the_talk_s_method_keep_ghosts_out_of_the_field_of_posts() {
         for step in 0..scene.steps {
             world.step(DT).unwrap();
             for ((first, before), now) in first.iter_mut().zip(&start).zip(velocity(&world)) {
-                // More than gravity gives in all steps to what flies at 60 m/s.
+                // More than gravity gives in all steps to a body at 60 m/s.
                 if (now - *before).length() > 0.1 * before.length() {
                     *first = step.min(*first);
                 }
@@ -360,7 +360,7 @@ fn the_method_may_be_changed_between_steps() {
 fn within_a_budget_touches_are_left_out() {
     for method in [LinearCast, ConservativeAdvancement] {
         let scene = builtin::bullets(true);
-        // Half of what the steps would take, on top of what the bodies do.
+        // Half of the bytes that the steps would take, on top of those of the bodies.
         let mut half = None;
         for _ in 0..2 {
             let settings =

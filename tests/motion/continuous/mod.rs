@@ -1,4 +1,4 @@
-//! Continuous collision: nothing gets through, and nothing is pushed by what it never touches.
+//! Continuous collision: nothing gets through, and no body is pushed by one that it never touches.
 
 mod bullets;
 mod envelope;

@@ -47,7 +47,7 @@ fn fly(world: &mut World) {
 }
 
 /// The second of these starts lets a step begin five centimetres before the wall, where the broad phase has
-/// the pair whatever the mode.
+/// the pair in any mode.
 const STARTS: [f64; 2] = [-7.3, -5.05];
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a body meets that the planes of the step's start don't show: a plate that turns under it, and a wall
+//! Obstacles that the planes of the step's start don't show: a plate that turns under it, and a wall
 //! behind which its end is while its centre is in front.
 
 use crate::common::random::Random;
@@ -167,10 +167,9 @@ fn no_rod_is_stuck_with_an_end_behind_a_wall_of_a_v() {
     }
 }
 
-/// Expected: what strikes and is stopped or moved apart keeps or loses energy in that step, whatever way it
-/// was turned at its start: a rod has a hundredth of the inertia about its length that it has across, and
-/// turns by up to 100 rad/s here. One in a hundred is what free turns at this speed may swing by with no
-/// contact.
+/// Expected: a body that strikes and is stopped or moved apart keeps or loses energy in that step, at any
+/// rotation at its start: a rod has a hundredth of the inertia about its length that it has across, and turns
+/// by up to 100 rad/s here. A free rotation at this speed may vary by one in a hundred with no contact.
 #[test]
 fn rods_that_spin_into_each_other_gain_no_energy() {
     let half = Vec3::new(0.02, 0.4, 0.03);

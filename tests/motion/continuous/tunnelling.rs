@@ -61,7 +61,7 @@ fn how_often_the_guard_holds() {
 }
 
 mod moving {
-    //! Where both sides move, or what presses is slow.
+    //! Where both sides move, or the pressing body is slow.
 
     use backstop::glam::{DVec3, Quat, Vec3};
     use backstop::{BodyDesc, BodyHandle, BodyKind, Geometry, Settings, ShapeDesc, TriangleMesh, World};
@@ -327,7 +327,7 @@ mod moving {
                         world.step(1.0 / 60.0).unwrap();
                         for body in [victim, load] {
                             let at = world.centre_of_mass(body).unwrap();
-                            // What the load squeezes out from below it may roll over the edge of the floor.
+                            // Bodies squeezed out by the load may roll over the edge of the floor.
                             let beside = at.x.abs().max(at.z.abs()) > 4.9;
                             let y = at.y;
                             assert!(y > 0.0 || beside, "{floor:?} {geometry:?} {solver:?} step {step}: {y}");

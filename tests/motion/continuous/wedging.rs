@@ -1,5 +1,5 @@
-//! What lands hard on rough ground gets off it again: thin plates and lopsided shapes do not stay stuck in
-//! it.
+//! A body that lands hard on rough ground gets off it again: thin plates and lopsided shapes do not stay
+//! stuck in it.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -15,7 +15,7 @@ const BODIES: usize = 400;
 /// Thrown at 20 to 60 m/s, spinning: the centre of mass of every one stays above the ground, and once they
 /// have come to rest the guard has nothing left to do. A plate of 2 cm overlaps the ground by its whole
 /// thickness as soon as it is stuck, and an upright cone's origin is above its centre of mass, so both are
-/// pushed out only by who knows which side they came from.
+/// pushed out only if the engine knows the side they came from.
 #[test]
 fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
     let terrain = Terrain::bumpy(96, 0.75);
@@ -56,7 +56,7 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
         for (i, &body) in bodies.iter().enumerate() {
             let at = world.centre_of_mass(body).unwrap().as_vec3();
             let over = at.y - terrain.height(at.x, at.z);
-            // What f32 resolves of a height of a few metres.
+            // The resolution of f32 at a height of a few metres.
             fell[i] |= !terrain.contains(at.x, at.z) && over < 0.0;
             assert!(
                 fell[i] || !terrain.contains(at.x, at.z) || over > -1e-5,

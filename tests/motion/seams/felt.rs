@@ -1,4 +1,4 @@
-//! What is no seam is felt: steps, walls, corners, gaps; and a lift of pieces is one surface too.
+//! Steps, walls, corners and gaps are felt, as they are no seams; and a lift of pieces is one surface too.
 
 use super::RATES;
 use super::floors::rough;
@@ -37,8 +37,8 @@ fn furthest(world: &mut World, body: BodyHandle, seconds: f32, hz: f32) -> f64 {
 }
 
 /// A step of 5 mm is none of the gaps that are passed over. Expected: a ball of 25 cm at 2 m/s loses to its
-/// edge what leads into that, 1 - cos(0.2), and climbs: 1.93 m/s are left, less for what a step is long; a
-/// box that strikes it with its side is thrown back, and comes no further than it tips.
+/// edge the speed into it, 1 - cos(0.2), and climbs: 1.93 m/s are left, less by the length of a step; a box
+/// that strikes it with its side is thrown back, and comes no further than it tips.
 #[test]
 fn a_step_is_felt() {
     for hz in RATES {
@@ -118,8 +118,8 @@ fn an_inner_corner_holds() {
     }
 }
 
-/// A lift of boxes that goes along and up. Expected: what slides on it without friction keeps its speed, and
-/// goes up with it.
+/// A lift of boxes that goes along and up. Expected: bodies that slide on it without friction keep their
+/// speed, and go up with it.
 #[test]
 fn a_lift_of_boxes_is_one_surface() {
     for hz in RATES {

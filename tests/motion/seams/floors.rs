@@ -5,7 +5,7 @@ use backstop::glam::{Quat, Vec2, Vec3};
 use backstop::{BodyDesc, ConvexHull, Geometry, HeightField, ShapeDesc, TriangleMesh, World};
 use std::f32::consts::TAU;
 
-/// What a floor is laid with.
+/// The pieces of a floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Tile {
     /// Boxes, each a body.

@@ -1,5 +1,5 @@
-//! Ground of many pieces is one surface: what slides or rolls over its seams goes on as on a plane, and what
-//! is no seam (a step, a wall, a gap) is felt.
+//! Ground of many pieces is one surface: bodies that slide or roll over its seams go on as on a plane, and
+//! steps, walls and gaps are felt.
 
 use crate::common::G;
 use crate::common::random::Random;
@@ -39,7 +39,7 @@ fn slider(kind: usize, size: f32, random: &mut Random) -> (&'static str, Geometr
     }
 }
 
-/// What a slide over a floor came to: speed that was kept, how far it went off its way [rad], and the highest
+/// Result of a slide over a floor: speed that was kept, how far it went off its way [rad], and the highest
 /// and the lowest that its centre was above where it lies [m].
 #[derive(Clone, Copy, Debug)]
 struct Slide {
@@ -79,7 +79,7 @@ fn slides(seed: u64, count: usize) -> usize {
             .with_position(at)
             .with_rotation(rotation)
             .with_velocity(Vec3::X * speed, Vec3::ZERO);
-        // What stands on a point falls over: a character does not.
+        // A body on a point falls over: a character does not.
         let stands = name == "capsule that stands";
         let body = body.with_lock_rotation([stands; 3]).with_shape(rough(geometry, 0.0));
         let body = world.add_body(&body).unwrap();
@@ -154,7 +154,7 @@ fn rolling(seed: u64, count: usize, one: Option<f32>) -> usize {
         };
         let went = run(false, &mut random);
         let plane = run(true, &mut random);
-        // What lies on a line of a few decimetres goes straight on by nothing but that line.
+        // A body on a line of a few decimetres goes straight on by nothing but that line.
         let kept = |slide: &Slide| slide.kept.hypot(slide.aside);
         let slower = (kept(&went) - kept(&plane)).abs() > 5e-3;
         if slower || went.rise > 1e-3 + 2.0 * plane.rise.max(0.0) || went.aside.abs() > 0.05 {
@@ -231,15 +231,14 @@ fn over_hills(seed: u64, count: usize) -> usize {
 
 /// Boxes, balls, capsules, cylinders, cones and hulls without friction, at 1 to 100 m/s, over floors of
 /// boxes, hulls, meshes and height fields of 0.3 to 4 m with gaps and steps of up to 1 mm. Expected: as on a
-/// plane: the speed to a tenth of a percent, beside what steps down and up give and take, and no centre more
-/// than a millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m
-/// high.
+/// plane: the speed to a tenth of a percent, beside the changes by steps down and up, and no centre more than
+/// a millimetre higher. Before, a box at 5 m/s stopped at the first seam, and at 20 m/s it flew 5 m high.
 #[test]
 fn what_slides_over_a_floor_of_pieces_goes_on_as_on_a_plane() {
     assert_eq!(slides(1, 300), 0);
 }
 
-/// The same for six thousand. Expected: no more than two in a thousand are off, by what a body that leans on
+/// The same for six thousand. Expected: no more than two in a thousand are off, by the speed that a body on
 /// the border of a piece gains or loses.
 #[test]
 #[ignore = "takes minutes"]
@@ -249,7 +248,7 @@ fn thousands_that_slide_over_a_floor_of_pieces_go_on() {
 
 /// Balls, capsules and cylinders that roll over the same floors without steps, and on one mesh of fine
 /// triangles. Expected: as fast as on a plane to half a percent, and no higher than a millimetre and twice
-/// what they rise there; on one mesh all of them, on pieces at least nineteen of twenty.
+/// their rise there; on one mesh all of them, on pieces at least nineteen of twenty.
 #[test]
 fn wheels_roll_over_seams_as_on_a_plane() {
     assert!(rolling(1, 100, None) <= 5);
@@ -257,8 +256,9 @@ fn wheels_roll_over_seams_as_on_a_plane() {
     assert!(rolling(1, 40, Some(1.0)) == 0);
 }
 
-/// What slides over hills of chunks. Expected: as over the same hills of one mesh, within a twentieth of the
-/// speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes off.
+/// Bodies that slide over hills of chunks. Expected: as over the same hills of one mesh, within a twentieth
+/// of the speed, and as close to the ground to 5 cm; nineteen of twenty, because paths part where one takes
+/// off.
 #[test]
 fn hills_of_chunks_are_those_of_one_mesh() {
     assert!(over_hills(1, 40) <= 2);

@@ -1,4 +1,4 @@
-//! What rests across seams, shapes that are near many pieces, and the same bits.
+//! Rest across seams, shapes that are near many pieces, and the same bits.
 
 use super::RATES;
 use super::floors::{Floor, Tile, rough};

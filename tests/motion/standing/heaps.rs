@@ -88,7 +88,7 @@ fn heaps_of_planks_come_to_rest() {
 
 /// Heaps of a hundred thin planks at three rates, thirteen seconds after the last has fallen. Expected: at
 /// rest, in three of four, and the others below a centimetre a second. Before, the lasting forces of contacts
-/// followed what they measured, and squeezed what was wedged until it slipped, for ever: 1 to 11 mm/s in
+/// followed the measured impulses, and squeezed wedged planks until they slipped, for ever: 1 to 11 mm/s in
 /// every heap.
 #[test]
 fn heaps_of_a_hundred_thin_planks_come_to_rest() {

@@ -31,7 +31,7 @@ fn tower(unit: f32, random: &mut Random) -> (World, Vec<BodyHandle>) {
 }
 
 /// A block of every layer but the highest: the middle one or one at a side, as chance has it, but none at a
-/// side where the layer below lacks one, so that the centre of what is above stays within what bears it.
+/// side where the layer below lacks one, so that the centre of the layers above stays within their support.
 fn some_of_each(blocks: &[BodyHandle], random: &mut Random) -> Vec<BodyHandle> {
     let mut at_side = false;
     let mut place = || {
@@ -65,8 +65,8 @@ fn towers_that_lack_blocks_stand() {
 }
 
 /// The same towers stand when these blocks go one after another while they stand, one every 2 s: removed, or
-/// disabled in every other layer. Expected: as above, since what is left bears the rest by statics at once.
-/// With the loads of before, springs alone would bear the difference, and small towers topple.
+/// disabled in every other layer. Expected: as above, since the remaining blocks bear the others by statics
+/// at once. With the loads of before, springs alone would bear the difference, and small towers topple.
 ///
 /// Not those of 1 cm at 30 and 60 Hz nor of 4 cm at 30 Hz: see docs/decisions/statics.md. The springs are as
 /// stiff as substeps allow, so they give way under a block by a share of its height that goes with one over

@@ -15,7 +15,7 @@ enum Ground {
     Slope,
     /// An uneven mesh with walls.
     Mesh,
-    /// A plane without walls: what rolls would roll away.
+    /// A plane without walls: round bodies would roll away.
     Plane,
 }
 
@@ -92,7 +92,7 @@ impl Thing {
     }
 }
 
-/// A tray of 3 m, or what stands for it, with friction 0.6.
+/// A tray of 3 m, or its replacement, with friction 0.6.
 fn lay(world: &mut World, ground: Ground, random: &mut Random) {
     let turn = Quat::from_rotation_z(if ground == Ground::Slope { 0.26 } else { 0.0 });
     let mut fixed = |geometry: Geometry, at: Vec3| {
@@ -127,7 +127,7 @@ fn lay(world: &mut World, ground: Ground, random: &mut Random) {
     }
 }
 
-/// What is thrown, and how it fares from ten seconds after it has fallen.
+/// The thrown bodies, and their motion from ten seconds after their fall.
 struct Heap {
     thing: Thing,
     ground: Ground,
@@ -179,7 +179,7 @@ impl Heap {
             *step += 1.0;
             if *step > from {
                 cuts += world.report().cut;
-                // Some of what falls from above the walls lands beyond them, and rolls away.
+                // Some bodies that fall from above the walls land beyond them, and roll away.
                 let near = |body: &&BodyHandle| world.position(**body).unwrap().length() < 5.0;
                 for &body in bodies.iter().filter(near) {
                     let speed = world.linear_velocity(body).unwrap().length();
@@ -246,7 +246,7 @@ fn what_is_pushed_out_of_others_is_not_held_in_the_air() {
 }
 
 /// Heaps of 100 of every kind on every ground, for two minutes. Expected: ten seconds after the fall nine of
-/// ten are at rest, and after two minutes no fewer. What rolls is left out on a plane: it rolls away.
+/// ten are at rest, and after two minutes no fewer. Round bodies are left out on a plane: they roll away.
 #[test]
 #[ignore = "takes a quarter of an hour: `scripts/reliability rest`"]
 fn large_heaps_of_every_kind_rest_for_two_minutes() {

@@ -1,4 +1,4 @@
-//! What stands: rest, stability, and which rows are obeyed best.
+//! Structures: rest, stability, and which rows are obeyed best.
 
 mod heaps;
 mod jenga;

@@ -1,5 +1,5 @@
-//! What is solved last is obeyed best: a motor that is far too strong pulls the joint apart, not the door
-//! through the wall.
+//! Rows that are solved last are obeyed best: a motor that is far too strong pulls the joint apart, not the
+//! door through the wall.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
@@ -75,7 +75,7 @@ fn drive(world: &mut World, doors: &mut [Door]) {
 
 /// The door's weight, hung on its edge, makes two hundred newton metres.
 const TORQUE: f32 = 5e4;
-/// What stays on its side is beyond by less than this; what does not, by more: the near face of its edge too,
+/// A body that stays on its side is beyond by less than this, another by more: the near face of its edge too,
 /// 1 cm from its middle [m].
 const STAYS: f32 = 0.001;
 const PASSES: f32 = 0.01;
@@ -124,9 +124,9 @@ fn pressed(force: f32, facing: f32) -> f64 {
 
 /// The predicted paths of limbs, which know of no joint, missed the wall that they were next to, so that
 /// there was no contact when the joints led them into it: 45 mm deep, which is the radius of the thinnest
-/// limb. A motor that presses with 7 to 18 times the weight of the figure, which is 850 N, drives what is
-/// caught between hips and wall in by 10 to 40 mm/s until it slips out: 8 iterations do not bring both to
-/// agree. So one pose in 27 gets deeper than 5 mm.
+/// limb. A motor that presses with 7 to 18 times the weight of the figure, which is 850 N, presses a limb
+/// between hips and wall in by 10 to 40 mm/s until it slips out: 8 iterations do not bring both to agree. So
+/// one pose in 27 gets deeper than 5 mm.
 ///
 /// Ways to face are spread over the circle: a figure that faces along the wall or across it stays in a plane
 /// as long as rounding keeps it there, and tells nothing about any other.
@@ -161,13 +161,13 @@ fn a_joint_that_is_solved_after_walls_drives_its_door_into_them_and_no_other() {
         let mut world = world(Order::default(), solver);
         let mut doors = [0.0, 10.0, 20.0].map(|z| Door::new(&mut world, DVec3::Z * z, TORQUE));
         world.set_joint_solved_after(doors[1].hinge, Some(PotentialStaticContacts)).unwrap();
-        // Above what comes before walls changes nothing for them.
+        // A place before walls changes nothing for them.
         world.set_joint_solved_after(doors[2].hinge, Some(PotentialContacts)).unwrap();
         drive(&mut world, &mut doors);
         let beyond = doors.map(|door| door.beyond);
         println!("{solver:?}: {beyond:?} m beyond");
         assert!(beyond[0] < STAYS && beyond[2] < STAYS, "{solver:?}: {beyond:?}");
-        // To the bit what it does where all joints come last.
+        // To the bit as where all joints come last.
         assert_eq!(beyond[1], all_doors[0].beyond, "{solver:?}");
         // Its motor is solved along with its hinge and no harder than it is allowed to turn: by millimetres,
         // not through.
@@ -260,7 +260,7 @@ fn bodies_solved_after_a_group_are_the_same_at_any_number_of_threads() {
             })
             .collect();
         (0..60).for_each(|_| assert!(world.step(1.0 / 60.0).is_ok()));
-        // One that is removed takes what it asks for with it.
+        // A removed one takes its order with it.
         world.remove_body(cubes[3]).unwrap();
         (0..30).for_each(|_| assert!(world.step(1.0 / 60.0).is_ok()));
         let left = cubes.iter().filter(|&&cube| world.contains(cube));

@@ -1,10 +1,10 @@
-//! What stands stays standing: two minutes of it, at several rates.
+//! Structures stay standing: for two minutes, at several rates.
 //!
 //! Stacks used to sway themselves over within a minute, from a lean of a micrometre
-//! (docs/decisions/frozen-contacts.md). Rigid blocks on top of each other have no way to move, so what is
-//! expected is zero, and since their loads are known from the first step on (docs/decisions/statics.md) it is
-//! zero but for what single precision and springs under uneven loads leave of it: some hundredths of a
-//! millimetre. The bounds are ten to a hundred times that.
+//! (docs/decisions/frozen-contacts.md). Rigid blocks on top of each other have no way to move, so the
+//! expected motion is zero, and since their loads are known from the first step on
+//! (docs/decisions/statics.md) it is zero but for single precision and springs under uneven loads: some
+//! hundredths of a millimetre. The bounds are ten to a hundred times that.
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common::{self, random::Random};
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -196,8 +196,8 @@ fn alternating(step: u32) -> f32 {
 }
 
 /// Once a spring was as stiff as each substep allows, held loads were compared in units of two substeps, and
-/// what stopped the last of a velocity was warm-started as if it were a load: the towers of 10 and 8 fell
-/// after 87 and 80 s.
+/// the impulse that stopped the last of a velocity was warm-started as if it were a load: the towers of 10
+/// and 8 fell after 87 and 80 s.
 #[test]
 fn towers_stand_through_hitches() {
     for boxes in [2, 5, 10, 20, 30] {
@@ -232,7 +232,7 @@ fn random_step(step: u32, least: f32, most: f32) -> f32 {
     Random(u64::from(step)).range(least, most)
 }
 
-/// Springs follow the usual substep; since they bear no part of a known load, what stands does not.
+/// Springs follow the usual substep; since they bear no part of a known load, standing bodies do not.
 #[test]
 fn what_stands_does_so_at_random_steps() {
     for boxes in [10, 20] {

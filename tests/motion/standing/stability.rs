@@ -27,7 +27,7 @@ fn rate_squared(length: f64, radius: f64) -> f64 {
     common::G * length / (0.4 * radius * radius + length * length)
 }
 
-/// The instrument itself, on what can be calculated: a pendulum upside down grows with the root of m g l / I.
+/// The instrument itself, on a known case: a pendulum upside down grows with the root of m g l / I.
 #[test]
 fn a_pendulum_upside_down_grows_as_theory_has_it() {
     let world = pendulum(1.0, Geometry::Sphere { radius: 0.2 });

@@ -48,7 +48,7 @@ fn a_tower_of_thirty_boxes_stands_for_twenty_seconds() {
                 "{substeps} substeps, {second} s: {side} m aside, {down} m down"
             );
         }
-        // And it is not on its way down: what it sinks under its new weight it rises again.
+        // And it is not on its way down: it rises again after it sinks under its new weight.
         assert!(way[19][1] < way[9][1] + 1e-4, "{way:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What is added beyond the budget is refused by the category that is short, and nothing has changed.
+//! Additions beyond the budget are refused by the category that is short, and nothing has changed.
 
 use crate::common;
 
@@ -37,7 +37,7 @@ fn state(world: &World) -> (Vec<u8>, backstop::MemoryReport, u64) {
     (snapshot.to_whole_bytes(), world.memory(), world.state_hash())
 }
 
-/// Gives a category no more than it has, and looks what a call says and changes.
+/// Gives a category no more than it has, and checks the result and the effects of a call.
 #[track_caller]
 fn refuses<T: std::fmt::Debug>(
     world: &mut World,
@@ -119,7 +119,7 @@ fn the_whole_names_who_asks_for_most() {
         other => panic!("{other:?}"),
     }
     assert!(before == state(&world));
-    // What fits in all may still be too much for one.
+    // Bodies that fit in the total may still be too many for one category.
     limit(&mut world, Budget::total(used + (1 << 24)).with(Category::Meshes, 5000));
     match world.add_body(&terrain) {
         Err(Error::Budget { category: Category::Meshes, asked, left: 5000 }) => assert!(asked > 5000),
@@ -129,7 +129,7 @@ fn the_whole_names_who_asks_for_most() {
     world.add_body(&terrain).unwrap();
 }
 
-/// What is asked for is what is taken: nothing else of a body grows in a step.
+/// The reserved bytes are all that is taken: nothing else of a body grows in a step.
 #[test]
 fn what_is_asked_for_is_taken_and_no_more() {
     let (mut world, _) = world();

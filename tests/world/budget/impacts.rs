@@ -1,4 +1,4 @@
-//! Impacts that are met at their times need memory of their own: what is left out for want of it is told.
+//! Impacts that are met at their times need memory of their own: omissions for want of it are reported.
 
 use crate::common;
 

@@ -1,4 +1,4 @@
-//! A step keeps to the budget: what doesn't fit is left out, in an order that nothing but the world decides.
+//! A step keeps to the budget: contacts that don't fit are left out, in an order that only the world decides.
 
 use crate::common;
 
@@ -14,7 +14,7 @@ fn settings(budget: Option<usize>, threads: usize) -> Settings {
     Settings::default().with_budget(budget).with_threads(threads)
 }
 
-/// What a run shows: hash, what was shed step by step, the most memory after a step and before the first one.
+/// Results of a run: hash, what was shed step by step, the most memory after a step and before the first one.
 #[derive(Debug, PartialEq)]
 struct Run {
     hash: u64,
@@ -83,7 +83,7 @@ fn bullets_on_a_mesh_keep_to_the_budget_and_to_their_side() {
             assert!(used <= budget, "{used} of {budget} at {share}");
             for body in world.bodies() {
                 let at = world.centre_of_mass(body).unwrap();
-                // The floor ends 200 m from the middle; who flew off it may fall.
+                // The floor ends 200 m from the middle; a body that flew off it may fall.
                 assert!(at.y > -0.001 || at.x.abs().max(at.z.abs()) > 199.0, "{at} at {share}");
             }
         });
@@ -103,7 +103,7 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
             let figure = Skeleton::humanoid();
             figure.add_to(&mut world, at, Quat::from_rotation_x(i as f32), Vec3::Y * -20.0).unwrap();
         }
-        // In its first step the batches of joints get what adding them reckoned with.
+        // In its first step the batches of joints get the bytes that adding them reserved.
         world.step(DT).unwrap();
         let first = world.memory().total();
         let budget = more.map_or(1 << 30, |more| first + more);
@@ -118,7 +118,7 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
                 assert!(at.y > -0.001, "{at}: {more:?}");
             }
         }
-        // What the least important rows gave up may be less than there was.
+        // The least important rows may have given up less than they had.
         (world.memory().total().saturating_sub(first), shed)
     };
     let (wanted, shed) = run(None);
@@ -130,7 +130,7 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
     }
 }
 
-/// What lies on the floor bears what lies on it: support is the last that goes.
+/// Bodies on the floor bear those above: support is the last that goes.
 #[test]
 fn a_pile_that_lacks_memory_still_lies_on_its_floor() {
     let scene = common::small_pile();
@@ -151,7 +151,7 @@ fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
     common::steps(&mut world, 30, DT);
     let used = world.memory().total();
     world.set_settings(settings(Some(used / 2), 1)).unwrap();
-    // What each body can't do without may still be widened, once.
+    // Columns that each body needs may still grow, once.
     world.step(DT).unwrap();
     let used = world.memory().total();
     let mut shed = 0;

@@ -1,5 +1,5 @@
-//! What takes memory once bodies are there asks the budget too: restoring, the tree of queries, what settings
-//! switch on, bodies that are enabled again. These took it unasked.
+//! Later memory is within the budget too: restoring, the tree of queries, parts that settings switch on,
+//! bodies that are enabled again. These once took it without a check.
 
 use crate::common;
 
@@ -87,7 +87,7 @@ fn another_world_restores_what_its_own_budget_allows() {
         world.step(DT).unwrap();
         assert!(held(&world) <= asked);
     }
-    // What is there already need not be asked for: a further ball is a part of it.
+    // Present buffers need no bytes: a further ball is a part of them.
     let (mut larger, _) = heap(wide());
     larger.add_body(&ball(DVec3::Y * 9.0)).unwrap();
     let used = held(&larger);
@@ -117,7 +117,7 @@ fn a_limit_of_contacts_refuses_a_snapshot_that_has_more() {
     }
 }
 
-/// Restoring each frame in a world that may not take a byte: there is place for whatever it had.
+/// Restoring each frame in a world that may not take a byte: there is place for all that it had.
 #[test]
 fn a_rollback_is_never_refused_in_the_world_that_took_the_snapshot() {
     for sleeping in [false, true] {
@@ -141,7 +141,7 @@ fn a_rollback_is_never_refused_in_the_world_that_took_the_snapshot() {
             world.step(DT).unwrap();
             assert!(held(&world) <= used, "frame {frame}: {} of {used}", held(&world));
         }
-        // A budget below what is there changes nothing about that.
+        // A budget below the present bytes changes nothing about that.
         limit(&mut world, used / 2);
         world.restore(&ring[0]).unwrap();
         assert!(held(&world) <= used);
@@ -165,8 +165,8 @@ fn a_snapshot_that_switches_sleeping_on_comes_back_without_a_byte() {
     assert!(held(&world) <= most);
 }
 
-/// Expected: the first query of a world, and one that meets what is static and new, are refused without
-/// place; later ones take nothing.
+/// Expected: the first query of a world, and one that meets new static bodies, are refused without place;
+/// later ones take nothing.
 #[test]
 fn queries_ask_for_their_tree() {
     let (mut world, bodies) = heap(wide());
@@ -223,8 +223,8 @@ fn what_settings_switch_on_later_is_asked_for() {
     }
 }
 
-/// Expected: bodies that are added to a world that sleeps bring what its first step needs, and waking takes
-/// nothing.
+/// Expected: bodies that are added to a world that sleeps bring the bytes that its first step needs, and
+/// waking takes nothing.
 #[test]
 fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
     let mut world = World::new(wide().with_sleeping(true)).unwrap();
@@ -246,7 +246,7 @@ fn a_world_that_sleeps_keeps_to_its_budget_from_the_first_step_on() {
     assert!(held(&world) <= used);
 }
 
-/// Others took the place meanwhile of what was disabled.
+/// Other bodies meanwhile took the place of the disabled one.
 #[test]
 fn a_body_that_is_enabled_again_asks_for_its_place() {
     let (mut world, bodies) = heap(wide());

@@ -1,4 +1,4 @@
-//! Memory: what a world takes, what it will take, and how it keeps to a budget.
+//! Memory: bytes of a world, their prediction, and how it keeps to a budget.
 
 mod add;
 mod impacts;

@@ -1,5 +1,5 @@
-//! Only what a scene requires is there: a part that nothing asks for has no bytes and no time, one that
-//! something asks for has, and when nobody asks any more it goes again.
+//! Only the parts that a scene needs are there: a part that nothing needs has no bytes and no time, one that
+//! something needs has them, and loses them once nothing needs it.
 
 use crate::common;
 
@@ -12,7 +12,7 @@ use backstop::{
 use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;
-/// Steps after which what was kept for forces and queries goes (`IDLE` in src/body/store.rs), and one.
+/// Steps after which buffers for forces and queries are freed (`IDLE` in src/body/store.rs), and one.
 const IDLE: u32 = 257;
 
 fn smooth(geometry: Geometry) -> ShapeDesc {
@@ -229,7 +229,7 @@ fn locked_axes_and_unequal_moments_are_counted() {
     counted(&world, Feature::GyroscopicTurning, 1);
     let locked = free.with_lock_rotation([true, false, false]);
     let other = world.add_body(&locked).unwrap();
-    // What is locked has no axis that wanders.
+    // A locked body has no axis that wanders.
     counted(&world, Feature::GyroscopicTurning, 1);
     counted(&world, Feature::LockedAxes, 1);
     step(&mut world, 1);
@@ -412,7 +412,7 @@ fn where_nobody_listens_there_are_no_events() {
     present(&world, Feature::ContactEvents, 1);
     timed(&world, Feature::ContactEvents);
     assert_eq!(part(&world, Feature::ContactEvents).bytes, bytes(&world, Category::Events));
-    // What ended with it is still heard of.
+    // Contacts that ended with it are still reported.
     world.remove_body(balls[0]).unwrap();
     step(&mut world, 1);
     assert!(!world.contact_ends().is_empty());
@@ -484,7 +484,7 @@ fn a_tree_for_queries_is_there_while_somebody_asks() {
     present(&world, Feature::Queries, 1);
     assert_eq!(bytes(&world, Category::BroadPhase) - before, part(&world, Feature::Queries).bytes);
     step(&mut world, IDLE - 1);
-    // Who asks now and then keeps it.
+    // A query now and then keeps it.
     assert!(world.cast_ray(&ray, &QueryFilter::default()).unwrap().is_some());
     step(&mut world, 2);
     present(&world, Feature::Queries, 1);

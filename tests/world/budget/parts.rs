@@ -1,4 +1,4 @@
-//! What continuous collision costs is told apart from what discrete physics needs too.
+//! Bytes of continuous collision are told apart from those that discrete physics needs too.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, Bytes, Category, ContinuousMode, Geometry, Settings, ShapeDesc, World};
@@ -48,7 +48,7 @@ fn what_continuous_collision_no_longer_needs_is_free_for_contacts_that_touch() {
     let mut world = volley(ContinuousMode::Segment);
     world.step(1.0 / 60.0).unwrap();
     let then = bytes(&world, Category::Continuous);
-    // Held at the wall by now: what touches needs no continuous collision.
+    // Held at the wall by now: touching bodies need no continuous collision.
     (0..5).for_each(|_| drop(world.step(1.0 / 60.0).map(|_| ())));
     let now = bytes(&world, Category::Continuous);
     assert_eq!(world.report().real, 64);

@@ -1,14 +1,14 @@
-//! A pile that gets less memory than it wants gets worse by and by, not at once. With 80 % of what 300 bodies
-//! wanted beyond their own bytes they lay in each other by 0.68 m: contacts that were found late had no
-//! place, whatever rested on them, and rows went by the order of pairs.
+//! A pile with less memory than it needs gets worse gradually. With 80 % of the bytes that 300 bodies needed
+//! beyond their own they overlapped by 0.68 m: contacts that were found late had no place, also those under
+//! load, and rows went by the order of pairs.
 
 use crate::common::piles::{Of, Pile, Run, SIZE};
 use backstop::Budget;
 
 const PILE: Pile = Pile { of: Of::Boxes, bodies: 300, seed: 1, dt: 1.0 / 60.0 };
 
-/// What a pile shows without a budget, and with shares of what it wants then beyond the bytes that its bodies
-/// have of their own, which are never shed.
+/// Results of a pile without a budget, and with shares of the bytes that it needs then beyond those of its
+/// bodies, which are never shed.
 fn runs(pile: Pile, shares: &[f64]) -> (Run, Vec<Run>) {
     let free = pile.run(Budget::NONE, 1);
     let own = pile.world(backstop::Settings::default().with_budget(Budget::total(1 << 30)));
@@ -37,8 +37,8 @@ fn runs(pile: Pile, shares: &[f64]) -> (Run, Vec<Run>) {
     (free, runs)
 }
 
-/// Expected, by what was asked of budgets: with all of it nothing changes; with 80 % overlaps are at most
-/// twice as deep; with 60 % they are below a tenth of a body. Balls, in the table below, do so too.
+/// Expected of budgets: with all of the bytes nothing changes; with 80 % overlaps are at most twice as deep;
+/// with 60 % they are below a tenth of a body. Balls, in the table below, do so too.
 #[test]
 fn overlaps_deepen_by_and_by() {
     for of in [Of::Boxes, Of::Mixed] {
@@ -65,7 +65,7 @@ fn a_wide_budget_on_a_running_world_changes_nothing() {
     assert_eq!(worlds[0].state_hash(), worlds[1].state_hash());
 }
 
-/// What it takes from share to share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.
+/// Overlap by share, for `docs/memory.md`: piles of 100 to 1,000, at 60 and 30 Hz.
 #[test]
 #[ignore = "a table, of some minutes"]
 fn table() {

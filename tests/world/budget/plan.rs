@@ -1,4 +1,4 @@
-//! What a scene will hold is known before it runs: exactly for what its bodies bring, about for the rest.
+//! The bytes of a scene are known before it runs: exactly those of its bodies, about those of the rest.
 
 use backstop::{Budget, Category, Settings, World};
 use backstop_scene::builtin;

@@ -1,4 +1,4 @@
-//! Rows against rolling and of belts are part of what a budget pays for: a contact has them or is shed.
+//! A budget includes rows against rolling and of belts: a contact has them or is shed.
 
 use crate::common::random::Random;
 use backstop::glam::{DVec3, Vec3};

@@ -1,4 +1,4 @@
-//! What a step leaves out when memory is short: more the less there is, of lower quality, but nothing falls
+//! Omissions of a step when memory is short: more the less there is, of lower quality, but nothing falls
 //! through the ground, and nothing but the world decides.
 
 use crate::common;
@@ -10,7 +10,7 @@ use common::piles::Overlaps;
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
 
-/// What a run shows.
+/// Results of a run.
 #[derive(Debug, PartialEq)]
 struct Run {
     hash: u64,
@@ -124,7 +124,7 @@ fn without_place_for_continuous_collision_the_guard_still_holds() {
         held += world.report().held();
         for body in world.bodies() {
             let at = world.centre_of_mass(body).unwrap();
-            // The floor ends 200 m from the middle; who flew off it may fall.
+            // The floor ends 200 m from the middle; a body that flew off it may fall.
             assert!(at.y > -0.001 || at.x.abs().max(at.z.abs()) > 199.0, "{at}");
         }
     });

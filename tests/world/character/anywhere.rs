@@ -1,4 +1,4 @@
-//! Far from the origin, with any direction up, and what is refused.
+//! Far from the origin, with any direction up, and refused input.
 
 use super::*;
 

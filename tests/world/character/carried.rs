@@ -1,4 +1,4 @@
-//! Ground that moves, goes, or runs into it; what it pushes itself.
+//! Ground that moves, goes, or runs into it; bodies that it pushes itself.
 
 use super::*;
 

@@ -118,7 +118,7 @@ fn among_what_moves_it_gets_out_again() {
             world.step(DT).unwrap();
             let wish = Vec3::new(random.signed(), 0.0, random.signed()) * 5.0;
             let report = go(&mut character, &world, wish, &mut last);
-            // What it says is what is.
+            // It reports an overlap wherever it is in something.
             assert!(report.overlap > 0.0 || !is_inside(&character, &world));
             assert!(character.feet().y > -0.5 && character.position().is_finite());
             all += 1;

@@ -208,7 +208,7 @@ fn it_pushes_and_is_pushed_out() {
     }
 }
 
-/// Expected: by promise; a cast goes through nothing, whatever the length of its path.
+/// Expected: by promise; a cast goes through nothing, at any length of its path.
 #[test]
 fn nothing_gets_through_the_floor_at_any_rate() {
     let mut random = Random(5);

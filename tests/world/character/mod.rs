@@ -1,4 +1,4 @@
-//! What a character promises: it walks as far as geometry says, over steps and slopes up to its limits, goes
+//! Promises of a character: it walks as far as geometry says, over steps and slopes up to its limits, goes
 //! along with moving ground, and is never in anything.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;
 const G: f32 = 9.81;
-/// What a cast leaves open, for each of a few casts [m].
+/// Gap that a cast leaves, for each of a few casts [m].
 const GAP: f64 = 3e-5;
 
 fn world() -> World {
@@ -62,7 +62,7 @@ fn walk(character: &mut Character, world: &World, velocity: Vec3) -> CharacterRe
     character.walk(world, &QueryFilter::new(), velocity, DT).unwrap()
 }
 
-/// What a game does: the wish across, gravity and what is left of a fall.
+/// The velocity of a game: the wish across, gravity and the rest of a fall.
 fn go(character: &mut Character, world: &World, wish: Vec3, last: &mut Vec3) -> CharacterReport {
     let report = walk(character, world, Vec3::new(wish.x, last.y - G * DT, wish.z));
     *last = report.velocity;

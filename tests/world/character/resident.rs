@@ -90,7 +90,7 @@ fn a_game_with_characters_rolls_back_to_the_same_bits() {
         game.world.snapshot(&mut snapshot);
         let (velocities, size) = (game.velocities.clone(), snapshot.size());
         assert_eq!(game.run(90..200)[..], straight[90..200]);
-        // Who came and changed meanwhile goes, and who went is back.
+        // Characters that came meanwhile are gone, and those that went are back.
         let gone = game.walkers[2];
         game.world.remove_character(gone).unwrap();
         let other = Character::new(CharacterSettings::default(), DVec3::Y * 9.0).unwrap();

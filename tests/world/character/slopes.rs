@@ -45,7 +45,7 @@ fn slopes_cost_nothing_up_to_the_limit_and_are_walls_beyond() {
             } else {
                 near(character.feet().y, 0.0, 1e-3);
                 assert!(character.feet().x < 0.0);
-                // Put on it, it slides down, whatever it wants.
+                // Put on it, it slides down, with any wish.
                 let up = DVec3::new(6.0, 6.0 * tangent + round, 0.0);
                 character = character_at(up, settings);
                 last = Vec3::ZERO;
@@ -140,7 +140,7 @@ fn on_steep_and_ridged_terrain_it_is_never_in_anything() {
                 let at = character.position().as_vec3();
                 assert!(!is_inside(&character, &world), "{limit} {step} {report:?}");
                 assert!(f64::from(terrain.height(at.x, at.z)) < character.feet().y + 0.4, "{at}");
-                // Who falls long has got stuck where nothing counts as ground.
+                // A character that falls for long has got stuck where nothing counts as ground.
                 assert!(last.y > -25.0, "{limit} {step} {at}");
                 all += 1;
                 off += u32::from(report.ground.is_none());

@@ -1,4 +1,4 @@
-//! What breaks or wakes in a step takes effect once its bodies have moved.
+//! Breaking and waking in a step take effect once its bodies have moved.
 //!
 //! Seen: a coupling between sleeping bodies was weakened below what it bore; it broke in the next step, after
 //! motions were predicted, and woke bodies of which the step then read motions that nobody had predicted.
@@ -45,7 +45,7 @@ const HALVES: [Vec3; 2] = [Vec3::splat(0.3), Vec3::new(0.1, 0.3, 0.6)];
 const MODES: [ContinuousMode; 3] =
     [ContinuousMode::Discrete, ContinuousMode::Segment, ContinuousMode::Volume];
 
-/// Expected: a strength wakes what hangs on a coupling, as that of a joint does; the rope bears the weight of
+/// Expected: a strength wakes the bodies of a coupling, as that of a joint does; the rope bears the weight of
 /// one block on either side, far more than 1 N, so it breaks in the next step, in which both still hang; then
 /// they fall freely, by g t² / 2.
 #[test]
@@ -73,9 +73,9 @@ fn a_rope_that_is_weakened_while_its_blocks_sleep_breaks_in_the_next_step() {
     }
 }
 
-/// What hangs on a kinematic body sleeps, and that begins to turn: 30 rad/s at an arm of 1 m are 900 m/s²,
-/// which take 58 kN of 64 kg, more than the joint bears. Expected: it breaks in that step; what slept is
-/// awake after it, and from then on falls, by g dt a step.
+/// A body that hangs on a kinematic body sleeps, and the latter begins to turn: 30 rad/s at an arm of 1 m are
+/// 900 m/s², which take 58 kN of 64 kg, more than the joint bears. Expected: it breaks in that step; the
+/// sleeper is awake after it, and from then on falls, by g dt a step.
 #[test]
 fn a_joint_of_a_sleeping_body_breaks_by_what_it_hangs_on() {
     for mode in MODES {

@@ -1,12 +1,12 @@
-//! What holds of each call: its numbers are checked, a value that is no other changes nothing, and what it
-//! has break or wake disturbs no step.
+//! Rules for each call: its numbers are checked, a value that is already set changes nothing, and objects
+//! that it breaks or wakes disturb no step.
 
 mod breaking;
 mod numbers;
 mod same_values;
 mod tables;
 
-/// Every public method of `World` that takes a number, or what has numbers in it, is called in `numbers.rs`,
+/// Every public method of `World` that takes a number, or an object with numbers, is called in `numbers.rs`,
 /// or stands here with the one whose checks it makes.
 #[test]
 fn no_method_with_numbers_is_forgotten() {

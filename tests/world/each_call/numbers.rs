@@ -87,7 +87,7 @@ impl Content {
     }
 }
 
-/// Calls with one number at a place of one of them; they may have answered with what is not finite.
+/// Calls with one number at a place of one of them; they may have returned numbers that are not finite.
 type Call = Box<dyn Fn(&mut Content, f64) -> Result<bool, Error>>;
 
 /// Calls by name.
@@ -129,7 +129,7 @@ impl Calls {
     }
 }
 
-/// Numbers of what is added.
+/// Numbers of added objects.
 fn added(calls: &mut Calls) {
     for axis in 0..3 {
         calls.desc(&format!("position {axis}"), move |desc, x| desc.position[axis] = x);
@@ -360,7 +360,7 @@ fn coupled(calls: &mut Calls) {
         let [mut one, other] = desc.motions;
         one.factor = x;
         let range = Some([-1.0, x]);
-        // What is refused leaves the old one.
+        // A refused number leaves the old one.
         let new = CouplingDesc::new([one, other]).with_range(range);
         let added = c.world.add_coupling(&new);
         if added.is_err() {
@@ -478,7 +478,7 @@ fn each_number_of_each_call_is_refused_or_steps_leave_numbers() {
     joined(&mut calls);
     coupled(&mut calls);
     asked(&mut calls);
-    // Hooks: what they are refused is as if they had not said it.
+    // Hooks: a refused number has no effect.
     calls.add("hooks", |c, x| {
         let says = Says(x, Mutex::new(Ok(())));
         c.world.step_with(1.0 / 60.0, &says).map(drop)
@@ -509,7 +509,7 @@ fn each_number_of_each_call_is_refused_or_steps_leave_numbers() {
     assert!(refused > 2 * calls.0.len(), "{refused} of {} calls", calls.0.len());
 }
 
-/// Thirty steps, with a walk in each; what went wrong.
+/// Thirty steps, with a walk in each; returns the first error.
 fn run(content: &mut Content) -> Option<String> {
     for step in 0..30 {
         if !common::all_finite(&content.world) {

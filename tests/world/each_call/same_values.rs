@@ -1,5 +1,5 @@
-//! What a setter is given changes nothing if it is what it was, and a call that makes no sense for a kind of
-//! body has no effect.
+//! A setter changes nothing if the value is already set, and a call that makes no sense for a kind of body
+//! has no effect.
 
 use crate::common::{self, Floor};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};

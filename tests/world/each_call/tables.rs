@@ -9,9 +9,9 @@ pub(super) fn mass() -> MassProperties {
     MassProperties { mass: 1.0, centre_of_mass: Vec3::ZERO, inertia: Mat3::IDENTITY }
 }
 
-/// What a number is called, and what is made of it.
+/// The name of a number, and the object made of it.
 type Of<T> = (&'static str, fn(f32) -> T);
-/// What a number is called, and how it changes something.
+/// The name of a number, and how it changes something.
 type Changed<T> = (&'static str, fn(T, f32) -> T);
 
 pub(super) fn masses() -> [Of<MassProperties>; 8] {

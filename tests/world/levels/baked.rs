@@ -1,4 +1,4 @@
-//! Hulls, meshes and height fields as bytes: what is loaded is what was built, and no bytes do harm.
+//! Hulls, meshes and height fields as bytes: loaded shapes equal built ones, and no bytes do harm.
 
 use super::common::random::Random;
 use backstop::glam::{DVec3, Vec2, Vec3};

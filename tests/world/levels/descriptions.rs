@@ -1,4 +1,4 @@
-//! Descriptions through serde: there and back in text and in bytes, what may be left out, what is refused.
+//! Descriptions through serde: there and back in text and in bytes, optional fields, and refused ones.
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::*;
@@ -75,7 +75,7 @@ fn body() -> BodyDesc {
         .with_user_data(7)
 }
 
-/// A joint with no field at its default, of every kind of limit, drive and spring.
+/// A joint with no field at its default, of every kind of limit, motor and spring.
 fn joint() -> JointDesc {
     let frames = [
         Frame::at(Vec3::new(0.1, 0.2, 0.3)),
@@ -161,7 +161,7 @@ fn unknown_fields_and_values_that_cant_be_are_refused() {
     refused::<Limit>(r#"{"motion": "linear", "axes": "all", "min": "low", "max": 1}"#, "infinity");
     let field = r#"{"columns": 2, "rows": 2, "cell": [1, 1], "heights": [0, 1, 0]}"#;
     refused::<HeightField>(field, "columns times rows");
-    // What is out of range is refused where it is used, as if it came from a builder.
+    // A number out of range is refused where it is used, as if it came from a builder.
     let body: BodyDesc =
         serde_json::from_str(r#"{"shapes": [{"geometry": {"sphere": {"radius": -1}}}]}"#).unwrap();
     assert!(matches!(body.validate(), Err(Error::OutOfRange { what: "sphere radius", .. })));

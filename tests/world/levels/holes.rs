@@ -1,4 +1,4 @@
-//! Holes in height fields: what falls there falls through, all else stays on what is left.
+//! Holes in height fields: bodies above them fall through, all others stay on the remaining cells.
 
 use super::common;
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
@@ -93,8 +93,8 @@ fn queries_see_no_holes() {
     assert!((nearest.distance - 2.0).abs() < 1e-6);
 }
 
-/// A field that is exchanged for one with a hole lets go of what lay there; snapshots tell the two apart, and
-/// the run goes on to the same bits on two threads and from a snapshot.
+/// A field that is exchanged for one with a hole lets go of the bodies that lay there; snapshots tell the two
+/// apart, and the run goes on to the same bits on two threads and from a snapshot.
 #[test]
 fn a_hole_that_opens_lets_go_and_snapshots_know_of_it() {
     let whole = HeightField::new(41, 41, Vec2::splat(0.5), vec![0.0; 41 * 41]).unwrap();

@@ -82,8 +82,8 @@ fn a_box_slides_over_ice_and_stops_on_rubber() {
 }
 
 /// A box that can't yaw slides along the seam between ice and rubber. Expected: a manifold for each material,
-/// both of which bear, and friction of what is on rubber alone: with that share of the load, whatever it is,
-/// it goes v² / (2 share mu g).
+/// both of which bear, and friction of the rubber alone: with its share of the load it goes v² / (2 share mu
+/// g).
 #[test]
 fn a_box_astride_of_two_materials_has_a_manifold_on_each() {
     for ground in &grounds(|_, z| u8::from(z > 0.0), &[rubber()]) {

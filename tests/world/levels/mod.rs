@@ -1,4 +1,4 @@
-//! What levels are made of: shapes from bytes, at another scale and with holes, descriptions from files.
+//! Parts of levels: shapes from bytes, at another scale and with holes, descriptions from files.
 
 use super::common;
 

@@ -1,4 +1,4 @@
-//! Meshes, height fields and hulls at another scale: where bodies come to lie on them, and what they weigh.
+//! Meshes, height fields and hulls at another scale: where bodies come to lie on them, and their masses.
 
 use super::common::{self, G};
 use backstop::glam::{DVec3, Vec2, Vec3};

@@ -1,4 +1,4 @@
-//! Soft materials of triangles and cells: they bear what lies on them as soft shapes do, g / (2 pi f)² deep.
+//! Soft materials of triangles and cells: they bear bodies as soft shapes do, g / (2 pi f)² deep.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 

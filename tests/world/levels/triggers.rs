@@ -1,4 +1,4 @@
-//! Sensors that notice what is static: triggers of a level, and sensors that come into its ground.
+//! Sensors that notice static bodies: triggers of a level, and sensors that come into its ground.
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
@@ -233,7 +233,7 @@ fn a_sensor_keeps_the_ground_while_it_sleeps() {
     }
 }
 
-/// A static sensor in a kinematic half-space and a static door, also if it no longer asks for what is static
+/// A static sensor in a kinematic half-space and a static door, also if it no longer senses static bodies
 /// when it is removed. Expected: whichever goes first, each begin has one end, with the same handles.
 #[test]
 fn what_a_removed_sensor_saw_ends_with_it() {

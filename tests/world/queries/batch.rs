@@ -12,7 +12,7 @@ fn bits_of(hit: &Option<RayHit>) -> Option<HitBits> {
     })
 }
 
-/// A crowd on a field, above meshes rough and flat, with a plane, a sensor, and some who are there twice.
+/// A crowd on a field, above meshes rough and flat, with a plane, a sensor, and some bodies twice.
 fn crowd_and_meshes(centre: DVec3) -> World {
     let order: Vec<usize> = (0..300).collect();
     let mut world = crowd(centre, 11, &order);

@@ -1,4 +1,4 @@
-//! What queries promise: exact answers on every shape, filters, the world as it is now, far from the origin
+//! Promises of queries: exact answers on every shape, filters, the world as it is now, far from the origin
 //! as near it, clear errors, any thread, any order. `src/query/tests.rs` checks them against all shapes one
 //! by one and against dense samples; here another library has its say as well.
 

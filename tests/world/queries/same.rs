@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Who answered, numbers of bodies in place of handles, which differ from world to world; and the numbers.
+/// The bodies that were hit, numbers in place of handles, which differ from world to world; and the numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Answer {
     who: Vec<u64>,
@@ -128,7 +128,7 @@ fn any_number_of_threads_may_ask() {
     for _ in 0..5 {
         let fresh = crowd(DVec3::ZERO, 13, &order);
         drop(fresh);
-        // The first to ask makes the tree, whoever that is.
+        // The first query makes the tree, on any thread.
         let world_ref = &world;
         let all: Vec<Vec<Answer>> = std::thread::scope(|scope| {
             let asked: Vec<_> =

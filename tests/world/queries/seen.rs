@@ -1,4 +1,4 @@
-//! What a query sees: what the filter leaves, the world as it is now, what sleeps.
+//! Shapes that a query sees: those that the filter leaves, in the world as it is now, asleep or not.
 
 use super::*;
 
@@ -49,7 +49,7 @@ fn filters_leave_out_what_they_say() {
     let says = |body: BodyHandle, asked: ShapeHandle| body != kinematic && asked != shape;
     assert_eq!(order(&ALL().with_predicate(&says)), [red, fixed]);
     assert_eq!(order(&ALL().with_predicate(&|_, _| false)), []);
-    // A handle of another world's, or of what is gone, excludes nothing.
+    // A handle of another world's, or of a removed body, excludes nothing.
     let mut gone = self::world();
     let other = (0..9).map(|_| add(&mut gone, BodyDesc::fixed(), ball(1.0))).last().unwrap();
     assert_eq!(order(&ALL().excluding(other)).len(), 4);
@@ -163,7 +163,7 @@ fn what_sleeps_is_seen_as_well() {
     assert_eq!(lines, [vec![floor], vec![floor], vec![balls[1], floor], vec![balls[2], floor]]);
 }
 
-/// Expected: what was written, read again.
+/// Expected: written fields are read again.
 #[test]
 fn answers_are_written_and_read() {
     fn again<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {

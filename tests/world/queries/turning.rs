@@ -1,4 +1,4 @@
-//! Casts of shapes that turn: computed angles, dense samples, and what they share with straight casts.
+//! Casts of shapes that turn: computed angles, dense samples, and equality with straight casts.
 
 use super::*;
 

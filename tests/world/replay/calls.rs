@@ -432,7 +432,7 @@ const CALLS: [&str; 69] = [
 
 #[test]
 fn thousands_of_calls_at_random_play_again() {
-    // What is drawn depends on the world, so no single run need have all of them.
+    // The drawn calls depend on the world, so no single run need have all of them.
     let mut drawn = BTreeSet::new();
     for seed in 1..=3 {
         let settings = Settings::default().with_sleeping(true);
@@ -453,8 +453,8 @@ fn thousands_of_calls_at_random_play_again() {
     assert_eq!(drawn, CALLS.into_iter().filter(|&name| name != "asked").collect());
 }
 
-/// A budget counts all that the world holds: what of it depends on what was asked, and on who shares memory
-/// with whom, has to be the same too.
+/// A budget counts all that the world holds: bytes that depend on queries, and on worlds that share geometry,
+/// have to be the same too.
 #[test]
 fn a_run_within_a_budget_plays_again() {
     let settings = Settings::default().with_sleeping(true).with_budget(Budget::total(1_400_000));
@@ -504,7 +504,7 @@ fn no_method_is_forgotten() {
                 continue;
             }
             let text = std::fs::read_to_string(&path).unwrap();
-            // What is between `impl World {` and the `}` at the start of a line.
+            // The text between `impl World {` and the `}` at the start of a line.
             for block in text.split("\nimpl World {").skip(1) {
                 let block = &block[..block.find("\n}").unwrap()];
                 for method in block.split("\n    pub fn ").skip(1) {
@@ -532,7 +532,7 @@ fn no_method_is_forgotten() {
             }
         }
     }
-    // The parser sees what it has to.
+    // The parser finds the methods.
     for name in CALLS
         .into_iter()
         .filter(|n| !["again", "height_field", "hull", "mesh", "part", "asked", "step"].contains(n))

@@ -1,4 +1,4 @@
-//! Recordings as files: what cannot be written, and what is cut off or changed.
+//! Recordings as files: failed writes, and files that are cut off or changed.
 
 use super::*;
 use crate::common::Floor;
@@ -85,7 +85,7 @@ fn a_file_that_is_cut_off_plays_as_far_as_it_goes() {
             Err(error) => break error,
         }
     };
-    // What is behind the last whole block of the half is gone.
+    // Calls behind the last whole block of the half are gone.
     assert!(steps > 10, "{steps}");
     assert!(matches!(error, ReplayError::CutOff { steps: n } if n == steps), "{error}");
     for length in 0..200 {

@@ -1,5 +1,4 @@
-//! What was recorded plays again to the bit, at any number of threads, and what is not a recording is
-//! refused.
+//! Recordings play again to the bit, at any number of threads, and other files are refused.
 
 mod calls;
 mod files;
@@ -21,7 +20,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Hooks that nobody could guess: what they say depends on how often they were asked.
+/// Hooks that can't be predicted: their answers depend on how often they were called.
 #[derive(Default)]
 struct Moody(AtomicU32);
 
@@ -63,7 +62,7 @@ fn play(bytes: &[u8], threads: usize) -> (Played, u64) {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }
 
-/// At one, two and three threads; returns what was played.
+/// At one, two and three threads; returns the summary of the replay.
 fn plays_again(bytes: &[u8], hash: u64) -> Played {
     let mut all = None;
     for threads in 1..=3 {
@@ -83,7 +82,7 @@ fn scenes_play_again() {
         (builtin::large_pyramid(12), true, 180),
     ] {
         let settings = Settings::default().with_sleeping(sleeping);
-        // What is written before the first step: bodies and meshes.
+        // Written before the first step: bodies and meshes.
         let (_, start, _) = record_scene(&scene, settings.clone(), 0);
         let (bytes, recorded, hash) = record_scene(&scene, settings, steps);
         assert_eq!((recorded.steps, recorded.bytes), (steps.into(), bytes.len() as u64));

@@ -108,7 +108,7 @@ const CHANGES: [(&str, Change, [usize; 2]); 8] = [
     ("the box becomes static", |w, b, _| w.set_kind(b[1], BodyKind::Static).unwrap(), [1, 1]),
 ];
 
-/// What ended before the snapshot is told of by the step after it.
+/// Contacts that ended before the snapshot are reported by the step after it.
 #[test]
 fn a_snapshot_between_a_change_and_its_step_keeps_what_ended() {
     for (name, change, expected) in CHANGES {
@@ -133,7 +133,7 @@ fn a_snapshot_between_a_change_and_its_step_keeps_what_ended() {
     }
 }
 
-/// A lower strength is a valid state: what bears more breaks in the next step, in the restored world too.
+/// A lower strength is valid: a joint that bears more breaks in the next step, in the restored world too.
 #[test]
 fn a_world_takes_its_own_snapshot_after_a_strength_was_lowered() {
     let mut world = World::new(Settings::default()).unwrap();

@@ -68,7 +68,7 @@ fn a_snapshot_of_another_world_is_refused_and_changes_nothing() {
     assert!(matches!(Snapshot::from_bytes(&flipped), Err(Error::BrokenSnapshot { .. })));
 }
 
-/// Whatever bytes say, a world refuses them or can go on: with the checksum wrong, and with it put right.
+/// A world refuses bytes or can go on with them: with the checksum wrong, and with it put right.
 #[test]
 fn any_bytes_are_refused_or_can_be_stepped_on() {
     let mut game = Game::new(true, 1);
@@ -117,7 +117,7 @@ fn any_bytes_are_refused_or_can_be_stepped_on() {
     }
 }
 
-/// What the issue asks for: below 200 bytes for a free body, and below 400 for one in a pile.
+/// Bounds: below 200 bytes for a free body, and below 400 for one in a pile.
 #[test]
 fn a_body_takes_few_bytes() {
     let mut free = World::new(Settings::default()).unwrap();

@@ -13,7 +13,7 @@ const DT: f32 = 1.0 / 60.0;
 /// Words of the head, of which the last two are the checksum.
 const HEAD: usize = 14;
 
-/// What the worlds are made of, built once.
+/// Geometry of the worlds, built once.
 struct Shared {
     hull: Arc<ConvexHull>,
     mesh: Arc<TriangleMesh>,

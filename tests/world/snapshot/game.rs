@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A world and what a game remembers of it: part of what is rolled back.
+/// A world and the state of a game about it, which is rolled back too.
 #[derive(Default)]
 pub(super) struct Game {
     pub(super) world: World,
@@ -63,7 +63,7 @@ impl Game {
         self.bodies[rng.below(self.bodies.len())]
     }
 
-    /// Any call that a game may make. What is refused must be refused again.
+    /// Any call that a game may make. Refused calls must be refused again.
     pub(super) fn call(&mut self, rng: &mut Random) {
         let body = self.some(rng);
         let world = &mut self.world;
@@ -108,7 +108,7 @@ impl Game {
     fn change(world: &mut World, body: BodyHandle, what: usize, rng: &mut Random) {
         match what {
             8 => {
-                // What joints have thrown beyond all speeds takes none.
+                // A body that joints have thrown beyond all speeds takes none.
                 let _ = world.apply_impulse_at(body, rng.cube() * 100.0, DVec3::Y);
             }
             9 => world.add_force_and_torque(body, rng.cube() * 500.0, rng.cube()).unwrap(),

@@ -1,4 +1,4 @@
-//! What is restored goes on to the bits of the run that never stopped.
+//! A restored world goes on to the bits of the run that never stopped.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
@@ -42,12 +42,12 @@ fn fewer_bullets() -> Scene {
     scene
 }
 
-/// What the caller does before a step.
+/// Calls before a step.
 type Act = fn(&mut World, &[BodyHandle], u32);
 
 fn nothing(_: &mut World, _: &[BodyHandle], _: u32) {}
 
-/// A table tilts under what lies on it.
+/// A table tilts under the bodies on it.
 fn tilt(world: &mut World, bodies: &[BodyHandle], step: u32) {
     let angle = 0.2 * libm::sinf(step as f32 * 0.05);
     world.move_kinematic(bodies[0], DVec3::Y, Quat::from_rotation_z(angle), DT).unwrap();
@@ -65,7 +65,7 @@ fn table() -> Scene {
     scene
 }
 
-/// A scene, its settings, what the caller does, when snapshots are taken, and steps to go on from there.
+/// A scene, its settings, the caller's changes, the steps of snapshots, and steps to go on from there.
 struct Case {
     name: &'static str,
     scene: Scene,

@@ -37,7 +37,7 @@ pub(super) fn build(scene: &Scene, meshes: &Meshes, config: &Config) -> anyhow::
     Ok(Box::new(Backstop { world, bodies }))
 }
 
-/// The scene with meshes made anew, which the world then shares with nobody: they are part of what it takes.
+/// The scene with meshes made anew, which the world then shares with nobody: they are part of its bytes.
 fn with_own_meshes(scene: &Scene, meshes: &Meshes) -> anyhow::Result<Scene> {
     let mut scene = scene.clone();
     for shape in scene.bodies.iter_mut().flat_map(|body| &mut body.desc.shapes) {

@@ -1,4 +1,4 @@
-//! What adapters need to know about the content of a scene.
+//! Content of a scene for the adapters.
 
 use anyhow::Context;
 use backstop::glam::Vec3;
@@ -50,7 +50,7 @@ impl Meshes {
     }
 }
 
-/// What tells one shared thing from another: what bodies share in the scene, they share in engines that can.
+/// Identity of a shared geometry: bodies that share it in the scene share it in engines that can.
 pub(super) fn key<T>(shared: &Arc<T>) -> usize {
     Arc::as_ptr(shared) as usize
 }

@@ -27,7 +27,7 @@ struct WorldDef {
 
 #[repr(C)]
 struct Shape {
-    /// What tells it from others, if bodies share it.
+    /// Its identity, if bodies share it.
     key: u64,
     kind: u32,
     density: f32,

@@ -33,13 +33,13 @@ pub(crate) trait Engine {
 pub(crate) enum Continuous {
     /// None.
     Off,
-    /// Dynamic bodies, as far as the engine does it by default: in most against what doesn't move.
+    /// Dynamic bodies, as far as the engine does it by default: in most against static bodies.
     On,
-    /// Against what moves too, where an engine has a switch for that.
+    /// Against moving bodies too, where an engine has a switch for that.
     All,
 }
 
-/// What an engine is asked for; all else stays at its defaults, except that nothing damps motion.
+/// Settings of an engine; all others stay at their defaults, except that nothing damps motion.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(
     not(any(feature = "box3d", feature = "rapier", feature = "jolt", feature = "physx")),
@@ -47,7 +47,7 @@ pub(crate) enum Continuous {
 )]
 pub(crate) struct Config {
     pub(crate) threads: usize,
-    /// How many times the engine's default number of substeps, or whatever it counts instead.
+    /// How many times the engine's default number of substeps, or its other count of effort.
     pub(crate) effort: u32,
     pub(crate) continuous: Continuous,
     pub(crate) sleeping: bool,

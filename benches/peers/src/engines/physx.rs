@@ -284,7 +284,7 @@ impl Engine for Physx {
     }
 }
 
-/// Points to `items`, which must outlive what is made with it.
+/// Points to `items`, which must outlive the objects made with it.
 fn data<T>(items: &[T]) -> PxBoundedData {
     // SAFETY: makes an empty description.
     let mut data = unsafe { PxBoundedData_new() };

@@ -5,7 +5,7 @@ use backstop::{BodyKind, MassProperties};
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
 
-/// Mass properties of the bodies of a scene; none of what isn't dynamic.
+/// Mass properties of the bodies of a scene; none of bodies that aren't dynamic.
 pub(super) struct Masses(Vec<Option<MassProperties>>);
 
 impl Masses {

@@ -55,7 +55,7 @@ impl Figures {
 const EVERY: u32 = 6;
 /// When standing things are looked at [steps].
 const MOMENTS: [u32; 2] = [180, 3600];
-/// How far a centre must be beyond a border to count as lost for good, whatever becomes of it later [m].
+/// How far a centre must be beyond a border to count as lost for good [m].
 const GONE: f32 = 0.5;
 
 /// Follows a run.
@@ -163,7 +163,7 @@ fn widest_gap(scene: &Scene, states: &[State]) -> f64 {
         });
         DVec3::distance(a, b)
     });
-    // What is no number is wider than anything.
+    // NaN is wider than anything.
     gaps.fold(0.0, |most, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) })
 }
 

@@ -1,4 +1,4 @@
-//! `scale`: what a step costs as a scene grows, as a record and a plot.
+//! `scale`: time of a step as a scene grows, as a record and a plot.
 
 mod plot;
 
@@ -61,7 +61,7 @@ impl Point {
     fn cost(&self, of: Scaling) -> Option<f64> {
         match of {
             Scaling::Bodies => self.median(|run| run.ms.mean * 1e3 / run.bodies.max(1) as f64),
-            // One that is not the first: a few engines do there what is left of making a large mesh.
+            // One that is not the first: a few engines finish a large mesh there.
             Scaling::Triangles => self.median(|run| run.ms.median),
         }
     }

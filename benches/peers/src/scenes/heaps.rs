@@ -1,4 +1,4 @@
-//! What falls and comes to rest in a heap.
+//! Bodies that fall and come to rest in a heap.
 
 use super::{Error, Mixed, Subject, add_mesh, below, beyond_pen, grid, pen};
 use backstop::glam::Vec3;

@@ -113,7 +113,7 @@ pub(super) fn ropes() -> Subject {
         for i in 0..=LINKS {
             let under = if i == 0 { 0.0 } else { -0.5 * pitch };
             let over = if i == LINKS { ball } else { 0.5 * pitch };
-            // The y axis of what lies points to the hook.
+            // The y axis of a lying body points to the hook.
             let frames = [Vec3::Y * -under, Vec3::Y * -over].map(Frame::at);
             scene.joints.push(ball_joint([first + i, first + i + 1], frames));
         }

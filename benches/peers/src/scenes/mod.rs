@@ -1,4 +1,4 @@
-//! What is run: scenes as backstop's own, with what a judge has to know about them.
+//! Scenes of the comparison, as backstop's own, with facts for the judge.
 //!
 //! All bodies have friction 0.6, restitution 0 unless said otherwise, and density 1000 kg/m³; y points up,
 //! and gravity is 9.81 m/s². Everything random is seeded, so every engine gets the same scene to the bit.
@@ -22,10 +22,10 @@ pub(crate) use scaled::Scaling;
 /// Length of a step [s].
 pub(crate) const DT: f32 = 1.0 / 60.0;
 
-/// How far a centre is beyond what it can't have passed [m]; nothing or less where all is well.
+/// How far a centre is beyond a border that it can't have passed [m]; nothing or less where all is well.
 pub(crate) type Beyond = Arc<dyn Fn(Vec3) -> f32>;
 
-/// A scene and what is asked about its motion.
+/// A scene and the measures of its motion.
 pub(crate) struct Subject {
     pub(crate) scene: Scene,
     /// Steps that are timed.
@@ -36,14 +36,14 @@ pub(crate) struct Subject {
     /// Whether it comes to rest, and so can fall asleep.
     pub(crate) rests: bool,
     pub(crate) beyond: Beyond,
-    /// What counts as the error when engines are compared at equal error.
+    /// The error by which engines are compared at equal error.
     pub(crate) error: Error,
 }
 
 /// A figure of the judge that grows with the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Error {
-    /// How far any body of what stands has moved after 3 s.
+    /// How far any body of a structure has moved after 3 s.
     Drift,
     /// The deepest overlap at the end.
     Depth,

@@ -4,7 +4,7 @@ use super::{Error, Mixed, Subject, add_mesh, below, beyond_pen, grid, pen};
 use backstop::glam::Vec3;
 use backstop_scene::{Rng, Scene, Terrain};
 
-/// What grows.
+/// The growing quantity.
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 pub(crate) enum Scaling {
     /// Mixed bodies, eight layers of them.
@@ -22,7 +22,7 @@ impl Scaling {
         }
     }
 
-    /// What is counted.
+    /// The counted objects.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Scaling::Bodies => "bodies",
@@ -31,7 +31,7 @@ impl Scaling {
     }
 }
 
-/// A scene by what grows and its size, as `bodies_1000`.
+/// A scene by its growing quantity and size, as `bodies_1000`.
 pub(super) fn named(name: &str) -> Option<Subject> {
     let (what, size) = name.rsplit_once('_')?;
     let size = size.parse().ok()?;

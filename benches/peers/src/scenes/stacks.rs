@@ -1,4 +1,4 @@
-//! What stands at the start and ought to go on standing.
+//! Structures that stand at the start and ought to go on standing.
 
 use super::{Error, Subject};
 use crate::engines::Continuous;

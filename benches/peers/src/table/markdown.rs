@@ -4,7 +4,7 @@ use super::row::{Equal, Row};
 use crate::run::Outcome;
 use std::fmt::{self, Write};
 
-/// What a row has in a table; `base` is backstop's row of the same scene and threads.
+/// The cells of a row in a table; `base` is backstop's row of the same scene and threads.
 type Cell = fn(row: &Row, base: &Row) -> Option<String>;
 
 /// The tables of a page.

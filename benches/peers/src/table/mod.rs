@@ -44,7 +44,7 @@ pub(crate) struct Args {
     patience: u64,
 }
 
-/// What is done with a scene.
+/// The stages of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum Stage {
     /// Times it, with nobody asleep.
@@ -65,7 +65,7 @@ const BASE: &str = "backstop";
 const MINUTE: u32 = 3600;
 /// Efforts that are tried at equal error.
 const EFFORTS: [u32; 4] = [1, 2, 4, 8];
-/// Errors below count as none: what is seen of them is chance [m].
+/// Errors below count as none: they are chance [m].
 const NO_ERROR: f64 = 1e-3;
 
 /// Runs it all and writes the record, anew after each scene.

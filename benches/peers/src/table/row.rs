@@ -1,9 +1,9 @@
-//! A row of a record: what an engine did on a scene with a number of threads.
+//! A row of a record: results of an engine on a scene with a number of threads.
 
 use crate::judge::Figures;
 use crate::run::Outcome;
 
-/// What a peer needs for an error no larger than backstop's.
+/// Time of a peer for an error no larger than backstop's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Equal {
     /// So many times its default number of substeps, at this time of a step [ms] and against backstop's.
@@ -12,7 +12,7 @@ pub(crate) enum Equal {
     None,
 }
 
-/// What is known of an engine on a scene.
+/// Results of an engine on a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Row {
     pub(crate) scene: String,
@@ -22,7 +22,7 @@ pub(crate) struct Row {
     pub(crate) timed: Vec<Option<Outcome>>,
     /// The run that was judged.
     pub(crate) judged: Option<Outcome>,
-    /// A minute of what stands.
+    /// A minute of a standing structure.
     pub(crate) minute: Option<Outcome>,
     /// The run with sleeping on.
     pub(crate) slept: Option<Outcome>,

@@ -1,4 +1,4 @@
-//! The border: what crosses it is a status, never a panic.
+//! The border: only a status crosses it, never a panic.
 
 use super::status::{BS_OK, BsStatus, Outcome, Refusal, keep_message};
 use std::any::Any;

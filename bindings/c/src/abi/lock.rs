@@ -1,4 +1,4 @@
-//! Who may use an object when: any number of calls that read it, or one that changes it.
+//! Access to an object: any number of calls that read it, or one that changes it.
 
 use super::status::{Outcome, Refusal};
 use parking_lot::{RwLock, RwLockReadGuard, RwLockWriteGuard};

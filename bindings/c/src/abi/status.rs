@@ -1,4 +1,4 @@
-//! Codes of all functions, and what they mean.
+//! Codes of all functions, and their meanings.
 
 use backstop::Error;
 use backstop::replay::ReplayError;

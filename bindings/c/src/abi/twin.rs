@@ -1,4 +1,4 @@
-//! Values of this interface and what they are in the engine.
+//! Values of this interface and their equivalents in the engine.
 
 use super::status::Outcome;
 use super::values::{BsBody, BsBool, BsDVec3, BsQuat, BsShape, BsVec3};
@@ -61,7 +61,7 @@ macro_rules! codes {
             fn write(engine: &$type) -> u32 {
                 match engine {
                     $($variant => $code,)*
-                    // What has no constant yet: no call takes it back.
+                    // A value without a constant yet: no call takes it back.
                     #[allow(unreachable_patterns, reason = "not every enumeration may grow")]
                     _ => u32::MAX,
                 }

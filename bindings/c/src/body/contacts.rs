@@ -1,4 +1,4 @@
-//! What bodies touch, where they are, and which of them move.
+//! Contacts of bodies, their places, and which of them move.
 
 use crate::abi::pointers::Out;
 use crate::abi::status::BsStatus;

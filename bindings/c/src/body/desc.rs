@@ -1,4 +1,4 @@
-//! What a body is made of.
+//! Description of a body.
 
 use crate::abi::pointers::borrow;
 use crate::abi::sized::read_all;

@@ -1,4 +1,4 @@
-//! What a joint is made of: limits, motors, frames.
+//! Parts of a joint: limits, motors, frames.
 
 use crate::abi::sized::read_all;
 use crate::abi::status::{Outcome, Refusal};

@@ -1,4 +1,4 @@
-//! What a shape or a box overlaps.
+//! Shapes that overlap a shape or a box.
 
 use super::{BsQueryFilter, ask, ask_all, geometry};
 use crate::abi::status::BsStatus;

@@ -208,7 +208,7 @@ pub unsafe extern "C" fn bs_shape_set_heights(
     heights: *const f32,
 ) -> BsStatus {
     call(|| {
-        // What does not fit is null or too long to be a slice.
+        // A pointer that does not fit is null or too long to be a slice.
         let count = columns.saturating_mul(rows);
         // SAFETY: the caller keeps to the header.
         let (mut content, heights) = unsafe { (changing(world)?, slice("the heights", heights, count)?) };

@@ -1,4 +1,4 @@
-//! What several tests need of the interface.
+//! Common parts of several tests.
 
 #![allow(dead_code, reason = "each test uses some of it")]
 

@@ -52,11 +52,11 @@ pub(crate) enum Command {
     Shots(ShotOptions),
     /// Run methods of continuous collision side by side on six scenes (docs/continuous.md).
     Compare(CompareOptions),
-    /// Whether what rests is stable: modes of the linearised step that grow (docs/stability.md).
+    /// Whether structures at rest are stable: modes of the linearised step that grow (docs/stability.md).
     Stability(StabilityOptions),
     /// Measure what speed costs in accuracy, over a grid of settings, and pick one (docs/trade.md).
     Trade(Box<TradeOptions>),
-    /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
+    /// Run small scenes under extreme conditions and map the results (docs/envelope.md).
     Extremes(ExtremesOptions),
     /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is
     /// off by (docs/cases.md).

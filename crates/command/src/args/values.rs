@@ -23,7 +23,7 @@ pub(crate) fn hertz(text: &str) -> Result<f32, String> {
     if (1.0..=1e6).contains(&value) { Ok(value) } else { Err("must be in 1..=1000000".into()) }
 }
 
-/// What a setting may be, by the names that its type has in JSON.
+/// Values of a setting, by the names that its type has in JSON.
 pub(crate) fn named<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(Value::from(text)).map_err(|error| {
         // "unknown variant `x`, expected one of `a`, `b`, `c`"
@@ -139,7 +139,7 @@ pub(crate) fn shots(text: &str) -> Result<u64, String> {
 pub(crate) fn gravity(text: &str) -> Result<Vec3, String> {
     let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
     match parts[..] {
-        // A single number is the strength of gravity, whatever its sign.
+        // A single number is the strength of gravity, with either sign.
         [down] => Ok(Vec3::new(0.0, -down.abs(), 0.0)),
         [x, y, z] => Ok(Vec3::new(x, y, z)),
         _ => Err("wants one number or three, with commas between them".into()),

@@ -19,7 +19,7 @@ const SECRET: usize = 16;
 /// Ports to try where the user asks for none: another process may take one before it is used.
 const ATTEMPTS: u32 = 16;
 
-/// What every answer says to the browser: no other page may read, frame or guess anything.
+/// Headers of every answer: no other page may read, frame or guess anything.
 const HEADERS: [(HeaderName, &str); 7] = [
     (header::CACHE_CONTROL, "no-store"),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -77,7 +77,7 @@ fn free_port() -> anyhow::Result<u16> {
     Ok(listener.local_addr()?.port())
 }
 
-/// Who may ask, and for what.
+/// The address that a request must have, and the session that answers.
 struct Gate {
     port: u16,
     secret: String,

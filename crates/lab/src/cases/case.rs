@@ -7,7 +7,7 @@ use backstop::World;
 use backstop::{FrictionModel, Settings};
 use glam::Vec3;
 
-/// One case: what is built, the exact answer, and the error that is accepted.
+/// One case: its bodies, the exact answer, and the error that is accepted.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Lower case, with hyphens.
@@ -46,7 +46,7 @@ pub struct Setting {
     pub iterations: u32,
     /// Where friction acts.
     pub friction: FrictionModel,
-    /// What solves the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
+    /// The solver of the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
     pub method: Option<WorldMethod>,
 }
 

@@ -1,4 +1,4 @@
-//! What falls: freely, about its end, or as a chain.
+//! Falling bodies: free, about an end, or as a chain.
 
 use super::case::{Case, Outcome, Setting};
 use super::rig::{DOWN, G, Rig, lump, rod, shape, smooth, tilted};

@@ -13,7 +13,7 @@ pub struct Method {
     pub method: ContinuousMethod,
 }
 
-/// What is compared, in the order of every result; the last is the reference of the others.
+/// The compared methods, in the order of every result; the last is the reference of the others.
 pub const METHODS: [Method; 7] = {
     use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
     const fn method(name: &'static str, continuous: ContinuousMode, method: ContinuousMethod) -> Method {

@@ -26,7 +26,7 @@ impl Rhythm {
     }
 }
 
-/// What is wrong with the ground, or with a body that lands on it.
+/// A flaw of the ground, or of a body that lands on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Flaw {
     /// Nothing: a grid of triangles.
@@ -44,7 +44,7 @@ pub enum Flaw {
     Flakes,
 }
 
-/// What one cell of the envelope is run under.
+/// The conditions of one cell of the envelope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
     /// Distance from the world's origin along x, and 0.7 times as much along z [m].

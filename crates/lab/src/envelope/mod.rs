@@ -28,9 +28,9 @@ pub const SECONDS: f64 = 60.0;
 /// One trial at one point of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// What is run.
+    /// The scene.
     pub trial: Trial,
-    /// What is extreme.
+    /// The extreme condition.
     pub axis: Axis,
     /// How extreme, in words.
     pub label: String,
@@ -56,12 +56,12 @@ impl Cell {
         format!("{}/{}/{}", self.trial.name(), self.axis.name(), self.label.replace(' ', "-"))
     }
 
-    /// What an engine has to run.
+    /// The scene for an engine to run.
     pub fn scene(&self) -> Scene {
         self.trial.setup(&self.conditions).scene
     }
 
-    /// What judges a run of `seconds`.
+    /// The judge of a run of `seconds`.
     pub fn watch(&self, seconds: f64) -> Watch {
         let Setup { scene, boundaries, gauges } = self.trial.setup(&self.conditions);
         Watch::new(&scene, boundaries, gauges, seconds)

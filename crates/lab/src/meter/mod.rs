@@ -189,7 +189,7 @@ pub trait LabWorld {
     fn system(&self) -> Option<&System>;
 
     /// Lets a method of the lab solve the steps from now on; none: the fast path alone. See [`WorldSolver`]
-    /// for which islands it solves and what becomes of the others.
+    /// for which islands it solves and what happens to the others.
     fn solve_with(&mut self, solver: Option<WorldSolver>);
 
     /// Counts of the method of [`LabWorld::solve_with`] in the last step.

@@ -71,8 +71,8 @@ impl<'a> Balance<'a> {
     }
 }
 
-/// The speed at which a row does work: that of the row if it drives, else that of what the caller moves,
-/// against the impulse.
+/// The speed at which a row does work: that of the row if it is a motor, else that of bodies that the caller
+/// moves, against the impulse.
 fn driven(system: &System, drives: bool, row: &SystemRow) -> f64 {
     if drives {
         return system.speed(row, |body| mean(body.start, body.end));

@@ -84,7 +84,7 @@ impl Default for Effort {
     }
 }
 
-/// What a method found.
+/// The result of a method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// How a method ended.

@@ -7,7 +7,7 @@ use super::pivoting::certificate;
 use super::run::Run;
 use super::{Friction, Status};
 
-/// What a method for one form found.
+/// The solution of a method for one form.
 pub(super) struct Outcome {
     pub(super) x: Vec<f64>,
     pub(super) status: Status,

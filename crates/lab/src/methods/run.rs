@@ -1,4 +1,4 @@
-//! What every exact method shares: a problem scaled to numbers near one, and the best impulses so far.
+//! Common parts of the exact methods: a problem scaled to numbers near one, and the best impulses so far.
 
 use super::{Effort, Solution, Status};
 use crate::problem::{Law, Matrix, Problem};

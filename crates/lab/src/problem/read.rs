@@ -13,7 +13,7 @@ use std::fmt::Display;
 pub struct ReadError {
     /// Line of the text, from 1.
     pub line: usize,
-    /// What is wrong there.
+    /// The error there.
     pub what: String,
 }
 

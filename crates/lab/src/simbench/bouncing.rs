@@ -1,5 +1,5 @@
 //! The bouncing test: 7 x 7 balls, far from each other, fall by 4.9 m without friction and bounce with
-//! restitution 1. Their energy, kinetic and potential, should stay what it was: 49 m g H = 24 035 J.
+//! restitution 1. Their energy, kinetic and potential, should stay the same: 49 m g H = 24 035 J.
 
 use super::run::{Outcome, Run, Setting, sphere_density};
 use backstop::BodyDesc;

@@ -52,7 +52,7 @@ impl Test {
         }
     }
 
-    /// What SimBenchmark published about other engines.
+    /// Published results of other engines.
     pub fn published(self) -> &'static [Published] {
         published::of(self)
     }

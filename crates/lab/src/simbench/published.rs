@@ -4,7 +4,7 @@
 
 use super::test::Test;
 
-/// What an engine reached.
+/// The result of an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
     /// Its name.

@@ -21,7 +21,7 @@ pub struct Setting {
     pub iterations: u32,
     /// Cone or box. Default cone.
     pub friction_cone: FrictionCone,
-    /// What solves the steps, if not the engine's own solver. Default none.
+    /// The method that solves the steps, if not the engine's own solver. Default none.
     pub solver: Option<WorldSolver>,
     /// Simulated time [s]; none: that of SimBenchmark, which is the default.
     pub seconds: Option<f32>,

@@ -1,6 +1,6 @@
 //! The Kapla test: six storeys of bricks of 10 kg, each of eight beams across and nine bricks along that lie
 //! on the ends of the beams. Statics lets it stand: the bricks of a storey bear on halves of the beams' heads
-//! only, and the outermost beams are held by what lies on them. It counts as fallen when the last brick is
+//! only, and the outermost beams are held by the bricks on them. It counts as fallen when the last brick is
 //! below where the storey under it began.
 
 use super::run::{Outcome, Run, Setting};

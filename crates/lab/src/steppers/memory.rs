@@ -10,7 +10,7 @@ use crate::system::{Owner, System};
 use backstop::BodyHandle;
 use glam::DVec3;
 
-/// What is known of two bodies that touch.
+/// State of two bodies that touch.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     bodies: [BodyHandle; 2],

@@ -185,7 +185,7 @@ pub(super) fn offsets(step: &Step<'_>) -> Vec<f64> {
     step.system.laws.iter().map(|law| target(step.system, law, step.stabilisation)).collect()
 }
 
-/// What a method found, by the rows of the problem.
+/// The solution of a method, by the rows of the problem.
 pub(super) fn resolution(
     step: &Step<'_>,
     moving: &Moving<'_>,

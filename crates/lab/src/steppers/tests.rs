@@ -72,8 +72,8 @@ fn the_order_of_contacts_does_not_matter() {
     }
 }
 
-/// Momentum is kept, and what bounces fully keeps its energy, by the sequence of impacts (no two at once
-/// share a body that a third one needs, so each is a bounce of two bodies).
+/// Momentum is kept, and bodies that bounce fully keep their energy, by the sequence of impacts (no two at
+/// once share a body that a third one needs, so each is a bounce of two bodies).
 #[test]
 fn a_sequence_of_impacts_keeps_momentum_and_energy() {
     let system = huddle(1.0);

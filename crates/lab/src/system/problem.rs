@@ -4,7 +4,7 @@ use super::*;
 use crate::problem::{Law, Matrix, Problem};
 use backstop::Error;
 
-/// What is done about overlap, beyond not letting it grow.
+/// How overlap is pushed apart, beyond not letting it grow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stabilisation {
     /// Nothing: no row demands a separating velocity.
@@ -64,7 +64,7 @@ pub(crate) fn needs_push(system: &System, island: &SystemIsland, stabilisation: 
     laws.any(|law| offset(system, law, stabilisation) != offset(system, law, Stabilisation::Rest))
 }
 
-/// What is added to the velocity of a law's first row.
+/// The term added to the velocity of a law's first row.
 fn offset(system: &System, law: &SystemLaw, stabilisation: Stabilisation) -> f64 {
     match (bounce(system, law), stabilisation) {
         (Some([end, _]), Stabilisation::Rest) => -end,

@@ -166,7 +166,7 @@ impl Cell {
         1.0 / self.hz as f32
     }
 
-    /// What solves its world, if not the engine's own solver.
+    /// The method that solves its world, if not the engine's own solver.
     pub fn world_solver(&self) -> Option<WorldSolver> {
         self.solver.as_deref().and_then(WorldSolver::by_name)
     }

@@ -171,7 +171,7 @@ pub enum Axis {
     Recycling,
     /// How joints are solved.
     Joints,
-    /// What solves steps.
+    /// The solver of steps.
     Solver,
 }
 

@@ -1,6 +1,6 @@
 //! The trade of speed for accuracy, measured: a scene is run over a grid of settings, and each [`Cell`] of it
 //! is compared with a finely resolved [`Reference`] of the same scene. `docs/trade.md` says what the errors
-//! mean and what the shipped scenes say.
+//! mean and has the results of the shipped scenes.
 //!
 //! Errors are the same to the bit on every machine; costs are the machine's.
 //!

@@ -10,7 +10,7 @@ use backstop::World;
 use backstop::observe::Solved;
 use std::collections::BTreeMap;
 
-/// What is remembered from the previous step.
+/// State of the previous step.
 #[derive(Debug, Default)]
 pub(crate) struct Last {
     /// Impulses of contact rows, in the order of the prepared rows.

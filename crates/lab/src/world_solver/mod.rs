@@ -98,7 +98,7 @@ pub struct WorldSolver {
     pub method: WorldMethod,
     /// Its limits for an island in a step; the start is replaced by `guess`. Default tolerance: 1e-8.
     pub effort: Effort,
-    /// What it starts from.
+    /// The impulses that it starts from.
     pub guess: Guess,
     /// Islands with more rows keep the answer of the fast path. Default 400.
     pub most_rows: usize,
@@ -138,7 +138,7 @@ impl WorldSolver {
     }
 }
 
-/// What a method did in the last step.
+/// Counts of a method in the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
     /// Islands with rows.

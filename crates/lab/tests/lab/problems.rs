@@ -39,7 +39,7 @@ fn reaches(problem: &Problem, method: &str, targets: &[(u32, f64)]) {
 const KAPLAS: &str = "KaplasTower-i1061-4.hdf5.dat";
 const OBJECT: &str = "OneObject-i100000-499.hdf5.dat";
 
-/// What a block Gauss-Seidel with exact contacts reaches elsewhere in as many sweeps.
+/// The residual of a published block Gauss-Seidel with exact contacts after as many sweeps.
 #[test]
 fn exact_blocks_reach_what_they_reach_elsewhere() {
     let (Some(tower), Some(object)) = (contacts(KAPLAS), contacts(OBJECT)) else { return };

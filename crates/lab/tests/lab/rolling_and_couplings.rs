@@ -75,7 +75,7 @@ fn a_ball_on_a_slope_breaks_no_law() {
             let problem = system.problem(Stabilisation::Rest).unwrap();
             let left = problem.residual(&system.impulses());
             assert!(left.worst < 2e-3, "{left:?}");
-            // Without what the row bears the laws are broken by the speed that the step would give.
+            // Without the load of the row the laws are broken by the speed that the step would give.
             let mut without = system.impulses();
             without[law.first..law.first + 2].fill(0.0);
             assert!(

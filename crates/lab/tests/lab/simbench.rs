@@ -8,7 +8,7 @@ fn at(dt: f32) -> Setting {
     Setting { dt, ..Setting::default() }
 }
 
-/// The best that was published for steps of that length, whatever the engine.
+/// The best published metric for steps of that length, of any engine.
 fn best(test: Test, dt: f64) -> f64 {
     test.published().iter().filter(|one| one.dt == dt).map(|one| one.metric).fold(f64::INFINITY, f64::min)
 }

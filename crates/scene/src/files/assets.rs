@@ -1,4 +1,4 @@
-//! What scenes need of the engine's shapes, in one place.
+//! Construction of the engine's shapes for scenes, in one place.
 
 use backstop::Error;
 use backstop::{ConvexHull, TriangleMesh};

@@ -43,7 +43,7 @@ pub enum SceneError {
         /// Which limit.
         source: LimitExceeded,
     },
-    /// A `uri` of the scene names what may not or can't be read.
+    /// A `uri` of the scene names a file that may not or can't be read.
     Uri {
         /// The scene.
         file: PathBuf,
@@ -52,7 +52,7 @@ pub enum SceneError {
         /// Why, without any content.
         reason: String,
     },
-    /// A node breaks the rules of its format, or asks for what can't be simulated.
+    /// A node breaks the rules of its format, or needs a feature that can't be simulated.
     Node {
         /// Which file.
         file: PathBuf,

@@ -1,4 +1,4 @@
-//! What is shot: every dynamic shape, from 2 mm to 1 m, thin ones above all.
+//! The projectiles: every dynamic shape, from 2 mm to 1 m, thin ones above all.
 
 use super::super::builtin::pebble;
 use super::super::rng::Rng;

@@ -1,4 +1,4 @@
-//! What is drawn for a shot: steps, sizes and speeds.
+//! Random numbers of a shot: steps, sizes and speeds.
 
 use crate::rng::Rng;
 

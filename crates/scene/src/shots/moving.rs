@@ -38,7 +38,7 @@ pub struct MovingShot {
     pub steps: Vec<f32>,
     /// The bullet.
     pub bullet: BodyDesc,
-    /// What it is shot at: boxes, each one shape.
+    /// The target: boxes, each one shape.
     pub boxes: Vec<(BodyDesc, Vec3)>,
 }
 

@@ -73,7 +73,7 @@ fn one_side_is_enough_to_refuse() {
     assert_eq!(held("one_side", ground, &cubes), [false, false, true]);
 }
 
-/// What one list lets in, the other may still keep out.
+/// A collider that one list lets in may be kept out by the other.
 #[test]
 fn a_filter_may_have_both_lists() {
     let both = |with: &[&str], without: &[&str]| json!({ "collisionSystems": ["a"], "collideWithSystems": with, "notCollideWithSystems": without });

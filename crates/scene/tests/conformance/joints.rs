@@ -82,9 +82,10 @@ fn worst(
     worst
 }
 
-/// Runs a file at every step, and asserts its limits. What is joined accelerates like what falls, so a limit
-/// may be left by as far as that is in one step, g dt² / 2: 5.5, 1.4 and 0.09 mm, and as many milliradians an
-/// arm of 1 m away. Then `check` gets the step, the world, and where the connected node was after each step.
+/// Runs a file at every step, and asserts its limits. A joined body accelerates like a falling one, so a
+/// limit may be left by as far as that is in one step, g dt² / 2: 5.5, 1.4 and 0.09 mm, and as many
+/// milliradians an arm of 1 m away. Then `check` gets the step, the world, and where the connected node was
+/// after each step.
 fn keeps_its_limits(number: u32, check: impl Fn(f32, &Run, &[(DVec3, DQuat)])) {
     let Some(folder) = data("gltf/tests") else { return };
     let scene = load(folder.join(format!("RigidBodies_Joint_{number:02}.gltf"))).unwrap();
@@ -143,8 +144,8 @@ fn a_hinge_at_a_distance() {
     });
 }
 
-/// Pulled to 2 m, k = 100 and c = 1 per unit of mass: it comes to rest g / k below, and what it swings about
-/// that dies away with e^(-c t / 2).
+/// Pulled to 2 m, k = 100 and c = 1 per unit of mass: it comes to rest g / k below, and its oscillation about
+/// that decays with e^(-c t / 2).
 #[test]
 fn a_drive_reaches_its_target() {
     keeps_its_limits(10, |dt, _, path| {
@@ -158,9 +159,9 @@ fn a_drive_reaches_its_target() {
 
 /// All limits, and the motions that a motor and a spring should give.
 ///
-/// The bounds are what was measured, and a fifth more: 0.9 m/s dt and 2.6 rad/s dt at most. The latter is a
-/// ball with one angle locked and another limited, in the step in which it swings into its limit: two rows
-/// that know only of each other's bodies. Before its tree kept its energy it was 1.8, three times in the run
+/// The bounds are a fifth above measured values: 0.9 m/s dt and 2.6 rad/s dt at most. The latter is a ball
+/// with one angle locked and another limited, in the step in which it swings into its limit: two rows that
+/// know only of each other's bodies. Before its tree kept its energy it was 1.8, three times in the run
 /// instead of once.
 fn sample_keeps_its_limits(collide: bool) {
     let Some(folder) = data("gltf/samples") else { return };

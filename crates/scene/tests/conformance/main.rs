@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Steps that scenes are run at [s].
 const STEPS: [f32; 3] = [1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0];
 
-/// What counts as rest: linear [m/s] and angular [rad/s] speed.
+/// Limits of rest: linear [m/s] and angular [rad/s] speed.
 const REST: (f32, f32) = (0.02, 0.05);
 
 /// The files of a family, in order.

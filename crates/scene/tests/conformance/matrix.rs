@@ -24,10 +24,10 @@ fn standing(geometry: &Geometry) -> f64 {
     }
 }
 
-/// The bodies fall straight down onto the middle and stay as they fell: level on what is flat, in balance on
-/// what is round, but for the tetrahedron: it strikes what is round 12 cm beside its centre of mass at 4.9
-/// m/s, and the shorter the step, the surer it falls off (at 1/1920 s it does). The tetrahedron on the box is
-/// the one whose origin then lies below the XZ plane: the box's top does.
+/// The bodies fall straight down onto the middle and stay as they fell: level on flat shapes, in balance on
+/// round ones, but for the tetrahedron: it strikes round ones 12 cm beside its centre of mass at 4.9 m/s, and
+/// the shorter the step, the surer it falls off (at 1/1920 s it does). The tetrahedron on the box is the one
+/// whose origin then lies below the XZ plane: the box's top does.
 #[test]
 fn every_type_rests_on_every_type() {
     let Some(data) = data("gltf/tests") else { return };
@@ -45,7 +45,7 @@ fn every_type_rests_on_every_type() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// What is wrong after 10 s, if anything is.
+/// The error after 10 s, if there is one.
 fn drop_on(scene: &Scene, ground: usize, faller: usize, expected: f64, dt: f32) -> Option<String> {
     let mut run = Run::new(scene);
     run.for_seconds(10.0, dt);

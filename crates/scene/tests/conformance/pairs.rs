@@ -53,8 +53,8 @@ fn shapes(size: f32) -> Vec<(&'static str, Geometry, f32)> {
     ]
 }
 
-/// Static shapes, wide, with the height of what is under the dropped body above the origin. A cone stands on
-/// its tip.
+/// Static shapes, wide, with the height of their surface under the dropped body above the origin. A cone
+/// stands on its tip.
 fn grounds() -> Vec<(&'static str, Geometry, f32, bool)> {
     let mut out: Vec<_> = shapes(10.0)
         .into_iter()
@@ -94,9 +94,9 @@ fn scene(ground: &Geometry, top: f32, faller: &Geometry, above: f32, rotation: Q
     scene
 }
 
-/// Dropped straight onto the middle from 1 m, they stay as they fell. What stands on a round end is in
-/// balance only as long as nothing pushes it sideways at all, which is the promise: symmetric contacts give
-/// symmetric impulses.
+/// Dropped straight onto the middle from 1 m, they stay as they fell. A body on a round end is in balance
+/// only as long as nothing pushes it sideways at all, which is the promise: symmetric contacts give symmetric
+/// impulses.
 #[test]
 fn dropped_upright_it_stays_upright() {
     let mut failed = Vec::new();
@@ -122,7 +122,7 @@ fn dropped_upright_it_stays_upright() {
     assert!(failed.is_empty(), "{} of 240:\n{}", failed.len(), failed.join("\n"));
 }
 
-/// Dropped in any attitude onto what is flat, they end no deeper than a few millimetres and no higher than
+/// Dropped in any attitude onto flat shapes, they end no deeper than a few millimetres and no higher than
 /// they can, and unless they roll, at rest.
 #[test]
 fn dropped_anyhow_it_stays_on_top() {

@@ -93,9 +93,9 @@ impl Ground {
     }
 }
 
-/// Whether a body may roll away on a slope of 20 to 30 %. What is round does; and a hull of a dozen corners
-/// is a wheel without a rim, which at 17 degrees rolls on for ever, even with six spokes: of its speed an
-/// impact leaves (0.4 + cos 60°) / 1.4, and to get over the next edge takes a tenth of what is left (McGeer,
+/// Whether a body may roll away on a slope of 20 to 30 %. Round ones do, and a hull of a dozen corners is a
+/// wheel without a rim, which at 17 degrees rolls on for ever, even with six spokes: of its speed an impact
+/// leaves (0.4 + cos 60°) / 1.4, and to get over the next edge takes a tenth of the rest (McGeer,
 /// *Passive Dynamic Walking*, 1990, 2).
 fn rolls(shapes: &[ShapeDesc]) -> bool {
     !shapes.iter().all(|s| matches!(s.geometry, Geometry::Box { .. }))

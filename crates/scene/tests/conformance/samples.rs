@@ -43,8 +43,8 @@ fn filtering() {
     }
 }
 
-/// A ramp with every shape on it. What is angular comes to rest in it; what is round rolls, to and fro or out
-/// over the rim at z = -3.7 m (1.1 m high), and may then fall.
+/// A ramp with every shape on it. Angular bodies come to rest in it; round ones roll, to and fro or out over
+/// the rim at z = -3.7 m (1.1 m high), and may then fall.
 #[test]
 fn shape_types() {
     for dt in STEPS {

@@ -10,7 +10,7 @@ import { SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX
  * Colours: sphere, capsule, box, cylinder and cone, hull; kinematic; static; ground that is seen from both sides:
  * meshes, height fields; planes, which have no end.
  */
-const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#cfd2cc', '#cfd2cc'];
+const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#b3b8b0', '#cfd2cc'];
 /** Colours of figures: dynamic bodies that are joined have one. */
 const FIGURES = ['#d9604c', '#4d82c4', '#57a773', '#e3a23c', '#8f6fc0', '#3aa39a', '#c8688f', '#8a9a3c'];
 /** Numbers of a pose: position [m], rotation, 1 if asleep. */

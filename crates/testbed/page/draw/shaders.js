@@ -103,8 +103,8 @@ void main() {
     // Walls would hide what is between them: they are drawn by themselves, like glass.
     bool wall = tone == 6 && large > 0.5 && abs(n.y) < 0.7;
     if (wall != (glass > 0.5)) discard;
+    vec3 across = edge - ROUND * step(0.5 * ROUND, edge);
     if (wire > 0.5) {
-        vec3 across = edge - ROUND * step(0.5 * ROUND, edge);
         vec3 on = clamp(1.1 - across / max(fwidth(across), vec3(1e-6)), 0.0, 1.0);
         float cover = max(on.x, max(on.y, on.z));
         if (cover < 0.35) discard;
@@ -117,6 +117,12 @@ void main() {
     if (tone >= 6 && abs(n.y) > 0.5) {
         float line = max(0.16 * lines(at.xz, 0.9), 0.3 * lines(at.xz * 0.1, 1.2));
         base *= 1.0 - line;
+    }
+    if (tone == 7) {
+        // The triangles of a terrain, where they are not too small.
+        vec3 fine = fwidth(across);
+        vec3 on = clamp(1.1 - across / max(fine, vec3(1e-6)), 0.0, 1.0) * clamp(1.2 - 6.0 * fine, 0.0, 1.0);
+        base *= 1.0 - 0.3 * max(on.x, max(on.y, on.z));
     }
     vec3 change = fwidth(edge);
     vec3 near = clamp(1.4 - edge / max(change, vec3(1e-6)), 0.0, 1.0) * clamp(1.5 - 5.0 * change, 0.0, 1.0);

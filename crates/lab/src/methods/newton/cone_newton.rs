@@ -17,7 +17,7 @@ struct Equation {
     by_r: Vec<(usize, f64)>,
     by_u: Vec<(usize, f64)>,
     value: f64,
-    /// What turns the value into a velocity.
+    /// The factor that turns the value into a velocity.
     scale: f64,
 }
 
@@ -234,7 +234,7 @@ pub(in crate::methods) fn newton(run: &mut Run, r: &[f64], most: u32) -> bool {
     false
 }
 
-/// The impulses projected onto what the laws allow.
+/// The impulses projected onto those that the laws allow.
 pub(super) fn admitted(problem: &Problem, r: &[f64]) -> Vec<f64> {
     let mut r = r.to_vec();
     for (i, law) in problem.laws() {

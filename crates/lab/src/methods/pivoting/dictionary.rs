@@ -271,7 +271,7 @@ impl<'a> Dictionary<'a> {
         true
     }
 
-    /// What z gains along a ray.
+    /// The change of z along a ray.
     fn ray(&self, enters: usize, column: usize) -> Vec<f64> {
         let n = self.n();
         let mut z = vec![0.0; n];

@@ -17,7 +17,7 @@ pub(super) enum Driven {
     Limit,
 }
 
-/// What stops a driven variable.
+/// The bound that stops a driven variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
     /// w of the driven row is zero.
@@ -178,7 +178,7 @@ impl<'a> Principal<'a> {
         }
     }
 
-    /// How far the nonbasic variable of pair `i` can go, and what stops it.
+    /// How far the nonbasic variable of pair `i` can go, and the bound that stops it.
     fn reach(&self, i: usize, sign: f64) -> Option<(f64, Stop)> {
         let t = self.tableau.t.column(i);
         let small = SMALL * linear::greatest(t.as_slice()).max(f64::MIN_POSITIVE);

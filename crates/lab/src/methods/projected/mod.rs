@@ -1,4 +1,4 @@
-//! Iterations that project: each improves the impulses and projects them onto what their laws allow.
+//! Iterations that project: each improves the impulses and projects them onto those that their laws allow.
 
 mod admm;
 mod apgd;

@@ -5,16 +5,15 @@ use super::sweep::{Best, is_checked, project};
 use crate::methods::{Effort, Solution};
 use crate::problem::Problem;
 
-/// Nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe and Erleben 2010): what a sweep of
-/// [`gs_cone`](crate::methods::gs_cone) changes counts as minus the gradient g, and the next sweep
-/// starts further along, `r += beta p`, `p <- beta p - g`, with Fletcher and Reeves's
-/// `beta = |g|² / |g_before|²` in units of energy. It restarts where beta is above one, and projects what
-/// left the cones.
+/// Nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe and Erleben 2010): the change by a sweep of
+/// [`gs_cone`](crate::methods::gs_cone) counts as minus the gradient g, and the next sweep starts further
+/// along, `r += beta p`, `p <- beta p - g`, with Fletcher and Reeves's `beta = |g|² / |g_before|²` in units
+/// of energy. It restarts where beta is above one, and projects impulses that left the cones.
 ///
-/// A sweep costs what one of `gs_cone` does and some vector work; once the set of sticking and sliding
-/// contacts has settled, it takes a quarter of the sweeps or less. The residual does not fall in every sweep,
-/// so the best impulses are kept, taken before the move along `p`. Fails where `gs_cone` does. All laws are
-/// exact at the fixed point.
+/// A sweep costs one of `gs_cone` and some vector work; once the set of sticking and sliding contacts has
+/// settled, it takes a quarter of the sweeps or less. The residual does not fall in every sweep, so the best
+/// impulses are kept, taken before the move along `p`. Fails where `gs_cone` does. All laws are exact at the
+/// fixed point.
 pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
     let mut blocks = Blocks::new(problem);
     let mut best = Best::start(problem, effort);

@@ -16,7 +16,7 @@ pub fn pgs(problem: &Problem, effort: &Effort) -> Solution {
     iterate_shaped(problem, effort, |r| rows.sweep(r, 1.0))
 }
 
-/// What turns velocities of a law's rows into impulses.
+/// The factors that turn velocities of a law's rows into impulses.
 pub(super) struct Rows<'a> {
     problem: &'a Problem,
     friction: Friction,

@@ -1,4 +1,4 @@
-//! What all iterations share: the start, when the residual is checked, the best iterate, and when to give up.
+//! Common parts of all iterations: the start, checks of the residual, the best iterate, and when to give up.
 
 use crate::methods::{Effort, Friction, Solution, Status};
 use crate::problem::{Law, Problem, nearest_within, project_cone, project_disc};
@@ -154,7 +154,7 @@ pub(super) fn iterate_shaped(
 /// law sweeps can cycle, which this breaks; it hardly affects sweeps that converge.
 pub(super) struct Damping {
     share: Vec<f64>,
-    /// What the last sweep wanted to change.
+    /// The change of the last sweep.
     change: Vec<f64>,
 }
 
@@ -193,7 +193,7 @@ pub(super) struct Old {
     r: [f64; 3],
 }
 
-/// Projects impulses onto what their laws allow; patches use the projected normals.
+/// Projects impulses onto those that their laws allow; patches use the projected normals.
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {
         match law {

@@ -1,5 +1,5 @@
-//! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it; and what they have no names
-//! for, in the object `backstop` of their `extras`.
+//! Objects of `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, with their names; and properties without
+//! names there, in the object `backstop` of their `extras`.
 
 use serde::de::{DeserializeOwned, Deserializer, Error};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ pub(super) struct Plane {
     pub(super) double_sided: bool,
 }
 
-/// The object `backstop` in the `extras` of an object, in which other programs may put whatever they like.
+/// The object `backstop` in the `extras` of an object, in which other programs may put anything.
 fn own<'de, D: Deserializer<'de>, T: DeserializeOwned + Default>(from: D) -> Result<T, D::Error> {
     let extras = serde_json::Value::deserialize(from)?;
     let own = extras.get(OWN).map(T::deserialize).transpose();
@@ -146,7 +146,7 @@ macro_rules! extras {
         $with:ident($field:ident: $kind:ty $(, $into:ident)?) = $default:expr
             $(, $what:literal $ends:tt $range:literal)?;
     )+ }) => {
-        /// What few materials have, and the extension has no names for: the engine's own list.
+        /// Rare properties of materials without names in the extension: the engine's own list.
         #[derive(Debug, Deserialize, Serialize)]
         #[serde(default, rename_all = "camelCase", deny_unknown_fields)]
         pub(crate) struct MaterialExtras { $($field: $kind),+ }

@@ -94,7 +94,7 @@ fn drive(drive: &extension::Motor) -> Result<Motor, String> {
     Ok(drive)
 }
 
-/// What holds a speed exactly has infinite damping, and a file has the largest number for it.
+/// A motor that holds a speed exactly has infinite damping, and a file has the largest number for it.
 fn or_infinite(damping: f32) -> f32 {
     if damping >= Spring::MAX_COEFFICIENT { f32::INFINITY } else { damping }
 }

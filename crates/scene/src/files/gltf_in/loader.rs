@@ -33,7 +33,7 @@ struct Build {
     hull: bool,
 }
 
-/// What has been read of a file, and the scene that it becomes.
+/// The parts of a file that have been read, and the scene that they become.
 pub(super) struct Loader<'a> {
     pub(super) parts: &'a Parts,
     pub(super) tree: &'a Tree,
@@ -117,7 +117,7 @@ impl<'a> Loader<'a> {
             let of_collider = physics.collider.as_ref().map(|collider| &collider.geometry);
             for geometry in of_trigger.into_iter().chain(of_collider) {
                 let scale = self.scale(node);
-                // What is wrong with it is said when it is built.
+                // Its error is reported when it is built.
                 let Ok(build) = self.build_of(node, geometry, scale, (home[node], dynamic)) else { continue };
                 if let Source::Mesh(mesh, own) = build.of
                     && scale != DMat3::ZERO
@@ -250,7 +250,7 @@ impl<'a> Loader<'a> {
         Ok(placed)
     }
 
-    /// What is built for a collider. `home`: the node of its body, and whether that is dynamic.
+    /// The geometry built for a collider. `home`: the node of its body, and whether that is dynamic.
     fn build_of(
         &self,
         node: usize,
@@ -314,7 +314,7 @@ impl<'a> Loader<'a> {
         Ok(self.scene)
     }
 
-    /// What is left of a node's transform without its pose.
+    /// The rest of a node's transform without its pose.
     fn scale(&self, node: usize) -> DMat3 {
         let linear = self.tree.global[node].matrix3;
         let rotation = self.tree.rotation[node];

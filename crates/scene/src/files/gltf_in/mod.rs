@@ -5,12 +5,12 @@
 //! static mesh.
 //!
 //! A joint is between the bodies of its node and of the connected one. A node without `motion` at or above it
-//! stands on the nearest static body at or above it, so that what the joint holds doesn't collide with what
-//! it hangs from, and where there is none on a body without shapes, the world.
+//! stands on the nearest static body at or above it, so that the joined body doesn't collide with its
+//! support, and where there is none on a body without shapes, the world.
 //!
-//! What the extension has no names for is in the object `backstop` of the `extras` of its objects: rolling
-//! and spinning friction and the surface velocity of a material, caps and damping of a motion's speeds, and
-//! at its root the couplings of joints (docs/levels.md).
+//! Properties without names in the extension are in the object `backstop` of the `extras` of its objects:
+//! rolling and spinning friction and the surface velocity of a material, caps and damping of a motion's
+//! speeds, and at its root the couplings of joints (docs/levels.md).
 
 mod accessor;
 mod couplings;

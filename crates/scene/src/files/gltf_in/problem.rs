@@ -1,4 +1,4 @@
-//! What can be wrong with a node, and how a caller is told.
+//! Errors of a node, and how a caller is told.
 
 use super::file::Parts;
 use super::tree;
@@ -6,7 +6,7 @@ use crate::SceneError;
 use backstop::Error;
 use backstop::LimitExceeded;
 
-/// What is wrong with a geometry.
+/// An error of a geometry.
 pub(super) enum Problem {
     Text(String),
     Engine(Error),

@@ -405,8 +405,8 @@ fn joints_that_break_the_rules_are_refused() {
     }
 }
 
-/// Frames are relative to the body, in metres whatever scales the nodes; what has no motion stands on its
-/// static body, and what has neither on the world.
+/// Frames are relative to the body, in metres at any scale of the nodes; a node without motion stands on its
+/// static body, and one with neither on the world.
 #[test]
 fn a_joint_sits_where_its_nodes_are() {
     let turn = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];

@@ -2,8 +2,8 @@
 //! extensions.
 //!
 //! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups
-//! of filters, no locked axes and no gravity; these are not written. What they have for joints is in
-//! `joints.rs`. What else they have no names for is in the object `backstop` of `extras`, see `gltf_in`.
+//! of filters, no locked axes and no gravity; these are not written. Joints are in `joints.rs`. Other
+//! properties without names are in the object `backstop` of `extras`, see `gltf_in`.
 
 use super::document::Document;
 use super::visual;
@@ -185,7 +185,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What a shape is at its node.
+/// The geometry of a shape at its node.
 fn role(shape: &ShapeDesc) -> &'static str {
     if shape.sensor { "trigger" } else { "collider" }
 }
@@ -309,7 +309,7 @@ fn material(m: &Material) -> Value {
     out
 }
 
-/// Adds what the extensions have no names for, if there is any.
+/// Adds properties for which the extensions have no names, if there are any.
 fn add_extras(to: &mut Value, extras: Value) {
     if extras != json!({}) {
         to["extras"] = json!({ OWN: extras });

@@ -4,13 +4,13 @@ use base64::Engine;
 use glam::{Quat, Vec3};
 use serde_json::{Map, Value, json};
 
-/// JSON and one buffer; either new or what was read from a file.
+/// JSON and one buffer; either new or as read from a file.
 pub(super) struct Document {
     pub(super) json: Map<String, Value>,
     bytes: Vec<u8>,
 }
 
-/// What a buffer view is used for (glTF 2.0, `bufferView.target`).
+/// The use of a buffer view (glTF 2.0, `bufferView.target`).
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 /// Component types (glTF 2.0, `accessor.componentType`).

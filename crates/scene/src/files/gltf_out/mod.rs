@@ -1,4 +1,4 @@
-//! glTF out: scenes with both physics extensions, and what was recorded as an animation.
+//! glTF out: scenes with both physics extensions, and recorded motion as an animation.
 
 mod build;
 mod document;
@@ -26,13 +26,13 @@ pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneErr
     write(document, path.as_ref())
 }
 
-/// Writes a film of what was recorded: for a scene from glTF its own nodes, meshes and materials with an
+/// Writes a film of the recorded motion: for a scene from glTF its own nodes, meshes and materials with an
 /// animation added in front, else a simple mesh for each shape. `.gltf`: text; anything else: `.glb`, which
 /// any viewer plays.
 ///
 /// # Errors
 /// If the scene's file can't be read again, or the film can't be written, for instance because it would
-/// replace that file or one that it refers to. Whatever was at `path` is then still there.
+/// replace that file or one that it refers to. A file that was at `path` is then still there.
 pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path>) -> Result<(), SceneError> {
     let folder = scene_folder(scene.source.as_deref().unwrap_or(Path::new("")));
     write_animation_with(scene, recorder, path, &folder)

@@ -1,4 +1,4 @@
-//! What is written is read back, by our loader and by the `gltf` crate.
+//! Written scenes are read back, by our loader and by the `gltf` crate.
 
 use super::super::resolve::scene_folder;
 use super::super::testing::scratch;
