@@ -44,6 +44,7 @@ const run = (page, name) =>
         const began = performance.now();
         const { error, step } = await testbed.step(Math.round(seconds / opened.dt));
         const wrong = testbed.poses.findIndex((x) => !Number.isFinite(x));
+        testbed.camera();
         return { refused: opened.error ?? error, step, wrong, ms: performance.now() - began, ...testbed.draw() };
     }, [name, SECONDS]);
 

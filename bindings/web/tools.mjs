@@ -10,10 +10,11 @@ const settled = (page) => page.evaluate(async () => {
     return testbed.header;
 });
 
-/** The middle of the canvas, in the page. */
+/** Where the page shows what its camera looks at. */
 async function middle(page) {
     const { x, y, width, height } = await page.locator('#canvas').boundingBox();
-    return [x + width / 2, y + height / 2];
+    const lift = await page.evaluate(() => testbed.app.view.camera.lift);
+    return [x + width / 2, y + (height / 2) * (1 - lift)];
 }
 
 /** Opens dominoes with a box of 1 m before the eye, which looks at it. */

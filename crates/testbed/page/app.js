@@ -118,6 +118,7 @@ class App {
         this.mark(answer);
         renderer.options.dims = this.layers.has('sleep');
         renderer.options.wireframe = this.layers.has('wireframe');
+        renderer.anchors = answer.numbers('anchors');
         this.view.setPoses(this.slow.take(answer.numbers('poses'), this.loop.slow), seconds);
         this.transport.show(header);
         this.panel.show(header.settings);

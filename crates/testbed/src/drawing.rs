@@ -2,7 +2,9 @@
 
 use backstop::debug::{self, DebugDraw, DrawOptions, DrawnShape};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyHandle, BodyKind, CharacterHandle, Geometry, GeometryKey, ShapeHandle, World};
+use backstop::{
+    BodyHandle, BodyKind, CharacterHandle, Geometry, GeometryKey, JointHandle, ShapeHandle, World,
+};
 use std::collections::HashMap;
 
 /// Numbers of a pose: position [m], rotation, 1 if the body is asleep.
@@ -31,6 +33,8 @@ pub(crate) struct Drawing {
     pub(crate) instances: Vec<[u32; 2]>,
     /// Pairs of shapes whose bodies are joined.
     pub(crate) links: Vec<[u32; 2]>,
+    /// The joints of these pairs.
+    linked: Vec<JointHandle>,
     places: HashMap<Drawn, (usize, Look)>,
     /// The mesh of each geometry, which is kept so that its key stays its own.
     made: HashMap<GeometryKey, (u32, Geometry)>,
@@ -57,7 +61,7 @@ impl Drawing {
             self.places.insert(drawn, (self.instances.len(), look));
             self.instances.push([mesh, look.tone]);
         });
-        self.links = self.links_of(world);
+        (self.links, self.linked) = self.links_of(world).into_iter().unzip();
         true
     }
 
@@ -74,7 +78,7 @@ impl Drawing {
         made.0
     }
 
-    fn links_of(&self, world: &World) -> Vec<[u32; 2]> {
+    fn links_of(&self, world: &World) -> Vec<([u32; 2], JointHandle)> {
         let place = |body: BodyHandle| {
             let shape = world.shapes(body).ok()?.next()?;
             self.place(shape).map(|place| place as u32)
@@ -87,11 +91,21 @@ impl Drawing {
                     && a == body
                     && let (Some(a), Some(b)) = (place(a), place(b))
                 {
-                    links.push([a, b]);
+                    links.push(([a, b], joint));
                 }
             }
         }
         links
+    }
+
+    /// Where each pair is joined, relative to the world's origin: a point of either body. Not a number where the
+    /// joint is gone.
+    pub(crate) fn anchors(&self, world: &World, into: &mut Vec<f32>) {
+        let origin = world.origin();
+        for &joint in &self.linked {
+            let ends = world.joint_frames(joint).map(|frames| frames.map(|(at, _)| (at - origin).as_vec3()));
+            into.extend(ends.unwrap_or([Vec3::NAN; 2]).iter().flat_map(Vec3::to_array));
+        }
     }
 
     /// The place of a shape among the instances.

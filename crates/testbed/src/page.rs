@@ -35,6 +35,7 @@ pub const FILES: &[(&str, &str, &[u8])] = files! {
     "draw/marks.js": SCRIPT,
     "draw/normals.js": SCRIPT,
     "draw/orbit.js": SCRIPT,
+    "draw/palette.js": SCRIPT,
     "draw/renderer.js": SCRIPT,
     "draw/shaders.js": SCRIPT,
     "draw/view.js": SCRIPT,

@@ -153,6 +153,7 @@ impl Session {
             frame.set("ledger", ledger::of(world, ms)?);
         }
         frame.section("poses", |into| run.drawing.poses(world, into));
+        frame.section("anchors", |into| run.drawing.anchors(world, into));
         if wants(Want::Scene) {
             let [opened, count] = meshes;
             tell_scene(run, frame, if opened == self.opened { count as usize } else { 0 });

@@ -44,7 +44,7 @@ function quantile(values, share) {
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 
 /**
- * Centre and radius of a ball that holds some places, and the ground at height zero below them. `home`: the first
+ * Centre and radius of a ball that holds some places with what reaches around them, and the ground at height zero below them. `home`: the first
  * frame, of which all is to be seen; later ones leave out what flew off, and by quantiles a little more, so that the
  * camera stays with the rest. None without places.
  */
@@ -58,13 +58,12 @@ export function frameOf(places, home) {
     const onGround = places.every((p) => p[1] > 0);
     const rest = home ? 0.04 : 0;
     const middle = [0, 1, 2].map((i) => {
-        const along = places.map((p) => p[i]);
-        const low = onGround && i === 1 ? 0 : quantile(along, rest);
-        return 0.5 * (low + quantile(along, 1 - rest));
+        const low = onGround && i === 1 ? 0 : quantile(places.map((p) => p[i] - p[3]), rest);
+        return 0.5 * (low + quantile(places.map((p) => p[i] + p[3]), 1 - rest));
     });
-    if (onGround) places = [...places, ...places.map((p) => [p[0], 0, p[2]])];
-    const away = places.map((p) => distance(p, middle));
-    return { middle, radius: Math.max(1.5, 1.15 * quantile(away, 1 - rest) + 0.7) };
+    if (onGround) places = [...places, ...places.map((p) => [p[0], 0, p[2], 0])];
+    const away = places.map((p) => distance(p, middle) + p[3]);
+    return { middle, radius: Math.max(0.5, 1.1 * quantile(away, 1 - rest)) };
 }
 
 export class Camera {

@@ -4,51 +4,17 @@ import { look, product } from './camera.js';
 import { attribute, depthMap, program } from './gl.js';
 import { Marks } from './marks.js';
 import { CORNER, cornersOf } from './normals.js';
+import { colour, figures, GROUND, STATIC } from './palette.js';
 import { SHADOW_FRAGMENT, SHAPE_FRAGMENT, SHAPE_VERTEX, SKY_FRAGMENT, SKY_VERTEX } from './shaders.js';
 
-/**
- * Colours: sphere, capsule, box, cylinder and cone, hull; kinematic; static; ground that is seen from both sides:
- * meshes, height fields; planes, which have no end.
- */
-const TONES = ['#d9604c', '#e3a23c', '#4d82c4', '#57a773', '#8f6fc0', '#3aa39a', '#c3c7cd', '#b3b8b0', '#cfd2cc'];
-/** Colours of figures: dynamic bodies that are joined have one. */
-const FIGURES = ['#d9604c', '#4d82c4', '#57a773', '#e3a23c', '#8f6fc0', '#3aa39a', '#c8688f', '#8a9a3c'];
 /** Numbers of a pose: position [m], rotation, 1 if asleep. */
 export const POSE = 8;
-const GROUND = 7;
-const STATIC = 6;
-const KINEMATIC = 5;
 /** Numbers of a look: colour, and the tone with `SELECTED` more where the shape is selected. */
 const LOOK = 4;
 const SELECTED = 16;
 
 const SUN = [0.42, 0.8, 0.43];
 const MAP = 2048;
-
-const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
-
-/** The figure of each shape, counted from 0; -1 for shapes that no joint holds. */
-function figures(tones, links) {
-    const root = tones.map((_, i) => i);
-    const find = (i) => {
-        while (root[i] !== i) i = root[i] = root[root[i]];
-        return i;
-    };
-    const joined = new Set();
-    for (let k = 0; k + 1 < links.length; k += 2) {
-        const [a, b] = [links[k], links[k + 1]];
-        if (tones[a] >= KINEMATIC || tones[b] >= KINEMATIC) continue;
-        root[find(a)] = find(b);
-        joined.add(a).add(b);
-    }
-    const numbers = new Map();
-    return tones.map((_, i) => {
-        if (!joined.has(i)) return -1;
-        const of = find(i);
-        if (!numbers.has(of)) numbers.set(of, numbers.size);
-        return numbers.get(of);
-    });
-}
 
 export class Renderer {
     constructor(canvas) {
@@ -87,7 +53,7 @@ export class Renderer {
         this.tones = Array.from({ length: count }, (_, i) => instances[2 * i + 1]);
         const kind = (i) => 16 * instances[2 * i] + this.tones[i];
         this.order = Array.from({ length: count }, (_, i) => i).sort((a, b) => kind(a) - kind(b));
-        this.links = links;
+        [this.links, this.anchors] = [links, new Float32Array(0)];
         this.sorted = new Float32Array(POSE * count);
         this.latest = new Float32Array(POSE * count);
         this.figures = figures(this.tones, links);
@@ -95,12 +61,14 @@ export class Renderer {
         gl.bindBuffer(gl.ARRAY_BUFFER, this.poses);
         gl.bufferData(gl.ARRAY_BUFFER, this.sorted.byteLength, gl.DYNAMIC_DRAW);
         this.paint();
-        this.groups = [];
+        [this.groups, this.reach] = [[], new Float32Array(count)];
         for (let first = 0; first < count; ) {
             const mesh = instances[2 * this.order[first]];
             let end = first;
             while (end < count && kind(this.order[end]) === kind(this.order[first])) end++;
             if (meshes[mesh].length > 0) this.groups.push(this.group(meshes[mesh], first, end - first));
+            const { reach } = this.model(meshes[mesh]);
+            for (let i = first; i < end; i++) this.reach[this.order[i]] = reach;
             first = end;
         }
     }
@@ -114,7 +82,9 @@ export class Renderer {
         gl.bindBuffer(gl.ARRAY_BUFFER, corners);
         gl.bufferData(gl.ARRAY_BUFFER, cornersOf(mesh), gl.STATIC_DRAW);
         const wide = Math.max(...[0, 1, 2].map((axis) => extent(mesh, axis)));
-        const model = { corners, wide, vertices: mesh.length / 3 };
+        let reach = 0;
+        for (let i = 0; i < mesh.length; i += 3) reach = Math.max(reach, Math.hypot(mesh[i], mesh[i + 1], mesh[i + 2]));
+        const model = { corners, wide, reach, vertices: mesh.length / 3 };
         this.models.set(mesh, model);
         return model;
     }
@@ -142,12 +112,7 @@ export class Renderer {
     /** The colour of a shape. */
     colourOf(i) {
         if (this.tints?.[i] >= 0) return this.shades[this.tints[i]];
-        const [tone, figure] = [this.tones[i], this.figures[i]];
-        const own = rgb(figure < 0 ? TONES[tone] : FIGURES[figure % FIGURES.length]);
-        if (tone >= STATIC) return own;
-        // Neighbours of a kind differ a little, so that they can be told apart; joined ones belong together.
-        const scale = 1 + (((i * 0.618034) % 1) - 0.5) * (figure < 0 ? 0.2 : 0.12);
-        return own.map((x) => Math.min(1, x * scale));
+        return colour(this.tones[i], this.figures[i], i);
     }
 
     /** Gives all shapes their colours. */
@@ -188,13 +153,13 @@ export class Renderer {
         gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.sorted);
     }
 
-    /** Places of what can move and is awake, or of all that can move if nothing is awake. */
+    /** Places and reach of what can move and is awake, or of all that can move if nothing is awake. */
     moving() {
         const places = (wanted) => {
             const found = [];
             for (let i = 0; i < this.tones.length; i++) {
                 const pose = this.latest.subarray(POSE * i, POSE * (i + 1));
-                if (this.tones[i] < STATIC && wanted(pose)) found.push([pose[0], pose[1], pose[2]]);
+                if (this.tones[i] < STATIC && wanted(pose)) found.push([pose[0], pose[1], pose[2], this.reach[i]]);
             }
             return found;
         };
@@ -273,10 +238,27 @@ export class Renderer {
         gl.disable(gl.CULL_FACE);
     }
 
+    /** Ends of the lines that show joints: from bodies to where they are joined, if that is known. */
+    joints() {
+        const { links, anchors, latest, tones } = this;
+        const at = (numbers, from) => numbers.subarray(from, from + 3);
+        const ends = [];
+        for (let k = 0; k + 1 < links.length; k += 2) {
+            const way = [at(latest, POSE * links[k]), at(latest, POSE * links[k + 1])];
+            const known = anchors.length === 3 * links.length;
+            if (known) way.splice(1, 0, at(anchors, 3 * k), at(anchors, 3 * k + 3));
+            // The middle of something large says nothing.
+            const least = known ? STATIC : GROUND;
+            if (tones[links[k]] >= least) way.shift();
+            if (tones[links[k + 1]] >= least) way.pop();
+            for (let i = 0; i + 1 < way.length; i++) if (Number.isFinite(way[i][0])) ends.push(way[i], way[i + 1]);
+        }
+        return ends;
+    }
+
     drawMarks(view) {
         const { canvas } = this;
-        const at = (shape) => this.latest.subarray(POSE * shape, POSE * shape + 3);
-        this.marks.setLinks(Array.from(this.links, at));
+        this.marks.setLinks(this.joints());
         const ratio = Math.max(1, canvas.width / (canvas.clientWidth || 1));
         this.marks.draw(view, [canvas.width, canvas.height], ratio);
     }

@@ -16,7 +16,8 @@ use film::Film;
 
 /// The modules of the renderer, each after those that it imports from. Put together they are one, with the
 /// player's after them.
-const MODULES: [&str; 8] = ["camera", "orbit", "shaders", "normals", "gl", "marks", "renderer", "view"];
+const MODULES: [&str; 9] =
+    ["camera", "orbit", "shaders", "normals", "gl", "marks", "palette", "renderer", "view"];
 
 const PLAYER: &str = include_str!("player.js");
 const STYLE: &str = include_str!("player.css");
