@@ -1,5 +1,6 @@
 //! What games write again and again: explosions, grabs, cars, forces of fluids, levels of detail.
 
+mod character_body;
 mod explosion;
 mod fields;
 mod grab;
