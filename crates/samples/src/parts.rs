@@ -2,7 +2,9 @@
 //! each step.
 
 use crate::{Running, Tick};
-use backstop::{BodyDesc, BodyHandle, ContactHooks, Error, Geometry, NoHooks, Settings, ShapeDesc, World};
+use backstop::{
+    BodyDesc, BodyHandle, ContactHooks, Error, Geometry, Material, NoHooks, Settings, ShapeDesc, World,
+};
 use std::fmt;
 
 /// A world with a level ground at y = 0, and the body of the ground.
@@ -22,6 +24,19 @@ pub fn level_world() -> Result<(World, BodyHandle), Error> {
 pub fn level_world_with(settings: Settings) -> Result<(World, BodyHandle), Error> {
     let mut world = World::new(settings)?;
     let ground = world.add_body(&fixed(Geometry::plane()))?;
+    Ok((world, ground))
+}
+
+/// A world with a lawn at y = 0, on which whatever rolls comes to rest, and the body of the lawn.
+///
+/// # Errors
+///
+/// Those of [`World::new`] and [`World::add_body`].
+pub fn lawn() -> Result<(World, BodyHandle), Error> {
+    let mut world = World::new(Settings::default())?;
+    let grass = Material::default().with_rolling_friction(0.03);
+    let ground = ShapeDesc::new(Geometry::plane()).with_material(grass);
+    let ground = world.add_body(&BodyDesc::fixed().with_shape(ground))?;
     Ok((world, ground))
 }
 

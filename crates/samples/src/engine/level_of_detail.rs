@@ -20,7 +20,7 @@ pub fn start() -> Result<Driven, Error> {
     Ok(Driven::new(world, move |world, tick| {
         let keys = tick.controls;
         let asked = DVec3::new(keys.right.into(), 0.0, (-keys.forward).into());
-        let circle = DVec3::new((0.5 * tick.time).cos(), 0.0, (0.5 * tick.time).sin());
+        let circle = DVec3::new(tick.time.cos(), 0.0, tick.time.sin());
         let way = if asked == DVec3::ZERO { circle } else { asked };
         let place = world.position(player)? + way * SPEED * f64::from(tick.dt);
         world.set_pose(player, place, Quat::IDENTITY)?;
@@ -35,7 +35,7 @@ pub fn start() -> Result<Driven, Error> {
 fn build() -> Result<(World, BodyHandle, Vec<BodyHandle>), Error> {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
     let player = ShapeDesc::new(Geometry::capsule(0.5, 0.3)).as_sensor();
-    let player = world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y).with_shape(player))?;
+    let player = world.add_body(&BodyDesc::kinematic().with_position(DVec3::new(0.0, 1.0, -4.0)).with_shape(player))?;
     let spoke = solid(Geometry::cuboid(0.5, 0.08, 0.08)).with_angular_velocity(Vec3::Y * 4.0);
     let turned = Quat::from_rotation_y(FRAC_PI_2);
     let spoke = spoke.with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.08, 0.08)).with_rotation(turned));

@@ -25,6 +25,7 @@ fn build() -> Result<(World, BodyHandle, Vec<BodyHandle>), Error> {
     for z in [-0.7, 0.7] {
         world.add_body(&rail.clone().with_position(Vec3::new(-0.5 * LANE, 0.1, z)))?;
     }
+    world.add_body(&fixed(Geometry::cuboid(0.1, 0.5, 0.9)).with_position(Vec3::new(2.5, 0.5, 0.0)))?;
     // A pin: a belly, a neck and a head, 0.38 m high and of 1.5 kg.
     let wood = |geometry, y: f32| ShapeDesc::new(geometry).with_density(650.0).with_position(Vec3::Y * y);
     let part = |low, top, half: f32, y| wood(Geometry::tapered_cylinder(half, low, top), y);

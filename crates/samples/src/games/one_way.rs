@@ -1,6 +1,6 @@
 //! One-way platforms: balls pass them from below, and lie on them from above.
 
-use crate::parts::{Driven, level_world, solid, spread};
+use crate::parts::{Driven, lawn, solid, spread};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, ContactHook, ContactHooks, Error, Geometry, ShapeDesc};
 
@@ -30,7 +30,7 @@ impl ContactHooks for OneWay {
 
 /// Platforms, and balls on their way up.
 pub fn start() -> Result<Driven, Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     for (i, height) in HEIGHTS.into_iter().enumerate() {
         let plate = ShapeDesc::new(Geometry::cuboid(2.0 - 0.4 * i as f32, 0.08, 1.5)).with_hooks();
         let plate = plate.with_user_data(PLATFORM);

@@ -3,7 +3,7 @@
 use crate::parts::{Driven, level_world, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, CouplingDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc,
+    Axis, BodyDesc, CouplingDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc,
     Spring, World,
 };
 use std::f32::consts::FRAC_PI_2;
@@ -50,7 +50,7 @@ fn the_rack_follows_the_pinion() -> Result<(), Error> {
     let (world, hinge, slider) = build()?;
     let mut sample = Driven::new(world, move |world, _| world.set_joint_target(hinge, Motion::Angular, Axis::X, 3.0, 0.0));
     crate::parts::run(&mut sample, 10.0)?;
-    let way = crate::Running::world(&sample).joint_position(slider, Motion::Linear, Axes::One(Axis::X))?;
+    let way = crate::Running::world(&sample).joint_position(slider, Motion::Linear, backstop::Axes::One(Axis::X))?;
     assert!((way - 3.0 * RADIUS).abs() < 0.001, "{way} m");
     Ok(())
 }

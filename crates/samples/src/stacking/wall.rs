@@ -1,6 +1,6 @@
 //! Wall: an iron ball at 20 m/s goes through a wall of bricks.
 
-use crate::parts::{level_world, solid};
+use crate::parts::{lawn, solid};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, ShapeDesc, World};
 
@@ -17,7 +17,7 @@ pub fn start() -> Result<World, Error> {
 }
 
 fn build() -> Result<(World, Vec<BodyHandle>, BodyHandle), Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let brick = solid(Geometry::cuboid(BRICK.x, BRICK.y, BRICK.z));
     let mut bricks = Vec::new();
     for row in 0..ROWS {
