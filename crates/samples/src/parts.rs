@@ -1,4 +1,4 @@
-//! What many samples begin with: a level ground, bodies of one shape, and worlds in which something acts before
+//! Parts of many samples: a level ground, bodies of one shape, and worlds with a function that acts before
 //! each step.
 
 use crate::{Running, Tick};
@@ -27,7 +27,7 @@ pub fn level_world_with(settings: Settings) -> Result<(World, BodyHandle), Error
     Ok((world, ground))
 }
 
-/// A world with a lawn at y = 0, on which whatever rolls comes to rest, and the body of the lawn.
+/// A world with a lawn at y = 0, on which rolling bodies come to rest, and the body of the lawn.
 ///
 /// # Errors
 ///
@@ -50,7 +50,7 @@ pub fn fixed(geometry: Geometry) -> BodyDesc {
     BodyDesc::fixed().with_shape(ShapeDesc::new(geometry))
 }
 
-/// A number in 0..1 for each index. Numbers of neighbours are far apart, so that what is placed by them is
+/// A number in 0..1 for each index. Numbers of neighbours are far apart, so that places by them are
 /// spread evenly.
 pub fn spread(index: usize) -> f32 {
     (index as f32 * 0.618_034).fract()

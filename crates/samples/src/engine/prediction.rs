@@ -36,7 +36,8 @@ fn build() -> Result<(World, BodyHandle, BodyHandle), Error> {
     world.add_body(&BodyDesc::fixed().with_shape(ground))?;
     for (x, z) in [(-4.0, 0.0), (4.0, 0.0), (0.0, -4.0), (0.0, 4.0)] {
         let half: Vec3 = if z == 0.0 { Vec3::new(0.1, 0.7, 4.0) } else { Vec3::new(4.0, 0.7, 0.1) };
-        world.add_body(&fixed(Geometry::cuboid(half.x, half.y, half.z)).with_position(Vec3::new(x, 0.7, z)))?;
+        world
+            .add_body(&fixed(Geometry::cuboid(half.x, half.y, half.z)).with_position(Vec3::new(x, 0.7, z)))?;
     }
     let ball = ShapeDesc::new(Geometry::sphere(RADIUS)).with_material(rubber);
     let ball = BodyDesc::dynamic().with_position(Vec3::Y).with_shape(ball);

@@ -8,7 +8,7 @@ const ROWS: usize = 9;
 const COLUMNS: usize = 14;
 /// Half the edge of a block [m].
 const HALF: f32 = 0.2;
-/// What a weld bears [N], [N m].
+/// Force [N] and torque [N m] above which a weld breaks.
 const FORCE: f32 = 40_000.0;
 const TORQUE: f32 = 8_000.0;
 

@@ -1,10 +1,10 @@
-//! Doors: a trigger opens each door for what comes along on the belt, and closes it behind.
+//! Doors: a trigger opens each door for a parcel on the belt, and closes it behind the parcel.
 
 use crate::parts::{Driven, level_world, solid};
 use backstop::glam::Vec3;
 use backstop::{
-    Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor,
-    ShapeDesc, ShapeHandle, Spring, World,
+    Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, ShapeHandle, Spring,
+    World,
 };
 
 /// Speed of the belt [m/s], how far a door goes up [m], and the spring that moves it.
@@ -38,7 +38,7 @@ fn build() -> Result<(World, Vec<(ShapeHandle, JointHandle)>), Error> {
         let frames = world.frames_about(pair, door.position, Vec3::Y)?;
         let servo = Motor::position(Motion::Linear, Axis::X, 0.0, SERVO);
         let slider = world.add_joint(&JointDesc::slider(pair, frames).with_motor(servo))?;
-        // A sensor on the door notices parcels, and neither the door nor what is static.
+        // A sensor on the door notices parcels, and neither the door nor static bodies.
         let trigger = ShapeDesc::new(Geometry::cuboid(0.9, 2.0, 0.5)).with_density(0.0).as_sensor();
         doors.push((world.add_shape(pair[1], &trigger)?, slider));
     }
@@ -50,7 +50,7 @@ fn build() -> Result<(World, Vec<(ShapeHandle, JointHandle)>), Error> {
 #[test]
 fn a_door_is_open_for_a_parcel() -> Result<(), Error> {
     let (mut sample, (_, doors)) = (start()?, build()?);
-    // From x = -5.5 at 1 m/s: the first parcel is between the first and the second door, the next in the first.
+    // From x = -5.5 at 1 m/s: the first parcel is between two doors, and the second one in the first door.
     crate::parts::run(&mut sample, 4.0)?;
     let world = crate::Running::world(&sample);
     let height = |i: usize| world.joint_position(doors[i].1, Motion::Linear, backstop::Axes::One(Axis::X));

@@ -1,4 +1,4 @@
-//! Gravity gun: what is near floats in front of the gun, and is shot away.
+//! Gravity gun: crates nearby float in front of the gun, and are shot away.
 //! Keys: left and right turn the gun; while the action is held it attracts, and when it is let go it shoots.
 
 use crate::parts::{Driven, lawn, solid, spread};

@@ -9,10 +9,10 @@ const BALLS: usize = 60;
 const SPEED: f32 = 12.0;
 /// Heights of the platforms [m].
 const HEIGHTS: [f32; 3] = [2.0, 3.5, 5.0];
-/// What says of a shape that it is a platform.
+/// User data of the shapes of platforms.
 const PLATFORM: u64 = 1;
 
-/// A contact with a platform counts for who comes from above.
+/// Contacts with a platform count for bodies from above only.
 struct OneWay;
 
 impl ContactHooks for OneWay {

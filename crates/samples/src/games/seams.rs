@@ -4,12 +4,12 @@ use backstop::glam::Vec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, Material, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
 
-/// Tiles along both edges, half the edge of a tile [m], and the speed of what glides [m/s].
+/// Tiles along both edges, half the edge of a tile [m], and the speed of the bodies [m/s].
 const TILES: usize = 20;
 const HALF: f32 = 0.5;
 const SPEED: f32 = 5.0;
 
-/// The floor, of tiles that are meshes and boxes in turn, between two walls, and what is on it.
+/// The floor, of tiles that are meshes and boxes in turn, between two walls, with the bodies on it.
 pub fn start() -> Result<World, Error> {
     Ok(build()?.0)
 }

@@ -2,9 +2,7 @@
 
 use crate::parts::{level_world, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{
-    Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, World,
-};
+use backstop::{Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, World};
 use std::f32::consts::FRAC_PI_2;
 
 /// Radius of the crank, and length of the rod [m].

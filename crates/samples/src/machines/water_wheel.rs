@@ -13,7 +13,7 @@ const AXLE: DVec3 = DVec3::new(0.0, 2.0, 0.0);
 const RADIUS: f32 = 1.5;
 const BRAKE: f32 = 150.0;
 
-/// The wheel, and the balls on the ground. What lies there goes to the head of the chute, one after another.
+/// The wheel, and the balls on the ground. From there they go to the head of the chute, one after another.
 pub fn start() -> Result<Driven, Error> {
     let (world, _, balls) = build()?;
     Ok(Driven::new(world, move |world, tick| {

@@ -2,7 +2,8 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, Error, Material, Motor, Geometry, JointDesc, Motion, Settings, ShapeDesc, World,
+    Axis, BodyDesc, BodyHandle, Error, Geometry, JointDesc, Material, Motion, Motor, Settings, ShapeDesc,
+    World,
 };
 use std::f32::consts::FRAC_PI_2;
 

@@ -23,7 +23,11 @@ pub fn start() -> Result<World, Error> {
         world.add_body(&rail.with_position(chute + Vec3::Z * side + down * Vec3::Y * 0.4))?;
     }
     for i in 0..COUNT {
-        let place = Vec3::new(-4.9 + 0.7 * (i % 3) as f32, 5.2 + 0.7 * (i / 9) as f32, 0.7 * (i / 3 % 3) as f32 - 0.7);
+        let place = Vec3::new(
+            -4.9 + 0.7 * (i % 3) as f32,
+            5.2 + 0.7 * (i / 9) as f32,
+            0.7 * (i / 3 % 3) as f32 - 0.7,
+        );
         world.add_body(&solid(rock(i)?).with_position(place))?;
     }
     Ok(world)

@@ -43,7 +43,7 @@ fn the_ball_comes_out_slower() -> Result<(), Error> {
     let (mut world, bricks, ball) = build()?;
     crate::parts::run(&mut world, 1.2)?;
     assert!(world.position(ball)?.z < -0.7, "it is behind the wall");
-    // What it shared its momentum with: some bricks, of which each has 1/32 of its mass.
+    // It shares its momentum with some bricks, of which each has 1/32 of its mass.
     let speed = -world.linear_velocity(ball)?.z;
     assert!(speed > 0.3 * SPEED && speed < SPEED, "{speed} m/s");
     crate::parts::run(&mut world, 10.0)?;
