@@ -31,7 +31,7 @@ fn build() -> Result<(World, BodyHandle), Error> {
     // Balls come to rest where they fall.
     let felt = Material::default().with_rolling_friction(0.03);
     for i in 0..20 {
-        let place = Vec3::new(-1.5 + 0.15 * i as f32, 6.0 + 0.5 * i as f32, 0.0);
+        let place = Vec3::new(0.3 * (i % 10) as f32 - 1.5, 6.0 + 0.6 * (i / 10) as f32, 0.0);
         let ball = ShapeDesc::new(Geometry::sphere(0.2)).with_density(50.0).with_material(felt);
         world.add_body(&BodyDesc::dynamic().with_position(place).with_shape(ball))?;
     }
