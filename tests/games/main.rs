@@ -1,4 +1,8 @@
 //! What games write again and again: explosions, grabs, cars, forces of fluids, levels of detail.
 
 mod explosion;
+mod fields;
 mod grab;
+mod level_of_detail;
+mod torque;
+mod vehicle;
