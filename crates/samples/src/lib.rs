@@ -7,6 +7,7 @@
     reason = "samples read as a game would write them; no bit of theirs is compared between machines"
 )]
 
+pub mod car;
 pub mod parts;
 mod sample;
 pub mod terrain;
@@ -51,6 +52,9 @@ samples! {
     characters:
         stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose,
         knocked_down;
+    /// Vehicles.
+    vehicles:
+        car, car_on_hills, trailer, train, tank, hovercraft, loop_the_loop;
     /// Fast bodies.
     continuous:
         bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
