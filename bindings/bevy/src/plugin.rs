@@ -19,6 +19,7 @@ pub struct BackstopPlugin {
     schedule: Interned<dyn ScheduleLabel>,
     step: Option<f32>,
     interpolation: bool,
+    extrapolation: bool,
 }
 
 impl Default for BackstopPlugin {
@@ -28,6 +29,7 @@ impl Default for BackstopPlugin {
             schedule: FixedPostUpdate.intern(),
             step: None,
             interpolation: true,
+            extrapolation: false,
         }
     }
 }
@@ -52,6 +54,13 @@ impl BackstopPlugin {
     #[must_use]
     pub fn with_step(mut self, seconds: f32) -> Self {
         self.step = Some(seconds);
+        self
+    }
+    /// Puts all transforms ahead of the last step, where velocities lead in the time since, instead of between
+    /// the last two: [`Extrapolation`](crate::Extrapolation) for all.
+    #[must_use]
+    pub fn with_extrapolation(mut self) -> Self {
+        self.extrapolation = true;
         self
     }
     /// Leaves all transforms as they are after the last step.
@@ -103,6 +112,7 @@ impl Plugin for BackstopPlugin {
             (PhysicsSystems::Prepare, PhysicsSystems::Step, PhysicsSystems::Report).chain(),
         );
         let prepare = (
+            prepare::find_written,
             prepare::change_shapes,
             prepare::add_bodies_and_shapes,
             prepare::change_bodies,
@@ -122,6 +132,9 @@ impl Plugin for BackstopPlugin {
                 report.chain().in_set(PhysicsSystems::Report),
             ),
         );
+        if self.extrapolation {
+            app.insert_resource(poses::AllAhead);
+        }
         if self.interpolation {
             app.add_systems(FixedFirst, poses::show_last);
             app.add_systems(

@@ -2,10 +2,10 @@
 
 use super::hierarchy::{Hierarchy, pose_by};
 use super::shapes::describe;
-use crate::body::*;
+use crate::components::body::*;
+use crate::components::shape::{Shape, ShapeParts};
 use crate::convert::ToEngine;
 use crate::messages::Problem;
-use crate::shape::{Shape, ShapeParts};
 use crate::world::{BODIES, BodyState, PhysicsWorld, Place, SHAPES, ShapeState, in_order};
 use backstop::{BodyDesc, BodyHandle, Error, ShapeDesc, World};
 use bevy_ecs::entity::EntityHashMap;
@@ -149,6 +149,7 @@ fn add_body(
         mass: desc.mass,
         follows_shapes: false,
         moved_in: 0,
+        listed_in: 0,
     };
     physics.bodies.insert(body, state);
     if parts.disabled

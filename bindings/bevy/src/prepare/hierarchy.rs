@@ -1,6 +1,6 @@
 //! Where entities are below one another.
 
-use crate::body::{PhysicsPose, RigidBody};
+use crate::components::body::{PhysicsPose, RigidBody};
 use crate::world::{PhysicsWorld, Place};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
