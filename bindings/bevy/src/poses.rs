@@ -114,12 +114,14 @@ impl Poses<'_, '_> {
 }
 
 /// Writes a body that has no parent and is no character, if it moves.
+#[inline]
 fn write_root(physics: &mut PhysicsWorld, part: &mut DrawnItem, moment: Moment, ahead: bool) {
     if !part.is_below && !(part.walks && physics.walkers.contains_key(&part.entity)) {
         write_body(physics, part, None, moment, ahead);
     }
 }
 
+#[inline]
 fn write_body(
     physics: &mut PhysicsWorld,
     part: &mut DrawnItem,
@@ -146,6 +148,7 @@ fn write_body(
 
 impl BodyState {
     /// Writes a pose to the transform of the body, unless somebody else wrote that.
+    #[inline]
     pub(crate) fn show(
         &mut self,
         transform: &mut Mut<Transform>,
@@ -157,7 +160,10 @@ impl BodyState {
             return;
         }
         let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
-        let (translation, rotation) = below(above, place, pose.rotation);
+        let (translation, rotation) = match above {
+            Some(_) => below(above, place, pose.rotation),
+            None => (place, pose.rotation),
+        };
         let new = Transform { translation, rotation, scale: self.written.scale };
         if new != self.written {
             (self.written, **transform) = (new, new);

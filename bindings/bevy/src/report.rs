@@ -3,20 +3,29 @@
 use crate::components::body::*;
 use crate::components::character::Character;
 use crate::convert::ToBevy;
+use crate::hooks::{Called, CollisionHooks};
 use crate::messages::*;
+use crate::observers::{self, SensorEnd, SensorStart};
 use crate::plugin::StepLength;
 use crate::world::{CouplingState, JointState, PhysicsHooks, PhysicsWorld, in_order};
 use backstop::{BodyHandle, ShapeHandle};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_ecs::system::{StaticSystemParam, SystemParam, SystemParamItem};
 use bevy_transform::components::Transform;
 
-/// One step of the world.
-pub(crate) fn step(mut physics: ResMut<PhysicsWorld>, dt: StepLength, hooks: Option<Res<PhysicsHooks>>) {
-    let stepped = match hooks {
-        Some(hooks) => physics.step_with(dt.seconds(), &*hooks.0).map(drop),
-        None => physics.step(dt.seconds()).map(drop),
-    };
+/// One step of the world, with the hooks of the app.
+pub(crate) fn step<H: SystemParam + 'static>(
+    mut physics: ResMut<PhysicsWorld>,
+    dt: StepLength,
+    boxed: Option<Res<PhysicsHooks>>,
+    hooks: StaticSystemParam<H>,
+) where
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    let physics = &mut *physics;
+    let called = Called { hooks: &*hooks, boxed: boxed.as_deref(), shapes: &physics.shapes };
+    let stepped = physics.world.step_with(dt.seconds(), &called).map(drop);
     if stepped.is_ok() {
         physics.steps += 1;
     }
@@ -162,7 +171,11 @@ fn set_asleep(
 }
 
 /// The events of the step, with entities.
-pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Writers) {
+pub(crate) fn write_messages(
+    mut physics: ResMut<PhysicsWorld>,
+    mut writers: Writers,
+    mut commands: Commands,
+) {
     let physics = &mut *physics;
     let named = |shape: ShapeHandle| -> Option<[Entity; 2]> {
         if let Some(entity) = physics.entity_of_shape(shape) {
@@ -188,11 +201,41 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         let [shapes, bodies] = both(event.shapes)?;
         Some(ContactEnded { shapes, bodies })
     };
-    writers.began.write_batch(physics.contact_begins().iter().filter_map(contact).map(ContactBegan));
+    let asks = |shapes: [ShapeHandle; 2]| shapes.map(|shape| physics.has_events(shape).unwrap_or(false));
+    for event in physics.contact_begins() {
+        let Some(contact) = contact(event) else { continue };
+        writers.began.write(ContactBegan(contact));
+        observers::start(&mut commands, contact, asks(event.shapes));
+    }
     writers.hits.write_batch(physics.contact_hits().iter().filter_map(contact).map(ContactHit));
-    writers.ended.write_batch(physics.contact_ends().iter().filter_map(ended));
-    writers.entered.write_batch(physics.sensor_begins().iter().filter_map(crossing).map(SensorEntered));
-    writers.left.write_batch(physics.sensor_ends().iter().filter_map(crossing).map(SensorLeft));
+    for event in physics.contact_ends() {
+        let Some(ended) = ended(event) else { continue };
+        writers.ended.write(ended);
+        observers::end(&mut commands, ended, asks(event.shapes));
+    }
+    for crossing in physics.sensor_begins().iter().filter_map(crossing) {
+        writers.entered.write(SensorEntered(crossing));
+        commands.trigger(SensorStart { entity: crossing.sensor, crossing });
+    }
+    for (event, crossing) in physics.sensor_ends().iter().filter_map(|end| Some((end, crossing(end)?))) {
+        writers.left.write(SensorLeft(crossing));
+        if physics.entity_of_shape(event.sensor).is_some() {
+            commands.trigger(SensorEnd { entity: crossing.sensor, crossing });
+        }
+    }
+    write_joints(physics, &mut writers);
+    physics.departed.clear();
+    for error in physics.problems.drain(..) {
+        match error.entity {
+            Some(entity) => log::warn!("{entity}: {}", error.problem),
+            None => log::error!("the step is refused: {}", error.problem),
+        }
+        writers.errors.write(error);
+    }
+}
+
+/// What became of joints and couplings.
+fn write_joints(physics: &PhysicsWorld, writers: &mut Writers) {
     for event in physics.strained_joints() {
         let Some(joint) = physics.entity_of_joint(event.joint) else { continue };
         let (force, torque) = (event.force.to_bevy(), event.torque.to_bevy());
@@ -213,13 +256,5 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         for coupling in in_order(physics.couplings.iter().filter_map(broke)) {
             writers.decoupled.write(CouplingBroke { coupling });
         }
-    }
-    physics.departed.clear();
-    for error in physics.problems.drain(..) {
-        match error.entity {
-            Some(entity) => log::warn!("{entity}: {}", error.problem),
-            None => log::error!("the step is refused: {}", error.problem),
-        }
-        writers.errors.write(error);
     }
 }

@@ -88,12 +88,7 @@ pub struct Sleeping(pub bool);
 
 /// Mass, centre of mass and inertia of a body, instead of those of its shapes.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct Mass(pub MassProperties);
 

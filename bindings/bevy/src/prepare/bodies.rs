@@ -146,7 +146,7 @@ fn add_body(
         written,
         velocity,
         asleep: false,
-        mass: desc.mass,
+        mass: desc.mass.map(Box::new),
         follows_shapes: false,
         moved_in: 0,
         listed_in: 0,
@@ -190,11 +190,13 @@ pub(crate) fn change_bodies(
             physics.refuse(body, error);
             continue;
         }
-        let Some(state) = physics.bodies.get_mut(&body).filter(|state| state.mass != desc.mass) else {
+        let Some(state) =
+            physics.bodies.get_mut(&body).filter(|state| state.mass.as_deref() != desc.mass.as_ref())
+        else {
             continue;
         };
         state.follows_shapes = desc.mass.is_none();
-        state.mass = desc.mass;
+        state.mass = desc.mass.map(Box::new);
         match desc.mass.map_or(Ok(()), |mass| physics.set_mass(handle, mass)) {
             Ok(()) => physics.follow_shapes(body),
             Err(error) => physics.refuse(body, error),

@@ -15,7 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::{DVec3, Quat, Vec3};
 pub(crate) use state::{BodyState, CouplingState, JointState, Place, ShapeState, WalkerState};
 use std::ops::{Deref, DerefMut};
-use table::EntityTable;
+pub(crate) use table::EntityTable;
 
 /// The engine's [`World`], and the entities of its bodies, shapes and joints. It derefs to the world, so
 /// that all of its methods can be called: queries, forces, settings, reports.

@@ -9,25 +9,26 @@ use bevy_ecs::entity::Entity;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 
-/// What the plugin knows of a body.
+/// What the plugin knows of a body: what each step and frame reads, and apart from it what is seldom asked for.
 #[derive(Debug)]
 pub(crate) struct BodyState {
     pub(crate) handle: BodyHandle,
+    /// The last step that moved it.
+    pub(crate) moved_in: u64,
+    /// The last list of what moves that it is on.
+    pub(crate) listed_in: u64,
+    pub(crate) velocity: Velocity,
+    pub(crate) asleep: bool,
+    /// The mass is given to the engine, and still that of the shapes.
+    pub(crate) follows_shapes: bool,
+    /// The component's.
+    pub(crate) mass: Option<Box<MassProperties>>,
     /// After the step before the last.
     pub(crate) previous: PhysicsPose,
     /// After the last step.
     pub(crate) pose: PhysicsPose,
     /// As they were last written or taken over: what differs was written by somebody else.
     pub(crate) written: Transform,
-    pub(crate) velocity: Velocity,
-    pub(crate) asleep: bool,
-    pub(crate) mass: Option<MassProperties>,
-    /// The mass is given to the engine, and still that of the shapes.
-    pub(crate) follows_shapes: bool,
-    /// The last step that moved it.
-    pub(crate) moved_in: u64,
-    /// The last list of what moves that it is on.
-    pub(crate) listed_in: u64,
 }
 
 #[derive(Debug)]

@@ -23,13 +23,16 @@ impl<T> Default for EntityTable<T> {
 }
 
 impl<T> EntityTable<T> {
+    #[inline]
     fn place(&self, entity: &Entity) -> Option<usize> {
         let place = *self.places.get(entity.index_u32() as usize)? as usize;
         (self.entities.get(place) == Some(entity)).then_some(place)
     }
+    #[inline]
     pub(crate) fn get(&self, entity: &Entity) -> Option<&T> {
         self.place(entity).map(|place| &self.values[place])
     }
+    #[inline]
     pub(crate) fn get_mut(&mut self, entity: &Entity) -> Option<&mut T> {
         self.place(entity).map(|place| &mut self.values[place])
     }
