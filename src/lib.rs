@@ -49,7 +49,8 @@
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
 //! - [`Character`]: a capsule or another convex shape that walks.
-//! - [`Explosion`], [`Grab`]: what games write again and again; [`fields`]: forces on all that is somewhere.
+//! - [`Explosion`], [`Grab`], [`CharacterBody`], [`LevelOfDetail`]: calls that games write again and again.
+//! - [`vehicle`]: cars. [`fields`]: water, wind, attractors.
 //! - [`StepReport`], [`MemoryReport`]: counts and times of a step, and the memory of the world by
 //!   [`Category`].
 //! - [`World::feature_report`]: the parts of the engine that the world's content needs, and their cost, by
@@ -99,6 +100,8 @@ pub mod debug;
 
 pub mod fields;
 
+pub mod vehicle;
+
 mod extra;
 
 #[cfg(feature = "observe")]
@@ -147,7 +150,7 @@ pub use config::{
 };
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, SensorEvent};
-pub use extra::{Grab, GrabSettings};
+pub use extra::{CharacterBody, Grab, GrabSettings, LevelOfDetail};
 pub use fields::Explosion;
 pub use glam;
 pub use handle::{BodyHandle, CharacterHandle, CouplingHandle, JointHandle, ShapeHandle};

@@ -17,6 +17,7 @@ pages! {
     debug_drawing "docs/debug-drawing.md",
     determinism "docs/determinism.md",
     events "docs/events.md",
+    games "docs/games.md",
     joints "docs/joints.md",
     levels "docs/levels.md",
     memory "docs/memory.md",

@@ -7,7 +7,7 @@ use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Axis, JointDesc, Motion, Motor, Spring};
 use crate::limits;
 use crate::world::World;
-use glam::{DVec3, Quat};
+use glam::DVec3;
 
 fields! {
     /// How a [`Grab`] pulls.
@@ -113,7 +113,7 @@ impl Grab {
         let most = settings.max_force * STANDARD_GRAVITY * mass;
         let brake = Spring::Acceleration { stiffness: 0.0, damping: settings.angular_damping };
         let bodies = [anchor, body];
-        let mut joint = JointDesc::new(bodies, world.frames_at(bodies, point, Quat::IDENTITY)?);
+        let mut joint = JointDesc::new(bodies, world.frames_at(bodies, point, glam::Quat::IDENTITY)?);
         for axis in Axis::ALL {
             joint = joint
                 .with_motor(Motor::position(Motion::Linear, axis, 0.0, spring).with_max_force(most))
@@ -131,7 +131,7 @@ impl Grab {
             return Err(Error::StaleBody);
         }
         if world.position(self.anchor)? != target {
-            world.set_pose(self.anchor, target, Quat::IDENTITY)?;
+            world.set_pose(self.anchor, target, glam::Quat::IDENTITY)?;
             world.wake(self.body)?;
         }
         Ok(())

@@ -15,8 +15,8 @@ fields! {
     /// A pressure wave that pushes dynamic bodies away from a point, all at once:
     /// [`World::apply_explosion`].
     ///
-    /// Each shape gets [`impulse_per_area`](Explosion::impulse_per_area) times the area that it shows to the
-    /// centre, at its nearest point. A large body is pushed more than a small one, and a heavy one moves less.
+    /// Each shape gets [`impulse_per_area`](Explosion::impulse_per_area) times the area that it shows to
+    /// the centre, at its nearest point. A large body is pushed more than a small one, a heavy one moves less.
     ///
     /// ```
     /// use backstop::glam::{DVec3, Vec3};

@@ -148,7 +148,9 @@ impl Integrator<'_> {
             }
             // A mark tells `finish` that the body was not free in the whole step. It is set along with the
             // rest, in one wide store: a partial write would stall the next load of the record.
-            *d = record((lanes(*d) + moved) | Record::touched_lanes(same & BOTH != BOTH));
+            // So does a torque: a free turn is made of the angular velocity at the start of the step.
+            let twisted = acceleration.get(i).is_some_and(|pull| pull.angular != glam::Vec3::ZERO);
+            *d = record((lanes(*d) + moved) | Record::touched_lanes(same & BOTH != BOTH || twisted));
         });
         !out_of_range.into_inner()
     }

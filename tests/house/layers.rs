@@ -45,7 +45,18 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("world", &["world", "step"]),
     (
         "on a world",
-        &["query", "character", "snapshot", "replay", "debug", "observe", "bench", "fields", "extra"],
+        &[
+            "query",
+            "character",
+            "snapshot",
+            "replay",
+            "debug",
+            "observe",
+            "bench",
+            "fields",
+            "vehicle",
+            "extra",
+        ],
     ),
 ];
 

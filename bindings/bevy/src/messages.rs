@@ -142,6 +142,9 @@ pub enum Problem {
     /// A character whose body is static or dynamic.
     #[error("the body of a character has to be kinematic")]
     NotKinematic,
+    /// A mesh of which a `ShapeConstructor` can't make its shape.
+    #[error("no shape can be made of the mesh: {0}")]
+    Mesh(&'static str),
     /// A scale that the form of a shape can't have.
     #[error("a {shape} can't have the scale {scale}")]
     Scale {

@@ -1,5 +1,6 @@
 //! The plugin, and when its systems run.
 
+use crate::hooks::CollisionHooks;
 use crate::messages::*;
 use crate::world::PhysicsWorld;
 use crate::{poses, prepare, report, walk};
@@ -8,7 +9,7 @@ use bevy_app::prelude::*;
 use bevy_ecs::intern::Interned;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use bevy_ecs::system::SystemParam;
+use bevy_ecs::system::{SystemParam, SystemParamItem};
 use bevy_time::{Fixed, Time};
 
 /// Adds a [`PhysicsWorld`] and the systems that step it, by default in `FixedPostUpdate`, by the length of
@@ -19,6 +20,8 @@ pub struct BackstopPlugin {
     schedule: Interned<dyn ScheduleLabel>,
     step: Option<f32>,
     interpolation: bool,
+    extrapolation: bool,
+    add_step: fn(&mut App, Interned<dyn ScheduleLabel>),
 }
 
 impl Default for BackstopPlugin {
@@ -28,6 +31,8 @@ impl Default for BackstopPlugin {
             schedule: FixedPostUpdate.intern(),
             step: None,
             interpolation: true,
+            extrapolation: false,
+            add_step: add_step::<()>,
         }
     }
 }
@@ -52,6 +57,23 @@ impl BackstopPlugin {
     #[must_use]
     pub fn with_step(mut self, seconds: f32) -> Self {
         self.step = Some(seconds);
+        self
+    }
+    /// Puts all transforms ahead of the last step, where velocities lead in the time since, instead of between
+    /// the last two: [`Extrapolation`](crate::Extrapolation) for all.
+    #[must_use]
+    pub fn with_extrapolation(mut self) -> Self {
+        self.extrapolation = true;
+        self
+    }
+    /// Calls hooks that read the app on contacts of shapes with [`ContactHooked`](crate::ContactHooked), before
+    /// those of the resource [`PhysicsHooks`](crate::PhysicsHooks). They replace others that were given here.
+    #[must_use]
+    pub fn with_hooks<H: SystemParam + 'static>(mut self) -> Self
+    where
+        for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+    {
+        self.add_step = add_step::<H>;
         self
     }
     /// Leaves all transforms as they are after the last step.
@@ -103,6 +125,7 @@ impl Plugin for BackstopPlugin {
             (PhysicsSystems::Prepare, PhysicsSystems::Step, PhysicsSystems::Report).chain(),
         );
         let prepare = (
+            prepare::find_written,
             prepare::change_shapes,
             prepare::add_bodies_and_shapes,
             prepare::change_bodies,
@@ -116,12 +139,12 @@ impl Plugin for BackstopPlugin {
             (report::write_motion, walk::walk, report::write_sleep, report::write_messages, poses::show_last);
         app.add_systems(
             self.schedule,
-            (
-                prepare.chain().in_set(PhysicsSystems::Prepare),
-                report::step.in_set(PhysicsSystems::Step),
-                report.chain().in_set(PhysicsSystems::Report),
-            ),
+            (prepare.chain().in_set(PhysicsSystems::Prepare), report.chain().in_set(PhysicsSystems::Report)),
         );
+        (self.add_step)(app, self.schedule);
+        if self.extrapolation {
+            app.insert_resource(poses::AllAhead);
+        }
         if self.interpolation {
             app.add_systems(FixedFirst, poses::show_last);
             app.add_systems(
@@ -132,6 +155,13 @@ impl Plugin for BackstopPlugin {
             );
         }
     }
+}
+
+fn add_step<H: SystemParam + 'static>(app: &mut App, schedule: Interned<dyn ScheduleLabel>)
+where
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    app.add_systems(schedule, report::step::<H>.in_set(PhysicsSystems::Step));
 }
 
 /// The length of steps, if it is not that of `Time<Fixed>` [s].

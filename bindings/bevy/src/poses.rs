@@ -1,110 +1,216 @@
-//! Transforms: the pose after the last step while steps run, and between the last two when a frame is drawn.
+//! Transforms: the pose after the last step while steps run; between the last two, or ahead of the last, when a
+//! frame is drawn.
 
-use crate::body::{NoInterpolation, PhysicsPose, RigidBody};
-use crate::character::Character;
+use crate::components::body::{Extrapolation, NoInterpolation, PhysicsPose, RigidBody, Velocity};
+use crate::components::character::Character;
 use crate::convert::{ToBevy, ToEngine};
-use crate::world::{PhysicsWorld, in_order};
+use crate::plugin::StepLength;
+use crate::world::{BodyState, PhysicsWorld, in_order};
+use backstop::glam;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
-use bevy_math::{Quat, Vec3};
+use bevy_math::{DVec3, Quat, Vec3};
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 
+/// Which moment transforms show.
+#[derive(Clone, Copy, PartialEq)]
+enum Moment {
+    /// The last step.
+    Last,
+    /// A share of a step after it, whose length is given [s]: drawn that share of the way from the step before
+    /// to the last one, or where the velocity leads from the last one in that share of a step.
+    After { share: f32, dt: f32 },
+}
+
+/// The transform of a body, and how it is drawn.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Drawn {
+    entity: Entity,
+    transform: &'static mut Transform,
+    sudden: Has<NoInterpolation>,
+    ahead: Has<Extrapolation>,
+    is_below: Has<ChildOf>,
+    walks: Has<Character>,
+}
+
 /// What the plugin writes the transform of.
 type Shown = Or<(With<RigidBody>, With<Character>)>;
+
+/// Bodies and characters, and anything that they may be below.
+type Transforms<'w, 's> = ParamSet<'w, 's, (Query<'w, 's, Drawn, Shown>, Query<'w, 's, &'static Transform>)>;
 
 /// What writes transforms.
 #[derive(SystemParam)]
 pub(crate) struct Poses<'w, 's> {
     physics: ResMut<'w, PhysicsWorld>,
-    transforms: Query<'w, 's, &'static mut Transform>,
+    transforms: Transforms<'w, 's>,
     parents: Query<'w, 's, &'static ChildOf>,
     below: Query<'w, 's, Entity, (Shown, With<ChildOf>)>,
-    sudden: Query<'w, 's, (), With<NoInterpolation>>,
+    all_ahead: Option<Res<'w, AllAhead>>,
 }
 
+/// All bodies and characters are drawn ahead of the last step.
+#[derive(Resource)]
+pub(crate) struct AllAhead;
+
 impl Poses<'_, '_> {
-    /// Writes where bodies are at a fraction of the way from the step before to the last one: those that
-    /// moved, and those below a parent, which may have moved. What somebody else wrote stays.
-    fn write(&mut self, fraction: f32) {
-        self.follow_origin();
-        let none_below = self.below.is_empty();
-        for index in 0..self.physics.moving.len() {
-            let body = self.physics.moving[index];
-            if none_below || !self.below.contains(body) {
-                self.write_one(body, None, fraction);
+    /// Writes where bodies are at a moment: those that moved, and those below a parent, which may have moved.
+    /// What somebody else wrote stays.
+    fn write(&mut self, moment: Moment) {
+        let physics = &mut *self.physics;
+        follow_origin(physics);
+        let ahead = self.all_ahead.is_some();
+        let mut drawn = self.transforms.p0();
+        if !(physics.shown_last && moment == Moment::Last) {
+            if physics.many_move() {
+                drawn.iter_mut().for_each(|mut part| write_root(physics, &mut part, moment, ahead));
+            } else {
+                for index in 0..physics.moving.len() {
+                    let Ok(mut part) = drawn.get_mut(physics.moving[index]) else { continue };
+                    write_root(physics, &mut part, moment, ahead);
+                }
+            }
+            physics.shown_last = moment == Moment::Last;
+        }
+        for index in 0..physics.walkers.len() {
+            let Some(mut part) = physics.walkers.key(index).and_then(|entity| drawn.get_mut(entity).ok())
+            else {
+                continue;
+            };
+            if !part.is_below {
+                write_character(physics, &mut part, None, moment, ahead);
             }
         }
-        if none_below {
-            return;
+        if !self.below.is_empty() {
+            self.write_below(moment, ahead);
         }
-        // Parents first: they may be bodies themselves.
+    }
+
+    /// Writes the transforms of those below a parent, parents first: they may be bodies themselves.
+    fn write_below(&mut self, moment: Moment, ahead: bool) {
+        let physics = &mut *self.physics;
         let mut below: Vec<(usize, Entity)> =
             self.below.iter().map(|body| (self.parents.iter_ancestors(body).count(), body)).collect();
         below.sort_unstable_by_key(|(depth, body)| (*depth, body.index_u32()));
         for (_, body) in below {
             let mut above = GlobalTransform::IDENTITY;
+            let others = self.transforms.p1();
             for ancestor in self.parents.iter_ancestors(body) {
-                let own = self.transforms.get(ancestor).copied().unwrap_or_default();
+                let own = others.get(ancestor).copied().unwrap_or_default();
                 above = GlobalTransform::from(own) * above;
             }
-            self.write_one(body, Some(above), fraction);
+            let mut drawn = self.transforms.p0();
+            let Ok(mut part) = drawn.get_mut(body) else { continue };
+            if part.walks && physics.walkers.contains_key(&body) {
+                write_character(physics, &mut part, Some(above), moment, ahead);
+            } else {
+                write_body(physics, &mut part, Some(above), moment, ahead);
+            }
         }
     }
+}
 
-    fn write_one(&mut self, body: Entity, above: Option<GlobalTransform>, fraction: f32) {
-        let fraction = if fraction < 1.0 && self.sudden.contains(body) { 1.0 } else { fraction };
-        if !self.physics.walkers.is_empty() && self.physics.walkers.contains_key(&body) {
-            return self.write_character(body, above, fraction);
+/// Writes a body that has no parent and is no character, if it moves.
+#[inline]
+fn write_root(physics: &mut PhysicsWorld, part: &mut DrawnItem, moment: Moment, ahead: bool) {
+    if !part.is_below && !(part.walks && physics.walkers.contains_key(&part.entity)) {
+        write_body(physics, part, None, moment, ahead);
+    }
+}
+
+#[inline]
+fn write_body(
+    physics: &mut PhysicsWorld,
+    part: &mut DrawnItem,
+    above: Option<GlobalTransform>,
+    moment: Moment,
+    ahead: bool,
+) {
+    let PhysicsWorld { world, bodies, list, origin, .. } = physics;
+    let Some(state) = bodies.get_mut(&part.entity) else { return };
+    if above.is_none() && state.listed_in != *list {
+        return;
+    }
+    let moment = if part.sudden { Moment::Last } else { moment };
+    let pose = match moment {
+        Moment::Last => state.pose,
+        Moment::After { share, dt } if ahead || part.ahead => {
+            let arm = world.centre_of_mass(state.handle).map(|centre| centre.to_bevy() - state.pose.position);
+            moved_on(&state.pose, &state.velocity, arm.unwrap_or_default(), share * dt)
         }
-        let physics = &mut *self.physics;
-        let origin = physics.origin;
-        let (Some(state), Ok(mut transform)) = (physics.bodies.get_mut(&body), self.transforms.get_mut(body))
-        else {
-            return;
-        };
-        if *transform != state.written {
+        Moment::After { share, .. } => between(&state.previous, &state.pose, share),
+    };
+    state.show(&mut part.transform, &pose, above, *origin);
+}
+
+impl BodyState {
+    /// Writes a pose to the transform of the body, unless somebody else wrote that.
+    #[inline]
+    pub(crate) fn show(
+        &mut self,
+        transform: &mut Mut<Transform>,
+        pose: &PhysicsPose,
+        above: Option<GlobalTransform>,
+        origin: glam::DVec3,
+    ) {
+        if **transform != self.written {
             return;
         }
-        let pose = between(&state.previous, &state.pose, fraction);
         let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
-        let (translation, rotation) = below(above, place, pose.rotation);
-        state.written = Transform { translation, rotation, ..*transform };
-        transform.set_if_neq(state.written);
-    }
-
-    /// Writes the translation of a character, and its rotation only after a snapshot: games turn characters
-    /// in any frame, and they are to go on moving evenly.
-    fn write_character(&mut self, entity: Entity, above: Option<GlobalTransform>, fraction: f32) {
-        let physics = &mut *self.physics;
-        let (Some(state), Ok(mut transform)) =
-            (physics.walkers.get(&entity), self.transforms.get_mut(entity))
-        else {
-            return;
+        let (translation, rotation) = match above {
+            Some(_) => below(above, place, pose.rotation),
+            None => (place, pose.rotation),
         };
-        let (mut written, turned_back) = (state.written, state.turned_back);
-        let pose = between(&state.previous, &state.pose, fraction);
-        let (translation, rotation) = below(above, physics.to_local(pose.position), pose.rotation);
-        let mut new = *transform;
-        if new.translation == written.translation {
-            (new.translation, written.translation) = (translation, translation);
-        }
-        if turned_back {
-            (new.rotation, written.rotation) = (rotation, rotation);
-        }
-        transform.set_if_neq(new);
-        if let Some(state) = physics.walkers.get_mut(&entity) {
-            (state.written, state.turned_back) = (written, false);
+        let new = Transform { translation, rotation, scale: self.written.scale };
+        if new != self.written {
+            (self.written, **transform) = (new, new);
         }
     }
+}
 
-    /// Where the world's origin moved, all transforms do.
-    fn follow_origin(&mut self) {
-        let physics = &mut *self.physics;
-        if physics.origin != physics.origin() {
-            physics.origin = physics.origin();
-            let all = in_order(physics.bodies.keys().chain(physics.walkers.keys()).copied());
-            physics.moving = all;
+/// Writes the translation of a character, and its rotation only after a snapshot: games turn characters in any
+/// frame, and they are to go on moving evenly.
+fn write_character(
+    physics: &mut PhysicsWorld,
+    part: &mut DrawnItem,
+    above: Option<GlobalTransform>,
+    moment: Moment,
+    ahead: bool,
+) {
+    let origin = physics.origin;
+    let Some(state) = physics.walkers.get_mut(&part.entity) else { return };
+    let pose = match moment {
+        Moment::After { share, .. } if !part.sudden => {
+            let mut pose = between(&state.previous, &state.pose, share);
+            if ahead || part.ahead {
+                pose.position = state.pose.position + (pose.position - state.previous.position);
+            }
+            pose
+        }
+        _ => state.pose,
+    };
+    let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
+    let (translation, rotation) = below(above, place, pose.rotation);
+    let mut new = *part.transform;
+    if new.translation == state.written.translation {
+        (new.translation, state.written.translation) = (translation, translation);
+    }
+    if state.turned_back {
+        (new.rotation, state.written.rotation) = (rotation, rotation);
+    }
+    part.transform.set_if_neq(new);
+    state.turned_back = false;
+}
+
+/// Where the world's origin moved, all transforms do.
+fn follow_origin(physics: &mut PhysicsWorld) {
+    if physics.origin != physics.origin() {
+        physics.origin = physics.origin();
+        for body in in_order(physics.bodies.keys().copied()) {
+            physics.mark_moving(body);
         }
     }
 }
@@ -115,6 +221,10 @@ fn below(above: Option<GlobalTransform>, translation: Vec3, rotation: Quat) -> (
     (above.affine().inverse().transform_point3(translation), above.rotation().inverse() * rotation)
 }
 
+/// Cosine of half of an angle of 16 degrees. For less than that between two steps a chord, which takes a third
+/// of the time, is within 1e-4 rad of the arc.
+const NEAR: f32 = 0.99;
+
 /// The pose at a fraction of the way from one to another, which is exact at its ends.
 fn between(from: &PhysicsPose, to: &PhysicsPose, fraction: f32) -> PhysicsPose {
     if fraction >= 1.0 || from == to {
@@ -123,18 +233,31 @@ fn between(from: &PhysicsPose, to: &PhysicsPose, fraction: f32) -> PhysicsPose {
     if fraction <= 0.0 {
         return *from;
     }
+    let is_near = from.rotation.dot(to.rotation).abs() > NEAR;
+    let turn = if is_near { Quat::lerp } else { Quat::slerp };
     PhysicsPose {
         position: from.position.lerp(to.position, f64::from(fraction)),
-        rotation: from.rotation.slerp(to.rotation, fraction),
+        rotation: turn(from.rotation, to.rotation, fraction),
+    }
+}
+
+/// The pose after some time, if nothing changes the velocity [s]. `arm` is from the origin of the body to its
+/// centre of mass, whose velocity it is.
+fn moved_on(pose: &PhysicsPose, velocity: &Velocity, arm: DVec3, time: f32) -> PhysicsPose {
+    let turn = Quat::from_scaled_axis(velocity.angular * time);
+    let arm_after = turn.as_dquat() * arm;
+    PhysicsPose {
+        position: pose.position + (velocity.linear * time).as_dvec3() + (arm - arm_after),
+        rotation: (turn * pose.rotation).normalize(),
     }
 }
 
 /// Before and after a step: where bodies are.
 pub(crate) fn show_last(mut poses: Poses) {
-    poses.write(1.0);
+    poses.write(Moment::Last);
 }
 
-/// When a frame is drawn: where bodies are between the last two steps.
-pub(crate) fn interpolate(mut poses: Poses, time: Res<Time<Fixed>>) {
-    poses.write(time.overstep_fraction());
+/// When a frame is drawn: where bodies are between the last two steps, or after the last one.
+pub(crate) fn interpolate(mut poses: Poses, time: Res<Time<Fixed>>, step: StepLength) {
+    poses.write(Moment::After { share: time.overstep_fraction(), dt: step.seconds() });
 }

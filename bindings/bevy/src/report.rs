@@ -1,19 +1,31 @@
 //! The step, and after it: what the world did reaches the entities.
 
-use crate::body::*;
+use crate::components::body::*;
+use crate::components::character::Character;
 use crate::convert::ToBevy;
+use crate::hooks::{Called, CollisionHooks};
 use crate::messages::*;
+use crate::observers::{self, SensorEnd, SensorStart};
 use crate::plugin::StepLength;
 use crate::world::{CouplingState, JointState, PhysicsHooks, PhysicsWorld, in_order};
 use backstop::{BodyHandle, ShapeHandle};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::{StaticSystemParam, SystemParam, SystemParamItem};
+use bevy_transform::components::Transform;
 
-/// One step of the world.
-pub(crate) fn step(mut physics: ResMut<PhysicsWorld>, dt: StepLength, hooks: Option<Res<PhysicsHooks>>) {
-    let stepped = match hooks {
-        Some(hooks) => physics.step_with(dt.seconds(), &*hooks.0).map(drop),
-        None => physics.step(dt.seconds()).map(drop),
-    };
+/// One step of the world, with the hooks of the app.
+pub(crate) fn step<H: SystemParam + 'static>(
+    mut physics: ResMut<PhysicsWorld>,
+    dt: StepLength,
+    boxed: Option<Res<PhysicsHooks>>,
+    hooks: StaticSystemParam<H>,
+) where
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    let physics = &mut *physics;
+    let called = Called { hooks: &*hooks, boxed: boxed.as_deref(), shapes: &physics.shapes };
+    let stepped = physics.world.step_with(dt.seconds(), &called).map(drop);
     if stepped.is_ok() {
         physics.steps += 1;
     }
@@ -25,50 +37,82 @@ pub(crate) fn step(mut physics: ResMut<PhysicsWorld>, dt: StepLength, hooks: Opt
     }
 }
 
-/// Poses and velocities of what moved.
+/// Where a body is and how it moves, and its transform.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Motion {
+    entity: Entity,
+    pose: Option<&'static mut PhysicsPose>,
+    velocity: Option<&'static mut Velocity>,
+    transform: Option<&'static mut Transform>,
+    is_below: Has<ChildOf>,
+    walks: Has<Character>,
+}
+
+/// What a step is done with, kept for its memory.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    moved: Vec<BodyHandle>,
+    before: Vec<Entity>,
+}
+
+/// Poses, velocities and transforms of what moved.
 pub(crate) fn write_motion(
     mut physics: ResMut<PhysicsWorld>,
-    mut bodies: Query<(&mut PhysicsPose, &mut Velocity)>,
-    mut handles: Local<Vec<BodyHandle>>,
+    mut bodies: Query<Motion, With<RigidBody>>,
+    mut scratch: Local<Scratch>,
 ) {
     let physics = &mut *physics;
-    handles.clear();
+    let Scratch { moved, before } = &mut *scratch;
+    moved.clear();
     let everything = std::mem::take(&mut physics.all_moved);
     if everything {
-        handles.extend(physics.bodies());
+        moved.extend(physics.bodies());
     } else {
-        handles.extend(physics.moved_bodies());
+        moved.extend(physics.moved_bodies());
     }
-    let before = std::mem::take(&mut physics.moving);
+    std::mem::swap(&mut physics.moving, before);
+    physics.moving.clear();
+    physics.list += 1;
     let now = physics.steps;
-    for &handle in &*handles {
-        let Some((body, pose, velocity)) = physics.take_over(handle, now, everything) else { continue };
-        physics.moving.push(body);
-        show(physics, &mut bodies, body, pose, velocity);
+    for &handle in &*moved {
+        physics.take_over(handle, now, everything);
     }
     // What has just come to rest is shown there once more.
     let rests = |body: &Entity| physics.bodies.get(body).is_some_and(|state| state.moved_in + 1 == now);
-    for body in in_order(before.into_iter().filter(rests)) {
+    for body in in_order(before.drain(..).filter(rests)) {
         let Some(handle) = physics.body(body) else { continue };
-        let Some((_, pose, velocity)) = physics.take_over(handle, now - 1, everything) else { continue };
-        physics.moving.push(body);
-        show(physics, &mut bodies, body, pose, velocity);
+        physics.take_over(handle, now - 1, everything);
     }
+    if physics.many_move() {
+        bodies.iter_mut().for_each(|mut part| show(physics, &mut part));
+    } else {
+        for index in 0..physics.moving.len() {
+            let Ok(mut part) = bodies.get_mut(physics.moving[index]) else { continue };
+            show(physics, &mut part);
+        }
+    }
+    // Where the origin moved, all transforms do: poses.rs writes them.
+    physics.shown_last = physics.origin == physics.origin();
 }
 
-/// Writes where a body is and how it moves; where a character is, that writes itself.
-fn show(
-    physics: &PhysicsWorld,
-    bodies: &mut Query<(&mut PhysicsPose, &mut Velocity)>,
-    body: Entity,
-    pose: PhysicsPose,
-    velocity: Velocity,
-) {
-    let Ok((mut shown, mut shown_velocity)) = bodies.get_mut(body) else { return };
-    if physics.walkers.is_empty() || !physics.walkers.contains_key(&body) {
-        shown.set_if_neq(pose);
+/// Writes where a body is and how it moves, if it moved; where a character is, that writes itself.
+fn show(physics: &mut PhysicsWorld, part: &mut MotionItem) {
+    let PhysicsWorld { bodies, walkers, list, origin, .. } = physics;
+    let Some(state) = bodies.get_mut(&part.entity).filter(|state| state.listed_in == *list) else { return };
+    if let Some(velocity) = &mut part.velocity {
+        velocity.set_if_neq(state.velocity);
     }
-    shown_velocity.set_if_neq(velocity);
+    if part.walks && walkers.contains_key(&part.entity) {
+        return;
+    }
+    if let Some(pose) = &mut part.pose {
+        pose.set_if_neq(state.pose);
+    }
+    if let Some(transform) = part.transform.as_mut().filter(|_| !part.is_below) {
+        let pose = state.pose;
+        state.show(transform, &pose, None, *origin);
+    }
 }
 
 /// Who fell asleep and who woke.
@@ -76,13 +120,18 @@ pub(crate) fn write_sleep(
     mut physics: ResMut<PhysicsWorld>,
     mut sleep: Query<&mut Sleeping>,
     mut writers: Writers,
+    mut before: Local<Vec<BodyHandle>>,
 ) {
     let physics = &mut *physics;
-    let before = std::mem::take(&mut physics.awake);
-    if !physics.settings().sleeping && before.is_empty() {
-        return;
+    for body in std::mem::take(&mut physics.sleep_asked) {
+        let Some(state) = physics.bodies.get(&body) else { continue };
+        if let Ok(mut shown) = sleep.get_mut(body) {
+            shown.set_if_neq(Sleeping(state.asleep));
+        }
     }
-    for handle in before {
+    std::mem::swap(&mut physics.awake, &mut before);
+    physics.awake.clear();
+    for handle in before.drain(..) {
         if physics.is_sleeping(handle) == Ok(true)
             && let Some(body) = physics.entity_of(handle)
             && set_asleep(physics, &mut sleep, body, true)
@@ -90,10 +139,11 @@ pub(crate) fn write_sleep(
             writers.slept.write(BodyFellAsleep { body });
         }
     }
-    if physics.settings().sleeping {
-        let awake: Vec<BodyHandle> = physics.awake_bodies().collect();
-        physics.awake = awake;
+    if !physics.settings().sleeping {
+        return;
     }
+    let PhysicsWorld { world, awake, .. } = &mut *physics;
+    awake.extend(world.awake_bodies());
     for index in 0..physics.awake.len() {
         if let Some(body) = physics.entity_of(physics.awake[index])
             && set_asleep(physics, &mut sleep, body, false)
@@ -103,22 +153,29 @@ pub(crate) fn write_sleep(
     }
 }
 
-/// Writes whether a body is asleep; returns whether that is new.
+/// Writes whether a body is asleep, if that is new; returns whether it is.
 fn set_asleep(
     physics: &mut PhysicsWorld,
     sleep: &mut Query<&mut Sleeping>,
     body: Entity,
     asleep: bool,
 ) -> bool {
-    let Some(state) = physics.bodies.get_mut(&body) else { return false };
+    let Some(state) = physics.bodies.get_mut(&body).filter(|state| state.asleep != asleep) else {
+        return false;
+    };
+    state.asleep = asleep;
     if let Ok(mut shown) = sleep.get_mut(body) {
         shown.set_if_neq(Sleeping(asleep));
     }
-    std::mem::replace(&mut state.asleep, asleep) != asleep
+    true
 }
 
 /// The events of the step, with entities.
-pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Writers) {
+pub(crate) fn write_messages(
+    mut physics: ResMut<PhysicsWorld>,
+    mut writers: Writers,
+    mut commands: Commands,
+) {
     let physics = &mut *physics;
     let named = |shape: ShapeHandle| -> Option<[Entity; 2]> {
         if let Some(entity) = physics.entity_of_shape(shape) {
@@ -144,11 +201,41 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         let [shapes, bodies] = both(event.shapes)?;
         Some(ContactEnded { shapes, bodies })
     };
-    writers.began.write_batch(physics.contact_begins().iter().filter_map(contact).map(ContactBegan));
+    let asks = |shapes: [ShapeHandle; 2]| shapes.map(|shape| physics.has_events(shape).unwrap_or(false));
+    for event in physics.contact_begins() {
+        let Some(contact) = contact(event) else { continue };
+        writers.began.write(ContactBegan(contact));
+        observers::start(&mut commands, contact, asks(event.shapes));
+    }
     writers.hits.write_batch(physics.contact_hits().iter().filter_map(contact).map(ContactHit));
-    writers.ended.write_batch(physics.contact_ends().iter().filter_map(ended));
-    writers.entered.write_batch(physics.sensor_begins().iter().filter_map(crossing).map(SensorEntered));
-    writers.left.write_batch(physics.sensor_ends().iter().filter_map(crossing).map(SensorLeft));
+    for event in physics.contact_ends() {
+        let Some(ended) = ended(event) else { continue };
+        writers.ended.write(ended);
+        observers::end(&mut commands, ended, asks(event.shapes));
+    }
+    for crossing in physics.sensor_begins().iter().filter_map(crossing) {
+        writers.entered.write(SensorEntered(crossing));
+        commands.trigger(SensorStart { entity: crossing.sensor, crossing });
+    }
+    for (event, crossing) in physics.sensor_ends().iter().filter_map(|end| Some((end, crossing(end)?))) {
+        writers.left.write(SensorLeft(crossing));
+        if physics.entity_of_shape(event.sensor).is_some() {
+            commands.trigger(SensorEnd { entity: crossing.sensor, crossing });
+        }
+    }
+    write_joints(physics, &mut writers);
+    physics.departed.clear();
+    for error in physics.problems.drain(..) {
+        match error.entity {
+            Some(entity) => log::warn!("{entity}: {}", error.problem),
+            None => log::error!("the step is refused: {}", error.problem),
+        }
+        writers.errors.write(error);
+    }
+}
+
+/// What became of joints and couplings.
+fn write_joints(physics: &PhysicsWorld, writers: &mut Writers) {
     for event in physics.strained_joints() {
         let Some(joint) = physics.entity_of_joint(event.joint) else { continue };
         let (force, torque) = (event.force.to_bevy(), event.torque.to_bevy());
@@ -169,13 +256,5 @@ pub(crate) fn write_messages(mut physics: ResMut<PhysicsWorld>, mut writers: Wri
         for coupling in in_order(physics.couplings.iter().filter_map(broke)) {
             writers.decoupled.write(CouplingBroke { coupling });
         }
-    }
-    physics.departed.clear();
-    for error in physics.problems.drain(..) {
-        match error.entity {
-            Some(entity) => log::warn!("{entity}: {}", error.problem),
-            None => log::error!("the step is refused: {}", error.problem),
-        }
-        writers.errors.write(error);
     }
 }

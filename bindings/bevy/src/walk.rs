@@ -1,12 +1,12 @@
 //! Characters: what their components say reaches the world before a step, and they walk after it.
 
-use crate::body::{GravityScale, PhysicsPose};
-use crate::character::*;
+use crate::components::body::{GravityScale, PhysicsPose};
+use crate::components::character::*;
+use crate::components::shape::ShapeFilter;
 use crate::convert::{ToBevy, ToEngine};
 use crate::messages::Problem;
 use crate::plugin::StepLength;
 use crate::prepare::{Hierarchy, pose_by};
-use crate::shape::ShapeFilter;
 use crate::world::{CHARACTERS, PhysicsWorld, WalkerState, in_order};
 use backstop::{BodyKind, CharacterHandle, CharacterReport, Error, QueryFilter, glam};
 use bevy_ecs::prelude::*;
@@ -196,7 +196,6 @@ fn walk_one(
         state.previous = state.pose;
         state.pose.position = position;
         parts.pose.set_if_neq(state.pose);
-        physics.moving.push(entity);
     }
     Ok(())
 }

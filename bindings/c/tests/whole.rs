@@ -45,8 +45,9 @@ const TWINS: [(&str, &str); 30] = [
 
 /// Methods without a twin: hooks are code in the middle of a step, on its threads; the bytes that a budget
 /// promises to rows of joints are for tests of budgets; scenes, which ask for all of their contents at once,
-/// are not in C.
-const WITHOUT: [&str; 5] = ["allow", "step_with", "has_hooks", "set_hooks", "memory_promised"];
+/// are not in C; an explosion is nearest points and impulses, which are.
+const WITHOUT: [&str; 6] =
+    ["allow", "step_with", "has_hooks", "set_hooks", "memory_promised", "apply_explosion"];
 
 /// Words of a name in order: `set_joint_motor` and `joint_set_drive` are the same.
 fn words(name: &str) -> Vec<&str> {

@@ -7,6 +7,7 @@
     reason = "samples read as a game would write them; no bit of theirs is compared between machines"
 )]
 
+pub mod car;
 pub mod parts;
 mod sample;
 pub mod terrain;
@@ -33,19 +34,35 @@ macro_rules! samples {
 
 samples! {
     /// Bodies on top of each other.
-    stacking: arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
+    stacking:
+        arch, coins, dominoes, heap, house_of_cards, jenga, overhang, planks, pyramid, rocks, tower, wall;
     /// Each kind of joint by itself.
-    joints: breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders, springboard, springs;
-    /// What a world can do besides its steps.
-    engine: budget, far_away, filters, hits, kinds, level_of_detail, orbits, prediction, radar, shape_cast, sleeping;
-    /// What games do.
-    games: billiards, bonded_wall, bowling, digging, doors, explosion, galton, grab, gravity_gun, labyrinth, one_way, seams, voxels;
-    /// What surfaces and masses do, against formulas.
-    materials: belts, bounce, combine, friction, racket, rolling, soft_ground, tops;
+    joints:
+        breaking, bridge, cones, gears, hinges, motors, net, pendulums, pulley, rack, rope, screw, sliders,
+        springboard, springs;
     /// Bodies which joints and motors move.
-    machines: conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel, windmill, wrecking_ball;
+    machines:
+        conveyor, crane, crank, drawbridge, lift, marble_run, newtons_cradle, seesaw, trebuchet, water_wheel,
+        windmill, wrecking_ball;
+    /// Parts of games.
+    games:
+        billiards, bonded_wall, bowling, digging, doors, explosion, galton, grab, gravity_gun, labyrinth,
+        one_way, seams, voxels;
     /// Characters that walk, and figures that fall.
-    characters: stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose, knocked_down;
+    characters:
+        stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose,
+        knocked_down;
+    /// Vehicles.
+    vehicles:
+        car, car_on_hills, trailer, train, tank, hovercraft, loop_the_loop;
     /// Fast bodies.
-    continuous: bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
+    continuous:
+        bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
+    /// Surfaces and masses, against formulas.
+    materials:
+        belts, bounce, combine, friction, racket, rolling, soft_ground, tops;
+    /// Calls of a world beside its step.
+    engine:
+        budget, far_away, filters, hits, kinds, level_of_detail, orbits, prediction, radar, shape_cast,
+        sleeping;
 }

@@ -1,8 +1,10 @@
-//! What many samples begin with: a level ground, bodies of one shape, and worlds in which something acts before
+//! Parts of many samples: a level ground, bodies of one shape, and worlds with a function that acts before
 //! each step.
 
 use crate::{Running, Tick};
-use backstop::{BodyDesc, BodyHandle, ContactHooks, Error, Geometry, NoHooks, Settings, ShapeDesc, World};
+use backstop::{
+    BodyDesc, BodyHandle, ContactHooks, Error, Geometry, Material, NoHooks, Settings, ShapeDesc, World,
+};
 use std::fmt;
 
 /// A world with a level ground at y = 0, and the body of the ground.
@@ -25,6 +27,19 @@ pub fn level_world_with(settings: Settings) -> Result<(World, BodyHandle), Error
     Ok((world, ground))
 }
 
+/// A world with a lawn at y = 0, on which rolling bodies come to rest, and the body of the lawn.
+///
+/// # Errors
+///
+/// Those of [`World::new`] and [`World::add_body`].
+pub fn lawn() -> Result<(World, BodyHandle), Error> {
+    let mut world = World::new(Settings::default())?;
+    let grass = Material::default().with_rolling_friction(0.03);
+    let ground = ShapeDesc::new(Geometry::plane()).with_material(grass);
+    let ground = world.add_body(&BodyDesc::fixed().with_shape(ground))?;
+    Ok((world, ground))
+}
+
 /// A dynamic body of one shape, of the density of water.
 pub fn solid(geometry: Geometry) -> BodyDesc {
     BodyDesc::dynamic().with_shape(ShapeDesc::new(geometry))
@@ -35,7 +50,7 @@ pub fn fixed(geometry: Geometry) -> BodyDesc {
     BodyDesc::fixed().with_shape(ShapeDesc::new(geometry))
 }
 
-/// A number in 0..1 for each index. Numbers of neighbours are far apart, so that what is placed by them is
+/// A number in 0..1 for each index. Numbers of neighbours are far apart, so that places by them are
 /// spread evenly.
 pub fn spread(index: usize) -> f32 {
     (index as f32 * 0.618_034).fract()

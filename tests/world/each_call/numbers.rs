@@ -8,9 +8,9 @@ use crate::common;
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     Aabb, Axis, BodyDesc, BodyHandle, Character, CharacterHandle, CharacterSettings, ContactHook,
-    ContactHooks, ConvexHull, CouplingDesc, CouplingHandle, Error, Frame, Geometry, HeightField, JointDesc,
-    JointHandle, Motion, Motor, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Skeleton,
-    Snapshot, TriangleMesh, World,
+    ContactHooks, ConvexHull, CouplingDesc, CouplingHandle, Error, Explosion, Frame, Geometry, HeightField,
+    JointDesc, JointHandle, Motion, Motor, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle,
+    Skeleton, Snapshot, TriangleMesh, World,
 };
 use std::sync::Mutex;
 
@@ -261,6 +261,18 @@ fn changed(calls: &mut Calls) {
     calls.along("impulse", |c, v| c.world.apply_impulse_at(c.body, v.as_vec3(), DVec3::ZERO));
     calls.along("impulse at", |c, at| c.world.apply_impulse_at(c.body, Vec3::ONE, at));
     calls.along("angular impulse", |c, v| c.world.apply_angular_impulse(c.body, v.as_vec3()));
+    calls.along("explosion at", |c, at| {
+        c.world.apply_explosion(&Explosion::default().with_position(at)).map(drop)
+    });
+    calls.add("explosion radius", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_radius(x as f32)).map(drop)
+    });
+    calls.add("explosion falloff", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_falloff(x as f32)).map(drop)
+    });
+    calls.add("explosion impulse", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_impulse_per_area(x as f32)).map(drop)
+    });
     calls.add("set_gravity_scale", |c, x| c.world.set_gravity_scale(c.body, x as f32));
     calls.add("set_damping", |c, x| c.world.set_damping(c.body, x as f32, 0.0));
     calls.add("set_damping, angular", |c, x| c.world.set_damping(c.body, 0.0, x as f32));

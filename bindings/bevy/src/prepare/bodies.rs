@@ -2,10 +2,10 @@
 
 use super::hierarchy::{Hierarchy, pose_by};
 use super::shapes::describe;
-use crate::body::*;
+use crate::components::body::*;
+use crate::components::shape::{Shape, ShapeParts};
 use crate::convert::ToEngine;
 use crate::messages::Problem;
-use crate::shape::{Shape, ShapeParts};
 use crate::world::{BODIES, BodyState, PhysicsWorld, Place, SHAPES, ShapeState, in_order};
 use backstop::{BodyDesc, BodyHandle, Error, ShapeDesc, World};
 use bevy_ecs::entity::EntityHashMap;
@@ -146,9 +146,10 @@ fn add_body(
         written,
         velocity,
         asleep: false,
-        mass: desc.mass,
+        mass: desc.mass.map(Box::new),
         follows_shapes: false,
         moved_in: 0,
+        listed_in: 0,
     };
     physics.bodies.insert(body, state);
     if parts.disabled
@@ -189,11 +190,13 @@ pub(crate) fn change_bodies(
             physics.refuse(body, error);
             continue;
         }
-        let Some(state) = physics.bodies.get_mut(&body).filter(|state| state.mass != desc.mass) else {
+        let Some(state) =
+            physics.bodies.get_mut(&body).filter(|state| state.mass.as_deref() != desc.mass.as_ref())
+        else {
             continue;
         };
         state.follows_shapes = desc.mass.is_none();
-        state.mass = desc.mass;
+        state.mass = desc.mass.map(Box::new);
         match desc.mass.map_or(Ok(()), |mass| physics.set_mass(handle, mass)) {
             Ok(()) => physics.follow_shapes(body),
             Err(error) => physics.refuse(body, error),

@@ -1,6 +1,6 @@
 //! Couplings: new ones, and changes of those that are there.
 
-use crate::coupling::Coupling;
+use crate::components::coupling::Coupling;
 use crate::messages::Problem;
 use crate::world::{COUPLINGS, CouplingState, PhysicsWorld, in_order};
 use backstop::{CouplingDesc, CouplingHandle, Error, World};

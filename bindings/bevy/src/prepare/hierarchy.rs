@@ -1,6 +1,7 @@
 //! Where entities are below one another.
 
-use crate::body::{PhysicsPose, RigidBody};
+use crate::components::body::{PhysicsPose, RigidBody};
+use crate::components::shape::ShapeOffset;
 use crate::world::{PhysicsWorld, Place};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -11,12 +12,15 @@ use bevy_transform::components::{GlobalTransform, Transform};
 #[derive(SystemParam)]
 pub(crate) struct Hierarchy<'w, 's> {
     nodes: Query<'w, 's, (Option<&'static Transform>, Option<&'static ChildOf>, Has<RigidBody>)>,
+    offsets: Query<'w, 's, &'static ShapeOffset>,
 }
 
 impl Hierarchy<'_, '_> {
     /// The body of a shape, and where the shape is on it.
     pub(crate) fn place(&self, shape: Entity) -> Option<(Entity, Place)> {
-        let (mut below, mut entity) = (Transform::IDENTITY, shape);
+        let offset = self.offsets.get(shape).copied().unwrap_or_default();
+        let below = Transform::from_translation(offset.position).with_rotation(offset.rotation);
+        let (mut below, mut entity) = (below, shape);
         loop {
             let (own, parent, is_body) = self.nodes.get(entity).ok()?;
             let own = own.copied().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Joints: new ones, and changes of those that are there.
 
+use crate::components::joint::Joint;
 use crate::convert::ToEngine;
-use crate::joint::Joint;
 use crate::messages::Problem;
 use crate::world::{JOINTS, JointState, PhysicsWorld};
 use backstop::{Error, JointDesc, JointHandle, World};

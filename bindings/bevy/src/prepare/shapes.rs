@@ -1,14 +1,13 @@
 //! Changes of shapes that are there.
 
 use super::hierarchy::Hierarchy;
-use crate::body::RigidBody;
+use crate::components::body::RigidBody;
+use crate::components::shape::{Shape, ShapeChanged, ShapeParts, ShapePartsItem};
 use crate::convert::ToEngine;
 use crate::messages::Problem;
-use crate::shape::{Shape, ShapeChanged, ShapeParts, ShapePartsItem};
 use crate::world::{PhysicsWorld, Place, SHAPES};
 use backstop::{Error, ShapeDesc, ShapeHandle, World};
-use bevy_ecs::prelude::{Changed, ChildOf, DetectChanges, Entity, Has, Query, ResMut, With, Without};
-use bevy_transform::components::Transform;
+use bevy_ecs::prelude::{ChildOf, DetectChanges, Entity, Query, ResMut, With, Without};
 
 /// The description of a shape at its place.
 pub(super) fn describe(entity: Entity, parts: &ShapePartsItem, place: &Place) -> Result<ShapeDesc, Problem> {
@@ -22,25 +21,22 @@ pub(super) fn describe(entity: Entity, parts: &ShapePartsItem, place: &Place) ->
     Ok(desc)
 }
 
-/// The shape on the entity of a body whose transform changed.
-type OnMovedBody = (With<Shape>, With<RigidBody>, Changed<Transform>);
+/// The shape on the entity of a body that is below another entity.
+type OnBodyBelow = (With<Shape>, With<RigidBody>, With<ChildOf>);
 
 /// Takes over what changed about shapes that are there, and where they are on their bodies.
 pub(crate) fn change_shapes(
     mut physics: ResMut<PhysicsWorld>,
     changed: Query<Entity, ShapeChanged>,
-    moved: Query<(Entity, &Transform, Has<ChildOf>), OnMovedBody>,
+    bodies_below: Query<Entity, OnBodyBelow>,
     below: Query<Entity, (With<Shape>, Without<RigidBody>)>,
     shapes: Query<ShapeParts>,
     hierarchy: Hierarchy,
 ) {
     let physics = &mut *physics;
-    // What is below a body may have been moved by anything in between.
-    let by_others = |&(body, transform, is_below): &(Entity, &Transform, bool)| {
-        is_below || physics.bodies.get(&body).is_none_or(|state| state.written != *transform)
-    };
-    let moved: Vec<Entity> = moved.iter().filter(by_others).map(|(body, ..)| body).collect();
-    for shape in moved.into_iter().chain(&below) {
+    // What is below a body, or above it, may have been moved by anything in between.
+    let moved = std::mem::take(&mut physics.moved);
+    for shape in moved.iter().copied().chain(&bodies_below).chain(&below) {
         let Some(state) = physics.shapes.get(&shape) else { continue };
         let place = hierarchy.place(shape);
         if place == Some((state.body, state.place)) {
@@ -54,6 +50,7 @@ pub(crate) fn change_shapes(
             }
         }
     }
+    physics.moved = moved;
     let lost = std::mem::take(&mut physics.changed_shapes);
     for shape in changed.iter().chain(lost) {
         let Some(state) = physics.shapes.get(&shape) else { continue };

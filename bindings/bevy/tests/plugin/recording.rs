@@ -24,7 +24,7 @@ fn an_app_is_recorded_and_played_again() {
     run(&mut app, 50);
     app.world_mut().despawn(a);
     run(&mut app, 50);
-    let hash = physics(&app).hash();
+    let hash = physics(&app).state_hash();
     let recorded = app.world_mut().resource_mut::<PhysicsWorld>().stop_recording().unwrap();
     assert_eq!(recorded.steps, 300);
 
@@ -32,7 +32,7 @@ fn an_app_is_recorded_and_played_again() {
     let mut replay = Replay::open(&bytes[..]).unwrap();
     let played = replay.run().unwrap();
     assert_eq!((played.steps, played.divergence), (300, None));
-    assert_eq!(replay.world().hash(), hash);
+    assert_eq!(replay.world().state_hash(), hash);
 }
 
 /// A recording that begins after a second. Expected: as above, from there on.
@@ -46,11 +46,11 @@ fn a_recording_may_begin_later() {
     app.world_mut().resource_mut::<PhysicsWorld>().start_recording(buffer.clone()).unwrap();
     ball(&mut app, 5.0);
     run(&mut app, 90);
-    let hash = physics(&app).hash();
+    let hash = physics(&app).state_hash();
     app.world_mut().resource_mut::<PhysicsWorld>().stop_recording().unwrap();
     let bytes = buffer.bytes();
     let mut replay = Replay::open(&bytes[..]).unwrap();
     let played = replay.run().unwrap();
     assert_eq!((played.steps, played.divergence), (90, None));
-    assert_eq!(replay.world().hash(), hash);
+    assert_eq!(replay.world().state_hash(), hash);
 }

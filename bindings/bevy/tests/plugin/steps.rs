@@ -209,3 +209,37 @@ fn a_restored_world_is_shown() {
     run(&mut app, 59);
     assert_eq!((physics(&app).state_hash(), get::<PhysicsPose>(&app, body)), (hash, pose));
 }
+
+/// A box that flies and turns without gravity, its centre of mass beside its origin, drawn at 144 frames a second
+/// with extrapolation. Expected: it is drawn ahead of the last step by velocity times the time since, so where it
+/// is at the time of the frame, and turned by its angular velocity times that time; its centre of mass on a
+/// straight line.
+#[test]
+fn extrapolation_is_ahead_by_the_velocity() {
+    let settings = Settings::default().with_gravity(glam::Vec3::ZERO);
+    for by_component in [false, true] {
+        let plugin = BackstopPlugin::new(settings.clone()).unwrap();
+        let mut app = app_with(if by_component { plugin } else { plugin.with_extrapolation() });
+        let body = ball(&mut app, 0.0);
+        let motion = Velocity { linear: Vec3::new(6.0, 0.0, 0.0), angular: Vec3::new(0.0, 2.0, 0.0) };
+        app.world_mut().entity_mut(body).insert((motion, ShapeOffset::at(Vec3::X)));
+        if by_component {
+            app.world_mut().entity_mut(body).insert(Extrapolation);
+        }
+        let frame = Duration::from_secs_f64(1.0 / 144.0);
+        each_frame(&mut app, frame);
+        run(&mut app, 3);
+        for n in 4..=200_u32 {
+            app.update();
+            let (drawn, time) = (get::<Transform>(&app, body), (frame * n).as_secs_f32());
+            let angle = Quat::from_rotation_y(2.0 * time).angle_between(drawn.rotation);
+            assert!(angle < 2e-3, "frame {n}: {angle} rad away");
+            let centre = drawn.translation + drawn.rotation * Vec3::X;
+            let expected = Vec3::new(1.0 + 6.0 * time, 0.0, 0.0);
+            assert!((centre - expected).length() < 3e-3, "frame {n}: {centre} and not {expected}");
+            let last = get::<PhysicsPose>(&app, body).position.as_vec3();
+            assert!(app.world().resource::<Time<Fixed>>().overstep_fraction() < 1.0);
+            assert!((drawn.translation - last).length() <= (6.0 + 2.0) / 60.0 + 1e-4);
+        }
+    }
+}

@@ -6,7 +6,6 @@ use crate::args::ServeOptions;
 use crate::interrupt;
 use crate::report::output;
 use crate::threads::with_threads;
-use anyhow::Context;
 use backstop_testbed::Session;
 use server::{Call, Listening};
 use std::sync::mpsc::RecvTimeoutError;
@@ -28,8 +27,10 @@ pub(crate) fn serve(
     let address = scene.map_or_else(|| address.clone(), |scene| format!("{address}#scene={scene}"));
     let _watch = interrupt::watch()?;
     output::print(&format!("{address}\n"))?;
-    if options.open {
-        open::that_detached(&address).context("can't open a browser; the address is above")?;
+    if options.open
+        && let Err(error) = open::that_detached(&address)
+    {
+        eprintln!("note: no browser can be opened ({error}); the address is above");
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     with_threads(threads.max(cores), move || {

@@ -1,12 +1,12 @@
-//! Budget: a heap in a world of two megabytes, which leaves out contacts instead of taking more.
+//! Budget: a heap in a world of 600 kB, which leaves out contacts instead of taking more.
 
 use crate::parts::{fixed, level_world_with, solid, spread};
 use backstop::glam::Vec3;
 use backstop::{Budget, Error, Geometry, Settings, World};
 
-const BODIES: usize = 400;
+const BODIES: usize = 240;
 /// Bytes that the world may take.
-const BYTES: usize = 1_000_000;
+const BYTES: usize = 600_000;
 /// Half the width of the pit [m].
 const PIT: f32 = 2.0;
 
@@ -26,7 +26,7 @@ fn build(budget: Budget) -> Result<World, Error> {
     for i in 0..BODIES {
         let (x, z) = (1.6 * (2.0 * spread(i) - 1.0), 1.6 * (2.0 * spread(7 * i) - 1.0));
         let shape = if i % 2 == 0 { Geometry::cuboid(0.2, 0.15, 0.2) } else { Geometry::sphere(0.18) };
-        world.add_body(&solid(shape).with_position(Vec3::new(x, 0.5 + 0.03 * i as f32, z)))?;
+        world.add_body(&solid(shape).with_position(Vec3::new(x, 0.5 + 0.02 * i as f32, z)))?;
     }
     Ok(world)
 }

@@ -17,7 +17,7 @@ pub fn start() -> Result<World, Error> {
 
 fn build(place: DVec3) -> Result<(World, Vec<BodyHandle>), Error> {
     let (mut world, _) = level_world()?;
-    // What reads positions in single precision gets them from here.
+    // Positions in single precision, as a renderer reads them, count from here.
     world.set_origin(place)?;
     let cube = solid(Geometry::cuboid(HALF as f32, HALF as f32, HALF as f32));
     let mut cubes = Vec::new();

@@ -16,7 +16,7 @@ pub fn start() -> Result<Driven, Error> {
         // Those of the step before. The user data of a ball is its number.
         for hit in world.contact_hits().to_vec() {
             let number = hit.bodies.iter().flat_map(|&body| world.user_data(body)).max();
-            let Some(&(mark, shape)) = number.and_then(|number| marks.get(number as usize - 1)) else { continue };
+            let Some(&(mark, shape)) = number.and_then(|i| marks.get(i as usize - 1)) else { continue };
             world.set_pose(mark, hit.point, Quat::IDENTITY)?;
             world.set_geometry(shape, Geometry::cylinder(0.01, SIZE * hit.approach_speed))?;
         }

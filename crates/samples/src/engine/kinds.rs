@@ -1,4 +1,4 @@
-//! Kinds of bodies: an arch of static cubes hangs in the air, and each falls as soon as it is made dynamic.
+//! Kinds of bodies: static cubes hang in the air as a helix, and each falls when it is made dynamic.
 
 use crate::parts::{Driven, level_world, solid};
 use backstop::glam::Vec3;
@@ -13,7 +13,7 @@ const PERIOD: f64 = 0.15;
 pub fn start() -> Result<Driven, Error> {
     let (world, cubes) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        // What is of this kind already does not change.
+        // A cube that is dynamic already does not change.
         match cubes.get((tick.time / PERIOD) as usize) {
             Some(&cube) => world.set_kind(cube, BodyKind::Dynamic),
             None => Ok(()),

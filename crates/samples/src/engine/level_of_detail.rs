@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_PI_2;
 /// Wheels along each side of the field, and their distance [m].
 const SIDE: usize = 16;
 const PITCH: f64 = 1.2;
-/// What is further from the player stands still [m].
+/// Distance from the player beyond which wheels stand still [m].
 const NEAR: f64 = 4.0;
 /// Speed of the player [m/s].
 const SPEED: f64 = 4.0;
@@ -20,22 +20,22 @@ pub fn start() -> Result<Driven, Error> {
     Ok(Driven::new(world, move |world, tick| {
         let keys = tick.controls;
         let asked = DVec3::new(keys.right.into(), 0.0, (-keys.forward).into());
-        let circle = DVec3::new((0.5 * tick.time).cos(), 0.0, (0.5 * tick.time).sin());
+        let circle = DVec3::new(tick.time.cos(), 0.0, tick.time.sin());
         let way = if asked == DVec3::ZERO { circle } else { asked };
         let place = world.position(player)? + way * SPEED * f64::from(tick.dt);
         world.set_pose(player, place, Quat::IDENTITY)?;
-        for &wheel in &wheels {
-            let away = world.position(wheel)?.distance(place);
-            world.set_enabled(wheel, away < NEAR)?;
-        }
-        Ok(())
+        wheels.iter().try_for_each(|&wheel| {
+            let near = world.position(wheel)?.distance(place) < NEAR;
+            world.set_enabled(wheel, near)
+        })
     }))
 }
 
 fn build() -> Result<(World, BodyHandle, Vec<BodyHandle>), Error> {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
     let player = ShapeDesc::new(Geometry::capsule(0.5, 0.3)).as_sensor();
-    let player = world.add_body(&BodyDesc::kinematic().with_position(DVec3::Y).with_shape(player))?;
+    let player = BodyDesc::kinematic().with_position(DVec3::new(0.0, 1.0, -4.0)).with_shape(player);
+    let player = world.add_body(&player)?;
     let spoke = solid(Geometry::cuboid(0.5, 0.08, 0.08)).with_angular_velocity(Vec3::Y * 4.0);
     let turned = Quat::from_rotation_y(FRAC_PI_2);
     let spoke = spoke.with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.08, 0.08)).with_rotation(turned));

@@ -3,7 +3,6 @@
 use crate::parts::{Driven, fixed, solid};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyHandle, Error, Geometry, Settings, World};
-use std::f64::consts::TAU;
 
 /// Gravitational parameter of the planet [m³/s²].
 const PLANET: f64 = 40.0;
@@ -46,7 +45,7 @@ fn each_is_back_after_its_period() -> Result<(), Error> {
     for (i, radius) in ORBITS.into_iter().enumerate() {
         let (mut sample, moons) = (start()?, build()?.1);
         // T = 2 pi sqrt(r³ / mu).
-        let period = TAU * (radius.powi(3) / PLANET).sqrt();
+        let period = std::f64::consts::TAU * (radius.powi(3) / PLANET).sqrt();
         crate::parts::run(&mut sample, period)?;
         let off = (crate::Running::world(&sample).position(moons[i])? - DVec3::X * radius).length();
         assert!(off < 0.05 * radius, "{radius}: {off} m");

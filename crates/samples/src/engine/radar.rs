@@ -50,7 +50,7 @@ fn build() -> Result<(World, Vec<BodyHandle>, Vec<BodyHandle>), Error> {
 fn the_first_ray_meets_the_first_box() -> Result<(), Error> {
     let (mut sample, (_, marks, boxes)) = (start()?, build()?);
     for seconds in [0.5, 2.0, 4.0] {
-        // Along x: the ray ends half a box before its middle, within what it moves in the step after it.
+        // Along x: the ray ends half a box before its middle, which moves a little in that step.
         crate::parts::run(&mut sample, seconds)?;
         let world = crate::Running::world(&sample);
         let gap = world.position(boxes[0])?.x - world.position(marks[0])?.x;

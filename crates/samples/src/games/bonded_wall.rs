@@ -1,6 +1,6 @@
 //! Destruction: blocks joined by welds that break stand as a wall, until a ball goes through.
 
-use crate::parts::{level_world, solid};
+use crate::parts::{lawn, solid};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, JointDesc, ShapeDesc, World};
 
@@ -8,9 +8,9 @@ const ROWS: usize = 9;
 const COLUMNS: usize = 14;
 /// Half the edge of a block [m].
 const HALF: f32 = 0.2;
-/// What a weld bears [N], [N m].
-const FORCE: f32 = 60_000.0;
-const TORQUE: f32 = 12_000.0;
+/// Force [N] and torque [N m] above which a weld breaks.
+const FORCE: f32 = 40_000.0;
+const TORQUE: f32 = 8_000.0;
 
 /// The wall, and the ball on its way.
 pub fn start() -> Result<World, Error> {
@@ -18,7 +18,7 @@ pub fn start() -> Result<World, Error> {
 }
 
 fn build(speed: f32) -> Result<World, Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let mut blocks: Vec<BodyHandle> = Vec::new();
     for i in 0..ROWS * COLUMNS {
         let (row, column) = (i / COLUMNS, i % COLUMNS);

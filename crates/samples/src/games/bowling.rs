@@ -25,11 +25,12 @@ fn build() -> Result<(World, BodyHandle, Vec<BodyHandle>), Error> {
     for z in [-0.7, 0.7] {
         world.add_body(&rail.clone().with_position(Vec3::new(-0.5 * LANE, 0.1, z)))?;
     }
+    world.add_body(&fixed(Geometry::cuboid(0.1, 0.5, 0.9)).with_position(Vec3::new(2.5, 0.5, 0.0)))?;
     // A pin: a belly, a neck and a head, 0.38 m high and of 1.5 kg.
     let wood = |geometry, y: f32| ShapeDesc::new(geometry).with_density(650.0).with_position(Vec3::Y * y);
     let part = |low, top, half: f32, y| wood(Geometry::tapered_cylinder(half, low, top), y);
-    let head = wood(Geometry::sphere(0.032), 0.35);
-    let pin = [part(0.028, 0.06, 0.06, 0.06), part(0.06, 0.025, 0.07, 0.19), part(0.025, 0.03, 0.045, 0.305), head];
+    let (foot, belly) = (part(0.028, 0.06, 0.06, 0.06), part(0.06, 0.025, 0.07, 0.19));
+    let pin = [foot, belly, part(0.025, 0.03, 0.045, 0.305), wood(Geometry::sphere(0.032), 0.35)];
     let mut pins = Vec::new();
     for row in 0..4 {
         for i in 0..=row {

@@ -1,7 +1,7 @@
 //! Explosion: a charge goes off between stacks of crates, and a wall gives shelter to one of them.
 //! Keys: the action sets off another one.
 
-use crate::parts::{Driven, fixed, level_world, solid};
+use crate::parts::{Driven, fixed, lawn, solid};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyHandle, Error, Explosion, Geometry, World};
 
@@ -10,7 +10,7 @@ const HALF: f32 = 0.25;
 const CHARGE: DVec3 = DVec3::new(0.0, 0.3, 0.0);
 const TIME: f64 = 1.5;
 /// Impulse on a square metre [N s/m²], and the distance up to which it is whole [m].
-const IMPULSE: f32 = 4_000.0;
+const IMPULSE: f32 = 2_000.0;
 const RADIUS: f32 = 3.0;
 
 /// Stacks around the charge, one of them behind a wall.
@@ -28,7 +28,7 @@ fn charge() -> Explosion {
 }
 
 fn build() -> Result<(World, [BodyHandle; 2]), Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let wall = fixed(Geometry::cuboid(0.1, 0.8, 0.9));
     world.add_body(&wall.with_position(Vec3::new(1.5, 0.8, 0.0)))?;
     let cube = solid(Geometry::cuboid(HALF, HALF, HALF));

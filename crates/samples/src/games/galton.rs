@@ -51,9 +51,9 @@ fn most_are_in_the_middle() -> Result<(), Error> {
     let mut sample = start()?;
     crate::parts::run(&mut sample, 32.0)?;
     let world = crate::Running::world(&sample);
-    let places: Vec<f64> = world.awake_bodies().flat_map(|ball| world.position(ball)).map(|at| at.x).collect();
-    let mean = places.iter().sum::<f64>() / BALLS as f64;
-    let deviation = (places.iter().map(|x| x * x).sum::<f64>() / BALLS as f64).sqrt();
+    let places: Vec<_> = world.awake_bodies().flat_map(|ball| world.position(ball)).collect();
+    let mean = places.iter().map(|at| at.x).sum::<f64>() / BALLS as f64;
+    let deviation = (places.iter().map(|at| at.x * at.x).sum::<f64>() / BALLS as f64).sqrt();
     // Independent steps of half a pitch would deviate by sqrt(10) / 2 pitches: 0.63 m.
     assert!(mean.abs() < 0.15 && deviation > 0.2 && deviation < 0.63, "{mean} m, {deviation} m");
     Ok(())

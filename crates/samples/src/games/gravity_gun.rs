@@ -1,7 +1,7 @@
-//! Gravity gun: what is near floats in front of the gun, and is shot away.
+//! Gravity gun: crates nearby float in front of the gun, and are shot away.
 //! Keys: left and right turn the gun; while the action is held it attracts, and when it is let go it shoots.
 
-use crate::parts::{Driven, level_world, solid, spread};
+use crate::parts::{Driven, lawn, solid, spread};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyKind, Error, Geometry};
 use std::f32::consts::TAU;
@@ -14,11 +14,11 @@ const FRONT: f32 = 2.0;
 const PULL: f32 = 30.0;
 const DAMPING: f32 = 8.0;
 const TURN: f32 = 1.5;
-const SPEED: f32 = 18.0;
+const SPEED: f32 = 10.0;
 
 /// Crates around the gun. Without a user it attracts for two seconds of three.
 pub fn start() -> Result<Driven, Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let gun = solid(Geometry::cuboid(0.5, 0.1, 0.1)).with_position(GUN);
     let gun = world.add_body(&gun.with_kind(BodyKind::Kinematic))?;
     for i in 0..60 {

@@ -1,6 +1,6 @@
 //! One-way platforms: balls pass them from below, and lie on them from above.
 
-use crate::parts::{Driven, level_world, solid, spread};
+use crate::parts::{Driven, lawn, solid, spread};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, ContactHook, ContactHooks, Error, Geometry, ShapeDesc};
 
@@ -9,10 +9,10 @@ const BALLS: usize = 60;
 const SPEED: f32 = 12.0;
 /// Heights of the platforms [m].
 const HEIGHTS: [f32; 3] = [2.0, 3.5, 5.0];
-/// What says of a shape that it is a platform.
+/// User data of the shapes of platforms.
 const PLATFORM: u64 = 1;
 
-/// A contact with a platform counts for who comes from above.
+/// Contacts with a platform count for bodies from above only.
 struct OneWay;
 
 impl ContactHooks for OneWay {
@@ -30,7 +30,7 @@ impl ContactHooks for OneWay {
 
 /// Platforms, and balls on their way up.
 pub fn start() -> Result<Driven, Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     for (i, height) in HEIGHTS.into_iter().enumerate() {
         let plate = ShapeDesc::new(Geometry::cuboid(2.0 - 0.4 * i as f32, 0.08, 1.5)).with_hooks();
         let plate = plate.with_user_data(PLATFORM);

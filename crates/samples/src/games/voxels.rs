@@ -1,4 +1,4 @@
-//! Voxels: a world of cubes from which something mines one after another, until what lay on them falls.
+//! Voxels: cubes of a block are removed one after another, and the balls on them fall.
 
 use crate::parts::{Driven, fixed, level_world, solid};
 use backstop::glam::{DVec3, Vec3};

@@ -1,4 +1,4 @@
-//! Breaking joints: shelves bear weights from 20 to 70 kg, until they get weak and those above 45 kg break off.
+//! Breaking joints: shelves bear 20 to 70 kg, until they get weak and those with more than 45 kg break off.
 
 use crate::parts::{Driven, fixed, level_world};
 use backstop::glam::{DVec3, Vec3};

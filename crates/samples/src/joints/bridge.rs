@@ -2,7 +2,7 @@
 
 use crate::parts::{fixed, level_world, solid};
 use backstop::glam::{Quat, Vec3};
-use backstop::{BodyHandle, Error, Geometry, JointDesc, JointHandle, World};
+use backstop::{Error, Geometry, JointDesc, JointHandle, World};
 
 const PLANKS: usize = 20;
 /// Height of the banks, radius of the arc on which the planks hang [m], and the angle of one [rad].
@@ -54,7 +54,7 @@ fn it_holds() -> Result<(), Error> {
         let [(a, _), (b, _)] = world.joint_frames(hinge)?;
         assert!((b - a).length() < 0.001, "{} m", (b - a).length());
     }
-    let low = |&body: &BodyHandle| world.position(body).is_ok_and(|at| at.y < 0.5);
+    let low = |&body: &_| world.position(body).is_ok_and(|at| at.y < 0.5);
     assert_eq!(world.bodies().filter(low).count(), 1, "nothing but the ground is low");
     Ok(())
 }

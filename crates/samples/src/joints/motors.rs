@@ -3,7 +3,7 @@
 use crate::parts::level_world;
 use backstop::glam::{DVec3, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, Spring, World,
+    Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, Spring, World,
 };
 
 /// Half length of an arm [m].
@@ -45,7 +45,7 @@ fn build() -> Result<(World, Vec<JointHandle>, f32), Error> {
 fn each_does_its_own() -> Result<(), Error> {
     let (mut world, hinges, weight) = build()?;
     crate::parts::run(&mut world, 20.0)?;
-    let angle = |i: usize| world.joint_position(hinges[i], Motion::Angular, Axes::One(Axis::X));
+    let angle = |i: usize| world.joint_position(hinges[i], Motion::Angular, backstop::Axes::One(Axis::X));
     let speed = world.joint_velocity(hinges[0], Motion::Angular, Axis::X)?;
     assert!((speed - SPEED).abs() < 0.01, "{speed} rad/s");
     // The spring gives until its torque is that of the weight.

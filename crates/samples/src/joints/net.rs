@@ -39,7 +39,7 @@ fn build() -> Result<(World, Vec<BodyHandle>), Error> {
     let rubber = Material::default().with_restitution(0.5);
     let mut balls = Vec::new();
     for i in 0..9 {
-        let place = Vec3::new((i % 3) as f32 - 1.0, HEIGHT + 1.0 + 0.8 * i as f32, (i / 3) as f32 - 1.0);
+        let place = Vec3::new((i % 3) as f32 - 1.0, HEIGHT + 0.8 + 0.4 * i as f32, (i / 3) as f32 - 1.0);
         let ball = ShapeDesc::new(Geometry::sphere(RADIUS)).with_density(150.0).with_material(rubber);
         balls.push(world.add_body(&BodyDesc::dynamic().with_position(place).with_shape(ball))?);
     }

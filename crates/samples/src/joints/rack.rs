@@ -3,8 +3,8 @@
 use crate::parts::{Driven, level_world, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, CouplingDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc,
-    Spring, World,
+    Axis, BodyDesc, CouplingDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, Spring,
+    World,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -25,7 +25,8 @@ pub fn start() -> Result<Driven, Error> {
 
 fn build() -> Result<(World, JointHandle, JointHandle), Error> {
     let (mut world, ground) = level_world()?;
-    let disc = ShapeDesc::new(Geometry::cylinder(0.1, RADIUS)).with_rotation(Quat::from_rotation_x(FRAC_PI_2));
+    let disc = ShapeDesc::new(Geometry::cylinder(0.1, RADIUS));
+    let disc = disc.with_rotation(Quat::from_rotation_x(FRAC_PI_2));
     let spoke = ShapeDesc::new(Geometry::cuboid(0.9 * RADIUS, 0.04, 0.14));
     let at = DVec3::Y * 1.5;
     let wheel = BodyDesc::dynamic().with_position(at).with_shape(disc).with_shape(spoke);
@@ -47,10 +48,10 @@ fn build() -> Result<(World, JointHandle, JointHandle), Error> {
 
 #[test]
 fn the_rack_follows_the_pinion() -> Result<(), Error> {
-    let (world, hinge, slider) = build()?;
-    let mut sample = Driven::new(world, move |world, _| world.set_joint_target(hinge, Motion::Angular, Axis::X, 3.0, 0.0));
-    crate::parts::run(&mut sample, 10.0)?;
-    let way = crate::Running::world(&sample).joint_position(slider, Motion::Linear, Axes::One(Axis::X))?;
+    let (mut world, hinge, slider) = build()?;
+    world.set_joint_target(hinge, Motion::Angular, Axis::X, 3.0, 0.0)?;
+    crate::parts::run(&mut world, 10.0)?;
+    let way = world.joint_position(slider, Motion::Linear, backstop::Axes::One(Axis::X))?;
     assert!((way - 3.0 * RADIUS).abs() < 0.001, "{way} m");
     Ok(())
 }

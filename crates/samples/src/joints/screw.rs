@@ -3,10 +3,9 @@
 use crate::parts::level_world;
 use backstop::glam::{DVec3, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, CouplingDesc, Error, Geometry, JointDesc, Limit, MassProperties,
-    Motion, ShapeDesc, World,
+    Axes, Axis, BodyDesc, BodyHandle, CouplingDesc, Error, Geometry, JointDesc, Limit, Motion, ShapeDesc,
+    World,
 };
-use std::f32::consts::TAU;
 
 /// How far a nut travels in a turn [m].
 const LEADS: [f32; 4] = [0.1, 0.2, 0.4, 0.8];
@@ -45,10 +44,11 @@ fn build() -> Result<(World, Vec<BodyHandle>), Error> {
 fn they_fall_as_heavy_as_their_thread_makes_them() -> Result<(), Error> {
     let (mut world, nuts) = build()?;
     crate::parts::run(&mut world, 2.0)?;
-    let own = MassProperties::of(&nut(), 1000.0);
+    let own = backstop::MassProperties::of(&nut(), 1000.0);
     for (nut, lead) in nuts.into_iter().zip(LEADS) {
         // To turn by 2 pi a lead adds I (2 pi / lead)² to its mass.
-        let acceleration = 9.81 / (1.0 + own.inertia.y_axis.y * (TAU / lead).powi(2) / own.mass);
+        let acceleration =
+            9.81 / (1.0 + own.inertia.y_axis.y * (std::f32::consts::TAU / lead).powi(2) / own.mass);
         let fallen = (TOP - world.position(nut)?.y) as f32;
         let expected = 0.5 * acceleration * 2.0 * 2.0;
         assert!((fallen / expected - 1.0).abs() < 0.02, "{fallen} of {expected} m");

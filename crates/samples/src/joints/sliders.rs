@@ -26,7 +26,8 @@ pub fn start() -> Result<Driven, Error> {
 
 fn build() -> Result<(World, Vec<BodyHandle>), Error> {
     let mut world = World::new(Settings::default().with_gravity(Vec3::NEG_Y * GRAVITY))?;
-    let frame = world.add_body(&fixed(Geometry::cuboid(0.3, 0.1, 0.1)).with_position(TOP + DVec3::Y * 0.3))?;
+    let frame =
+        world.add_body(&fixed(Geometry::cuboid(0.3, 0.1, 0.1)).with_position(TOP + DVec3::Y * 0.3))?;
     let mut beads = Vec::new();
     for angle in ANGLES {
         let chord = Vec3::new(angle.sin(), -angle.cos(), 0.0);

@@ -2,9 +2,7 @@
 
 use crate::parts::{level_world, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{
-    Axes, Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, World,
-};
+use backstop::{Axis, BodyDesc, Error, Geometry, JointDesc, JointHandle, Motion, Motor, ShapeDesc, World};
 use std::f32::consts::FRAC_PI_2;
 
 /// Radius of the crank, and length of the rod [m].
@@ -49,8 +47,8 @@ fn the_piston_is_where_the_crank_puts_it() -> Result<(), Error> {
     let (mut world, [hinge, slider]) = build()?;
     for _ in 0..20 {
         crate::parts::run(&mut world, 0.5)?;
-        let angle = world.joint_position(hinge, Motion::Angular, Axes::One(Axis::X))?;
-        let way = world.joint_position(slider, Motion::Linear, Axes::One(Axis::X))?;
+        let angle = world.joint_position(hinge, Motion::Angular, backstop::Axes::One(Axis::X))?;
+        let way = world.joint_position(slider, Motion::Linear, backstop::Axes::One(Axis::X))?;
         // From the axle r cos(a) + sqrt(l² - r² sin(a)²); at the start r + l.
         let expected = CRANK * angle.cos() + (ROD * ROD - (CRANK * angle.sin()).powi(2)).sqrt() - CRANK - ROD;
         assert!((way - expected).abs() < 0.005, "{way} of {expected} m");

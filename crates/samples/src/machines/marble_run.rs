@@ -21,7 +21,8 @@ pub fn start() -> Result<World, Error> {
 
 fn build() -> Result<(World, Vec<BodyHandle>), Error> {
     let (mut world, _) = level_world()?;
-    let part = |half: Vec3, at: Vec3| ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)).with_position(at);
+    let part =
+        |half: Vec3, at: Vec3| ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)).with_position(at);
     // A floor, two rails, and a wall at the upper end, against which marbles come from above.
     let floor = part(Vec3::new(LENGTH, 0.02, WIDTH), Vec3::ZERO);
     let rail = |side: f32| part(Vec3::new(LENGTH, 0.2, 0.02), Vec3::new(0.0, 0.18, side * WIDTH));

@@ -2,9 +2,7 @@
 
 use crate::parts::fixed;
 use backstop::glam::{DVec3, Vec3};
-use backstop::{
-    BodyDesc, BodyHandle, Error, Geometry, JointDesc, Material, Settings, ShapeDesc, World,
-};
+use backstop::{BodyDesc, BodyHandle, Error, Geometry, JointDesc, Material, Settings, ShapeDesc, World};
 
 const BALLS: usize = 5;
 const RAISED: usize = 2;

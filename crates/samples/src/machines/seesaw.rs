@@ -2,9 +2,7 @@
 
 use crate::parts::{level_world, solid};
 use backstop::glam::{DVec3, Vec3};
-use backstop::{
-    Axes, Axis, Error, Geometry, JointDesc, JointHandle, Limit, Motion, Motor, World,
-};
+use backstop::{Axes, Axis, Error, Geometry, JointDesc, JointHandle, Limit, Motion, Motor, World};
 
 /// Distances of a cube of 125 kg on the left, and of one of 250 kg on the right [m].
 const DISTANCES: [[f32; 2]; 3] = [[1.6, 0.4], [1.6, 0.8], [1.2, 1.2]];

@@ -1,6 +1,6 @@
 //! Trebuchet: a counterweight throws a ball by an arm and a sling, which lets go at 45 degrees.
 
-use crate::parts::{Driven, level_world, solid};
+use crate::parts::{Driven, lawn, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Error, Frame, Geometry, JointDesc, JointHandle, ShapeDesc, World};
 
@@ -26,7 +26,7 @@ pub fn start() -> Result<Driven, Error> {
 }
 
 fn build() -> Result<(World, BodyHandle, JointHandle), Error> {
-    let (mut world, ground) = level_world()?;
+    let (mut world, ground) = lawn()?;
     let turned = Quat::from_rotation_z(ANGLE);
     let beam = ShapeDesc::new(Geometry::cuboid(0.5 * (LONG + SHORT), 0.06, 0.06)).with_density(300.0);
     let beam = beam.with_position(Vec3::X * 0.5 * (SHORT - LONG));

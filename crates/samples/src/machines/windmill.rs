@@ -2,7 +2,8 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axis, BodyDesc, BodyHandle, Motor, Error, Geometry, JointDesc, Motion, Settings, ShapeDesc, World,
+    Axis, BodyDesc, BodyHandle, Error, Geometry, JointDesc, Material, Motion, Motor, Settings, ShapeDesc,
+    World,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -27,9 +28,11 @@ fn build() -> Result<(World, BodyHandle), Error> {
     let frames = world.frames_at([ground, hub], DVec3::Y * 3.0, Quat::from_rotation_y(-FRAC_PI_2))?;
     let motor = Motor::velocity(Motion::Angular, Axis::X, SPEED, 5_000.0);
     world.add_joint(&JointDesc::hinge([ground, hub], frames).with_motor(motor))?;
+    // Balls come to rest where they fall.
+    let felt = Material::default().with_rolling_friction(0.03);
     for i in 0..20 {
-        let place = Vec3::new(-1.5 + 0.15 * i as f32, 6.0 + 0.5 * i as f32, 0.0);
-        let ball = ShapeDesc::new(Geometry::sphere(0.2)).with_density(50.0);
+        let place = Vec3::new(0.3 * (i % 10) as f32 - 1.5, 6.0 + 0.6 * (i / 10) as f32, 0.0);
+        let ball = ShapeDesc::new(Geometry::sphere(0.2)).with_density(50.0).with_material(felt);
         world.add_body(&BodyDesc::dynamic().with_position(place).with_shape(ball))?;
     }
     Ok((world, hub))

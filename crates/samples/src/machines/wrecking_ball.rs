@@ -1,6 +1,6 @@
 //! Wrecking ball: an iron ball on a chain swings into a house of blocks.
 
-use crate::parts::{fixed, level_world, solid};
+use crate::parts::{fixed, lawn, solid};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, BodyHandle, Error, Frame, Geometry, JointDesc, ShapeDesc, World};
 
@@ -17,7 +17,7 @@ pub fn start() -> Result<World, Error> {
 }
 
 fn build() -> Result<(World, BodyHandle), Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let hook = world.add_body(&fixed(Geometry::cuboid(0.2, 0.2, 0.2)).with_position(HOOK))?;
     let place = HOOK + CHAIN * DVec3::new(-ANGLE.sin(), -ANGLE.cos(), 0.0);
     let iron = ShapeDesc::new(Geometry::sphere(RADIUS)).with_density(7_900.0);

@@ -1,4 +1,4 @@
-//! Tennis racket: what turns about its middle axis in weightlessness turns over again and again.
+//! Tennis racket: a body that turns about its middle axis in weightlessness turns over again and again.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, Settings, ShapeDesc, World};

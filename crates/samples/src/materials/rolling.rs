@@ -5,7 +5,7 @@ use backstop::glam::Vec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, Material, ShapeDesc, World};
 
 /// Lever arms [m].
-const ARMS: [f32; 6] = [0.004, 0.006, 0.009, 0.014, 0.02, 0.03];
+const ARMS: [f32; 6] = [0.01, 0.013, 0.017, 0.023, 0.032, 0.05];
 const RADIUS: f32 = 0.2;
 /// Speed at the start [m/s].
 const SPEED: f32 = 2.5;

@@ -3,7 +3,6 @@
 use crate::parts::{level_world, solid};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, Material, ShapeDesc, World};
-use std::f32::consts::TAU;
 
 /// Frequencies of the mats [Hz], and half their height [m].
 const HERTZ: [f32; 4] = [2.0, 3.0, 5.0, 10.0];
@@ -50,7 +49,7 @@ fn the_softer_the_deeper() -> Result<(), Error> {
     assert!(highest > 0.9 * start && highest < start + 0.01, "{highest} of {start} m");
     for (crate_, hertz) in crates.into_iter().zip(HERTZ) {
         let sunk = 2.0 * MAT + CRATE - world.position(crate_)?.y as f32;
-        let expected = 9.81 / (TAU * hertz).powi(2);
+        let expected = 9.81 / (std::f32::consts::TAU * hertz).powi(2);
         assert!((sunk - expected).abs() < 0.05 * expected, "{hertz} Hz: {sunk} of {expected} m");
     }
     Ok(())

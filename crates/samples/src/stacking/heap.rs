@@ -33,12 +33,12 @@ pub fn start() -> Result<World, Error> {
     ];
     for i in 0..COUNT {
         let angle = TAU * spread(i);
-        let place = (PIT - 0.7) * spread(7 * i).sqrt() * Vec3::new(angle.cos(), 0.0, angle.sin());
+        let (column, row, layer) = ((i % 6) as f32, (i / 6 % 6) as f32, (i / 36) as f32);
+        let place = Vec3::new(0.7 * column - 1.75, 1.0 + 0.7 * layer, 0.7 * row - 1.75);
         let turned = Quat::from_euler(backstop::glam::EulerRot::XYZ, angle, 3.0 * angle, 0.0);
-        let mut body = solid(kinds[i % kinds.len()].clone())
-            .with_position(place + Vec3::Y * (1.0 + 0.08 * i as f32))
-            .with_rotation(turned);
-        body.shapes[0].material = Material::default().with_rolling_friction(ROLLING).with_spinning_friction(ROLLING);
+        let mut body = solid(kinds[i % kinds.len()].clone()).with_position(place).with_rotation(turned);
+        body.shapes[0].material =
+            Material::default().with_rolling_friction(ROLLING).with_spinning_friction(ROLLING);
         world.add_body(&body)?;
     }
     Ok(world)

@@ -13,7 +13,7 @@ const TABLE: f32 = 1.0;
 const SAFE: f32 = 0.97;
 const TOO_FAR: f32 = 1.03;
 
-/// Two piles: the one in front goes beyond what holds.
+/// Two piles: the one in front reaches too far to stand.
 pub fn start() -> Result<World, Error> {
     Ok(build()?.0)
 }
@@ -26,7 +26,7 @@ fn build() -> Result<(World, [BodyHandle; 2]), Error> {
     Ok((world, highest))
 }
 
-/// From the top down, the k-th brick may reach 1 / (2 k) of its length beyond what is below, so that the centre
+/// From the top down, the k-th brick may reach 1 / (2 k) of its length beyond the one below: then the centre
 /// of mass of all above is over the edge. Returns the highest brick.
 fn add_pile(world: &mut World, share: f32, z: f32) -> Result<BodyHandle, Error> {
     let mut middle = -BRICK.x;

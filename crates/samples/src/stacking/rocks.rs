@@ -1,11 +1,11 @@
-//! Rocks: a hundred convex hulls, no two alike, slide down a chute and pile up.
+//! Rocks: ninety-six convex hulls, no two alike, slide down a chute and pile up.
 
 use crate::parts::{fixed, level_world, solid, spread};
 use backstop::glam::{Quat, Vec3};
 use backstop::{ConvexHull, Error, Geometry, World};
 use std::f32::consts::TAU;
 
-const COUNT: usize = 120;
+const COUNT: usize = 96;
 /// Corners of a rock, and its mean radius [m].
 const CORNERS: usize = 14;
 const RADIUS: f32 = 0.3;
@@ -23,7 +23,11 @@ pub fn start() -> Result<World, Error> {
         world.add_body(&rail.with_position(chute + Vec3::Z * side + down * Vec3::Y * 0.4))?;
     }
     for i in 0..COUNT {
-        let place = Vec3::new(-4.6 + spread(i), 4.8 + 0.25 * i as f32, 2.0 * spread(5 * i) - 1.0);
+        let place = Vec3::new(
+            -4.9 + 0.7 * (i % 3) as f32,
+            5.2 + 0.7 * (i / 9) as f32,
+            0.7 * (i / 3 % 3) as f32 - 0.7,
+        );
         world.add_body(&solid(rock(i)?).with_position(place))?;
     }
     Ok(world)

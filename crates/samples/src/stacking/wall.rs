@@ -1,6 +1,6 @@
 //! Wall: an iron ball at 20 m/s goes through a wall of bricks.
 
-use crate::parts::{level_world, solid};
+use crate::parts::{lawn, solid};
 use backstop::glam::Vec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, ShapeDesc, World};
 
@@ -17,7 +17,7 @@ pub fn start() -> Result<World, Error> {
 }
 
 fn build() -> Result<(World, Vec<BodyHandle>, BodyHandle), Error> {
-    let (mut world, _) = level_world()?;
+    let (mut world, _) = lawn()?;
     let brick = solid(Geometry::cuboid(BRICK.x, BRICK.y, BRICK.z));
     let mut bricks = Vec::new();
     for row in 0..ROWS {
@@ -43,7 +43,7 @@ fn the_ball_comes_out_slower() -> Result<(), Error> {
     let (mut world, bricks, ball) = build()?;
     crate::parts::run(&mut world, 1.2)?;
     assert!(world.position(ball)?.z < -0.7, "it is behind the wall");
-    // What it shared its momentum with: some bricks, of which each has 1/32 of its mass.
+    // It shares its momentum with some bricks, of which each has 1/32 of its mass.
     let speed = -world.linear_velocity(ball)?.z;
     assert!(speed > 0.3 * SPEED && speed < SPEED, "{speed} m/s");
     crate::parts::run(&mut world, 10.0)?;

@@ -24,7 +24,7 @@ fn a_run_prints_the_document_that_is_promised() {
     assert_eq!(document["steps"], 10);
     assert_eq!(document["settings"]["substeps"], 4);
     assert_eq!(document["settings"]["continuous"], "segment");
-    assert_eq!(document["settings"]["method"], "one-pass");
+    assert_eq!(document["settings"]["continuous_method"], "one-pass");
     numbers(&document["settings"]["gravity"], 3);
     // A floor, 12 layers of three bricks, three balls.
     let bodies = document["bodies"].as_array().expect("bodies");
@@ -66,7 +66,7 @@ fn options_reach_the_world() {
         assert_eq!(settings[name], expected);
     }
     assert_eq!(settings["continuous"], "volume");
-    assert_eq!(settings["method"], "linear-cast");
+    assert_eq!(settings["continuous_method"], "linear-cast");
     assert_eq!(settings["gravity"], serde_json::json!([1.0, -2.5, 0.0]));
     assert!((settings["dt"].as_f64().expect("dt") - 1.0 / 120.0).abs() < 1e-8);
 }

@@ -6,20 +6,12 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::{Quat, Vec3};
-#[cfg(feature = "reflect")]
-use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
-
 /// A joint between two bodies, on an entity of its own or on any other. Removing it removes the joint; a
 /// change of it changes the joint. If a body is not there yet, the joint waits for it, and
 /// [`PhysicsError`](crate::PhysicsError) says so once. A joint that breaks is gone until the component
 /// changes: [`JointBroke`](crate::JointBroke).
 #[derive(Component, Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = joint_removed)]
 pub struct Joint {
     /// Entities of the two bodies; the motion is that of the second as seen from the first.

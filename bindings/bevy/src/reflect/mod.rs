@@ -1,7 +1,10 @@
 //! Reflection: all components and messages in the app's type registry.
 
+mod fields;
+
 use crate::*;
 use bevy_app::App;
+use bevy_reflect::std_traits::ReflectDefault;
 
 macro_rules! register {
     ($app:ident: $($name:ident),*) => {
@@ -9,14 +12,16 @@ macro_rules! register {
     };
 }
 
-/// Components that hold a type of the engine are opaque, with serde; all others show their fields.
+/// All that can be shown as fields is; `Continuous`, `SolvedAfter` and `Shape` are opaque. Scenes have what holds a
+/// type of the engine by serde.
 pub(crate) fn register(app: &mut App) {
     register!(app: BodyDisabled, ConstantForce, Continuous, Damping, GravityScale, LockedAxes, Mass);
     register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping);
     register!(app: SolvedAfter, Velocity);
     register!(app: ContactHooked, ContactMessages, Density, Joint, SensesStatic, Sensor, Shape);
-    register!(app: ShapeFilter, ShapeMaterial);
-    register!(app: Character, CharacterGround, CharacterInput, CharacterState, CharacterTouch);
+    register!(app: Extrapolation, ShapeFilter, ShapeMaterial, ShapeOffset);
+    app.register_type::<Character>().register_type_data::<Character, ReflectDefault>();
+    register!(app: CharacterGround, CharacterInput, CharacterState, CharacterTouch);
     register!(app: BodyFellAsleep, BodyWoke, Contact, ContactBegan, ContactEnded, ContactHit, Crossing);
     register!(app: Coupling, CouplingBroke, JointBroke, JointStrained, SensorEntered, SensorLeft);
 }

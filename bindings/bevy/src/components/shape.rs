@@ -7,7 +7,7 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::world::DeferredWorld;
-use bevy_math::Vec3;
+use bevy_math::{Quat, Vec3};
 #[cfg(feature = "reflect")]
 use bevy_reflect::std_traits::ReflectDefault;
 #[cfg(feature = "reflect")]
@@ -78,25 +78,39 @@ impl From<Geometry> for Shape {
 
 /// Friction and restitution of a shape; the default [`Material`] without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct ShapeMaterial(pub Material);
 
 /// Which shapes a shape collides with; all without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct ShapeFilter(pub Filter);
+
+/// Where a shape is in the axes of its own entity; at its origin without this.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+#[component(on_remove = trait_removed)]
+pub struct ShapeOffset {
+    /// Of the shape's origin [m], before any scale.
+    pub position: Vec3,
+    /// How the shape is turned.
+    pub rotation: Quat,
+}
+
+impl Default for ShapeOffset {
+    fn default() -> Self {
+        ShapeOffset { position: Vec3::ZERO, rotation: Quat::IDENTITY }
+    }
+}
+
+impl ShapeOffset {
+    /// At a point, not turned.
+    pub fn at(position: Vec3) -> Self {
+        ShapeOffset { position, rotation: Quat::IDENTITY }
+    }
+}
 
 /// Density of a shape [kg/m³]; 1000 without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
@@ -160,6 +174,7 @@ pub(crate) type ShapeChanged = Or<(
     Changed<Shape>,
     Changed<ShapeMaterial>,
     Changed<ShapeFilter>,
+    Changed<ShapeOffset>,
     Changed<Density>,
     Changed<Sensor>,
     Changed<SensesStatic>,

@@ -9,8 +9,6 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
 #[cfg(feature = "reflect")]
 use bevy_reflect::std_traits::ReflectDefault;
-#[cfg(feature = "reflect")]
-use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 
 /// A character of the world: a capsule, or another convex shape, that walks as [`CharacterInput`] says,
@@ -26,12 +24,7 @@ use bevy_transform::components::Transform;
 /// A [`ShapeFilter`](crate::ShapeFilter) on the entity says what it collides with, and a
 /// [`GravityScale`](crate::GravityScale) how it falls.
 #[derive(Component, Clone, Debug)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Default, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[require(Transform, PhysicsPose, CharacterInput, CharacterState)]
 #[component(on_remove = character_removed)]
 pub struct Character {

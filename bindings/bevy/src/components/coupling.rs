@@ -5,20 +5,13 @@ use backstop::{CouplingDesc, JointHandle};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-#[cfg(feature = "reflect")]
-use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 
 /// A coupling of the motions of two joints: gears, a rack, a screw, a rope over pulleys; on an entity of its
 /// own or on any other. Removing it removes the coupling; a change of it changes the coupling. While one of
 /// the joints is not there, the coupling waits for it. One that breaks is gone until the component changes:
 /// [`CouplingBroke`](crate::CouplingBroke).
 #[derive(Component, Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = coupling_removed)]
 pub struct Coupling {
     /// Entities of the joints of the two motions; twice the same for a screw.

@@ -88,12 +88,7 @@ pub struct Sleeping(pub bool);
 
 /// Mass, centre of mass and inertia of a body, instead of those of its shapes.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct Mass(pub MassProperties);
 
@@ -186,10 +181,17 @@ pub struct ConstantForce {
     pub torque: Vec3,
 }
 
-/// A body whose `Transform` is that of the last step, and not between the last two.
+/// A body or a character whose `Transform` is that of the last step, and not between the last two.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct NoInterpolation;
+
+/// A body or a character whose `Transform` is ahead of the last step, where its velocity leads in the time since,
+/// and not between the last two steps. It is drawn without the delay of a step, and goes back when something
+/// stops it: [`BackstopPlugin::with_extrapolation`](crate::BackstopPlugin::with_extrapolation) for all.
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+pub struct Extrapolation;
 
 fn body_removed(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut physics) = world.get_resource_mut::<PhysicsWorld>() {

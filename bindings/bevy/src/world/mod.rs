@@ -1,17 +1,21 @@
 //! The resource: the engine's world, and which entity is what of it.
 
+mod state;
+mod table;
+
 use crate::convert::{ToBevy, ToEngine};
 use crate::messages::{PhysicsError, Problem};
 use crate::{PhysicsPose, Velocity};
 use backstop::{
-    BodyHandle, CharacterHandle, ContactHooks, CouplingDesc, CouplingHandle, Error, JointDesc, JointHandle,
-    MassProperties, ShapeHandle, Snapshot, World, glam,
+    BodyHandle, CharacterHandle, ContactHooks, CouplingHandle, Error, JointHandle, MassProperties,
+    ShapeHandle, Snapshot, World, glam,
 };
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_math::{DVec3, Quat, Vec3};
-use bevy_transform::components::Transform;
+pub(crate) use state::{BodyState, CouplingState, JointState, Place, ShapeState, WalkerState};
 use std::ops::{Deref, DerefMut};
+pub(crate) use table::EntityTable;
 
 /// The engine's [`World`], and the entities of its bodies, shapes and joints. It derefs to the world, so
 /// that all of its methods can be called: queries, forces, settings, reports.
@@ -20,12 +24,12 @@ use std::ops::{Deref, DerefMut};
 /// the caller's own, and appears in no message.
 #[derive(Resource)]
 pub struct PhysicsWorld {
-    world: World,
-    pub(crate) bodies: EntityHashMap<BodyState>,
-    pub(crate) shapes: EntityHashMap<ShapeState>,
+    pub(crate) world: World,
+    pub(crate) bodies: EntityTable<BodyState>,
+    pub(crate) shapes: EntityTable<ShapeState>,
     pub(crate) joints: EntityHashMap<JointState>,
     pub(crate) couplings: EntityHashMap<CouplingState>,
-    pub(crate) walkers: EntityHashMap<WalkerState>,
+    pub(crate) walkers: EntityTable<WalkerState>,
     /// What is to be made and is not yet, with the last reason that was reported.
     pub(crate) waiting: [EntityHashMap<String>; 5],
     /// Entities that lost a component which has a default.
@@ -33,12 +37,21 @@ pub struct PhysicsWorld {
     pub(crate) changed_shapes: Vec<Entity>,
     /// Shapes that were removed since the last step: with their entities and those of their bodies.
     pub(crate) departed: Vec<(ShapeHandle, [Entity; 2])>,
-    /// Bodies whose poses of the last two steps differ.
+    /// Bodies whose poses of the last two steps differ; each once.
     pub(crate) moving: Vec<Entity>,
+    /// Which list that is.
+    pub(crate) list: u64,
+    /// Whether the transforms of all of these that have no parent are those of the last step.
+    pub(crate) shown_last: bool,
     /// Kinematic bodies that the last step moved to their transforms.
     pub(crate) following: EntityHashSet,
     /// Dynamic bodies that were awake after the last step.
     pub(crate) awake: Vec<BodyHandle>,
+    /// Bodies whose transform somebody else wrote since the last step, and those whose velocity.
+    pub(crate) moved: Vec<Entity>,
+    pub(crate) pushed: Vec<Entity>,
+    /// Bodies whose component asked for sleep or waking, which may have been refused.
+    pub(crate) sleep_asked: Vec<Entity>,
     pub(crate) problems: Vec<PhysicsError>,
     /// Why the last step was refused, if it was.
     pub(crate) refused: Option<Error>,
@@ -60,81 +73,6 @@ pub(crate) const CHARACTERS: usize = 4;
 /// of the shapes' entities.
 #[derive(Resource)]
 pub struct PhysicsHooks(pub Box<dyn ContactHooks + Send>);
-
-/// What the plugin knows of a body.
-#[derive(Debug)]
-pub(crate) struct BodyState {
-    pub(crate) handle: BodyHandle,
-    /// After the step before the last.
-    pub(crate) previous: PhysicsPose,
-    /// After the last step.
-    pub(crate) pose: PhysicsPose,
-    /// As they were last written or taken over: what differs was written by somebody else.
-    pub(crate) written: Transform,
-    pub(crate) velocity: Velocity,
-    pub(crate) asleep: bool,
-    pub(crate) mass: Option<MassProperties>,
-    /// The mass is given to the engine, and still that of the shapes.
-    pub(crate) follows_shapes: bool,
-    /// The last step that moved it.
-    pub(crate) moved_in: u64,
-}
-
-#[derive(Debug)]
-pub(crate) struct ShapeState {
-    pub(crate) handle: ShapeHandle,
-    pub(crate) body: Entity,
-    pub(crate) place: Place,
-}
-
-/// Where a shape is in its body's frame, with all scales.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
-    pub(crate) position: Vec3,
-    pub(crate) rotation: Quat,
-    pub(crate) scale: Vec3,
-}
-
-#[derive(Debug)]
-pub(crate) struct JointState {
-    pub(crate) handle: JointHandle,
-    pub(crate) bodies: [Entity; 2],
-    pub(crate) desc: JointDesc,
-    pub(crate) anchor: Option<(Vec3, Quat)>,
-}
-
-#[derive(Debug)]
-pub(crate) struct CouplingState {
-    pub(crate) handle: CouplingHandle,
-    pub(crate) joints: [Entity; 2],
-    /// With the joints' handles.
-    pub(crate) desc: CouplingDesc,
-}
-
-/// What the plugin knows of a character.
-#[derive(Debug)]
-pub(crate) struct WalkerState {
-    pub(crate) handle: CharacterHandle,
-    /// After the walk before the last.
-    pub(crate) previous: PhysicsPose,
-    /// After the last walk.
-    pub(crate) pose: PhysicsPose,
-    /// As it was last written or taken over: what differs was written by somebody else.
-    pub(crate) written: Transform,
-    /// It has a shape of its own, which turns with it.
-    pub(crate) shaped: bool,
-    /// Its rotation is that of a snapshot, and not shown yet.
-    pub(crate) turned_back: bool,
-    /// Why it was last refused something before and after the step, until that is over.
-    pub(crate) problems: [Option<String>; 2],
-}
-
-impl WalkerState {
-    pub(crate) fn new(handle: CharacterHandle, pose: PhysicsPose, written: Transform, shaped: bool) -> Self {
-        let problems = [None, None];
-        WalkerState { handle, previous: pose, pose, written, shaped, turned_back: false, problems }
-    }
-}
 
 /// Each entity once, in the order in which they were spawned as far as their indices are new.
 pub(crate) fn in_order(entities: impl IntoIterator<Item = Entity>) -> Vec<Entity> {
@@ -161,18 +99,23 @@ impl PhysicsWorld {
     pub(crate) fn new(world: World) -> Self {
         PhysicsWorld {
             world,
-            bodies: EntityHashMap::default(),
-            shapes: EntityHashMap::default(),
+            bodies: EntityTable::default(),
+            shapes: EntityTable::default(),
             joints: EntityHashMap::default(),
             couplings: EntityHashMap::default(),
-            walkers: EntityHashMap::default(),
+            walkers: EntityTable::default(),
             waiting: Default::default(),
             changed_bodies: Vec::new(),
             changed_shapes: Vec::new(),
             departed: Vec::new(),
             moving: Vec::new(),
+            list: 1,
+            shown_last: false,
             following: EntityHashSet::default(),
             awake: Vec::new(),
+            moved: Vec::new(),
+            pushed: Vec::new(),
+            sleep_asked: Vec::new(),
             problems: Vec::new(),
             refused: None,
             all_moved: false,
@@ -253,8 +196,8 @@ impl PhysicsWorld {
         self.following.remove(&entity);
         if let Some(state) = self.bodies.get_mut(&entity) {
             (state.previous, state.pose, state.moved_in) = (pose, pose, self.steps);
-            self.moving.push(entity);
         }
+        self.mark_moving(entity);
         Ok(())
     }
 
@@ -292,13 +235,8 @@ impl PhysicsWorld {
         })
     }
 
-    /// Takes over pose and velocity of a body after a step.
-    pub(crate) fn take_over(
-        &mut self,
-        handle: BodyHandle,
-        step: u64,
-        everything: bool,
-    ) -> Option<(Entity, PhysicsPose, Velocity)> {
+    /// Takes over pose and velocity of a body after a step, and has them be written.
+    pub(crate) fn take_over(&mut self, handle: BodyHandle, step: u64, everything: bool) -> Option<()> {
         let body = Entity::try_from_bits(self.world.user_data(handle).ok()?)?;
         let pose = self.pose_of(handle).ok()?;
         let velocity = Velocity {
@@ -308,7 +246,26 @@ impl PhysicsWorld {
         let state = self.bodies.get_mut(&body).filter(|state| state.handle == handle)?;
         state.previous = if everything { pose } else { state.pose };
         (state.pose, state.velocity, state.moved_in) = (pose, velocity, step);
-        Some((body, pose, velocity))
+        if state.listed_in != self.list {
+            state.listed_in = self.list;
+            self.moving.push(body);
+        }
+        Some(())
+    }
+
+    /// Whether to go through all bodies, side by side in memory, costs less than to look up each that moves.
+    pub(crate) fn many_move(&self) -> bool {
+        4 * self.moving.len() > self.bodies.len()
+    }
+
+    /// Has the transform of a body be written until it rests.
+    pub(crate) fn mark_moving(&mut self, body: Entity) {
+        let Some(state) = self.bodies.get_mut(&body) else { return };
+        self.shown_last = false;
+        if state.listed_in != self.list {
+            state.listed_in = self.list;
+            self.moving.push(body);
+        }
     }
 
     /// Notes that something was refused, to be reported and logged.
