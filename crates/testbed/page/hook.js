@@ -11,7 +11,7 @@ function pixels({ gl }) {
     const words = new Uint32Array(bytes.buffer);
     let sum = 0;
     for (const word of words) sum = (Math.imul(sum, 31) + word) | 0;
-    return { colours: new Set(words).size, sum, error: gl.getError() };
+    return { colours: new Set(words).size, height, sum, error: gl.getError() };
 }
 
 export function hook(app) {

@@ -90,7 +90,7 @@ export class Marks {
         gl.depthFunc(gl.GREATER);
         lines(this.lines, { wide: 1.4 * ratio, cover: 0.28 });
         gl.depthFunc(gl.LEQUAL);
-        lines(this.lines, { wide: 1.8 * ratio, cover: 1 });
+        lines(this.lines, { wide: 2 * ratio, cover: 1 });
         gl.depthFunc(gl.LESS);
         if (this.points.count > 0) {
             gl.disable(gl.DEPTH_TEST);
