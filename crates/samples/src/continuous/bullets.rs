@@ -54,7 +54,7 @@ fn none_is_behind_the_wall() -> Result<(), Error> {
     crate::parts::run(&mut sample, 15.0)?;
     let world = crate::Running::world(&sample);
     let inside = |at: DVec3| at.x < WALL.into() && at.y > 0.0 && at.y < 4.0 && at.z.abs() < 5.0;
-    let moves = |body: &BodyHandle| world.kind(*body) == Ok(BodyKind::Dynamic);
+    let moves = |body: &backstop::BodyHandle| world.kind(*body) == Ok(backstop::BodyKind::Dynamic);
     assert!(world.bodies().filter(moves).all(|body| world.position(body).is_ok_and(inside)));
     Ok(())
 }

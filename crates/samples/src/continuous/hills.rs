@@ -44,7 +44,6 @@ fn height(x: f32, z: f32) -> f32 {
     1.2 * (0.5 * x).sin() * (0.4 * z).cos() + 15.0 * out + 25.0 * out.powi(3)
 }
 
-
 #[test]
 fn none_is_below_the_ground() -> Result<(), Error> {
     let mut sample = start()?;

@@ -7,9 +7,8 @@ use backstop::{BodyDesc, BodyHandle, Error, FrictionModel, Geometry, Material, S
 use backstop::{ShapeHandle, World};
 use std::f32::consts::FRAC_PI_2;
 
-/// Speed of a track [m/s].
+/// Speed of a track [m/s], and how long it drives without keys, before it turns for 3.5 s [s].
 const SPEED: f32 = 3.0;
-/// How long it drives without keys, before it turns for 3.5 s [s].
 const LEG: f64 = 6.0;
 
 /// The tank before the logs.
@@ -22,7 +21,8 @@ pub fn start() -> Result<Driven, Error> {
         for (track, share) in tracks.into_iter().zip([forward + right, forward - right]) {
             // Below the track its surface, here along y of a lying capsule, moves backwards.
             let surface = Vec3::Y * SPEED * share.clamp(-1.0, 1.0);
-            world.set_material(track, Material::default().with_friction(1.0).with_surface_velocity(surface))?;
+            let grip = Material::default().with_friction(1.0);
+            world.set_material(track, grip.with_surface_velocity(surface))?;
         }
         Ok(())
     }))

@@ -23,9 +23,8 @@ fn build() -> Result<(World, Car, BodyHandle, JointHandle), Error> {
     let car = Car::add_to(&mut world, DVec3::X * -10.0, Quat::IDENTITY)?;
     let at = world.position(car.chassis)? + DVec3::Z * TRAILER;
     // A bed with walls around it.
-    let wall = |x: f32, z: f32, at: Vec3| {
-        part(Geometry::cuboid(x, 0.3, z), 200.0).with_position(at + Vec3::Y * 0.4)
-    };
+    let wall =
+        |x: f32, z: f32, at: Vec3| part(Geometry::cuboid(x, 0.3, z), 200.0).with_position(at + Vec3::Y * 0.4);
     let bed = BodyDesc::dynamic().with_position(at).with_shapes([
         part(Geometry::cuboid(0.9, 0.1, 1.4), 400.0),
         wall(0.05, 1.4, Vec3::X * 0.85),
