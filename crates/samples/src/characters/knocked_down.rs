@@ -24,7 +24,7 @@ pub fn start() -> Result<Driven, Error> {
         let report = walker.walk(world, wish(&tick.controls, Vec3::ZERO), tick.dt)?;
         let hit = report.pushed_out.length() > HARD * tick.dt;
         if hit || tick.controls.action {
-            let velocity = if hit { world.linear_velocity(ball)? } else { world.linear_velocity(walker.body)? };
+            let velocity = world.linear_velocity(if hit { ball } else { walker.body })?;
             let feet = walker.feet(world)?;
             world.remove_body(walker.body)?;
             world.remove_character(walker.character)?;

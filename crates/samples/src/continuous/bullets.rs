@@ -28,7 +28,7 @@ pub fn start() -> Result<Driven, Error> {
 
 fn range() -> Result<World, Error> {
     let (mut world, ground) = level_world()?;
-    // The wall, and a roof and sides that keep what glances off a plate.
+    // The wall, and a roof and sides that keep bullets which glance off a plate.
     let middle = Vec3::new(WALL - 6.0, 2.0, 0.0);
     for (half, at) in [
         (Vec3::new(HALF, 2.0, 5.0), Vec3::X * 6.0),
@@ -54,7 +54,7 @@ fn none_is_behind_the_wall() -> Result<(), Error> {
     crate::parts::run(&mut sample, 15.0)?;
     let world = crate::Running::world(&sample);
     let inside = |at: DVec3| at.x < WALL.into() && at.y > 0.0 && at.y < 4.0 && at.z.abs() < 5.0;
-    let moves = |body: &BodyHandle| world.kind(*body) == Ok(BodyKind::Dynamic);
+    let moves = |body: &backstop::BodyHandle| world.kind(*body) == Ok(backstop::BodyKind::Dynamic);
     assert!(world.bodies().filter(moves).all(|body| world.position(body).is_ok_and(inside)));
     Ok(())
 }

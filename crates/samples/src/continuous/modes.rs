@@ -16,13 +16,12 @@ const PAUSE: f64 = 0.25;
 const HALF: f32 = 0.01;
 const LANE: f32 = 1.0;
 
-/// Three lanes with a plate in each.
+/// Three lanes with a plate in each, and behind it a block for balls that get through.
 pub fn start() -> Result<Driven, Error> {
     let (mut world, _) = level_world()?;
     for i in 0..MODES.len() {
         let at = Vec3::new(lane(i), 1.5, 0.0);
         world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, HALF)).with_position(at))?;
-        // What gets through is caught by a block.
         world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, 4.0)).with_position(at - Vec3::Z * 9.0))?;
     }
     Ok(Driven::new(world, |world, tick| {
@@ -51,9 +50,11 @@ fn only_discrete_ones_get_through() -> Result<(), Error> {
     let mut sample = start()?;
     crate::parts::run(&mut sample, 15.0)?;
     let world = crate::Running::world(&sample);
-    let balls = |i| world.bodies().filter(move |&ball| world.continuous(ball) == Ok(i) && world.kind(ball) == Ok(BodyKind::Dynamic));
-    let through = MODES.map(|mode| balls(mode).filter(|&ball| world.position(ball).is_ok_and(|at| at.z < 0.0)).count());
-    // A ball is within 2 cm, or 0.12 m from the plate, once in ten steps of 2.5 m.
+    let moves = |ball| world.kind(ball) == Ok(backstop::BodyKind::Dynamic);
+    let is_through = |ball| moves(ball) && world.position(ball).is_ok_and(|at| at.z < 0.0);
+    let balls = |mode| world.bodies().filter(move |&ball| world.continuous(ball) == Ok(mode));
+    let through = MODES.map(|mode| balls(mode).filter(|&ball| is_through(ball)).count());
+    // In steps of 2.5 m few of the discrete ones are at the plate at the end of a step.
     assert!(through[0] > COUNT / 2 && through[1..] == [0, 0], "{through:?}");
     Ok(())
 }
