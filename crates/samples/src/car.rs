@@ -18,7 +18,7 @@ const SPRING: Spring = Spring::Coefficients { stiffness: 20_000.0, damping: 2_50
 const TRAVEL: f32 = 0.25;
 /// The engine's torque at each wheel [N m].
 const TORQUE: f32 = 500.0;
-/// What the keys ask for: speed [m/s] and steering angle [rad].
+/// Keys: speed [m/s] and steering angle [rad].
 const KEYS: (f32, f32) = (12.0, 0.35);
 
 /// A car which looks along -z. Its parts, and parts of other cars, do not collide with each other.

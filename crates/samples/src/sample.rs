@@ -83,7 +83,7 @@ impl Tick {
 }
 
 impl Tick {
-    /// The numbers of what happens in this step, of something that happens every so often [s], from 0 at the
+    /// The numbers of the events in this step, of events every so often [s] that are counted from 0 at the
     /// start.
     pub fn due(&self, every: f64) -> std::ops::Range<usize> {
         (self.time / every).ceil() as usize..((self.time + f64::from(self.dt)) / every).ceil() as usize

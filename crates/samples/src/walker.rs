@@ -10,7 +10,7 @@ use backstop::{
 /// By how much the body is thinner than the character [m].
 const THINNER: f32 = 0.01;
 
-/// The category of their bodies, for what they shall not stop.
+/// The category of their bodies: the mask of a body that they shall not stop leaves it out.
 pub const WALKER: u64 = 2;
 
 /// The handles of a character and of its body. The velocity of the body is that of the character, so that all
@@ -19,7 +19,7 @@ pub const WALKER: u64 = 2;
 pub struct Walker {
     /// In the world, so that snapshots have it.
     pub character: CharacterHandle,
-    /// What other bodies, and other characters, run into.
+    /// Other bodies, and other characters, run into it.
     pub body: BodyHandle,
 }
 
@@ -40,7 +40,7 @@ impl Walker {
         Ok(Walker { character, body })
     }
 
-    /// Walks before a step of `dt` [s], pushes what it runs into, and has its body follow. `wish`: a velocity
+    /// Walks before a step of `dt` [s], pushes the bodies in its way, and has its own body follow. `wish`: a velocity
     /// over the ground, where y is the speed of a jump [m/s]. In the air it falls with the velocity that it
     /// has.
     ///

@@ -1,4 +1,4 @@
-//! Pushing crates: a character pushes what friction holds with less than its strength of 500 N.
+//! Pushing crates: a character pushes crates that friction holds with less than its strength of 500 N.
 //! Keys: arrows walk all of them, space jumps; without keys they push, and go back.
 
 use crate::parts::{Driven, level_world};

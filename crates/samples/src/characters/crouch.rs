@@ -21,7 +21,7 @@ pub fn start() -> Result<Driven, Error> {
     Ok(Driven::new(world, move |world, tick| {
         let alone = Vec3::X * if (tick.time / LEG) as u32 % 2 == 0 { RUN } else { -RUN };
         let wish = wish(&tick.controls, alone);
-        // What a standing one would hit here, or a little further.
+        // Whether a character that stands would hit a beam here, or a little further.
         let middle = walker.feet(world)? + DVec3::Y * 0.92;
         let standing = Geometry::capsule(0.6, 0.3);
         let hits = |at| world.overlap_any(&standing, at, Quat::IDENTITY, &QueryFilter::only_static());

@@ -30,7 +30,7 @@ pub fn start() -> Result<World, Error> {
 fn all_of_them_come_to_rest_on_the_ground() -> Result<(), Error> {
     let mut world = start()?;
     crate::parts::run(&mut world, 15.0)?;
-    // Friction brakes what lies on the ground, and in the joints what swings.
+    // Friction brakes bodies on the ground, and limbs in their joints.
     assert_eq!(world.sleeping_body_count(), COUNT * Skeleton::humanoid().bones.len());
     for body in world.bodies() {
         let at = world.position(body)?;

@@ -24,9 +24,9 @@ pub fn start() -> Result<World, Error> {
     let top = HEIGHT * STEPS as f32;
     let figure = Skeleton::humanoid().with_friction(FRICTION);
     for i in 0..COUNT {
-        let row = (i / 3) as f32;
-        let at =
-            Vec3::new(1.6 * (i % 3) as f32 - 1.6, top + 0.2 + 1.8 * row, -0.5 * DEPTH * STEPS as f32 + 0.5);
+        let (column, row) = ((i % 3) as f32, (i / 3) as f32);
+        let begin = 0.5 - 0.5 * DEPTH * STEPS as f32;
+        let at = Vec3::new(1.6 * column - 1.6, top + 0.2 + 1.8 * row, begin);
         let turned = Quat::from_rotation_y(i as f32);
         figure.add_to(&mut world, DVec3::from(at), turned, Vec3::new(0.0, 0.0, 3.5))?;
     }
@@ -38,7 +38,8 @@ fn they_come_down_and_do_not_get_into_a_step() -> Result<(), Error> {
     let mut world = start()?;
     crate::parts::run(&mut world, 15.0)?;
     let mut down = 0;
-    for body in world.bodies().filter(|&body| world.kind(body) == Ok(backstop::BodyKind::Dynamic)) {
+    let moves = |body: &backstop::BodyHandle| world.kind(*body) == Ok(backstop::BodyKind::Dynamic);
+    for body in world.bodies().filter(moves) {
         let at = world.position(body)?;
         assert!(at.y > 0.0, "{at}");
         down += usize::from(at.y < 0.5 * f64::from(HEIGHT) * STEPS as f64);

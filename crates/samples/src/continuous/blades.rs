@@ -1,4 +1,4 @@
-//! Blades: at 10 to 180 turns a second they rattle between the two sides of a post which is never jumped over.
+//! Blades: at 10 to 180 turns a second they rattle between the two sides of a post and never jump over it.
 
 use crate::parts::{fixed, level_world};
 use backstop::glam::{DVec3, Quat, Vec3};
@@ -51,7 +51,7 @@ fn all_meet_their_posts_and_discrete_ones_none() -> Result<(), Error> {
         let (mut world, blades) = build(mode)?;
         crate::parts::run(&mut world, 10.0)?;
         for (blade, turns) in blades.into_iter().zip(TURNS) {
-            // What ten impacts leave of the speed is less than a thirtieth.
+            // Ten impacts leave less than a thirtieth of the speed.
             let left = world.angular_velocity(blade)?.y / (TAU * turns);
             assert_eq!(left.abs() < 0.03, meets, "{turns} turns a second: {left} is left, {mode:?}");
         }

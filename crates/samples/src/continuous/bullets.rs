@@ -28,7 +28,7 @@ pub fn start() -> Result<Driven, Error> {
 
 fn range() -> Result<World, Error> {
     let (mut world, ground) = level_world()?;
-    // The wall, and a roof and sides that keep what glances off a plate.
+    // The wall, and a roof and sides that keep bullets which glance off a plate.
     let middle = Vec3::new(WALL - 6.0, 2.0, 0.0);
     for (half, at) in [
         (Vec3::new(HALF, 2.0, 5.0), Vec3::X * 6.0),

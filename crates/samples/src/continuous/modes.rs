@@ -14,13 +14,12 @@ const SPEED: f32 = 150.0;
 /// Half the width of a lane [m].
 const LANE: f32 = 1.0;
 
-/// Three lanes with a plate in each.
+/// Three lanes with a plate in each, and behind it a block for balls that get through.
 pub fn start() -> Result<Driven, Error> {
     let (mut world, _) = level_world()?;
     for i in 0..MODES.len() {
         let at = Vec3::new(lane(i), 1.5, 0.0);
-        world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, 0.01)).with_position(at))?;
-        // What gets through is caught by a block.
+        world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, HALF)).with_position(at))?;
         world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, 4.0)).with_position(at - Vec3::Z * 9.0))?;
     }
     Ok(Driven::new(world, |world, tick| {
@@ -50,11 +49,11 @@ fn only_discrete_ones_get_through() -> Result<(), Error> {
     let mut sample = start()?;
     crate::parts::run(&mut sample, 15.0)?;
     let world = crate::Running::world(&sample);
-    let through = [1, 2, 3].map(|of| {
-        let of_lane = world.bodies().filter(|&ball| world.user_data(ball) == Ok(of));
-        of_lane.filter(|&ball| world.position(ball).is_ok_and(|at| at.z < 0.0)).count()
-    });
-    // A ball is within 2 cm, or 0.12 m from the plate, once in ten steps of 2.5 m.
+    let moves = |ball| world.kind(ball) == Ok(backstop::BodyKind::Dynamic);
+    let is_through = |ball| moves(ball) && world.position(ball).is_ok_and(|at| at.z < 0.0);
+    let balls = |mode| world.bodies().filter(move |&ball| world.continuous(ball) == Ok(mode));
+    let through = MODES.map(|mode| balls(mode).filter(|&ball| is_through(ball)).count());
+    // In steps of 2.5 m few of the discrete ones are at the plate at the end of a step.
     assert!(through[0] > COUNT / 2 && through[1..] == [0, 0], "{through:?}");
     Ok(())
 }

@@ -4,7 +4,7 @@
 use crate::parts::Driven;
 use crate::terrain::add_pool;
 use backstop::fields::Fluid;
-use backstop::glam::{DVec3, Vec2, Vec3};
+use backstop::glam::{Vec2, Vec3};
 use backstop::{BodyDesc, BodyHandle, ConvexHull, Error, Geometry, Settings, ShapeDesc, World};
 
 /// Density of the boat and of the floats [kg/m³]: 0.35 of them are under water of 1000 kg/m³.
@@ -54,7 +54,7 @@ fn it_floats_and_so_do_the_floats() -> Result<(), Error> {
     let world = crate::Running::world(&sample);
     assert!((world.rotation(boat)? * Vec3::Y).y > 0.9 && world.position(boat)?.y > -0.6);
     // By Archimedes a float of 0.2 m has its middle 0.03 m above the water.
-    let floats = |at: DVec3| (at.y - surface(at.x, at.z, 20.0)).abs() < 0.15;
+    let floats = |at: backstop::glam::DVec3| (at.y - surface(at.x, at.z, 20.0)).abs() < 0.15;
     assert!(world.bodies().filter(|&body| world.position(body).is_ok_and(floats)).count() > 290);
     Ok(())
 }
