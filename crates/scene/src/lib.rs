@@ -5,6 +5,10 @@
 //! `write_scene` writes a scene with both extensions, and `write_animation` writes what a [`Recorder`] saw as
 //! a `.glb` that any viewer plays.
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
+
 pub mod builtin;
 mod coupling;
 mod crowd;
