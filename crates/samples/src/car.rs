@@ -2,9 +2,10 @@
 
 use crate::Controls;
 use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::vehicle::{Vehicle, WheelDesc};
 use backstop::{
     Axis, BodyDesc, BodyHandle, Error, Filter, Geometry, JointDesc, JointHandle, Material, Motion, Motor,
-    ShapeDesc, Spring, World,
+    ShapeDesc, ShapeHandle, Spring, World,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -31,29 +32,17 @@ pub struct Car {
 }
 
 impl Car {
-    /// With its wheels on level ground at a point [m], turned to the left by an angle [rad].
+    /// With its wheels on the ground at a point [m], turned from where it looks along -z and stands upright.
     ///
     /// # Errors
     ///
     /// Those of [`World::add_body`] and [`World::add_joint`].
     pub fn add_to(world: &mut World, ground: DVec3, turned: Quat) -> Result<Car, Error> {
-        let part = |geometry| ShapeDesc::new(geometry).with_filter(Filter::default().with_group(-1));
         let at = ground + (turned * Vec3::Y).as_dvec3() * f64::from(RADIUS - HUB.y);
-        let body = BodyDesc::dynamic().with_position(at).with_rotation(turned);
-        let hull = part(Geometry::cuboid(0.7, 0.3, 1.9)).with_density(350.0);
-        let chassis = world.add_body(&body.clone().with_shape(hull))?;
-        // A cylinder has its axis along y, a wheel along x.
-        let tyre = part(Geometry::cylinder(0.12, RADIUS))
-            .with_rotation(Quat::from_rotation_z(FRAC_PI_2))
-            .with_material(Material::default().with_friction(1.2))
-            .with_density(250.0);
-        let mut wheel = |side: f32, end: f32| {
-            let hub = at + (turned * (HUB * Vec3::new(side, 1.0, end))).as_dvec3();
-            let wheel = world.add_body(&body.clone().with_position(hub).with_shape(tyre.clone()))?;
-            let frames = world.frames_at([chassis, wheel], hub, turned)?;
-            let joint = JointDesc::wheel([chassis, wheel], frames, TRAVEL, SPRING);
-            Ok((wheel, world.add_joint(&joint)?))
-        };
+        let hull = part(Geometry::cuboid(0.7, 0.3, 1.9), 350.0);
+        let chassis = BodyDesc::dynamic().with_position(at).with_rotation(turned).with_shape(hull);
+        let chassis = world.add_body(&chassis)?;
+        let mut wheel = |x: f32, z: f32| add_wheel(world, chassis, HUB * Vec3::new(x, 1.0, z));
         let all = [wheel(-1.0, -1.0)?, wheel(1.0, -1.0)?, wheel(-1.0, 1.0)?, wheel(1.0, 1.0)?];
         Ok(Car { chassis, wheels: all.map(|(wheel, _)| wheel), joints: all.map(|(_, joint)| joint) })
     }
@@ -88,4 +77,61 @@ impl Car {
         };
         self.drive(world, if keys.jump { 0.0 } else { speed }, angle)
     }
+}
+
+/// A part of a car, of a density [kg/m³], which does not collide with other parts.
+pub fn part(geometry: Geometry, density: f32) -> ShapeDesc {
+    ShapeDesc::new(geometry).with_filter(Filter::default().with_group(-1)).with_density(density)
+}
+
+/// A wheel on a spring, at a place of a chassis [m].
+///
+/// # Errors
+///
+/// Those of [`World::add_body`] and [`World::add_joint`].
+pub fn add_wheel(
+    world: &mut World,
+    chassis: BodyHandle,
+    place: Vec3,
+) -> Result<(BodyHandle, JointHandle), Error> {
+    let turned = world.rotation(chassis)?;
+    let hub = world.position(chassis)? + (turned * place).as_dvec3();
+    // A cylinder has its axis along y, a wheel along x.
+    let tyre = part(Geometry::cylinder(0.12, RADIUS), 250.0)
+        .with_rotation(Quat::from_rotation_z(FRAC_PI_2))
+        .with_material(Material::default().with_friction(1.2));
+    let wheel = BodyDesc::dynamic().with_position(hub).with_rotation(turned).with_shape(tyre);
+    let wheel = world.add_body(&wheel)?;
+    let frames = world.frames_at([chassis, wheel], hub, turned)?;
+    let joint = JointDesc::wheel([chassis, wheel], frames, TRAVEL, SPRING);
+    Ok((wheel, world.add_joint(&joint)?))
+}
+
+/// Shapes that show where the wheels of a vehicle without bodies for them are: sensors, which push nothing.
+///
+/// # Errors
+///
+/// Those of [`World::add_shape`].
+pub fn add_tyres(world: &mut World, car: &Vehicle) -> Result<Vec<ShapeHandle>, Error> {
+    let tyre = |wheel: &WheelDesc| {
+        let tyre = ShapeDesc::new(Geometry::cylinder(0.5 * wheel.width, wheel.radius));
+        world.add_shape(car.chassis(), &tyre.with_density(0.0).as_sensor())
+    };
+    car.desc().wheels.iter().map(tyre).collect()
+}
+
+/// Puts them where the wheels are.
+///
+/// # Errors
+///
+/// Those of [`Vehicle::wheel_pose`].
+pub fn move_tyres(world: &mut World, car: &Vehicle, tyres: &[ShapeHandle]) -> Result<(), Error> {
+    let (at, turned) = (world.position(car.chassis())?, world.rotation(car.chassis())?);
+    for (i, &tyre) in tyres.iter().enumerate() {
+        let (hub, wheel) = car.wheel_pose(world, i)?;
+        let place = turned.inverse() * (hub - at).as_vec3();
+        let wheel = turned.inverse() * wheel * Quat::from_rotation_z(FRAC_PI_2);
+        world.set_shape_pose(tyre, place, wheel.normalize())?;
+    }
+    Ok(())
 }

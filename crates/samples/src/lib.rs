@@ -54,7 +54,7 @@ samples! {
         knocked_down;
     /// Vehicles.
     vehicles:
-        car, car_on_hills, trailer, train, tank, hovercraft, loop_the_loop;
+        car, car_on_hills, trailer, train, tank, hovercraft, loop_the_loop, boat, ray_car;
     /// Fast bodies.
     continuous:
         bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;

@@ -1,7 +1,9 @@
-//! Ground with hills.
+//! Ground with hills, and a pool.
 
-use backstop::glam::{Vec2, Vec3};
-use backstop::{BodyDesc, Error, Geometry, HeightField, ShapeDesc};
+use crate::parts::fixed;
+use backstop::glam::{Quat, Vec2, Vec3};
+use backstop::{BodyDesc, Error, Geometry, HeightField, ShapeDesc, World};
+use std::f32::consts::FRAC_PI_2;
 
 /// Width of a cell of the ground [m].
 const CELL: f32 = 1.0;
@@ -19,4 +21,19 @@ pub fn terrain(half: u16, height: impl Fn(f32, f32) -> f32) -> Result<BodyDesc, 
     // The field begins at its corner.
     let shape = ShapeDesc::new(Geometry::height_field(field)).with_position(Vec3::new(low, 0.0, low));
     Ok(BodyDesc::fixed().with_shape(shape))
+}
+
+/// A pool 4 m deep, from `-half` to `half` along x and z [m]: its floor, and walls up to 1 m above y = 0.
+///
+/// # Errors
+///
+/// Those of [`World::add_body`].
+pub fn add_pool(world: &mut World, half: f32) -> Result<(), Error> {
+    world.add_body(&fixed(Geometry::cuboid(half, 0.1, half)).with_position(Vec3::Y * -4.0))?;
+    for side in 0..4 {
+        let turned = Quat::from_rotation_y(side as f32 * FRAC_PI_2);
+        let wall = fixed(Geometry::cuboid(half, 2.5, 0.1)).with_rotation(turned);
+        world.add_body(&wall.with_position(turned * Vec3::new(0.0, -1.5, half)))?;
+    }
+    Ok(())
 }

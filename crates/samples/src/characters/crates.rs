@@ -1,5 +1,5 @@
 //! Pushing crates: a character pushes what friction holds with less than its strength of 500 N.
-//! Keys: arrows walk all of them, space jumps; without keys they push.
+//! Keys: arrows walk all of them, space jumps; without keys they push, and go back.
 
 use crate::parts::{Driven, level_world};
 use crate::walker::{Walker, walk_all, wish};
@@ -10,14 +10,17 @@ use backstop::{BodyDesc, BodyHandle, Error, Geometry, ShapeDesc, World};
 const MASSES: [f32; 4] = [10.0, 40.0, 75.0, 120.0];
 /// Half the edge of a crate [m].
 const HALF: f32 = 0.5;
-/// How fast they walk without keys [m/s].
+/// How fast they walk without keys [m/s], and how long to the crates, and back [s].
 const SPEED: f32 = 1.5;
+const LEG: f64 = 8.0;
 
 /// Rows of crates, and a character before each.
 pub fn start() -> Result<Driven, Error> {
     let (world, walkers, _) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        walk_all(&walkers, world, wish(&tick.controls, Vec3::NEG_Z * SPEED), tick.dt)
+        let there = (tick.time / LEG) as u32 % 2 == 0;
+        let alone = Vec3::NEG_Z * if there { SPEED } else { -SPEED };
+        walk_all(&walkers, world, wish(&tick.controls, alone), tick.dt)
     }))
 }
 
@@ -38,7 +41,7 @@ fn build() -> Result<(World, Vec<Walker>, Vec<BodyHandle>), Error> {
 #[test]
 fn the_light_ones_move() -> Result<(), Error> {
     let (mut sample, crates) = (start()?, build()?.2);
-    crate::parts::run(&mut sample, 8.0)?;
+    crate::parts::run(&mut sample, LEG)?;
     for (body, mass) in crates.iter().zip(MASSES) {
         let way = -crate::Running::world(&sample).position(*body)?.z;
         // Friction holds 0.6 m g. A push is an impulse at the beginning of a step: it moves a heavy crate by

@@ -1,4 +1,4 @@
-//! Crowd: sixty characters walk through each other to the other side of a square, around boxes and a pillar.
+//! Crowd: sixty characters walk through each other to the other side of a square, around a pillar and balls.
 //! Keys: space makes all of them jump.
 
 use crate::parts::{Driven, fixed, level_world, solid, spread};

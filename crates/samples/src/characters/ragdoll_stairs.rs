@@ -2,7 +2,7 @@
 
 use crate::parts::{fixed, level_world};
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyKind, Error, Geometry, Skeleton, World};
+use backstop::{Error, Geometry, Skeleton, World};
 
 const COUNT: usize = 12;
 /// Number, height and depth of the steps, and half their width [m].

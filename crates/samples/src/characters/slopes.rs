@@ -1,5 +1,5 @@
-//! Slopes: characters walk up ramps of 20 to 60 degrees; those steeper than 50 degrees they slide down.
-//! Keys: arrows walk all of them, space jumps; without keys they walk up.
+//! Slopes: characters walk up ramps of 20 to 65 degrees; those steeper than 50 degrees they slide down.
+//! Keys: arrows walk all of them, space jumps; without keys they walk up and down.
 
 use crate::parts::{Driven, fixed, level_world};
 use crate::walker::{Walker, walk_all, wish};
@@ -13,14 +13,16 @@ const LENGTH: f32 = 9.0;
 const HALF: f32 = 0.7;
 /// How far up a ramp they begin [m].
 const BEGIN: f32 = 4.5;
-/// How fast they walk without keys [m/s].
+/// How fast they walk without keys [m/s], and how long up, and down [s].
 const SPEED: f32 = 0.8;
+const LEG: f64 = 4.0;
 
 /// The ramps, and a character in the middle of each.
 pub fn start() -> Result<Driven, Error> {
     let (world, walkers) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        walk_all(&walkers, world, wish(&tick.controls, Vec3::NEG_Z * SPEED), tick.dt)
+        let alone = Vec3::NEG_Z * if (tick.time / LEG) as u32 % 2 == 0 { SPEED } else { -SPEED };
+        walk_all(&walkers, world, wish(&tick.controls, alone), tick.dt)
     }))
 }
 

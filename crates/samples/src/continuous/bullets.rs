@@ -2,7 +2,7 @@
 
 use crate::parts::{Driven, fixed, level_world, spread};
 use backstop::glam::{DVec3, Vec3};
-use backstop::{BodyDesc, BodyHandle, BodyKind, Error, Geometry, JointDesc, ShapeDesc, World};
+use backstop::{BodyDesc, Error, Geometry, JointDesc, ShapeDesc, World};
 
 /// Speed of a bullet [m/s], 17 m in a step, and density of steel [kg/m³].
 const SPEED: f32 = 1000.0;

@@ -2,7 +2,7 @@
 
 use crate::parts::{Driven, fixed, level_world, spread};
 use backstop::glam::Vec3;
-use backstop::{BodyDesc, BodyKind, ContinuousMode, Error, Geometry, ShapeDesc, World};
+use backstop::{BodyDesc, ContinuousMode, Error, Geometry, ShapeDesc, World};
 
 /// From left to right.
 const MODES: [ContinuousMode; 3] =

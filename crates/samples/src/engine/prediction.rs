@@ -8,7 +8,7 @@ use backstop::{BodyDesc, BodyHandle, Error, Geometry, Material, Settings, ShapeD
 const AHEAD: usize = 60;
 const RADIUS: f32 = 0.3;
 
-/// A ball that bounces between walls, and its ghost.
+/// A ball that bounces among others between walls, and its ghost.
 pub fn start() -> Result<Driven, Error> {
     let (world, ball, ghost) = build()?;
     Ok(Driven::new(world, move |world, tick| {
@@ -21,9 +21,7 @@ pub fn start() -> Result<Driven, Error> {
 fn look_ahead(world: &mut World, body: BodyHandle, dt: f32) -> Result<backstop::glam::DVec3, Error> {
     let mut now = Snapshot::new();
     world.snapshot(&mut now);
-    for _ in 0..AHEAD {
-        world.step(dt)?;
-    }
+    (0..AHEAD).try_for_each(|_| world.step(dt).map(drop))?;
     let place = world.position(body)?;
     world.restore(&now)?;
     Ok(place)
@@ -32,16 +30,18 @@ fn look_ahead(world: &mut World, body: BodyHandle, dt: f32) -> Result<backstop::
 fn build() -> Result<(World, BodyHandle, BodyHandle), Error> {
     let mut world = World::new(Settings::default())?;
     let rubber = Material::default().with_restitution(1.0).with_friction(0.0);
-    let ground = ShapeDesc::new(Geometry::plane()).with_material(rubber);
-    world.add_body(&BodyDesc::fixed().with_shape(ground))?;
-    for (x, z) in [(-4.0, 0.0), (4.0, 0.0), (0.0, -4.0), (0.0, 4.0)] {
-        let half: Vec3 = if z == 0.0 { Vec3::new(0.1, 0.7, 4.0) } else { Vec3::new(4.0, 0.7, 0.1) };
-        world
-            .add_body(&fixed(Geometry::cuboid(half.x, half.y, half.z)).with_position(Vec3::new(x, 0.7, z)))?;
+    world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::plane()).with_material(rubber)))?;
+    for out in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+        let wall = fixed(Geometry::cuboid(4.0 * out.z.abs() + 0.1, 0.7, 4.0 * out.x.abs() + 0.1));
+        world.add_body(&wall.with_position(4.0 * out + Vec3::Y * 0.7))?;
     }
     let ball = ShapeDesc::new(Geometry::sphere(RADIUS)).with_material(rubber);
-    let ball = BodyDesc::dynamic().with_position(Vec3::Y).with_shape(ball);
-    let ball = world.add_body(&ball.with_linear_velocity(Vec3::new(4.0, 0.0, 2.3)))?;
+    let ball = BodyDesc::dynamic().with_shape(ball);
+    for i in 0..12 {
+        let place = Vec3::new(2.0 * (i % 4) as f32 - 3.0, RADIUS, 2.0 * (i / 4) as f32 - 2.0);
+        world.add_body(&ball.clone().with_position(place))?;
+    }
+    let ball = world.add_body(&ball.with_position(Vec3::Y).with_linear_velocity(Vec3::new(4.0, 0.0, 2.3)))?;
     let ghost = ShapeDesc::new(Geometry::sphere(RADIUS)).as_sensor();
     let ghost = world.add_body(&BodyDesc::kinematic().with_shape(ghost))?;
     Ok((world, ball, ghost))

@@ -33,7 +33,7 @@ fn shoot(world: &mut World, [ball, ghost]: [BodyHandle; 2], way: Vec3) -> Result
 
 fn build() -> Result<(World, BodyHandle, BodyHandle), Error> {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
-    let shapes = [Geometry::sphere(0.6), Geometry::cylinder(1.0, 0.5), Geometry::cuboid(0.4, 1.0, 0.4)];
+    let shapes = [Geometry::sphere(0.6), Geometry::cylinder(0.5, 0.5), Geometry::cuboid(0.4, 0.4, 0.4)];
     for (i, shape) in shapes.into_iter().enumerate() {
         let place = DVec3::new(i as f64 % 2.0, 1.5, 1.8 * i as f64 - 1.8);
         world.add_body(&fixed(shape).with_position(place))?;

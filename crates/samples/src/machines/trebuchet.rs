@@ -1,6 +1,6 @@
 //! Trebuchet: a counterweight throws a ball by an arm and a sling, which lets go at 45 degrees.
 
-use crate::parts::{Driven, lawn, solid};
+use crate::parts::{Driven, fixed, lawn, solid};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Error, Frame, Geometry, JointDesc, JointHandle, ShapeDesc, World};
 
@@ -28,6 +28,7 @@ pub fn start() -> Result<Driven, Error> {
 fn build() -> Result<(World, BodyHandle, JointHandle), Error> {
     let (mut world, ground) = lawn()?;
     let turned = Quat::from_rotation_z(ANGLE);
+    world.add_body(&fixed(Geometry::cuboid(0.1, 1.5, 0.1)).with_position(0.5 * AXLE - DVec3::Z * 0.7))?;
     let beam = ShapeDesc::new(Geometry::cuboid(0.5 * (LONG + SHORT), 0.06, 0.06)).with_density(300.0);
     let beam = beam.with_position(Vec3::X * 0.5 * (SHORT - LONG));
     let weight = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.4)).with_density(HEAVY / 0.8);

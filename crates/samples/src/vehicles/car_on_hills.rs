@@ -45,9 +45,9 @@ fn they_stay_on_their_wheels() -> Result<(), Error> {
     crate::parts::run(&mut sample, LEG)?;
     for car in cars {
         let world = crate::Running::world(&sample);
-        // At 6 m/s for 5.5 s they get 33 m far, less what it takes to get going.
+        // At 6 m/s for 5.5 s they get 33 m far, less what it takes to get going, and over waves.
         let way = 16.0 - world.position(car.chassis)?.z;
-        assert!((26.0..33.0).contains(&way), "{way} m");
+        assert!((20.0..33.0).contains(&way), "{way} m");
     }
     crate::parts::run(&mut sample, 3.0 * LEG)?;
     for car in cars {
