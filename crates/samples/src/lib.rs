@@ -57,7 +57,7 @@ samples! {
         car, car_on_hills, trailer, train, tank, hovercraft, loop_the_loop, boat, ray_car;
     /// Fast bodies.
     continuous:
-        bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
+        steel_bullets, blades, fast_room, second_impacts, bullet_time, modes, hills;
     /// Surfaces and masses, against formulas.
     materials:
         belts, bounce, combine, friction, racket, rolling, soft_ground, tops;

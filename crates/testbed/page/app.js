@@ -1,20 +1,20 @@
 // The page: puts its parts together, and keeps what they share.
 
+import { dialogs, drawer, toolBar } from './bars.js';
 import { View } from './draw/view.js';
 import { Engine } from './engine.js';
-import { Hand, TOOLS } from './hand.js';
+import { Hand } from './hand.js';
 import { hook } from './hook.js';
-import { HELP, Keys } from './keys.js';
+import { Keys } from './keys.js';
 import { Ledger, showInspected } from './ledger.js';
 import { Loop } from './loop.js';
-import { element, make, shows, tell } from './page.js';
+import { element, shows, tell } from './page.js';
 import { engineLayers, FIRST_LAYERS, knownLayers, Panel } from './panel.js';
 import { parsed, written } from './permalink.js';
 import { copies, Samples, showSource } from './samples.js';
 import { Slow } from './slow.js';
 import { Transport } from './transport.js';
 
-const SHAPES = ['box', 'sphere', 'capsule', 'tapered_capsule', 'cylinder', 'tapered_cylinder', 'cone', 'hull', 'ragdoll'];
 /** Colours of the line from a grabbed body to the hand, 0 to 255. */
 const PULL = [208, 96, 24];
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -94,7 +94,9 @@ class App {
         if (turn !== this.turn) return;
         this.first = answer.header.settings;
         const wanted = rate ? { ...kept, dt: 1 / rate } : kept;
-        if (Object.keys(wanted).length > 0) await this.loop.send({ commands: [{ do: 'settings', ...wanted }] }).catch(tell);
+        if (Object.keys(wanted).length > 0) {
+            await this.loop.send({ commands: [{ do: 'settings', ...wanted }] }).catch(tell);
+        }
         if (entry?.camera && !stays) this.view.camera.between(entry.camera.eye, entry.camera.look_at);
         this.transport.setSpeed(stays ? this.loop.speed : speed);
         if (moves && !answer.header.error) this.transport.play(true);
@@ -123,7 +125,8 @@ class App {
         this.transport.show(header);
         this.panel.show(header.settings);
         this.header = header;
-        if (header.step_ms > 0 && this.steps !== header.step) this.ledger.addTime(header.step_ms / Math.max(1, header.step - (this.steps ?? 0)));
+        const steps = header.step - (this.steps ?? 0);
+        if (header.step_ms > 0 && steps > 0) this.ledger.addTime(header.step_ms / steps);
         this.steps = header.step;
         if (header.ledger) this.ledger.show(header);
         this.link();
@@ -200,10 +203,19 @@ class App {
     get address() {
         const { playing, speed, rate } = this.loop;
         const layers = same([...this.layers], FIRST_LAYERS) ? undefined : [...this.layers];
-        const simple = Object.entries(this.changed).filter(([, value]) => value === null || typeof value !== 'object' || Array.isArray(value));
-        const follow = this.follows ? undefined : false;
-        const settings = Object.fromEntries(simple);
-        return written({ sample: this.name, size: this.size, settings, layers, speed, rate: Math.round(rate * 100) / 100, play: playing, follow, camera: this.turnedBy });
+        const isSimple = (value) => value === null || typeof value !== 'object' || Array.isArray(value);
+        const settings = Object.fromEntries(Object.entries(this.changed).filter(([, value]) => isSimple(value)));
+        return written({
+            sample: this.name,
+            size: this.size,
+            settings,
+            layers,
+            speed,
+            rate: Math.round(rate * 100) / 100,
+            play: playing,
+            follow: this.follows ? undefined : false,
+            camera: this.turnedBy,
+        });
     }
 
     /** Keeps the address true, some times a second: browsers refuse more. */
@@ -226,20 +238,11 @@ class App {
             f: tool('shoot'), g: tool('spawn'), x: tool('explode'), i: tool('inspect'),
             Delete: tool('remove'), Backspace: tool('remove'),
             c: () => this.view.home(), l: () => this.setFollow(!this.follows),
-            '/': () => (this.drawer('samples', true), element('search').focus()),
+            '/': () => (drawer('samples', true), element('search').focus()),
             '?': () => element('help').showModal(),
-            Tab: () => this.drawer('panel'),
+            Tab: () => drawer('panel'),
             Escape: () => this.closeDrawers(),
         };
-    }
-
-    /** Folds a side in or out. */
-    drawer(id, open) {
-        const narrow = matchMedia('(max-width: 900px)').matches;
-        const name = narrow ? 'open' : 'folded';
-        const set = open === undefined ? undefined : open === narrow;
-        element(id).classList.toggle(name, set);
-        this.view.invalidate();
     }
 
     closeDrawers() {
@@ -258,30 +261,16 @@ class App {
         for (const name of ['footer', 'header', '#canvas']) room.observe(document.querySelector(`main > ${name}`));
         const on = (id, event, work) => element(id).addEventListener(event, work);
         addEventListener('hashchange', () => this.follow(location.hash));
-        on('samples-open', 'click', () => this.drawer('samples'));
-        on('panel-open', 'click', () => this.drawer('panel'));
-        for (const id of ['source', 'help']) on(`${id}-open`, 'click', () => element(id).showModal());
-        for (const button of document.querySelectorAll('[data-closes]')) {
-            const { closes } = button.dataset;
-            const side = element(closes);
-            button.addEventListener('click', () => (side.close ? side.close() : this.drawer(closes, false)));
-        }
+        dialogs();
+        toolBar(this.hand);
+        copies();
         on('inspector-close', 'click', () => this.loop.do({ do: 'inspect', origin: [0, 1e5, 0], direction: [0, 1, 0] }));
         on('follow', 'input', () => this.setFollow(element('follow').checked));
         on('defaults', 'click', (e) => {
             e.preventDefault();
-            this.loop.do({ do: 'settings', ...Object.fromEntries(Object.keys(this.changed).map((name) => [name, this.first[name]])) });
+            const first = Object.keys(this.changed).map((name) => [name, this.first[name]]);
+            this.loop.do({ do: 'settings', ...Object.fromEntries(first) });
         });
-        for (const [name, label] of Object.entries(TOOLS)) {
-            const input = make('input', { type: 'radio', name: 'tool', value: name, checked: name === this.hand.tool });
-            input.addEventListener('input', () => ((this.hand.tool = name), input.blur()));
-            element('tools').append(make('label', {}, input, make('span', {}, label)));
-        }
-        SHAPES.forEach((shape) => element('shape').add(new Option(shape.replaceAll('_', ' '), shape)));
-        on('shape', 'input', () => ((this.hand.shape = element('shape').value), element('shape').blur()));
-        const row = ([keys, text]) => make('tr', {}, make('td', { textContent: keys }), make('td', { textContent: text }));
-        element('help-text').append(make('table', {}, ...HELP.map(row)));
-        copies();
     }
 }
 

@@ -73,6 +73,11 @@ export class Hand {
         this.over = e;
     }
 
+    /** Whether two clicks are more than that: shots follow each other fast. */
+    get doubles() {
+        return this.tool === 'inspect';
+    }
+
     click(e) {
         this.use(this.tool, e);
     }

@@ -29,7 +29,7 @@ export const HELP = [
     ['Drag elsewhere', 'orbits; with shift or another button it pans'],
     ['Wheel', 'zooms'],
     ['Click', 'what is chosen below the picture: inspects at first'],
-    ['Double-click', 'frames what moves'],
+    ['Double-click', 'frames what moves, while clicks inspect'],
     ['One finger', 'grabs or orbits'],
     ['Two fingers', 'pan and zoom'],
 ];
@@ -62,9 +62,11 @@ export class Keys {
 
     press(e) {
         // Keys of a control are its own.
-        const typing = e.target.closest?.('input:not([type=checkbox]), select, textarea, dialog');
-        if (typing || e.ctrlKey || e.metaKey || e.altKey) return;
+        const field = e.target.closest?.('input, select, textarea, dialog');
+        const simple = ['checkbox', 'range', 'radio'].includes(field?.type);
+        if ((field && !simple) || e.ctrlKey || e.metaKey || e.altKey) return;
         const key = e.key.length === 1 ? e.key.toLowerCase() : e.key;
+        if (simple && key.startsWith('Arrow')) return;
         if (key === ' ' && e.target.closest?.('button, summary, input') && !this.steers) return;
         if (this.steers && STEERING[key]) {
             e.preventDefault();

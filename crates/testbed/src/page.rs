@@ -16,6 +16,7 @@ pub const FILES: &[(&str, &str, &[u8])] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "app.js": SCRIPT,
+    "bars.js": SCRIPT,
     "engine.js": SCRIPT,
     "hand.js": SCRIPT,
     "highlight.js": SCRIPT,

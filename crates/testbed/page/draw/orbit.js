@@ -9,9 +9,10 @@ const PATIENCE = 450;
  *
  * `hand`, where given, is asked first: `press(event)` when a button or a finger goes down, and while it is
  * `holding` it gets `move(event)` and `wheel(event)` in place of the camera; `drop()` ends that; `click(event)`
- * is a short press. While it is `waiting` to know whether it holds something, nothing moves.
+ * is a short press, and two frame what moves if it `doubles`. While it is `waiting` to know whether it holds
+ * something, nothing moves.
  */
-export function orbit(canvas, view, hand = { holding: false, press() {}, drop() {}, click() {} }) {
+export function orbit(canvas, view, hand = { doubles: true, press() {}, drop() {}, click() {} }) {
     const { camera } = view;
     const fingers = new Map();
     let start;
@@ -70,5 +71,5 @@ export function orbit(canvas, view, hand = { holding: false, press() {}, drop() 
         camera.zoomBy(Math.exp(Math.max(-60, Math.min(60, e.deltaY)) * 0.004));
         view.moved();
     }, { passive: false });
-    canvas.addEventListener('dblclick', () => view.home());
+    canvas.addEventListener('dblclick', () => hand.doubles && view.home());
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use backstop::Settings;
+use std::collections::HashSet;
 
 #[test]
 fn a_request_that_is_none_changes_nothing_and_is_told_so() {
@@ -78,6 +79,9 @@ fn nothing_can_be_done_before_something_is_open() {
 fn what_the_catalogue_names_is_opened_and_drawn() {
     let mut page = Page::default();
     let catalogue = page.ask(&json!({ "want": ["catalogue"] }))["catalogue"].clone();
+    let names: HashSet<&str> =
+        catalogue.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
+    assert_eq!(names.len(), catalogue.as_array().unwrap().len(), "two entries have one name");
     for entry in catalogue.as_array().unwrap() {
         let open = json!({ "do": "open", "name": entry["name"], "size": entry["least"] });
         let header = page.ask(&json!({ "commands": [open], "steps": 2, "want": ["scene", "ledger"] }));
