@@ -98,8 +98,8 @@ impl Drawing {
         links
     }
 
-    /// Where each pair is joined, relative to the world's origin: a point of either body. Not a number where the
-    /// joint is gone.
+    /// Where each pair is joined, relative to the world's origin: a point of either body. Not a number where
+    /// the joint is gone.
     pub(crate) fn anchors(&self, world: &World, into: &mut Vec<f32>) {
         let origin = world.origin();
         for &joint in &self.linked {

@@ -1,8 +1,8 @@
 //! The testbed: samples, builtin scenes and files, run for a page that draws them.
 //!
 //! A [`Session`] takes requests of the page as JSON and answers with a frame: a header in JSON, and numbers
-//! to be drawn. `cargo backstop testbed` serves both on the loopback address, and `bindings/web` has the session
-//! in the page itself, as WebAssembly. The page is in [`page`].
+//! to be drawn. `cargo backstop testbed` serves both on the loopback address, and `bindings/web` has the
+//! session in the page itself, as WebAssembly. The page is in [`page`].
 
 mod catalogue;
 mod command;

@@ -38,7 +38,8 @@ fn every_shape_is_made_and_falls() {
 fn every_shape_is_shot() {
     for (shape, bodies) in SHAPES {
         let mut page = Page::open("dominoes");
-        let shot = json!({ "do": "shoot", "origin": [20, 5, 20], "direction": [2, 0, 0], "speed": 30, "shape": shape });
+        let [from, ahead] = [[20, 5, 20], [2, 0, 0]];
+        let shot = json!({ "do": "shoot", "origin": from, "direction": ahead, "speed": 30, "shape": shape });
         let before = Page::count(&page.steps(0), "bodies");
         let header = page.ask(&json!({ "commands": [shot], "steps": 30, "want": ["ledger"] }));
         assert_eq!(Page::count(&header, "bodies"), before + bodies);
@@ -91,8 +92,8 @@ fn an_explosion_pushes_what_is_near() {
     let explode = json!({ "do": "explode", "position": [10, 30, 20], "radius": 3, "impulse": 2400 });
     page.ask(&json!({ "commands": [explode], "steps": 30 }));
     let x: Vec<f32> = page.made(2).iter().map(|at| at[0]).collect();
-    // One is 0.75 m away of 3: three quarters of 2,400 N s/m² on the 0.196 m² of a ball of 65.4 kg, for half a
-    // second. The other is beyond.
+    // One is 0.75 m away of 3: three quarters of 2,400 N s/m² on the 0.196 m² of a ball of 65.4 kg, for half
+    // a second. The other is beyond.
     assert!((x[0] - 13.7).abs() < 0.05 && x[1] == 6.0, "{x:?}");
 }
 
