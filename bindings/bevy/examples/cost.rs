@@ -1,5 +1,6 @@
 //! What the plugin adds to a step: boxes in an app and in the engine alone, which take the same steps in
-//! turn. Prints medians of 300 steps while all fall, and of 300 when all lie in piles, awake.
+//! turn. Prints medians of 300 steps while all fall, and of 300 when all lie in piles, awake; and the tenth
+//! fastest of a hundred, which a machine with other work disturbs less.
 //!
 //!     cargo run --release --manifest-path bindings/bevy/Cargo.toml --example cost
 
@@ -48,13 +49,14 @@ fn alone(count: u16) -> Result<World, backstop_bevy::backstop::Error> {
     Ok(world)
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
+/// The times that half and a tenth of all are below.
+fn ranked(mut times: Vec<f64>) -> [f64; 2] {
     times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    [times[times.len() / 2], times[times.len() / 10]]
 }
 
 fn main() -> Result<(), backstop_bevy::backstop::Error> {
-    println!("bodies  phase    engine [ms]  frame [ms]  added");
+    println!("bodies  phase    time    engine [ms]  frame [ms]  added");
     for count in [1000_u16, 4000] {
         let (mut app, mut alone) = (app(count), alone(count)?);
         for (phase, skip) in [("falling", 10), ("resting", 600)] {
@@ -72,9 +74,12 @@ fn main() -> Result<(), backstop_bevy::backstop::Error> {
                 }
             }
             assert_eq!(app.world().resource::<PhysicsWorld>().state_hash(), alone.state_hash());
-            let [engine, frame] = times.map(median);
-            let added = 100.0 * (frame / engine - 1.0);
-            println!("{count:6}  {phase}  {engine:11.3}  {frame:10.3}  {added:4.1} %");
+            let [engine, frame] = times.map(ranked);
+            for (place, name) in ["median", "tenth "].into_iter().enumerate() {
+                let (engine, frame) = (engine[place], frame[place]);
+                let added = 100.0 * (frame / engine - 1.0);
+                println!("{count:6}  {phase}  {name}  {engine:11.3}  {frame:10.3}  {added:4.1} %");
+            }
         }
     }
     Ok(())

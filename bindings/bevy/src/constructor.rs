@@ -11,8 +11,8 @@ use bevy_ecs::prelude::*;
 use bevy_mesh::{Mesh, Mesh3d, PrimitiveTopology, VertexAttributeValues};
 use std::collections::HashMap;
 
-/// Makes [`Shape`]s of meshes: [`ShapeConstructor`] and [`ShapeConstructorHierarchy`]. Needs Bevy's `AssetPlugin`
-/// and `MeshPlugin`, which `DefaultPlugins` has.
+/// Makes [`Shape`]s of meshes: [`ShapeConstructor`] and [`ShapeConstructorHierarchy`]. Needs Bevy's
+/// `AssetPlugin` and `MeshPlugin`, which `DefaultPlugins` has.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackstopMeshPlugin;
 
@@ -20,9 +20,9 @@ pub struct BackstopMeshPlugin;
 /// [`Shape`] and [`ShapeOffset`] are there. A mesh that can't be such a shape is a
 /// [`PhysicsError`].
 ///
-/// Boxes, spheres, capsules and cylinders are of the axis-aligned box around the vertices: a sphere is around its
-/// centre, as far as the farthest vertex; capsules and cylinders stand along y. The mesh has to be in memory:
-/// `RenderAssetUsages` with `MAIN_WORLD`, as by default.
+/// Boxes, spheres, capsules and cylinders are of the axis-aligned box around the vertices: a sphere is around
+/// its centre, as far as the farthest vertex; capsules and cylinders stand along y. The mesh has to be in
+/// memory: `RenderAssetUsages` with `MAIN_WORLD`, as by default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeConstructor {
     /// The box around the vertices.
@@ -39,9 +39,9 @@ pub enum ShapeConstructor {
     Mesh,
 }
 
-/// Gives each entity at or below its own that has a `Mesh3d` and no [`Shape`] a [`ShapeConstructor`]: those that
-/// are there, and those that come later, as a scene's do when it has been spawned. Put it beside the scene and a
-/// [`RigidBody`](crate::RigidBody).
+/// Gives each entity at or below its own that has a `Mesh3d` and no [`Shape`] a [`ShapeConstructor`]: those
+/// that are there, and those that come later, as a scene's do when it has been spawned. Put it beside the
+/// scene and a [`RigidBody`](crate::RigidBody).
 #[derive(Component, Clone, Debug, Default)]
 pub struct ShapeConstructorHierarchy {
     /// What each mesh becomes; none for nothing.

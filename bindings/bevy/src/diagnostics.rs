@@ -7,9 +7,9 @@ use bevy_app::prelude::*;
 use bevy_diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, DiagnosticsStore, RegisterDiagnostic};
 use bevy_ecs::prelude::*;
 
-/// Measures each step in Bevy's `DiagnosticsStore`. Needs [`BackstopPlugin`](crate::BackstopPlugin) before it, in
-/// `FixedPostUpdate`, and Bevy's `DiagnosticsPlugin`, or its `FrameCountPlugin` at least, which `DefaultPlugins`
-/// has.
+/// Measures each step in Bevy's `DiagnosticsStore`. Needs [`BackstopPlugin`](crate::BackstopPlugin) before
+/// it, in `FixedPostUpdate`, and Bevy's `DiagnosticsPlugin`, or its `FrameCountPlugin` at least, which
+/// `DefaultPlugins` has.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackstopDiagnosticsPlugin;
 
@@ -101,9 +101,9 @@ fn measure(physics: Option<Res<PhysicsWorld>>, mut diagnostics: Diagnostics) {
     diagnostics.add_measurement(&P::BYTES, || physics.memory().total() as f64);
 }
 
-/// Shows what [`BackstopDiagnosticsPlugin`] measures, which it adds if it is not there, as a text in the upper
-/// left corner. Needs Bevy's `UiPlugin` and a renderer. Despawn the entity with [`PhysicsOverlay`], or hide it, to
-/// have it gone.
+/// Shows what [`BackstopDiagnosticsPlugin`] measures, which it adds if it is not there, as a text in the
+/// upper left corner. Needs Bevy's `UiPlugin` and a renderer. Despawn the entity with [`PhysicsOverlay`], or
+/// hide it, to have it gone.
 #[cfg(feature = "overlay")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackstopOverlayPlugin;
@@ -127,7 +127,7 @@ impl Plugin for BackstopOverlayPlugin {
 fn spawn_overlay(mut commands: Commands) {
     use bevy_ui::prelude::*;
     let corner =
-        Node { position_type: PositionType::Absolute, top: px(8.0), left: px(8.0), ..Node::default() };
+        Node { position_type: PositionType::Absolute, top: Val::Px(8.0), left: Val::Px(8.0), ..Node::default() };
     commands.spawn((PhysicsOverlay, Text::default(), corner));
 }
 

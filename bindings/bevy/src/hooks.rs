@@ -5,14 +5,14 @@ use backstop::{ContactHook, ContactHooks};
 use bevy_ecs::entity::Entity;
 use std::ops::{Deref, DerefMut};
 
-/// Callbacks on contacts of shapes with [`ContactHooked`](crate::ContactHooked) that read the app: a type that
-/// derives `SystemParam`, of queries and resources, given to
+/// Callbacks on contacts of shapes with [`ContactHooked`](crate::ContactHooked) that read the app: a type
+/// that derives `SystemParam`, of queries and resources, given to
 /// [`BackstopPlugin::with_hooks`](crate::BackstopPlugin::with_hooks). It may veto a contact, or change its
 /// friction, restitution and surface velocity, in each step anew.
 ///
-/// It is called by the thread that steps, always in the same order, while the world is being stepped: it has no
-/// access to [`PhysicsWorld`](crate::PhysicsWorld), which Bevy refuses when the app starts. Poses and velocities
-/// are those of the last step, in the components.
+/// It is called by the thread that steps, always in the same order, while the world is being stepped: it has
+/// no access to [`PhysicsWorld`](crate::PhysicsWorld), which Bevy refuses when the app starts. Poses and
+/// velocities are those of the last step, in the components.
 ///
 /// ```
 /// use backstop_bevy::prelude::*;

@@ -4,9 +4,9 @@
 use crate::messages::{Contact, ContactEnded, Crossing};
 use bevy_ecs::prelude::*;
 
-/// A shape with [`ContactMessages`](crate::ContactMessages) began to touch another: triggered on its entity, and
-/// then on those above it, so that an observer of the body hears of all its shapes. If both shapes ask for
-/// messages it is triggered on each of them. [`ContactBegan`](crate::ContactBegan) is the message.
+/// A shape with [`ContactMessages`](crate::ContactMessages) began to touch another: triggered on its entity,
+/// and then on those above it, so that an observer of the body hears of all its shapes. If both shapes ask
+/// for messages it is triggered on each of them. [`ContactBegan`](crate::ContactBegan) is the message.
 ///
 /// ```
 /// use backstop_bevy::prelude::*;
@@ -37,8 +37,8 @@ pub struct CollisionStart {
     pub contact: Contact,
 }
 
-/// A shape with [`ContactMessages`](crate::ContactMessages) no longer touches another, or that is gone: triggered
-/// as [`CollisionStart`] is, but on no shape that is gone itself. [`ContactEnded`] is the message.
+/// A shape with [`ContactMessages`](crate::ContactMessages) no longer touches another, or that is gone:
+/// triggered as [`CollisionStart`] is, but on no shape that is gone itself. [`ContactEnded`] is the message.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 #[entity_event(propagate, auto_propagate)]
 pub struct CollisionEnd {
@@ -54,8 +54,8 @@ pub struct CollisionEnd {
     pub other_body: Entity,
 }
 
-/// A shape entered a [`Sensor`](crate::Sensor): triggered on the entity of the sensor's shape, and then on those
-/// above it. [`SensorEntered`](crate::SensorEntered) is the message.
+/// A shape entered a [`Sensor`](crate::Sensor): triggered on the entity of the sensor's shape, and then on
+/// those above it. [`SensorEntered`](crate::SensorEntered) is the message.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[entity_event(propagate, auto_propagate)]
 pub struct SensorStart {

@@ -8,13 +8,13 @@ use bevy_camera::Camera;
 use bevy_ecs::prelude::*;
 use bevy_picking::backend::prelude::*;
 
-/// Tells bevy_picking which shapes are under pointers. Needs Bevy's `PickingPlugin`, or `DefaultPickingPlugins`,
-/// which `DefaultPlugins` has, and [`BackstopPlugin`](crate::BackstopPlugin).
+/// Tells bevy_picking which shapes are under pointers. Needs Bevy's `PickingPlugin`, or
+/// `DefaultPickingPlugins`, which `DefaultPlugins` has, and [`BackstopPlugin`](crate::BackstopPlugin).
 ///
-/// Hits are entities with a [`Shape`](crate::Shape), where they are after the last step; events of them go on to
-/// their parents, so that observers of a body see those of its shapes. Depths are distances from the near plane of
-/// the camera [m]; position and normal are where transforms are. A `Pickable` that is not hoverable is passed
-/// over, and nothing behind one that blocks is reported; without `Pickable` a shape blocks.
+/// Hits are entities with a [`Shape`](crate::Shape), where they are after the last step; events of them go on
+/// to their parents, so that observers of a body see those of its shapes. Depths are distances from the near
+/// plane of the camera [m]; position and normal are where transforms are. A `Pickable` that is not hoverable
+/// is passed over, and nothing behind one that blocks is reported; without `Pickable` a shape blocks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackstopPickingPlugin;
 

@@ -59,15 +59,16 @@ impl BackstopPlugin {
         self.step = Some(seconds);
         self
     }
-    /// Puts all transforms ahead of the last step, where velocities lead in the time since, instead of between
-    /// the last two: [`Extrapolation`](crate::Extrapolation) for all.
+    /// Puts all transforms ahead of the last step, where velocities lead in the time since, instead of
+    /// between the last two: [`Extrapolation`](crate::Extrapolation) for all.
     #[must_use]
     pub fn with_extrapolation(mut self) -> Self {
         self.extrapolation = true;
         self
     }
-    /// Calls hooks that read the app on contacts of shapes with [`ContactHooked`](crate::ContactHooked), before
-    /// those of the resource [`PhysicsHooks`](crate::PhysicsHooks). They replace others that were given here.
+    /// Calls hooks that read the app on contacts of shapes with [`ContactHooked`](crate::ContactHooked),
+    /// before those of the resource [`PhysicsHooks`](crate::PhysicsHooks). They replace others that were
+    /// given here.
     #[must_use]
     pub fn with_hooks<H: SystemParam + 'static>(mut self) -> Self
     where

@@ -1,5 +1,5 @@
-//! Transforms: the pose after the last step while steps run; between the last two, or ahead of the last, when a
-//! frame is drawn.
+//! Transforms: the pose after the last step while steps run; between the last two, or ahead of the last, when
+//! a frame is drawn.
 
 use crate::components::body::{Extrapolation, NoInterpolation, PhysicsPose, RigidBody, Velocity};
 use crate::components::character::Character;
@@ -19,8 +19,8 @@ use bevy_transform::components::{GlobalTransform, Transform};
 enum Moment {
     /// The last step.
     Last,
-    /// A share of a step after it, whose length is given [s]: drawn that share of the way from the step before
-    /// to the last one, or where the velocity leads from the last one in that share of a step.
+    /// A share of a step after it, whose length is given [s]: drawn that share of the way from the step
+    /// before to the last one, or where the velocity leads from the last one in that share of a step.
     After { share: f32, dt: f32 },
 }
 
@@ -171,8 +171,8 @@ impl BodyState {
     }
 }
 
-/// Writes the translation of a character, and its rotation only after a snapshot: games turn characters in any
-/// frame, and they are to go on moving evenly.
+/// Writes the translation of a character, and its rotation only after a snapshot: games turn characters in
+/// any frame, and they are to go on moving evenly.
 fn write_character(
     physics: &mut PhysicsWorld,
     part: &mut DrawnItem,
@@ -221,8 +221,8 @@ fn below(above: Option<GlobalTransform>, translation: Vec3, rotation: Quat) -> (
     (above.affine().inverse().transform_point3(translation), above.rotation().inverse() * rotation)
 }
 
-/// Cosine of half of an angle of 16 degrees. For less than that between two steps a chord, which takes a third
-/// of the time, is within 1e-4 rad of the arc.
+/// Cosine of half of an angle of 16 degrees. For less than that between two steps a chord, which takes a
+/// third of the time, is within 1e-4 rad of the arc.
 const NEAR: f32 = 0.99;
 
 /// The pose at a fraction of the way from one to another, which is exact at its ends.

@@ -186,9 +186,10 @@ pub struct ConstantForce {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct NoInterpolation;
 
-/// A body or a character whose `Transform` is ahead of the last step, where its velocity leads in the time since,
-/// and not between the last two steps. It is drawn without the delay of a step, and goes back when something
-/// stops it: [`BackstopPlugin::with_extrapolation`](crate::BackstopPlugin::with_extrapolation) for all.
+/// A body or a character whose `Transform` is ahead of the last step, where its velocity leads in the time
+/// since, and not between the last two steps. It is drawn without the delay of a step, and goes back when
+/// something stops it: [`BackstopPlugin::with_extrapolation`](crate::BackstopPlugin::with_extrapolation) for
+/// all.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 pub struct Extrapolation;

@@ -88,8 +88,8 @@ pub(crate) fn read_motion(
     }
 }
 
-/// Transforms that somebody set: bodies are put there, kinematic ones move there within the step. The body of a
-/// character follows that.
+/// Transforms that somebody set: bodies are put there, kinematic ones move there within the step. The body of
+/// a character follows that.
 pub(crate) fn read_poses(
     mut physics: ResMut<PhysicsWorld>,
     dt: StepLength,

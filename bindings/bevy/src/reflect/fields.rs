@@ -1,6 +1,6 @@
-//! Components that hold types of the engine, which know nothing of Bevy's reflection, as structs of the fields
-//! that an inspector can show and set. What can't be shown, such as limits, motors and meshes, is not among them;
-//! a scene has it all the same, by serde.
+//! Components that hold types of the engine, which know nothing of Bevy's reflection, as structs of the
+//! fields that an inspector can show and set. What can't be shown, such as limits, motors and meshes, is not
+//! among them; a scene has it all the same, by serde.
 
 use crate::components::body::Mass;
 use crate::components::character::Character;
@@ -15,9 +15,9 @@ use bevy_reflect::utility::NonGenericTypeInfoCell;
 use bevy_reflect::*;
 use std::any::Any;
 
-/// Implements reflection for a component as a struct: its fields by name, type and place in the component, and
-/// vectors and matrices of the engine as arrays of numbers. After the name stands how a value is made of some of
-/// the fields only.
+/// Implements reflection for a component as a struct: its fields by name, type and place in the component,
+/// and vectors and matrices of the engine as arrays of numbers. After the name stands how a value is made of
+/// some of the fields only.
 macro_rules! shown {
     ($name:ident, $new:expr;
         { $($field:ident: $kind:ty = $($place:tt).+;)* }

@@ -9,7 +9,8 @@ use bevy_ecs::entity::Entity;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 
-/// What the plugin knows of a body: what each step and frame reads, and apart from it what is seldom asked for.
+/// What the plugin knows of a body: what each step and frame reads, and apart from it what is seldom asked
+/// for.
 #[derive(Debug)]
 pub(crate) struct BodyState {
     pub(crate) handle: BodyHandle,

@@ -4,8 +4,8 @@ use crate::common::*;
 use backstop_bevy::prelude::*;
 use bevy_diagnostic::{DiagnosticsPlugin, DiagnosticsStore};
 
-/// Five balls in a heap. Expected: each step is measured; counts are the world's, times are above zero and those
-/// of the stages are within that of the step; the text has a line for each.
+/// Five balls in a heap. Expected: each step is measured; counts are the world's, times are above zero and
+/// those of the stages are within that of the step; the text has a line for each.
 #[test]
 fn steps_are_measured() {
     let mut app = app();

@@ -48,9 +48,9 @@ fn thrown(with_hooks: bool) -> (f64, f64) {
     (top, get::<PhysicsPose>(&app, body).position.y)
 }
 
-/// A ball of 0.5 m that is thrown at 10 m/s from below at a platform whose top is at 3.1 m. Expected: with hooks
-/// that ask the app it flies through, up to v²/2g = 5.1 m, and comes to rest on it, at 3.6 m; without them it
-/// does not pass.
+/// A ball of 0.5 m that is thrown at 10 m/s from below at a platform whose top is at 3.1 m. Expected: with
+/// hooks that ask the app it flies through, up to v²/2g = 5.1 m, and comes to rest on it, at 3.6 m; without
+/// them it does not pass.
 #[test]
 fn a_platform_holds_what_comes_from_above_alone() {
     let (top, rest) = thrown(true);

@@ -35,8 +35,8 @@ fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }
 
-/// A mesh of 2 x 4 x 2 m whose centre is at y = 2, as each kind of shape, on static bodies. Expected: forms and
-/// places by the box around it; the constructor is gone.
+/// A mesh of 2 x 4 x 2 m whose centre is at y = 2, as each kind of shape, on static bodies. Expected: forms
+/// and places by the box around it; the constructor is gone.
 #[test]
 fn each_constructor_makes_its_shape() {
     let mut app = app_with_meshes();
@@ -72,9 +72,9 @@ fn each_constructor_makes_its_shape() {
     assert!(matches!(get::<Shape>(&app, all[5]).0, Geometry::Mesh(_)));
 }
 
-/// A scene of a body with a mesh two levels below, whose asset comes a second later, and a marker that is to have
-/// no shape. Expected: the body waits in place, and has its shape within two frames of the asset; a ball that
-/// falls onto it then comes to rest on top of it.
+/// A scene of a body with a mesh two levels below, whose asset comes a second later, and a marker that is to
+/// have no shape. Expected: the body waits in place, and has its shape within two frames of the asset; a ball
+/// that falls onto it then comes to rest on top of it.
 #[test]
 fn a_scene_has_shapes_when_its_meshes_have_loaded() {
     let mut app = app_with_meshes();

@@ -12,8 +12,8 @@ use bevy_picking::{Pickable, PickingPlugin, PickingSettings};
 use bevy_transform::components::{GlobalTransform, Transform};
 use bevy_window::{PrimaryWindow, Window};
 
-/// An app with a camera at z = 10 that looks along -z over 400 x 400 pixels, at 90 degrees, with a near plane at
-/// 0.1 m, and a pointer there.
+/// An app with a camera at z = 10 that looks along -z over 400 x 400 pixels, at 90 degrees, with a near plane
+/// at 0.1 m, and a pointer there.
 fn app_with_pointer(at: Vec2) -> App {
     let mut app = app();
     app.add_plugins((PickingPlugin, BackstopPickingPlugin));
@@ -47,9 +47,9 @@ fn picks(app: &mut App) -> Vec<(Entity, HitData)> {
     last.map_or(Vec::new(), |hits| hits.picks)
 }
 
-/// A ball of 1 m at the origin, a box of 2 m behind it, and a pointer in the middle. Expected: the ball alone,
-/// at z = 1, 8.9 m from the near plane, its normal towards the camera. If it blocks nothing, the box behind it
-/// too, farther away; if it is not hoverable, the box alone.
+/// A ball of 1 m at the origin, a box of 2 m behind it, and a pointer in the middle. Expected: the ball
+/// alone, at z = 1, 8.9 m from the near plane, its normal towards the camera. If it blocks nothing, the box
+/// behind it too, farther away; if it is not hoverable, the box alone.
 #[test]
 fn a_pointer_meets_the_nearest_shape() {
     let mut app = app_with_pointer(Vec2::splat(200.0));
@@ -70,9 +70,9 @@ fn a_pointer_meets_the_nearest_shape() {
     assert_eq!(picks(&mut app)[0].0, behind);
 }
 
-/// A pointer a quarter of the window from its left and upper edges looks along (-0.5, 0.5, -1). Expected: it meets
-/// a ball there, by the entity of its shape below the body, and not the one in the middle; where markers are
-/// required it meets what has them alone.
+/// A pointer a quarter of the window from its left and upper edges looks along (-0.5, 0.5, -1). Expected: it
+/// meets a ball there, by the entity of its shape below the body, and not the one in the middle; where
+/// markers are required it meets what has them alone.
 #[test]
 fn a_pointer_meets_what_is_below_it() {
     let mut app = app_with_pointer(Vec2::splat(100.0));

@@ -122,9 +122,9 @@ fn plain_components_show_their_fields() {
     assert!(message.data::<ReflectMessage>().is_some());
 }
 
-/// Expected: components that hold types of the engine show the numbers in these, by a path as an inspector has it,
-/// and a change of one reaches the world; a struct of some fields makes a component with the defaults of the
-/// others.
+/// Expected: components that hold types of the engine show the numbers in these, by a path as an inspector
+/// has it, and a change of one reaches the world; a struct of some fields makes a component with the defaults
+/// of the others.
 #[test]
 fn components_of_the_engine_show_their_fields() {
     let mut app = app();

@@ -210,10 +210,10 @@ fn a_restored_world_is_shown() {
     assert_eq!((physics(&app).state_hash(), get::<PhysicsPose>(&app, body)), (hash, pose));
 }
 
-/// A box that flies and turns without gravity, its centre of mass beside its origin, drawn at 144 frames a second
-/// with extrapolation. Expected: it is drawn ahead of the last step by velocity times the time since, so where it
-/// is at the time of the frame, and turned by its angular velocity times that time; its centre of mass on a
-/// straight line.
+/// A box that flies and turns without gravity, its centre of mass beside its origin, drawn at 144 frames a
+/// second with extrapolation. Expected: it is drawn ahead of the last step by velocity times the time since,
+/// so where it is at the time of the frame, and turned by its angular velocity times that time; its centre of
+/// mass on a straight line.
 #[test]
 fn extrapolation_is_ahead_by_the_velocity() {
     let settings = Settings::default().with_gravity(glam::Vec3::ZERO);
