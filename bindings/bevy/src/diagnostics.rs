@@ -126,8 +126,12 @@ impl Plugin for BackstopOverlayPlugin {
 #[cfg(feature = "overlay")]
 fn spawn_overlay(mut commands: Commands) {
     use bevy_ui::prelude::*;
-    let corner =
-        Node { position_type: PositionType::Absolute, top: Val::Px(8.0), left: Val::Px(8.0), ..Node::default() };
+    let corner = Node {
+        position_type: PositionType::Absolute,
+        top: Val::Px(8.0),
+        left: Val::Px(8.0),
+        ..Node::default()
+    };
     commands.spawn((PhysicsOverlay, Text::default(), corner));
 }
 

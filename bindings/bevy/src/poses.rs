@@ -116,7 +116,7 @@ impl Poses<'_, '_> {
 /// Writes a body that has no parent and is no character, if it moves.
 #[inline]
 fn write_root(physics: &mut PhysicsWorld, part: &mut DrawnItem, moment: Moment, ahead: bool) {
-    if !part.is_below && !(part.walks && physics.walkers.contains_key(&part.entity)) {
+    if !(part.is_below || part.walks && physics.walkers.contains_key(&part.entity)) {
         write_body(physics, part, None, moment, ahead);
     }
 }

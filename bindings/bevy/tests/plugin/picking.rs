@@ -5,7 +5,7 @@ use backstop_bevy::prelude::*;
 use bevy_app::prelude::*;
 use bevy_camera::{Camera, ComputedCameraValues, RenderTarget, RenderTargetInfo};
 use bevy_ecs::prelude::*;
-use bevy_math::{Mat4, UVec2, Vec2, Vec3};
+use bevy_math::{Mat4, UVec2, Vec2, Vec3, Vec4};
 use bevy_picking::backend::{HitData, PointerHits};
 use bevy_picking::pointer::{Location, PointerId, PointerLocation};
 use bevy_picking::{Pickable, PickingPlugin, PickingSettings};
@@ -20,7 +20,8 @@ fn app_with_pointer(at: Vec2) -> App {
     app.insert_resource(PickingSettings { is_window_picking_enabled: false, ..PickingSettings::default() });
     let window = app.world_mut().spawn((Window::default(), PrimaryWindow)).id();
     let info = RenderTargetInfo { physical_size: UVec2::splat(400), scale_factor: 1.0 };
-    let view = Mat4::perspective_infinite_reverse_rh(std::f32::consts::FRAC_PI_2, 1.0, 0.1);
+    // The far plane is infinitely far, at a depth of zero.
+    let view = Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::W, 0.1 * Vec4::Z);
     let computed =
         ComputedCameraValues { clip_from_view: view, target_info: Some(info), ..Default::default() };
     let camera = Camera { computed, order: 3, ..Camera::default() };
@@ -38,7 +39,10 @@ fn still(app: &mut App, shape: Shape, at: Vec3) -> Entity {
 
 fn picks(app: &mut App) -> Vec<(Entity, HitData)> {
     log::<PointerHits>(app);
-    run(app, 2);
+    run(app, 3);
+    // Those of frames before this call are among them.
+    app.world_mut().resource_mut::<Log<PointerHits>>().0.clear();
+    run(app, 1);
     let all = logged::<PointerHits>(app);
     let last = all.last().cloned();
     if let Some(hits) = &last {
