@@ -17,7 +17,7 @@ fields! {
     ///
     /// # fn main() -> Result<(), backstop::Error> {
     /// let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO))?;
-    /// let moon = BodyDesc::dynamic().with_position(DVec3::X * 10.0).with_velocity(Vec3::Z * 2.0, Vec3::ZERO);
+    /// let moon = BodyDesc::dynamic().with_position(DVec3::X * 10.0).with_linear_velocity(Vec3::Z * 2.0);
     /// let moon = world.add_body(&moon.with_shape(ShapeDesc::new(Geometry::sphere(0.5))))?;
     /// // The speed of a circle is sqrt(strength / radius).
     /// let planet = Attractor::default().with_strength(40.0).with_softening(0.0);

@@ -16,7 +16,8 @@ fields! {
     /// [`World::apply_explosion`].
     ///
     /// Each shape gets [`impulse_per_area`](Explosion::impulse_per_area) times the area that it shows to
-    /// the centre, at its nearest point. A large body is pushed more than a small one, a heavy one moves less.
+    /// the centre, at its nearest point. A large body is pushed more than a small one; a heavy one moves
+    /// less.
     ///
     /// ```
     /// use backstop::glam::{DVec3, Vec3};

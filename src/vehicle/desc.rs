@@ -83,8 +83,8 @@ fields! {
         /// Share of the grip that a tyre keeps while it slides.
         with_sliding(sliding: f32) = 0.85, "wheel sliding" [0.0, 1.0] "in 0..=1";
         /// The angle between where the wheel points and where it goes at which the sideways force is
-        /// greatest [rad]. Up to it the force rises linearly, and from there it falls to the share that slides
-        /// at three times the angle.
+        /// greatest [rad]. Up to it the force rises linearly; from there it falls to the share that slides at
+        /// three times the angle.
         with_slip_angle(slip_angle: f32) = 0.12, "wheel slip angle" [1e-3, 1.5] "in 0.001..=1.5";
         /// Resistance to rolling per load.
         with_rolling_resistance(rolling_resistance: f32) = 0.01, "rolling resistance" [0.0, 1.0]

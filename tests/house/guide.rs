@@ -123,8 +123,8 @@ fn blocks(page: &str) -> Vec<(&str, String)> {
 }
 
 /// Rust is compiled as documentation (`tests/lib.rs`, and the README of the plugin), C by
-/// `scripts/bindings-c`, Python by `bindings/python/tests`, commands are parsed by `crates/command/src/args/documented.rs` and here. Text is no
-/// code.
+/// `scripts/bindings-c`, Python by `bindings/python/tests`, commands are parsed by
+/// `crates/command/src/args/documented.rs` and here. Text is no code.
 #[test]
 fn each_block_of_code_is_checked_by_something() {
     let mut found = Vec::new();

@@ -40,7 +40,8 @@ impl Walker {
         Ok(Walker { character, body })
     }
 
-    /// Walks before a step of `dt` [s], pushes the bodies in its way, and has its own body follow. `wish`: a velocity
+    /// Walks before a step of `dt` [s], pushes the bodies in its way, and has its own body follow. `wish`: a
+    /// velocity
     /// over the ground, where y is the speed of a jump [m/s]. In the air it falls with the velocity that it
     /// has.
     ///

@@ -254,25 +254,6 @@ fn changed(calls: &mut Calls) {
             moves(&mut c.world, c.platform, DVec3::Y, Quat::IDENTITY, x as f32)
         });
     }
-    calls.along("force", |c, v| c.world.add_force(c.body, v.as_vec3()));
-    calls.along("torque", |c, v| c.world.add_torque(c.body, v.as_vec3()));
-    calls.along("force at", |c, at| c.world.add_force_at(c.body, Vec3::ONE, at));
-    calls.along("force there", |c, v| c.world.add_force_at(c.body, v.as_vec3(), DVec3::splat(100.0)));
-    calls.along("impulse", |c, v| c.world.apply_impulse_at(c.body, v.as_vec3(), DVec3::ZERO));
-    calls.along("impulse at", |c, at| c.world.apply_impulse_at(c.body, Vec3::ONE, at));
-    calls.along("angular impulse", |c, v| c.world.apply_angular_impulse(c.body, v.as_vec3()));
-    calls.along("explosion at", |c, at| {
-        c.world.apply_explosion(&Explosion::default().with_position(at)).map(drop)
-    });
-    calls.add("explosion radius", |c, x| {
-        c.world.apply_explosion(&Explosion::default().with_radius(x as f32)).map(drop)
-    });
-    calls.add("explosion falloff", |c, x| {
-        c.world.apply_explosion(&Explosion::default().with_falloff(x as f32)).map(drop)
-    });
-    calls.add("explosion impulse", |c, x| {
-        c.world.apply_explosion(&Explosion::default().with_impulse_per_area(x as f32)).map(drop)
-    });
     calls.add("set_gravity_scale", |c, x| c.world.set_gravity_scale(c.body, x as f32));
     calls.add("set_damping", |c, x| c.world.set_damping(c.body, x as f32, 0.0));
     calls.add("set_damping, angular", |c, x| c.world.set_damping(c.body, 0.0, x as f32));
@@ -309,6 +290,29 @@ fn changed(calls: &mut Calls) {
         let mut character = c.world.character(c.character)?;
         character.set_position(at)?;
         c.world.set_character(c.character, &character)
+    });
+}
+
+/// Numbers of forces, impulses and explosions.
+fn pushed(calls: &mut Calls) {
+    calls.along("force", |c, v| c.world.add_force(c.body, v.as_vec3()));
+    calls.along("torque", |c, v| c.world.add_torque(c.body, v.as_vec3()));
+    calls.along("force at", |c, at| c.world.add_force_at(c.body, Vec3::ONE, at));
+    calls.along("force there", |c, v| c.world.add_force_at(c.body, v.as_vec3(), DVec3::splat(100.0)));
+    calls.along("impulse", |c, v| c.world.apply_impulse_at(c.body, v.as_vec3(), DVec3::ZERO));
+    calls.along("impulse at", |c, at| c.world.apply_impulse_at(c.body, Vec3::ONE, at));
+    calls.along("angular impulse", |c, v| c.world.apply_angular_impulse(c.body, v.as_vec3()));
+    calls.along("explosion at", |c, at| {
+        c.world.apply_explosion(&Explosion::default().with_position(at)).map(drop)
+    });
+    calls.add("explosion radius", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_radius(x as f32)).map(drop)
+    });
+    calls.add("explosion falloff", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_falloff(x as f32)).map(drop)
+    });
+    calls.add("explosion impulse", |c, x| {
+        c.world.apply_explosion(&Explosion::default().with_impulse_per_area(x as f32)).map(drop)
     });
 }
 
@@ -487,6 +491,7 @@ fn each_number_of_each_call_is_refused_or_steps_leave_numbers() {
     added(&mut calls);
     geometry(&mut calls);
     changed(&mut calls);
+    pushed(&mut calls);
     joined(&mut calls);
     coupled(&mut calls);
     asked(&mut calls);
