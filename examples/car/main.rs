@@ -42,7 +42,8 @@ fn main() -> Result<(), Error> {
         println!("{kind:?}");
         let mut world = World::new(Settings::default())?;
         world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
-        let bump = ShapeDesc::new(Geometry::cylinder(5.0, 1.0)).with_rotation(Quat::from_rotation_z(1.5708));
+        let bump = ShapeDesc::new(Geometry::cylinder(5.0, 1.0))
+            .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
         world.add_body(&BodyDesc::fixed().with_position([0.0, -0.95, 20.0]).with_shape(bump))?;
         let mut car = car(&mut world, kind)?;
         drive(&mut world, &mut car, 1.0, controls)?;

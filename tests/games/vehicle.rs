@@ -66,7 +66,7 @@ fn it_stands_on_a_slope_with_the_hand_brake() {
             let brake = Controls { hand_brake: 1.0, ..idle() };
             drive(&mut world, &mut car, 3.0, rate, brake);
             let (start, load) = (at(&world, &car), car.wheels().iter().map(|w| w.contact.unwrap().load));
-            let (load, weight) = (load.sum::<f32>(), MASS * G * slope.cos());
+            let (load, weight) = (load.sum::<f32>(), MASS * G * libm::cosf(slope));
             assert!((load - weight).abs() < 0.1 * weight, "{kind:?} {rate}: {load} N of {weight} N");
             drive(&mut world, &mut car, 60.0, rate, brake);
             let creep = at(&world, &car).distance(start);
@@ -132,7 +132,7 @@ fn it_turns_as_a_bicycle_at_low_speed() {
             drive(&mut world, &mut car, 2.0, 60, controls);
             let spin = world.angular_velocity(car.chassis()).unwrap().y;
             let radius = car.speed(&world).unwrap() / spin;
-            let expected = side * 2.6 / 0.4_f32.tan();
+            let expected = side * 2.6 / libm::tanf(0.4);
             assert!(
                 (radius - expected).abs() < 0.06 * expected.abs(),
                 "{kind:?}: {radius}, not {expected} m"

@@ -138,7 +138,7 @@ mod tests {
             let (title, about) = (sample.title(), sample.about());
             assert!(!title.is_empty() && about.ends_with('.'), "{}: {title}: {about}", sample.path());
             assert!(sample.source.contains("#[test]"), "{} has no test", sample.path());
-            assert!(sample.source.contains(".controls") == !sample.keys().is_empty(), "{}", sample.path());
+            assert!(sample.source.contains(".controls") != sample.keys().is_empty(), "{}", sample.path());
             assert!(names.insert(sample.name), "two are named {}", sample.name);
         }
     }

@@ -18,7 +18,7 @@ const LEG: f64 = 8.0;
 pub fn start() -> Result<Driven, Error> {
     let (world, walkers, _) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let there = (tick.time / LEG) as u32 % 2 == 0;
+        let there = ((tick.time / LEG) as u32).is_multiple_of(2);
         let alone = Vec3::NEG_Z * if there { SPEED } else { -SPEED };
         walk_all(&walkers, world, wish(&tick.controls, alone), tick.dt)
     }))

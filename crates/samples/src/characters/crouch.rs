@@ -19,7 +19,7 @@ const BEAM: f32 = 1.3;
 pub fn start() -> Result<Driven, Error> {
     let (world, walker) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let alone = Vec3::X * if (tick.time / LEG) as u32 % 2 == 0 { RUN } else { -RUN };
+        let alone = Vec3::X * if ((tick.time / LEG) as u32).is_multiple_of(2) { RUN } else { -RUN };
         let wish = wish(&tick.controls, alone);
         // Whether a character that stands would hit a beam here, or a little further.
         let middle = walker.feet(world)? + DVec3::Y * 0.92;

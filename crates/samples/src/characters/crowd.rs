@@ -18,7 +18,7 @@ pub fn start() -> Result<Driven, Error> {
     Ok(Driven::new(world, move |world, tick| {
         let jump = Vec3::Y * if tick.controls.jump { JUMP } else { 0.0 };
         for (i, walker) in walkers.iter().enumerate() {
-            let goal = if (tick.time / LEG) as u32 % 2 == 0 { -place(i) } else { place(i) };
+            let goal = if ((tick.time / LEG) as u32).is_multiple_of(2) { -place(i) } else { place(i) };
             let way = (goal.as_dvec3() - walker.feet(world)?).as_vec3();
             // Each keeps to the right, and so they get past each other.
             let way = Vec3::new(way.x - way.z, 0.0, way.z + way.x).clamp_length_max(1.0);

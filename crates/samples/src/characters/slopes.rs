@@ -21,7 +21,7 @@ const LEG: f64 = 4.0;
 pub fn start() -> Result<Driven, Error> {
     let (world, walkers) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let alone = Vec3::NEG_Z * if (tick.time / LEG) as u32 % 2 == 0 { SPEED } else { -SPEED };
+        let alone = Vec3::NEG_Z * if ((tick.time / LEG) as u32).is_multiple_of(2) { SPEED } else { -SPEED };
         walk_all(&walkers, world, wish(&tick.controls, alone), tick.dt)
     }))
 }

@@ -20,7 +20,7 @@ const LEG: f64 = 3.2;
 pub fn start() -> Result<Driven, Error> {
     let (world, walkers) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let up = (tick.time / LEG) as u32 % 2 == 0;
+        let up = ((tick.time / LEG) as u32).is_multiple_of(2);
         let alone = Vec3::NEG_Z * if up { SPEED } else { -SPEED };
         walk_all(&walkers, world, wish(&tick.controls, alone), tick.dt)
     }))

@@ -19,7 +19,7 @@ pub fn start() -> Result<Driven, Error> {
     let (mut world, _) = level_world()?;
     for i in 0..MODES.len() {
         let at = Vec3::new(lane(i), 1.5, 0.0);
-        world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, HALF)).with_position(at))?;
+        world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, 0.01)).with_position(at))?;
         world.add_body(&fixed(Geometry::cuboid(LANE, 1.5, 4.0)).with_position(at - Vec3::Z * 9.0))?;
     }
     Ok(Driven::new(world, |world, tick| {
@@ -39,7 +39,6 @@ fn shoot(world: &mut World, i: usize, shot: usize) -> Result<(), Error> {
         .with_position(Vec3::new(lane(i) + aside, 0.5 + 2.0 * spread(7 * shot), 10.0 + spread(3 * shot)))
         .with_linear_velocity(Vec3::NEG_Z * SPEED)
         .with_continuous(MODES[i])
-        .with_user_data(1 + i as u64)
         .with_shape(ShapeDesc::new(Geometry::sphere(RADIUS)));
     world.add_body(&ball).map(drop)
 }

@@ -23,7 +23,7 @@ fn height(x: f32, z: f32) -> f32 {
 pub fn start() -> Result<Driven, Error> {
     let (world, cars) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let speed = if (tick.time / LEG) as u32 % 2 == 0 { SPEED } else { -SPEED };
+        let speed = if ((tick.time / LEG) as u32).is_multiple_of(2) { SPEED } else { -SPEED };
         cars.iter().try_for_each(|car| car.follow(world, &tick.controls, (speed, 0.0)))
     }))
 }

@@ -18,7 +18,7 @@ const LEG: f64 = 10.0;
 pub fn start() -> Result<Driven, Error> {
     let (world, _, engine) = build()?;
     Ok(Driven::new(world, move |world, tick| {
-        let alone = if (tick.time / LEG) as u32 % 2 == 0 { 1.0 } else { -1.0 };
+        let alone = if ((tick.time / LEG) as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
         let share = if tick.controls.forward == 0.0 { alone } else { tick.controls.forward };
         world.set_joint_motor(engine, Motor::velocity(Motion::Linear, Axis::X, share * SPEED, FORCE))
     }))
