@@ -219,7 +219,8 @@ impl JointDesc {
     }
 
     /// The frames' origins stay at a distance between `min` and `max` [m]: a rod if they are equal, a rope if
-    /// `min` is zero.
+    /// `min` is zero. It is solved row by row: a rope of many links that bears a load keeps its length with
+    /// ball joints, which are solved together.
     ///
     /// ```
     /// # use backstop::{*, glam::{DVec3, Quat, Vec3}};

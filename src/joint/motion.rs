@@ -269,7 +269,8 @@ impl Motor {
     pub fn friction(motion: Motion, axis: Axis, max_force: f32) -> Motor {
         Motor::velocity(motion, axis, 0.0, max_force)
     }
-    /// A spring towards a position [m] or [rad].
+    /// A spring towards a position [m] or [rad]. It is integrated implicitly, so that an undamped one loses
+    /// amplitude, less with more substeps.
     pub fn position(motion: Motion, axis: Axis, position: f32, spring: Spring) -> Motor {
         Motor { motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
     }

@@ -7,7 +7,8 @@ use crate::error::Error;
 use crate::limits;
 use glam::Vec3;
 
-/// How two values of a material become one.
+/// How two values of a material become one. Where two surfaces say different ways, the one that stands first
+/// here counts: an average with a default material stays an average.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 #[non_exhaustive]
