@@ -65,7 +65,7 @@ impl World {
     /// If the handle is stale.
     pub fn sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        self.note(Change::SendToSleep(body));
+        self.note(Change::Sleep(body));
         // If sleeping was just switched off, the column still exists until the next step.
         let sleeps = self.settings.sleeping && self.bodies.rests;
         if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {

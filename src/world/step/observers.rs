@@ -70,7 +70,7 @@ macro_rules! each_call {
             SetJointUserData set_joint_user_data same(joint: JointHandle, user_data: u64),
             SolveJointAfter set_joint_solved_after same(joint: JointHandle, above: Option<RowGroup>),
             Wake wake body(),
-            SendToSleep sleep body(),
+            Sleep sleep body(),
             SetCanSleep set_can_sleep body(can_sleep: bool),
             SetEnabled set_enabled body(enabled: bool),
             /// The name of a body in reports of the replay.

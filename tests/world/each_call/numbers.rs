@@ -297,6 +297,9 @@ fn changed(calls: &mut Calls) {
 fn pushed(calls: &mut Calls) {
     calls.along("force", |c, v| c.world.add_force(c.body, v.as_vec3()));
     calls.along("torque", |c, v| c.world.add_torque(c.body, v.as_vec3()));
+    calls.along("force and torque", |c, v| c.world.add_force_and_torque(c.body, v.as_vec3(), Vec3::ZERO));
+    calls.along("torque with a force", |c, v| c.world.add_force_and_torque(c.body, Vec3::ZERO, v.as_vec3()));
+    calls.along("impulse at the centre", |c, v| c.world.apply_impulse(c.body, v.as_vec3()));
     calls.along("force at", |c, at| c.world.add_force_at(c.body, Vec3::ONE, at));
     calls.along("force there", |c, v| c.world.add_force_at(c.body, v.as_vec3(), DVec3::splat(100.0)));
     calls.along("impulse", |c, v| c.world.apply_impulse_at(c.body, v.as_vec3(), DVec3::ZERO));

@@ -130,13 +130,13 @@ fn what_is_the_default_may_be_left_out() {
     assert_eq!(format!("{body:?}"), format!("{expected:?}"));
     let both = serde_json::to_string(&bodies()).unwrap();
     let text = format!(
-        r#"{{"bodies": {both}, "drives": [{{"motion": "angular", "axis": "x",
+        r#"{{"bodies": {both}, "motors": [{{"motion": "angular", "axis": "x",
              "spring": {{"frequency": {{"hertz": 2, "ratio": 1}}}}}}]}}"#
     );
     let joint: JointDesc = serde_json::from_str(&text).unwrap();
     let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
-    let drive = Motor::position(Motion::Angular, Axis::X, 0.0, spring);
-    assert_eq!(joint, JointDesc::new(bodies(), [Frame::default(); 2]).with_motor(drive));
+    let motor = Motor::position(Motion::Angular, Axis::X, 0.0, spring);
+    assert_eq!(joint, JointDesc::new(bodies(), [Frame::default(); 2]).with_motor(motor));
     let Value::Object(mut text) = serde_json::to_value(couplings()[0]).unwrap() else { panic!() };
     text.retain(|name, _| name == "motions");
     assert_eq!(serde_json::from_value::<CouplingDesc>(text.into()).unwrap(), couplings()[0]);
@@ -156,7 +156,7 @@ fn unknown_fields_and_values_that_cant_be_are_refused() {
     refused::<ShapeDesc>(r#"{"density": 3}"#, "missing field `geometry`");
     refused::<ShapeDesc>(r#"{"geometry": {"sphere": {"radius": 1, "height": 2}}}"#, "unknown field `height`");
     refused::<ShapeDesc>(r#"{"geometry": "plane", "material": {"friction": 1}}"#, "unknown field `friction`");
-    refused::<CouplingDesc>(r#"{"strength": [1, "strong"]}"#, "infinity");
+    refused::<CouplingDesc>(r#"{"break_force": [1, "strong"]}"#, "infinity");
     refused::<CouplingDesc>(r#"{"strengths": [1, 2]}"#, "unknown field `strengths`");
     refused::<Limit>(r#"{"motion": "linear", "axes": "all", "min": "low", "max": 1}"#, "infinity");
     let field = r#"{"columns": 2, "rows": 2, "cell": [1, 1], "heights": [0, 1, 0]}"#;

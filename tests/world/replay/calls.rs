@@ -473,15 +473,17 @@ fn a_run_within_a_budget_plays_again() {
 /// Every public method that changes a world is recorded, or stands here with the reason why it is not.
 #[test]
 fn no_method_is_forgotten() {
-    const OTHERS: [(&str, &str); 19] = [
+    const OTHERS: [(&str, &str); 21] = [
         ("remove_bodies", "calls remove_body"),
         ("restore", "has restore_recorded note it, once the snapshot was taken"),
         ("move_kinematic", "has aim note it"),
         ("move_kinematic_and_stop", "has aim note it"),
         ("add_force_at", "calls add_force_and_torque"),
+        ("add_force_and_torque", "notes Change::AddForce, the name that recordings had"),
         ("add_force", "calls add_force_and_torque"),
         ("add_torque", "calls add_force_and_torque"),
         ("apply_impulse", "calls apply_impulse_at"),
+        ("apply_impulse_at", "notes Change::ApplyImpulse, the name that recordings had"),
         ("apply_explosion", "calls apply_impulse and apply_angular_impulse"),
         ("set_events", "calls set_listening"),
         ("set_hooks", "calls set_listening"),
