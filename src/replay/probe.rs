@@ -242,7 +242,10 @@ fn prepare(world: &World, hash: &mut Hash) {
     for &(a, b) in &world.events.vetoed {
         hash.pair(a, b);
     }
-    for tweak in &world.events.tweaks {
+    // In the order of pairs: the places of contacts depend on what was there before, and decide nothing.
+    let pairs = world.broad.pairs.iter().filter(|_| !world.events.tweaks.is_empty());
+    for (slot, _) in pairs.flat_map(|pair| world.contacts.chain(pair.contact)) {
+        let Some(tweak) = world.events.tweaks.get(slot as usize) else { continue };
         let [friction, other] = tweak.friction.map(f32::to_bits);
         hash.pair(friction, other);
         hash.number(tweak.restitution);

@@ -254,7 +254,7 @@ impl World {
         if self.bodies.traits[index].locks == locks {
             return Ok(());
         }
-        self.note(Change::SetLocks(body, translation, rotation));
+        self.note(Change::SetLockedAxes(body, translation, rotation));
         let index = self.wake_body(index);
         self.revise(index);
         self.bodies.set_locked_axes(index, locks);
@@ -324,7 +324,7 @@ impl World {
             return Ok(());
         }
         self.reserve(Addition::SolvedAfter(above.is_some()))?;
-        self.note(Change::SolveBodyAfter(body, above));
+        self.note(Change::SetBodySolvedAfter(body, above));
         self.revise(index);
         self.bodies.set_solved_after(index, above);
         self.joints.changed = true;

@@ -48,7 +48,7 @@ macro_rules! each_call {
             ApplyImpulse apply_impulse_at body(impulse: Vec3, point: DVec3),
             SetGravityScale set_gravity_scale body(scale: f32),
             SetContinuous set_continuous body(mode: ContinuousMode),
-            SolveBodyAfter set_body_solved_after body(above: Option<RowGroup>),
+            SetBodySolvedAfter set_body_solved_after body(above: Option<RowGroup>),
             SetMass set_mass body(mass: MassProperties),
             AddJoint add_joint apart(JointDesc) of(&'a JointDesc),
             AddJoints add_joints apart(Vec<JointDesc>) of(&'a [JointDesc]),
@@ -63,12 +63,12 @@ macro_rules! each_call {
             SetJointMotors set_joint_motors apart(JointHandle, Vec<Motor>) of(JointHandle, &'a [Motor]),
             SetJointFrames set_joint_frames same(joint: JointHandle, frames: [Frame; 2]),
             SetJointCollide set_joint_collide same(joint: JointHandle, collide: bool),
-            SetJointStrength set_joint_break_force same(joint: JointHandle, most: [f32; 2])
+            SetJointBreakForce set_joint_break_force same(joint: JointHandle, most: [f32; 2])
                 as (joint, most[0], most[1]),
             SetJointThresholds set_joint_thresholds same(joint: JointHandle, most: [f32; 2])
                 as (joint, most[0], most[1]),
             SetJointUserData set_joint_user_data same(joint: JointHandle, user_data: u64),
-            SolveJointAfter set_joint_solved_after same(joint: JointHandle, above: Option<RowGroup>),
+            SetJointSolvedAfter set_joint_solved_after same(joint: JointHandle, above: Option<RowGroup>),
             Wake wake body(),
             Sleep sleep body(),
             SetCanSleep set_can_sleep body(can_sleep: bool),
@@ -82,7 +82,7 @@ macro_rules! each_call {
             SetUserData set_user_data body(user_data: u64),
             SetDamping set_damping body(linear: f32, angular: f32),
             SetMaxSpeeds set_max_speeds body(linear: Option<f32>, angular: Option<f32>),
-            SetLocks set_locked_axes body(translation: [bool; 3], rotation: [bool; 3]),
+            SetLockedAxes set_locked_axes body(translation: [bool; 3], rotation: [bool; 3]),
             SetLinearVelocity set_linear_velocity body(linear: Vec3),
             SetAngularVelocity set_angular_velocity body(angular: Vec3),
             MoveKinematic move_kinematic body(at: DVec3, turned: glam::Quat, dt: f32),
@@ -101,7 +101,7 @@ macro_rules! each_call {
             RemoveCoupling remove_coupling same(coupling: CouplingHandle),
             SetCouplingFactors set_coupling_factors same(coupling: CouplingHandle, factors: [f64; 2]),
             SetCouplingRange set_coupling_range same(coupling: CouplingHandle, range: Option<[f64; 2]>),
-            SetCouplingStrength set_coupling_break_force same(coupling: CouplingHandle, most: [f32; 2]),
+            SetCouplingBreakForce set_coupling_break_force same(coupling: CouplingHandle, most: [f32; 2]),
             SetCouplingUserData set_coupling_user_data same(coupling: CouplingHandle, data: u64),
             /// Column and row of the first sample, columns and rows, heights.
             SetHeights set_heights apart(ShapeHandle, [u32; 2], [u32; 2], Vec<f32>)

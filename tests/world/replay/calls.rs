@@ -534,11 +534,10 @@ fn no_method_is_forgotten() {
             }
         }
     }
-    // The parser finds the methods.
-    for name in CALLS
-        .into_iter()
-        .filter(|n| !["again", "height_field", "hull", "mesh", "part", "asked", "step"].contains(n))
-    {
+    // The parser finds the methods. What `set_events` and `set_hooks` share is not public.
+    const NO_METHODS: [&str; 8] =
+        ["again", "height_field", "hull", "mesh", "part", "asked", "step", "set_listening"];
+    for name in CALLS.into_iter().filter(|name| !NO_METHODS.contains(name)) {
         assert!(found.contains(name), "{name}");
     }
     assert!(found.len() >= CALLS.len() - 6 + 4, "{found:?}");

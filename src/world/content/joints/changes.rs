@@ -263,7 +263,7 @@ impl World {
         }
         let never = [f32::INFINITY; 2];
         self.reserve(Addition::Joints(JointAdditions::of_events([force, torque], never), false))?;
-        self.note(Change::SetJointStrength(joint, [force, torque]));
+        self.note(Change::SetJointBreakForce(joint, [force, torque]));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
         self.joints.set_strength(slot, [force, torque]);
@@ -314,7 +314,7 @@ impl World {
         if self.joints.all[slot as usize].solved_after == above {
             return Ok(());
         }
-        self.note(Change::SolveJointAfter(joint, above));
+        self.note(Change::SetJointSolvedAfter(joint, above));
         self.revisions.moving += 1;
         self.joints.all[slot as usize].solved_after = above;
         self.joints.changed = true;

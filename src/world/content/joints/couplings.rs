@@ -186,7 +186,7 @@ impl World {
         if old.strength == strength {
             return Ok(());
         }
-        self.note(Change::SetCouplingStrength(coupling, strength));
+        self.note(Change::SetCouplingBreakForce(coupling, strength));
         self.wake_coupled(&old);
         self.revisions.moving += 1;
         self.joints.couplings.all[slot as usize].strength = strength;
