@@ -434,3 +434,10 @@ pub(crate) const SLIDING_SLOPE: f64 = 1.0 / 64.0;
 /// they want another order of nodes each. Rays from one place all around (1.3) are not, a fan has 0.02, a
 /// camera 0.1 (benches/queries.rs).
 pub(crate) const STREAM_SPREAD: f32 = 1.5;
+
+// Vehicles
+
+/// How often the forces of wheels that are casts are brought in line with each other in a step: with 10 wheels
+/// that start from the forces of the step before, a parked car of any proportions stands still
+/// (tests/games/at_random/cars.rs).
+pub(crate) const WHEEL_SWEEPS: usize = 16;

@@ -22,7 +22,7 @@ fields! {
     /// // The speed of a circle is sqrt(strength / radius).
     /// let planet = Attractor::default().with_strength(40.0).with_softening(0.0);
     /// for _ in 0..600 {
-    ///     planet.apply_to(&mut world)?;
+    ///     planet.apply_to(&mut world, 1.0 / 60.0)?;
     ///     world.step(1.0 / 60.0)?;
     /// }
     /// assert!((world.position(moon)?.length() - 10.0).abs() < 0.1);
@@ -75,16 +75,19 @@ impl Attractor {
         (to / distance * size).as_vec3()
     }
 
-    /// Adds its force on all dynamic bodies that are awake and within its reach for the next step. Returns
-    /// how many these are.
+    /// Adds its force on all dynamic bodies that are awake and within its reach for the next step, of `dt`
+    /// [s]. Returns how many these are. Orbits keep their energy, however long they go on.
     ///
     /// # Errors
     /// If a number is out of range, or a force is beyond [`limits::MAX_FORCE`].
-    pub fn apply_to(&self, world: &mut World) -> Result<usize, Error> {
+    pub fn apply_to(&self, world: &mut World, dt: f32) -> Result<usize, Error> {
         self.validate()?;
+        limits::step(dt)?;
         let mut pulls = Vec::new();
         for body in bodies(world) {
-            let pull = self.acceleration_at(world.centre_of_mass(body)?);
+            // In the middle of the step, as by the leapfrog rule: that of where it was would feed an orbit.
+            let way = world.linear_velocity(body)?.as_dvec3() * (0.5 * f64::from(dt));
+            let pull = self.acceleration_at(world.centre_of_mass(body)? + way);
             if pull != Vec3::ZERO {
                 pulls.push((body, pull * world.mass(body)?));
             }

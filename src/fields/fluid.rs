@@ -1,13 +1,17 @@
 //! Water: what floats, sinks and drifts.
 
 use super::region::{Reached, apply, shapes};
+use crate::body::exp_map;
 use crate::config::fields;
 use crate::debug::convex;
 use crate::error::Error;
+use crate::handle::BodyHandle;
 use crate::limits;
-use crate::shape::{Filter, MassProperties};
+use crate::math::Quat;
+use crate::shape::{Filter, Geometry, MassProperties};
 use crate::world::{Aabb, World};
 use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 
 fields! {
     /// A volume of fluid, as a box with a level top or with waves: buoyancy of the parts of shapes that are
@@ -97,10 +101,9 @@ impl Fluid {
     ) -> Result<usize, Error> {
         self.validate()?;
         limits::step(dt)?;
-        let gravity = world.settings().gravity;
-        let mut pushes = Vec::new();
+        let mut touched = Vec::new();
         for shape in shapes(world, Some(&Aabb { min: self.min, max: self.max }), self.filter)? {
-            let (x, z) = (shape.position.x, shape.position.z);
+            let (body, x, z) = (shape.body, shape.position.x, shape.position.z);
             let level = height(x, z);
             if !level.is_finite() {
                 return Err(Error::NotFinite { what: "height of a fluid", value: level });
@@ -108,53 +111,134 @@ impl Fluid {
             let rise = [height(x + SLOPE_DISTANCE, z) - level, height(x, z + SLOPE_DISTANCE) - level];
             let [along_x, along_z] = rise.map(|rise| (rise / SLOPE_DISTANCE) as f32);
             let normal = Vec3::new(-along_x, 1.0, -along_z).normalize();
-            // In the middle of the step: a force of where the shape was would feed a bobbing body.
-            let ahead = (world.velocity_at(shape.body, shape.position)? * (0.5 * dt)).as_dvec3();
-            let (volume, middle) = submerged(&shape, DVec3::new(x, level, z) - ahead, normal);
-            if volume <= 0.0 {
+            let under = Submerged::of(&in_the_middle(world, shape, dt)?, DVec3::new(x, level, z), normal);
+            if under.volume <= 0.0 {
                 continue;
             }
-            let body = world.mass_properties(shape.body)?;
-            let displaced = volume * self.density;
-            let lift = -gravity * displaced;
-            // As if the drag acted during the step: a light body takes the velocity of the fluid at most.
-            let share = displaced / body.mass;
-            let slowed = |rate: f32| share * rate / (1.0 + share * rate * dt);
-            let velocity = world.velocity_at(shape.body, middle)? - self.flow;
-            let drag = -velocity * (body.mass * slowed(self.linear_drag));
-            let rotation: crate::math::Quat = world.rotation(shape.body)?.into();
-            let spin = rotation.conjugate() * world.angular_velocity(shape.body)?;
-            let torque = rotation * (body.inertia * spin) * -slowed(self.angular_drag);
-            pushes.push((shape.body, lift + drag, middle, torque));
+            touched.push((body, under));
+        }
+        let mut pushes = Vec::new();
+        for shapes in touched.chunk_by(|a, b| a.0 == b.0) {
+            self.push(world, shapes, dt, &mut pushes)?;
         }
         apply(world, &pushes)
     }
+
+    /// The forces on the shapes of a body.
+    fn push(
+        &self,
+        world: &World,
+        shapes: &[(BodyHandle, Submerged)],
+        dt: f32,
+        pushes: &mut Vec<(BodyHandle, Vec3, DVec3, Vec3)>,
+    ) -> Result<(), Error> {
+        let body = shapes[0].0;
+        let (mass, gravity) = (world.mass_properties(body)?, world.settings().gravity);
+        let rotation: Quat = world.rotation(body)?.into();
+        let spin = rotation.conjugate() * world.angular_velocity(body)?;
+        let (centre, velocity) = (world.centre_of_mass(body)?, world.linear_velocity(body)?);
+        let ahead = centre + (velocity * (0.5 * dt)).as_dvec3();
+        let weight = gravity * (world.gravity_scale(body)? * mass.mass);
+
+        let (mut lift, mut righting, mut area, mut rolls) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
+        for (_, under) in shapes {
+            let (arm, force) = ((under.middle - ahead).as_vec3(), -gravity * (under.volume * self.density));
+            (lift, righting) = (lift + force, righting + arm.cross(force));
+            let aside = arm.reject_from_normalized(under.normal);
+            rolls += under.second_moment + under.area * aside.length_squared() + under.volume * arm.length();
+            area += under.area;
+        }
+        // A small body bobs and rolls faster than steps can follow. It does so more slowly instead, as by the
+        // trapezoidal rule, which has the same rest.
+        let pull = 0.25 * gravity.length() * self.density * dt * dt;
+        let bobs = 1.0 / (1.0 + pull * area / mass.mass);
+        let rolls = 1.0 / (1.0 + pull * rolls / mass.inertia.diagonal().min_element());
+        let net = (weight + lift) * bobs;
+        pushes.push((body, net - weight, centre, righting * rolls));
+
+        for (_, under) in shapes {
+            // As if the drag acted during the step: a light body takes the velocity of the fluid at most.
+            let share = under.volume * self.density / mass.mass;
+            let slowed = |rate: f32| share * rate / (1.0 + share * rate * dt);
+            let at = centre + (under.middle - ahead);
+            let velocity = world.velocity_at(body, at)? - self.flow + net * (dt / mass.mass);
+            let drag = -velocity * (mass.mass * slowed(self.linear_drag));
+            let torque = rotation * (mass.inertia * spin) * -slowed(self.angular_drag);
+            pushes.push((body, drag, at, torque));
+        }
+        Ok(())
+    }
 }
 
-/// Volume of a convex shape below a plane [m³], and the middle of that part [m].
-///
-/// Pyramids from a point of the plane over the triangles that show the shape, cut off at the plane: the face
-/// in the plane has a pyramid of no height. The volume of round shapes is corrected to that of the form.
-fn submerged(shape: &Reached<'_>, on_plane: DVec3, normal: Vec3) -> (f32, DVec3) {
-    let (vertices, triangles) = convex(shape.geometry);
-    let from = (shape.position - on_plane).as_vec3();
-    let vertices: Vec<Vec3> = vertices.into_iter().map(|vertex| shape.rotation * vertex + from).collect();
-    let (mut part, mut whole, mut sum) = (0.0, 0.0, Vec3::ZERO);
-    let pyramid = |[a, b, c]: [Vec3; 3]| a.dot(b.cross(c)) / 6.0;
-    for corners in triangles {
-        let corners = corners.map(|corner| vertices[corner as usize]);
-        whole += pyramid(corners.map(|corner| corner - from));
-        for piece in below(corners, normal).into_iter().flatten() {
-            let volume = pyramid(piece);
-            part += volume;
-            sum += (piece[0] + piece[1] + piece[2]) * (0.25 * volume);
+/// A shape as it is in the middle of the step: a force of where it was would feed a body that bobs and rolls.
+fn in_the_middle<'a>(world: &World, shape: Reached<'a>, dt: f32) -> Result<Reached<'a>, Error> {
+    let centre = world.centre_of_mass(shape.body)?;
+    let way = world.linear_velocity(shape.body)? * (0.5 * dt);
+    let turn = exp_map(world.angular_velocity(shape.body)? * (0.5 * dt));
+    let arm = turn * (shape.position - centre).as_vec3();
+    let position = centre + (arm + way).as_dvec3();
+    Ok(Reached { position, rotation: (turn * shape.rotation).normalize(), ..shape })
+}
+
+/// The part of a convex shape below a plane.
+struct Submerged {
+    /// [m³]
+    volume: f32,
+    /// [m]
+    middle: DVec3,
+    /// Of the plane.
+    normal: Vec3,
+    /// Of the cut [m²], and its second moment about the shape's origin [m⁴].
+    area: f32,
+    second_moment: f32,
+}
+
+impl Submerged {
+    /// Exact for a ball. Else pyramids from a point of the plane over the triangles that show the shape, cut
+    /// off at the plane: the face in the plane has a pyramid of no height. The volume of round shapes is
+    /// corrected to that of the form. The cut is what the rest of the surface leaves open.
+    fn of(shape: &Reached<'_>, on_plane: DVec3, normal: Vec3) -> Submerged {
+        let from = (shape.position - on_plane).as_vec3();
+        if let Geometry::Sphere { radius } = *shape.geometry {
+            return Submerged::of_ball(shape, radius, from.dot(normal), normal);
         }
+        let (vertices, triangles) = convex(shape.geometry);
+        let vertices: Vec<Vec3> = vertices.into_iter().map(|vertex| shape.rotation * vertex + from).collect();
+        let (mut part, mut whole, mut sum) = (0.0, 0.0, Vec3::ZERO);
+        let (mut area, mut second_moment) = (0.0, 0.0);
+        let pyramid = |[a, b, c]: [Vec3; 3]| a.dot(b.cross(c)) / 6.0;
+        for corners in triangles {
+            let corners = corners.map(|corner| vertices[corner as usize]);
+            whole += pyramid(corners.map(|corner| corner - from));
+            for piece in below(corners, normal).into_iter().flatten() {
+                let volume = pyramid(piece);
+                part += volume;
+                sum += (piece[0] + piece[1] + piece[2]) * (0.25 * volume);
+                let shadow = -0.5 * (piece[1] - piece[0]).cross(piece[2] - piece[0]).dot(normal);
+                area += shadow;
+                let [a, b, c] = piece.map(|corner| (corner - from).reject_from_normalized(normal));
+                let squares = a.dot(a) + b.dot(b) + c.dot(c) + a.dot(b) + b.dot(c) + c.dot(a);
+                second_moment += shadow * squares / 6.0;
+            }
+        }
+        if part <= 0.0 || whole <= 0.0 {
+            return Submerged { volume: 0.0, middle: shape.position, normal, area: 0.0, second_moment: 0.0 };
+        }
+        let volume = part * MassProperties::of(shape.geometry, 1.0).mass / whole;
+        let (area, second_moment) = (area.max(0.0), second_moment.max(0.0));
+        Submerged { volume, middle: on_plane + (sum / part).as_dvec3(), normal, area, second_moment }
     }
-    if part <= 0.0 || whole <= 0.0 {
-        return (0.0, shape.position);
+
+    /// The cap of a ball whose centre is at a height above the plane.
+    fn of_ball(shape: &Reached<'_>, radius: f32, height: f32, normal: Vec3) -> Submerged {
+        let depth = (radius - height).clamp(0.0, 2.0 * radius);
+        let volume = PI * depth * depth * (radius - depth / 3.0);
+        let square = depth * (2.0 * radius - depth);
+        let below = 0.75 * (2.0 * radius - depth) * (2.0 * radius - depth) / (3.0 * radius - depth);
+        let middle = shape.position - (normal * below).as_dvec3();
+        let area = PI * square;
+        Submerged { volume, middle, normal, area, second_moment: 0.5 * area * square }
     }
-    let exact = MassProperties::of(shape.geometry, 1.0).mass;
-    (part * exact / whole, on_plane + (sum / part).as_dvec3())
 }
 
 /// The parts of a triangle below a plane through the origin.

@@ -67,6 +67,7 @@ impl Wind {
     pub fn apply_to(&self, world: &mut World, dt: f32) -> Result<usize, Error> {
         self.validate()?;
         limits::step(dt)?;
+        let gravity = world.settings().gravity;
         let mut pushes = Vec::new();
         for shape in shapes(world, None, self.filter)? {
             let against = self.velocity - world.velocity_at(shape.body, shape.position)?;
@@ -76,7 +77,8 @@ impl Wind {
             let rate = 0.5 * self.density * self.drag * area * speed;
             // As if it acted during the step: a light body takes the velocity of the air at most.
             let rate = rate / (1.0 + rate * dt / world.mass(shape.body)?);
-            pushes.push((shape.body, along * (rate * speed), shape.position, Vec3::ZERO));
+            let fall = gravity * (world.gravity_scale(shape.body)? * dt);
+            pushes.push((shape.body, (against - fall) * rate, shape.position, Vec3::ZERO));
         }
         apply(world, &pushes)
     }

@@ -51,49 +51,19 @@ fn add_one(
     let material = Material::default().with_friction(wheel.friction);
     let tyre = ShapeDesc::new(tyre).with_rotation(aside).with_filter(filter).with_material(material);
     let part = BodyDesc::dynamic().with_position(hub).with_rotation(rotation).with_velocity(linear, angular);
-    let body = world.add_body(&part.clone().with_shape(tyre).with_mass(Some(mass)))?;
+    let body = world.add_body(&part.with_shape(tyre).with_mass(Some(mass)))?;
     added.push(body);
 
     let half = 0.5 * wheel.travel;
-    let load = Motor::position(Motion::Linear, Axis::Y, -half, spring(wheel));
-    let frames = |world: &World, pair| world.frames_at(pair, hub, rotation.into());
-    if !wheel.steered {
-        let pair = [chassis, body];
-        let joint = JointDesc::new(pair, frames(world, pair)?)
-            .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::Y)))
-            .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
-            .with_limit(Limit::new(Motion::Linear, Axes::One(Axis::Y), -half, half))
-            .with_motor(load)
-            .with_motor(Motor::friction(Motion::Angular, Axis::X, 0.0));
-        let joint = world.add_joint(&joint)?;
-        return Ok(WheelBody { body, strut: joint, axle: joint, knuckle: None });
-    }
-    // A knuckle between the two slides on the spring and turns about it; the wheel spins on the knuckle.
-    let ball = MassProperties::of(&Geometry::sphere(0.5 * wheel.radius), 1.0).scaled_to(0.5 * wheel.mass);
-    let knuckle = world.add_body(&part.with_mass(Some(ball)))?;
-    added.push(knuckle);
-    // As stiff about the strut as the spring is along it, at a lever of some radii.
-    let stiffness = 8.0 * wheel.stiffness * wheel.radius * wheel.radius;
-    let damping = 4.0 * (stiffness * wheel.mass).sqrt() * wheel.radius;
-    let servo = Spring::Coefficients { stiffness, damping };
-    let pair = [chassis, knuckle];
-    let strut = JointDesc::new(pair, frames(world, pair)?)
+    let spring = Spring::Coefficients { stiffness: wheel.stiffness, damping: wheel.damping };
+    let pair = [chassis, body];
+    let joint = JointDesc::new(pair, world.frames_at(pair, hub, rotation.into())?)
         .with_limit(Limit::lock(Motion::Linear, Axes::Perpendicular(Axis::Y)))
-        .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::Y)))
+        .with_limit(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)))
         .with_limit(Limit::new(Motion::Linear, Axes::One(Axis::Y), -half, half))
-        .with_motor(load)
-        .with_motor(Motor::position(Motion::Angular, Axis::Y, 0.0, servo));
-    let strut = world.add_joint(&strut)?;
-    // A joint that restricts nothing: wheel and chassis don't collide.
-    world.add_joint(&JointDesc::new([chassis, body], Default::default()))?;
-    let pair = [knuckle, body];
-    let axle = JointDesc::hinge(pair, frames(world, pair)?);
-    let axle = world.add_joint(&axle.with_motor(Motor::friction(Motion::Angular, Axis::X, 0.0)))?;
-    Ok(WheelBody { body, strut, axle, knuckle: Some(knuckle) })
-}
-
-fn spring(wheel: &WheelDesc) -> Spring {
-    Spring::Coefficients { stiffness: wheel.stiffness, damping: wheel.damping }
+        .with_motor(Motor::position(Motion::Linear, Axis::Y, -half, spring))
+        .with_motor(Motor::friction(Motion::Angular, Axis::X, 0.0));
+    Ok(WheelBody { body, joint: world.add_joint(&joint)? })
 }
 
 /// What the last step made of the wheels.
@@ -110,7 +80,7 @@ pub(super) fn read(
     for ((wheel, state), desc) in bodies.iter().zip(wheels).zip(&desc.wheels) {
         let axle = Quat::from(world.rotation(wheel.body)?) * Vec3::X;
         state.spin = (world.angular_velocity(wheel.body)? - turning).dot(axle);
-        let travel = world.joint_position(wheel.strut, Motion::Linear, Axes::One(Axis::Y))?;
+        let travel = world.joint_position(wheel.joint, Motion::Linear, Axes::One(Axis::Y))?;
         state.compression = travel + 0.5 * desc.travel;
         state.contact = None;
         for contact in world.contacts_of(wheel.body)? {
@@ -150,9 +120,15 @@ pub(super) fn update(
         world.add_torque(chassis, axle * -torque.drive)?;
         let load = state.contact.map_or(0.0, |contact| contact.load);
         let brake = torque.foot + torque.other + desc.rolling_resistance * load * desc.radius;
-        world.set_joint_motor(wheel.axle, Motor::friction(Motion::Angular, Axis::X, brake))?;
-        if wheel.knuckle.is_some() {
-            world.set_joint_target(wheel.strut, Motion::Angular, Axis::Y, state.steer, 0.0)?;
+        world.set_joint_motor(wheel.joint, Motor::friction(Motion::Angular, Axis::X, brake))?;
+        if desc.steered {
+            // The axle turns on the chassis: a body between the two, on a spring, would let the wheel creep.
+            let mut frames = world.joint_local_frames(wheel.joint)?;
+            let steered = turn(Vec3::Y, state.steer).into();
+            if frames[0].rotation != steered {
+                frames[0].rotation = steered;
+                world.set_joint_frames(wheel.joint, frames)?;
+            }
         }
     }
     let up = Quat::from(world.rotation(chassis)?) * Vec3::Y;
@@ -160,7 +136,7 @@ pub(super) fn update(
         let [a, b] = bar.wheels;
         let force = up * (bar.stiffness * (wheels[a].compression - wheels[b].compression));
         for (wheel, force) in [(a, force), (b, -force)] {
-            let body = bodies[wheel].knuckle.unwrap_or(bodies[wheel].body);
+            let body = bodies[wheel].body;
             let hub = world.position(body)?;
             world.add_force_at(chassis, force, hub)?;
             world.add_force_at(body, -force, hub)?;

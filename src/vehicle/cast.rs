@@ -1,16 +1,46 @@
 //! Wheels that are casts: a spring and a tyre where a ray or a ball meets the ground.
+//!
+//! Springs and tyres of a step are solved together, as the velocity that the chassis has after it: each in
+//! turn, by projected Gauss-Seidel, from the forces of the step before.
 
 use super::desc::{VehicleDesc, WheelDesc, WheelKind};
 use super::drive::WheelTorque;
-use super::tyre::{Tyre, brake_of};
+use super::tyre::Tyre;
 use super::{WheelContact, WheelState, turn};
+use crate::config::tuning::WHEEL_SWEEPS;
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::math::Quat;
 use crate::query::{QueryFilter, Ray, ShapeCast};
 use crate::shape::Geometry;
 use crate::world::World;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
+
+/// Linear and angular acceleration of the chassis by neither gravity nor its wheels: of a load, a trailer, a
+/// floor that it lies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Outside {
+    /// Velocities after the last step without it.
+    expected: Option<[Vec3; 2]>,
+    last: [Vec3; 2],
+}
+
+impl Outside {
+    /// What lasts: the smaller part of those of the last two steps, so that a blow is none.
+    fn steady(&mut self, velocities: [Vec3; 2], dt: f32) -> [Vec3; 2] {
+        let Some(expected) = self.expected else { return [Vec3::ZERO; 2] };
+        let smaller = |a: f32, b: f32| {
+            let size = a.abs().min(b.abs());
+            if a * b > 0.0 { size.copysign(a) } else { 0.0 }
+        };
+        std::array::from_fn(|i| {
+            let (now, last) = ((velocities[i] - expected[i]) / dt, self.last[i]);
+            self.last[i] = now;
+            Vec3::new(smaller(now.x, last.x), smaller(now.y, last.y), smaller(now.z, last.z))
+        })
+    }
+}
 
 /// The chassis as wheels see it.
 struct Chassis {
@@ -18,14 +48,12 @@ struct Chassis {
     position: DVec3,
     rotation: Quat,
     centre: DVec3,
-    mass: f32,
+    inverse_mass: f32,
     /// Inverse inertia, in the axes of the chassis.
-    inverse: glam::Mat3,
-    gravity: Vec3,
+    inverse_inertia: Mat3,
+    /// Linear and angular, after the step, with the forces so far [m/s, rad/s].
+    velocities: [Vec3; 2],
 }
-
-/// A force at a point of a body.
-struct Push(BodyHandle, Vec3, DVec3);
 
 impl Chassis {
     fn new(world: &World, body: BodyHandle) -> Result<Chassis, Error> {
@@ -35,9 +63,9 @@ impl Chassis {
             position: world.position(body)?,
             rotation: world.rotation(body)?.into(),
             centre: world.centre_of_mass(body)?,
-            mass: mass.mass,
-            inverse: mass.inertia.inverse(),
-            gravity: world.settings().gravity * world.gravity_scale(body)?,
+            inverse_mass: 1.0 / mass.mass,
+            inverse_inertia: mass.inertia.inverse(),
+            velocities: [world.linear_velocity(body)?, world.angular_velocity(body)?],
         })
     }
 
@@ -45,11 +73,98 @@ impl Chassis {
         self.position + (self.rotation * local).as_dvec3()
     }
 
-    /// Mass that a push along a unit direction at a point moves there [kg].
-    fn mass_at(&self, point: DVec3, along: Vec3) -> f32 {
-        let arm = (point - self.centre).as_vec3().cross(along);
-        let arm = self.rotation.conjugate() * arm;
-        1.0 / (1.0 / self.mass + arm.dot(self.inverse * arm))
+    fn turned_by(&self, angular_impulse: Vec3) -> Vec3 {
+        self.rotation * (self.inverse_inertia * (self.rotation.conjugate() * angular_impulse))
+    }
+
+    /// Velocity at an arm from the centre of mass, along an axis [m/s].
+    fn along(&self, arm: Vec3, axis: Vec3) -> f32 {
+        (self.velocities[0] + self.velocities[1].cross(arm)).dot(axis)
+    }
+
+    /// What an impulse along an axis at an arm changes there [1/kg].
+    fn inverse_mass_at(&self, arm: Vec3, axis: Vec3) -> f32 {
+        let about = arm.cross(axis);
+        self.inverse_mass + about.dot(self.turned_by(about))
+    }
+
+    fn push(&mut self, arm: Vec3, impulse: Vec3) {
+        self.velocities[0] += impulse * self.inverse_mass;
+        self.velocities[1] += self.turned_by(arm.cross(impulse));
+    }
+}
+
+/// A wheel on the ground.
+struct Touch {
+    wheel: usize,
+    contact: WheelContact,
+    /// From the centre of mass of the chassis to the contact [m].
+    arm: Vec3,
+    /// Normal of the ground; along it forward and left.
+    axes: [Vec3; 3],
+    /// Inverse mass, and velocity of the ground, along each.
+    inverse_mass: [f32; 3],
+    ground: [f32; 3],
+    /// Over the ground before the step [m/s]: forward and left.
+    slip: [f32; 2],
+    compression: f32,
+    /// Along the axes [N].
+    force: [f32; 3],
+}
+
+impl Touch {
+    fn new(
+        world: &World,
+        chassis: &Chassis,
+        (wheel, state): (usize, &WheelState),
+        compression: f32,
+        contact: WheelContact,
+    ) -> Result<Option<Touch>, Error> {
+        let ahead = chassis.rotation * turn(Vec3::Y, state.steer) * Vec3::Z;
+        let Some(left) = contact.normal.cross(ahead).try_normalize() else { return Ok(None) };
+        let axes = [contact.normal, left.cross(contact.normal), left];
+        let arm = (contact.point - chassis.centre).as_vec3();
+        let ground = world.velocity_at(contact.body, contact.point)?;
+        let [_, ahead, left] = axes.map(|axis| chassis.along(arm, axis) - ground.dot(axis));
+        let before = state.contact.map_or(0.0, |contact| contact.load);
+        Ok(Some(Touch {
+            wheel,
+            contact,
+            arm,
+            axes,
+            inverse_mass: axes.map(|axis| chassis.inverse_mass_at(arm, axis)),
+            ground: axes.map(|axis| ground.dot(axis)),
+            slip: [ahead, left],
+            compression,
+            force: [before, state.force[0], state.force[1]],
+        }))
+    }
+
+    /// Velocity over the ground after the step along each axis, without its own force along it.
+    fn velocity(&self, chassis: &Chassis, axis: usize, dt: f32) -> f32 {
+        let own = self.force[axis] * dt * self.inverse_mass[axis];
+        chassis.along(self.arm, self.axes[axis]) - self.ground[axis] - own
+    }
+
+    /// Puts another force in place of its own.
+    fn set(&mut self, chassis: &mut Chassis, force: [f32; 3], dt: f32) {
+        let change = (0..3).fold(Vec3::ZERO, |sum, i| sum + self.axes[i] * (force[i] - self.force[i]));
+        self.force = force;
+        chassis.push(self.arm, change * dt);
+    }
+
+    /// The force of the spring, its damper and its bars as they are after the step [N], at least zero.
+    ///
+    /// `others`: sum of the stiffness of bars, and of their force by the wheels at their other ends.
+    fn load(&self, chassis: &Chassis, wheel: &WheelDesc, others: [f32; 2], dt: f32) -> f32 {
+        let x = self.compression;
+        let beyond = (x - wheel.travel).max(0.0);
+        let bump = if beyond > 0.0 { 10.0 * wheel.stiffness } else { 0.0 };
+        let stiffness = wheel.stiffness + bump + others[0];
+        let still = (wheel.stiffness + others[0]) * x + bump * beyond - others[1];
+        let by_speed = wheel.damping + stiffness * dt;
+        let force = still - by_speed * self.velocity(chassis, 0, dt);
+        (force / (1.0 + by_speed * dt * self.inverse_mass[0])).max(0.0)
     }
 }
 
@@ -85,25 +200,6 @@ fn touch(
     }))
 }
 
-/// The force of the spring and its damper [N], at least zero.
-fn spring(
-    world: &World,
-    chassis: &Chassis,
-    wheel: &WheelDesc,
-    x: f32,
-    at: &WheelContact,
-    dt: f32,
-) -> Result<f32, Error> {
-    let speed = world.velocity_at(chassis.body, at.point)? - world.velocity_at(at.body, at.point)?;
-    let mass = chassis.mass_at(at.point, at.normal);
-    // Forces are constant during a step: what would overshoot within it is taken back.
-    let stiffness = |k: f32| k.min(0.5 * mass / (dt * dt));
-    let damping = wheel.damping.min(0.5 * mass / dt);
-    let beyond = (x - wheel.travel).max(0.0);
-    let force = stiffness(wheel.stiffness) * x + stiffness(10.0 * wheel.stiffness) * beyond;
-    Ok((force - damping * speed.dot(at.normal)).max(0.0))
-}
-
 /// Adds the forces of all wheels for the next step, and brings their states up to date.
 pub(super) fn update(
     world: &mut World,
@@ -111,92 +207,92 @@ pub(super) fn update(
     desc: &VehicleDesc,
     wheels: &mut [WheelState],
     torques: &[WheelTorque],
+    outside: &mut Outside,
     dt: f32,
 ) -> Result<(), Error> {
-    let chassis = Chassis::new(world, body)?;
-    for (wheel, state) in desc.wheels.iter().zip(wheels.iter_mut()) {
+    let mut chassis = Chassis::new(world, body)?;
+    let mut touches = Vec::with_capacity(wheels.len());
+    for (i, (wheel, state)) in desc.wheels.iter().zip(wheels.iter_mut()).enumerate() {
         let met = touch(world, &chassis, desc, wheel)?;
-        state.contact = met.map(|(_, contact)| contact);
-        state.compression = met.map_or(0.0, |(x, _)| x);
-        if let Some(contact) = &mut state.contact {
-            contact.load = spring(world, &chassis, wheel, state.compression, contact, dt)?;
+        let met = met.map(|(x, contact)| Touch::new(world, &chassis, (i, &*state), x, contact));
+        let inertia = wheel.inertia();
+        *state = WheelState { contact: None, compression: 0.0, slides: false, force: [0.0; 2], ..*state };
+        match met.transpose()?.flatten() {
+            Some(touch) => touches.push(touch),
+            None => state.spin = torques[i].free(state.spin, inertia, dt),
         }
     }
-    for bar in &desc.anti_roll {
-        let [a, b] = bar.wheels;
-        let force = bar.stiffness * (wheels[a].compression - wheels[b].compression);
-        for (wheel, force) in [(a, force), (b, -force)] {
-            if let Some(contact) = &mut wheels[wheel].contact {
-                contact.load = (contact.load + force).max(0.0);
-            }
-        }
-    }
-    let load: f32 = wheels.iter().filter_map(|wheel| wheel.contact).map(|contact| contact.load).sum();
-    // What stops the vehicle is shared out by how much each wheel can hold.
-    let holds = |wheel: &WheelDesc, state: &WheelState, torque: &WheelTorque| {
-        let load = state.contact.map_or(0.0, |contact| contact.load);
-        let brake = brake_of(wheel, load, *torque, desc.anti_lock);
-        brake.min(wheel.friction * load * wheel.radius)
-    };
-    let each = desc.wheels.iter().zip(wheels.iter()).zip(torques);
-    let holds: Vec<f32> = each.map(|((wheel, state), torque)| holds(wheel, state, torque)).collect();
-    let hold: f32 = holds.iter().sum();
-    let mut pushes = Vec::with_capacity(2 * wheels.len());
-    for (i, (wheel, state)) in desc.wheels.iter().zip(wheels).enumerate() {
-        let of = |part: f32, all: f32| if all > 0.0 { chassis.mass * part / all } else { 0.0 };
-        let masses = [of(state.contact.map_or(0.0, |at| at.load), load), of(holds[i], hold)];
-        let force = roll(world, &chassis, desc, wheel, state, torques[i], masses, dt)?;
-        if let Some(contact) = &state.contact {
-            let force = force + contact.normal * contact.load;
-            pushes.push(Push(body, force, contact.point));
-            pushes.push(Push(contact.body, -force, contact.point));
-        }
-    }
-    for Push(body, force, point) in pushes {
-        world.add_force_at(body, force, point)?;
+    let steady = outside.steady(chassis.velocities, dt);
+    let gravity = world.settings().gravity * world.gravity_scale(body)?;
+    chassis.velocities[0] += (gravity + steady[0]) * dt;
+    chassis.velocities[1] += steady[1] * dt;
+    solve(&mut chassis, desc, wheels, torques, &mut touches, dt);
+    outside.expected = Some(std::array::from_fn(|i| chassis.velocities[i] - steady[i] * dt));
+    for touch in touches {
+        let (at, ground) = (touch.contact.point, touch.contact.body);
+        let force = (0..3).fold(Vec3::ZERO, |sum, i| sum + touch.axes[i] * touch.force[i]);
+        world.add_force_at(body, force, at)?;
+        world.add_force_at(ground, -force, at)?;
     }
     Ok(())
 }
 
-/// The force of a tyre along the ground; spins the wheel.
-#[allow(clippy::too_many_arguments, reason = "one wheel in its vehicle")]
-fn roll(
-    world: &World,
-    chassis: &Chassis,
+/// Forces of all springs and tyres, by each other.
+fn solve(
+    chassis: &mut Chassis,
     desc: &VehicleDesc,
-    wheel: &WheelDesc,
-    state: &mut WheelState,
-    torque: WheelTorque,
-    [mass, stopped]: [f32; 2],
+    wheels: &mut [WheelState],
+    torques: &[WheelTorque],
+    touches: &mut [Touch],
     dt: f32,
-) -> Result<Vec3, Error> {
-    state.slides = false;
-    let ahead = chassis.rotation * turn(Vec3::Y, state.steer) * Vec3::Z;
-    let axes = state.contact.filter(|contact| contact.load > 0.0).and_then(|contact| {
-        let left = contact.normal.cross(ahead).try_normalize()?;
-        Some((contact, left.cross(contact.normal), left))
-    });
-    let Some((contact, ahead, left)) = axes else {
-        // In the air.
-        let inertia = 0.5 * wheel.mass * wheel.radius * wheel.radius;
-        let free = state.spin + dt * torque.drive / inertia;
-        let brake = dt * (torque.foot + torque.other) / inertia;
-        state.spin = if free.abs() <= brake { 0.0 } else { free - brake.copysign(free) };
-        return Ok(Vec3::ZERO);
-    };
-    let velocity =
-        world.velocity_at(chassis.body, contact.point)? - world.velocity_at(contact.body, contact.point)?;
-    let tyre = Tyre {
-        load: contact.load,
-        mass,
-        stopped,
-        velocity: [velocity.dot(ahead), velocity.dot(left)],
-        gravity: [chassis.gravity.dot(ahead), chassis.gravity.dot(left)],
-        spin: state.spin,
-        torque,
-        anti_lock: desc.anti_lock,
-    };
-    let now = tyre.force(wheel, dt);
-    (state.spin, state.slides) = (now.spin, now.slides);
-    Ok(ahead * now.force[0] + left * now.force[1])
+) {
+    for touch in touches.iter() {
+        let force = (0..3).fold(Vec3::ZERO, |sum, i| sum + touch.axes[i] * touch.force[i]);
+        chassis.push(touch.arm, force * dt);
+    }
+    let starts: Vec<f32> = wheels.iter().map(|wheel| wheel.spin).collect();
+    for sweep in 0..WHEEL_SWEEPS {
+        for i in 0..touches.len() {
+            // To and fro: no wheel is always the last.
+            let i = if sweep % 2 == 0 { i } else { touches.len() - 1 - i };
+            let bars = bars(chassis, desc, touches, i, dt);
+            let touch = &mut touches[i];
+            let (wheel, state) = (&desc.wheels[touch.wheel], &mut wheels[touch.wheel]);
+            let load = touch.load(chassis, wheel, bars, dt);
+            touch.set(chassis, [load, touch.force[1], touch.force[2]], dt);
+            let tyre = Tyre {
+                load,
+                inverse_mass: [touch.inverse_mass[1], touch.inverse_mass[2]],
+                velocity: [1, 2].map(|axis| touch.velocity(chassis, axis, dt)),
+                slip: touch.slip,
+                spin: starts[touch.wheel],
+                torque: torques[touch.wheel],
+                anti_lock: desc.anti_lock,
+            };
+            let now = if load > 0.0 { tyre.force(wheel, dt) } else { tyre.lifted(wheel, dt) };
+            touch.set(chassis, [load, now.force[0], now.force[1]], dt);
+            (state.spin, state.slides, state.force) = (now.spin, now.slides, now.force);
+            state.contact = Some(WheelContact { load, ..touch.contact });
+            state.compression = touch.compression;
+        }
+    }
+}
+
+/// Stiffness of the bars of a wheel [N/m], and their force by the wheels at their other ends after the step
+/// [N]: those in the air are extended.
+fn bars(chassis: &Chassis, desc: &VehicleDesc, touches: &[Touch], i: usize, dt: f32) -> [f32; 2] {
+    let wheel = touches[i].wheel;
+    let mut sum = [0.0; 2];
+    for bar in &desc.anti_roll {
+        let [a, b] = bar.wheels;
+        if a != b && (a == wheel || b == wheel) {
+            let other = touches.iter().find(|touch| touch.wheel == a + b - wheel);
+            let x = other.map_or(0.0, |other| {
+                let velocity = chassis.along(other.arm, other.axes[0]) - other.ground[0];
+                other.compression - velocity * dt
+            });
+            sum = [sum[0] + bar.stiffness, sum[1] + bar.stiffness * x];
+        }
+    }
+    sum
 }

@@ -100,6 +100,13 @@ fields! {
     }
 }
 
+impl WheelDesc {
+    /// Moment of a disc about the axle [kg m²].
+    pub(super) fn inertia(&self) -> f32 {
+        0.5 * self.mass * self.radius * self.radius
+    }
+}
+
 /// How wheels touch the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]

@@ -24,6 +24,14 @@ pub(super) struct WheelTorque {
     pub(super) other: f32,
 }
 
+impl WheelTorque {
+    /// Spin of a wheel with no other torque after `dt` [s].
+    pub(super) fn free(self, spin: f32, inertia: f32, dt: f32) -> f32 {
+        let (free, brake) = (spin + dt * self.drive / inertia, dt * (self.foot + self.other) / inertia);
+        if free.abs() <= brake { 0.0 } else { free - brake.copysign(free) }
+    }
+}
+
 impl Drive {
     pub(super) fn new(desc: &VehicleDesc) -> Drive {
         Drive { gear: 1, rpm: desc.engine.idle, shifting: 0.0 }

@@ -55,6 +55,8 @@ pub struct WheelState {
     pub contact: Option<WheelContact>,
     /// Whether it slides on the ground instead of rolling.
     pub slides: bool,
+    /// Force of the tyre on the vehicle, along the ground [N]: forward, left. Zero of wheels that are bodies.
+    pub force: [f32; 2],
 }
 
 /// A wheel that is a body.
@@ -62,12 +64,8 @@ pub struct WheelState {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct WheelBody {
     body: BodyHandle,
-    /// Holds the spring.
-    strut: JointHandle,
-    /// Holds the axle: the same joint, if the wheel is not steered.
-    axle: JointHandle,
-    /// The body between the two of a wheel that is steered.
-    knuckle: Option<BodyHandle>,
+    /// Spring, axle and brake.
+    joint: JointHandle,
 }
 
 /// A vehicle: a chassis of the caller's with wheels.
@@ -108,6 +106,7 @@ pub struct Vehicle {
     wheels: Vec<WheelState>,
     /// Empty, unless wheels are bodies.
     bodies: Vec<WheelBody>,
+    outside: cast::Outside,
 }
 
 /// A rotation about a unit axis.
@@ -133,7 +132,14 @@ impl Vehicle {
             _ => Vec::new(),
         };
         let wheels = vec![WheelState::default(); desc.wheels.len()];
-        Ok(Vehicle { chassis, desc: desc.clone(), drive: Drive::new(desc), wheels, bodies })
+        Ok(Vehicle {
+            chassis,
+            desc: desc.clone(),
+            drive: Drive::new(desc),
+            wheels,
+            bodies,
+            outside: cast::Outside::default(),
+        })
     }
 
     /// Adds the forces of wheels and air for the next step, of `dt` [s]: call it before each step.
@@ -162,7 +168,7 @@ impl Vehicle {
         }
         let (body, desc) = (self.chassis, &self.desc);
         match self.bodies.is_empty() {
-            true => cast::update(world, body, desc, &mut self.wheels, &torques, dt)?,
+            true => cast::update(world, body, desc, &mut self.wheels, &torques, &mut self.outside, dt)?,
             false => bodies::update(world, body, &self.bodies, desc, &self.wheels, &torques)?,
         }
         for wheel in &mut self.wheels {
@@ -180,7 +186,6 @@ impl Vehicle {
     pub fn remove(self, world: &mut World) -> Result<(), Error> {
         for wheel in &self.bodies {
             world.remove_body(wheel.body)?;
-            wheel.knuckle.map_or(Ok(()), |knuckle| world.remove_body(knuckle))?;
         }
         Ok(())
     }

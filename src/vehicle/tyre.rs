@@ -8,13 +8,12 @@ use super::drive::WheelTorque;
 pub(super) struct Tyre {
     /// Load [N].
     pub(super) load: f32,
-    /// The part of the vehicle's mass that it moves [kg]: by its load, and where brakes stop the vehicle.
-    pub(super) mass: f32,
-    pub(super) stopped: f32,
-    /// Velocity of the vehicle over the ground where it touches [m/s]: forward, left.
+    /// What an impulse on the vehicle changes where it touches [1/kg]: forward, left.
+    pub(super) inverse_mass: [f32; 2],
+    /// Velocity over the ground after the step, without the tyre's own force [m/s]: forward, left.
     pub(super) velocity: [f32; 2],
-    /// Gravity along the same [m/s²].
-    pub(super) gravity: [f32; 2],
+    /// The same before the step.
+    pub(super) slip: [f32; 2],
     /// How fast the wheel turns [rad/s].
     pub(super) spin: f32,
     pub(super) torque: WheelTorque,
@@ -31,19 +30,6 @@ pub(super) struct TyreForce {
     pub(super) slides: bool,
 }
 
-/// Share of a velocity that a step takes away where a tyre sticks: the ground is below the centre of mass, so
-/// a push there moves the point of contact about twice as much as its share of the mass would.
-fn sticking(velocity: f32, gravity: f32, mass: f32, dt: f32) -> f32 {
-    -mass * (0.5 * velocity / dt + gravity)
-}
-
-/// The most torque that resists the turning of a wheel under a load [N m].
-pub(super) fn brake_of(wheel: &WheelDesc, load: f32, torque: WheelTorque, anti_lock: bool) -> f32 {
-    let grip = wheel.friction * load * wheel.radius;
-    let foot = if anti_lock { torque.foot.min(grip) } else { torque.foot };
-    foot + torque.other + wheel.rolling_resistance * load * wheel.radius
-}
-
 fn length([x, y]: [f32; 2]) -> f32 {
     (x * x + y * y).sqrt()
 }
@@ -51,15 +37,36 @@ fn length([x, y]: [f32; 2]) -> f32 {
 impl Tyre {
     /// Sideways force that the angle of slip allows [N].
     fn side_limit(&self, wheel: &WheelDesc) -> f32 {
-        let [ahead, aside] = self.velocity.map(f32::abs);
+        let [ahead, aside] = self.slip.map(f32::abs);
         let angle = libm::atan2f(aside, ahead) / wheel.slip_angle;
         let share = match angle {
             x if x <= 1.0 => x,
             x => 1.0 - (1.0 - wheel.sliding) * (0.5 * (x - 1.0)).min(1.0),
         };
         // An angle of slip means something above a walking pace; below, a tyre sticks.
-        let pace = (length(self.velocity) / 2.0).min(1.0);
+        let pace = (length(self.slip) / 2.0).min(1.0);
         wheel.friction * self.load * (1.0 + (share - 1.0) * pace * pace)
+    }
+
+    /// The force forward with which the wheel goes as fast as the ground after the step, against a torque
+    /// that resists [N], and whether that torque holds the wheel.
+    fn rolling(&self, wheel: &WheelDesc, brake: f32, dt: f32) -> (f32, bool) {
+        let (radius, inertia, [inverse, _]) = (wheel.radius, wheel.inertia(), self.inverse_mass);
+        // The brake that would stop vehicle and wheel, as far as it reaches.
+        let stop = -self.velocity[0] / (dt * inverse);
+        let needed = stop * radius - self.torque.drive - inertia * self.spin / dt;
+        if needed.abs() <= brake {
+            return (stop, true);
+        }
+        let torque = self.torque.drive + brake.copysign(needed);
+        let turned = inertia * (self.velocity[0] / radius - self.spin) / dt;
+        ((torque - turned) / (radius + inertia * inverse / radius), false)
+    }
+
+    /// What comes of it without a load.
+    pub(super) fn lifted(&self, wheel: &WheelDesc, dt: f32) -> TyreForce {
+        let spin = self.torque.free(self.spin, wheel.inertia(), dt);
+        TyreForce { force: [0.0; 2], spin, slides: false }
     }
 
     /// The force and the spin after `dt` [s].
@@ -67,47 +74,42 @@ impl Tyre {
     /// The tyre rolls if its grip allows: force and spin are those with which the wheel goes as fast as the
     /// ground after the step. Else it slides, with a force against its motion over the ground.
     pub(super) fn force(&self, wheel: &WheelDesc, dt: f32) -> TyreForce {
-        let (radius, inertia) = (wheel.radius, 0.5 * wheel.mass * wheel.radius * wheel.radius);
+        let (radius, inertia) = (wheel.radius, wheel.inertia());
         let most = wheel.friction * self.load;
-        let brake = brake_of(wheel, self.load, self.torque, self.anti_lock);
-        let ([v, side], [g, g_side]) = (self.velocity, self.gravity);
-
-        // The brake that would stop vehicle and wheel, as far as it reaches.
-        let stop = sticking(v, g, self.stopped, dt);
-        let needed = stop * radius - self.torque.drive - inertia * self.spin / dt;
-        let held = needed.abs() <= brake;
-        let along = if held {
-            stop
-        } else {
-            let torque = self.torque.drive + brake.copysign(needed);
-            let turned = inertia * ((v + dt * g) / radius - self.spin) / dt;
-            (torque - turned) / (radius + inertia / (radius * self.mass))
-        };
+        let other = self.torque.other + wheel.rolling_resistance * self.load * radius;
+        let brake = self.torque.foot + other;
         let limit = self.side_limit(wheel);
-        let across = sticking(side, g_side, self.mass, dt).clamp(-limit, limit);
+        let across = (-self.velocity[1] / (dt * self.inverse_mass[1])).clamp(-limit, limit);
+        let rolls = |along: f32, across: f32| {
+            let after = self.velocity[0] + dt * along * self.inverse_mass[0];
+            TyreForce { force: [along, across], spin: after / radius, slides: false }
+        };
 
-        // Rounding: anti-lock brakes are at the limit.
-        if along.abs() <= most * (1.0 + 1e-3) {
-            // The ellipse: what is left beside the force along the wheel.
+        let (along, held) = self.rolling(wheel, brake, dt);
+        if along.abs() <= most {
+            // The circle: what is left beside the force along the wheel.
             let left = (most * most - along * along).max(0.0).sqrt();
-            let across = across.clamp(-left, left);
-            let after = v + dt * (along / self.mass + g);
-            let spin = if held { 0.0 } else { after / radius };
-            return TyreForce { force: [along, across], spin, slides: false };
+            let rolls = rolls(along, across.clamp(-left, left));
+            return TyreForce { spin: if held { 0.0 } else { rolls.spin }, ..rolls };
+        }
+        if self.anti_lock && self.rolling(wheel, other, dt).0.abs() <= most {
+            // The foot brake reaches the circle and yields.
+            let along = most.copysign(along);
+            let share = most / length([along, across]).max(f32::MIN_POSITIVE);
+            return rolls(along * share, across * share);
         }
         let most = most * wheel.sliding;
-        let slip = [self.spin * radius - v, -side];
-        let speed = length(slip);
-        // At rest the direction is where it would be pulled.
-        let force = match speed > 0.1 {
-            true => slip.map(|part| part * most / speed),
-            false => [most.copysign(along), across.clamp(-most, most)],
-        };
-        let free = self.spin + dt * (self.torque.drive - force[0] * radius) / inertia;
-        let braked = dt * brake / inertia;
-        let mut spin = if free.abs() <= braked { 0.0 } else { free - braked.copysign(free) };
+        let mut slip = [self.spin * radius - self.slip[0], -self.slip[1]];
+        if length(slip) < 0.1 {
+            // At rest the direction is where it would be pulled.
+            slip = [along, across];
+        }
+        let share = most / length(slip).max(f32::MIN_POSITIVE);
+        let force = slip.map(|part| part * share);
+        let drive = self.torque.drive - force[0] * radius;
+        let mut spin = WheelTorque { drive, foot: brake, other: 0.0 }.free(self.spin, inertia, dt);
         // Grip takes the wheel to the speed of the ground, not beyond it.
-        let rolling = (v + dt * (force[0] / self.mass + g)) / radius;
+        let rolling = rolls(force[0], force[1]).spin;
         if (self.spin - rolling) * (spin - rolling) < 0.0 && brake < most * radius {
             spin = rolling;
         }

@@ -101,8 +101,8 @@ fn two_attractors_share() {
     let mut world = World::new(Settings::default().with_gravity(Vec3::ZERO)).unwrap();
     let middle = body(&mut world, DVec3::ZERO, Geometry::sphere(0.2), 1000.0);
     let near = body(&mut world, DVec3::new(1.0, 3.0, 0.0), Geometry::sphere(0.2), 10.0);
-    run(&mut world, 0.25, 60, |world, _| {
-        assert_eq!(left.apply_to(world).unwrap() + right.apply_to(world).unwrap(), 4);
+    run(&mut world, 0.25, 60, |world, dt| {
+        assert_eq!(left.apply_to(world, dt).unwrap() + right.apply_to(world, dt).unwrap(), 4);
     });
     assert!(world.linear_velocity(middle).unwrap().length() < 1e-4);
     let velocity = world.linear_velocity(near).unwrap();
