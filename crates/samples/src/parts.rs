@@ -5,7 +5,7 @@ use crate::{Running, Tick};
 use backstop::{
     BodyDesc, BodyHandle, ContactHooks, Error, Geometry, Material, NoHooks, Settings, ShapeDesc, World,
 };
-use std::fmt;
+use std::{any::Any, fmt, rc::Rc};
 
 /// A world with a level ground at y = 0, and the body of the ground.
 ///
@@ -65,34 +65,47 @@ pub fn run(sample: &mut impl Running, seconds: f64) -> Result<(), Error> {
     Tick::during(seconds).try_for_each(|tick| sample.step(&tick))
 }
 
-type Act = dyn Fn(&mut World, &Tick) -> Result<(), Error>;
+type Act<S> = dyn Fn(&mut World, &mut S, &Tick) -> Result<(), Error>;
 
-/// A world in which something acts before each step.
-pub struct Driven {
+/// A world in which something acts before each step, with a state of its own beside it.
+pub struct Driven<S = ()> {
     world: World,
-    act: Box<Act>,
+    state: S,
+    act: Box<Act<S>>,
     hooks: Box<dyn ContactHooks>,
 }
 
 impl Driven {
     /// Calls a function before each step.
     pub fn new(world: World, act: impl Fn(&mut World, &Tick) -> Result<(), Error> + 'static) -> Driven {
-        Driven { world, act: Box::new(act), hooks: Box::new(NoHooks) }
+        Driven::with_state(world, (), move |world, (), tick| act(world, tick))
     }
 
     /// A world in which hooks see contacts, and nothing else acts.
     pub fn hooked(world: World, hooks: impl ContactHooks + 'static) -> Driven {
-        Driven { world, act: Box::new(|_, _| Ok(())), hooks: Box::new(hooks) }
+        Driven { hooks: Box::new(hooks), ..Driven::new(world, |_, _| Ok(())) }
     }
 }
 
-impl fmt::Debug for Driven {
+impl<S> Driven<S> {
+    /// Calls a function before each step that changes a state, such as a vehicle's, of which copies go with
+    /// snapshots of the world.
+    pub fn with_state(
+        world: World,
+        state: S,
+        act: impl Fn(&mut World, &mut S, &Tick) -> Result<(), Error> + 'static,
+    ) -> Driven<S> {
+        Driven { world, state, act: Box::new(act), hooks: Box::new(NoHooks) }
+    }
+}
+
+impl<S> fmt::Debug for Driven<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Driven").field("world", &self.world).finish_non_exhaustive()
     }
 }
 
-impl Running for Driven {
+impl<S: Clone + 'static> Running for Driven<S> {
     fn world(&self) -> &World {
         &self.world
     }
@@ -102,8 +115,18 @@ impl Running for Driven {
     }
 
     fn step(&mut self, tick: &Tick) -> Result<(), Error> {
-        (self.act)(&mut self.world, tick)?;
+        (self.act)(&mut self.world, &mut self.state, tick)?;
         self.world.step_with(tick.dt, &*self.hooks)?;
         Ok(())
+    }
+
+    fn state(&self) -> Option<Rc<dyn Any>> {
+        Some(Rc::new(self.state.clone()))
+    }
+
+    fn set_state(&mut self, state: &dyn Any) {
+        if let Some(state) = state.downcast_ref::<S>() {
+            self.state.clone_from(state);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a sample is, and how it is run.
 
 use backstop::{Error, World};
+use std::{any::Any, rc::Rc};
 
 /// A world to look at, and the file that makes it.
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +93,8 @@ impl Tick {
 
 /// A sample while it runs.
 ///
-/// What changes in it is in the world, so that a snapshot of the world is one of the sample: other fields are
-/// handles and constants.
+/// What changes in it is in the world or in its [`state`](Running::state), so that a snapshot of the world
+/// and that state are one of the sample: other fields are handles and constants.
 pub trait Running {
     /// Its world.
     fn world(&self) -> &World;
@@ -110,6 +111,14 @@ pub trait Running {
         self.world_mut().step(tick.dt)?;
         Ok(())
     }
+
+    /// A copy of what changes outside the world, such as the gears of a car, if there is such a thing.
+    fn state(&self) -> Option<Rc<dyn Any>> {
+        None
+    }
+
+    /// Brings a copy back that [`state`](Running::state) gave; anything else changes nothing.
+    fn set_state(&mut self, _: &dyn Any) {}
 }
 
 impl Running for World {

@@ -1,7 +1,7 @@
 //! The way back: a snapshot of each of the last steps.
 
 use backstop::{Error, Grab, Snapshot, World};
-use std::collections::VecDeque;
+use std::{any::Any, collections::VecDeque, rc::Rc};
 
 /// Steps that are kept, at most, and the bytes of their snapshots.
 const MOST_STEPS: usize = 600;
@@ -18,6 +18,8 @@ pub(crate) struct Moment {
     pub(crate) dt: f32,
     /// What is held.
     pub(crate) grab: Option<Grab>,
+    /// What the sample keeps beside its world.
+    pub(crate) state: Option<Rc<dyn Any>>,
 }
 
 /// A moment, and the world at that time.
@@ -133,7 +135,7 @@ mod tests {
     #[test]
     fn no_more_is_kept_than_there_is_room_for() {
         let world = World::new(Settings::default()).unwrap();
-        let moment = |step: u64| Moment { step, time: 0.0, dt: 0.1, grab: None };
+        let moment = |step: u64| Moment { step, time: 0.0, dt: 0.1, grab: None, state: None };
         let mut history = History::default();
         for step in 0..1000 {
             history.keep(&world, moment(step));

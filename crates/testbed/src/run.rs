@@ -195,7 +195,8 @@ impl Run {
     }
 
     fn keep(&mut self) {
-        let moment = Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab };
+        let state = self.running.state();
+        let moment = Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab, state };
         self.history.keep(self.running.world(), moment);
     }
 
@@ -218,7 +219,11 @@ impl Run {
             self.keep();
         }
         let moment = self.history.restore(self.running.world_mut(), step)?.ok_or_else(gone)?;
-        Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab } = moment;
+        let state;
+        Moment { step: self.step, time: self.time, dt: self.dt, grab: self.grab, state } = moment;
+        if let Some(state) = state {
+            self.running.set_state(&*state);
+        }
         self.grab_is_past = self.grab.is_some();
         Ok(())
     }

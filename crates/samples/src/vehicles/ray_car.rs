@@ -6,7 +6,7 @@ use crate::parts::{Driven, fixed, level_world, spread};
 use backstop::glam::{Quat, Vec3};
 use backstop::vehicle::{Controls, Vehicle, VehicleDesc};
 use backstop::{BodyDesc, Error, Geometry, MassProperties, ShapeDesc, World};
-use std::{cell::RefCell, f32::consts::PI};
+use std::f32::consts::PI;
 
 /// Mass of the car [kg]; without keys its speed [m/s] and share of the steering to the right.
 const MASS: f32 = 1200.0;
@@ -14,20 +14,19 @@ const SPEED: f32 = 6.0;
 const STEER: f32 = 0.4;
 
 /// The car among bumps.
-pub fn start() -> Result<Driven, Error> {
+pub fn start() -> Result<Driven<Vehicle>, Error> {
     let (mut world, car) = build()?;
     let tyres = add_tyres(&mut world, &car)?;
     // Gears and spins of wheels are not in the world: a game keeps a copy of them with each snapshot.
-    let car = RefCell::new(car);
-    Ok(Driven::new(world, move |world, tick| {
-        let (mut car, keys, mut controls) = (car.borrow_mut(), tick.controls, Controls::default());
+    Ok(Driven::with_state(world, car, move |world, car, tick| {
+        let (keys, mut controls) = (tick.controls, Controls::default());
         (controls.throttle, controls.steer) = match keys == crate::Controls::default() {
             true => ((SPEED - car.speed(world)?).clamp(0.0, 1.0), -STEER),
             false => (keys.forward, -keys.right),
         };
         controls.hand_brake = if keys.jump { 1.0 } else { 0.0 };
         car.update(world, tick.dt, &controls)?;
-        move_tyres(world, &car, &tyres)
+        move_tyres(world, car, &tyres)
     }))
 }
 
