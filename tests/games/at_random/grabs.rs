@@ -127,7 +127,7 @@ fn a_grab_pulls_nothing_through_walls() {
 /// make it, and nothing sinks into the floor.
 #[test]
 fn grabs_in_heaps_and_chains_do_not_explode() {
-    judge(8, |random| {
+    judge(4, |random| {
         let (mut world, rate) = (world(random)?, random.of(&RATES));
         let (half, chain) = (random.range(0.2, 0.5), random.chance(0.5));
         let ratio = random.log_range(1.0, 30.0);
