@@ -70,15 +70,17 @@ impl Wind {
         let gravity = world.settings().gravity;
         let mut pushes = Vec::new();
         for shape in shapes(world, None, self.filter)? {
-            let against = self.velocity - world.velocity_at(shape.body, shape.position)?;
+            let (mass, scale) = (world.mass(shape.body)?, world.gravity_scale(shape.body)?);
+            let fall = gravity * (scale * dt);
+            let against = self.velocity - world.velocity_at(shape.body, shape.position)? - fall;
             let speed = against.length();
             let Ok(along) = limits::direction("wind", against) else { continue };
             let area = silhouette(shape.geometry, shape.rotation.conjugate() * along);
-            let rate = 0.5 * self.density * self.drag * area * speed;
-            // As if it acted during the step: a light body takes the velocity of the air at most.
-            let rate = rate / (1.0 + rate * dt / world.mass(shape.body)?);
-            let fall = gravity * (world.gravity_scale(shape.body)? * dt);
-            pushes.push((shape.body, (against - fall) * rate, shape.position, Vec3::ZERO));
+            // The speed after the step (implicit Euler): a light body takes the velocity of the air at most, and
+            // one that falls its terminal speed.
+            let drag = 0.5 * self.density * self.drag * area;
+            let after = 2.0 * speed / (1.0 + (1.0 + 4.0 * drag * speed * dt / mass).sqrt());
+            pushes.push((shape.body, along * (drag * after * after), shape.position, Vec3::ZERO));
         }
         apply(world, &pushes)
     }

@@ -86,11 +86,16 @@ impl Tyre {
         };
 
         let (along, held) = self.rolling(wheel, brake, dt);
+        if held && along.abs() <= most {
+            // The circle, shrunk onto: if the force along the wheel came first, wheels would hold against each
+            // other and let the vehicle slide aside.
+            let share = (most / length([along, across]).max(f32::MIN_POSITIVE)).min(1.0);
+            return TyreForce { force: [along * share, across * share], spin: 0.0, slides: false };
+        }
         if along.abs() <= most {
-            // The circle: what is left beside the force along the wheel.
+            // What is left of the circle beside the force along the wheel.
             let left = (most * most - along * along).max(0.0).sqrt();
-            let rolls = rolls(along, across.clamp(-left, left));
-            return TyreForce { spin: if held { 0.0 } else { rolls.spin }, ..rolls };
+            return rolls(along, across.clamp(-left, left));
         }
         if self.anti_lock && self.rolling(wheel, other, dt).0.abs() <= most {
             // The foot brake reaches the circle and yields.
@@ -98,19 +103,19 @@ impl Tyre {
             let share = most / length([along, across]).max(f32::MIN_POSITIVE);
             return rolls(along * share, across * share);
         }
-        let most = most * wheel.sliding;
         let mut slip = [self.spin * radius - self.slip[0], -self.slip[1]];
+        let mut sliding = most * wheel.sliding;
         if length(slip) < 0.1 {
-            // At rest the direction is where it would be pulled.
-            slip = [along, across];
+            // At rest it has all of its grip, and the direction is where it would be pulled.
+            (slip, sliding) = ([along, across], most);
         }
-        let share = most / length(slip).max(f32::MIN_POSITIVE);
+        let share = sliding / length(slip).max(f32::MIN_POSITIVE);
         let force = slip.map(|part| part * share);
         let drive = self.torque.drive - force[0] * radius;
         let mut spin = WheelTorque { drive, foot: brake, other: 0.0 }.free(self.spin, inertia, dt);
         // Grip takes the wheel to the speed of the ground, not beyond it.
         let rolling = rolls(force[0], force[1]).spin;
-        if (self.spin - rolling) * (spin - rolling) < 0.0 && brake < most * radius {
+        if (self.spin - rolling) * (spin - rolling) < 0.0 && brake < sliding * radius {
             spin = rolling;
         }
         TyreForce { force, spin, slides: true }
