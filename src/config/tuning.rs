@@ -437,7 +437,7 @@ pub(crate) const STREAM_SPREAD: f32 = 1.5;
 
 // Vehicles
 
-/// How often the forces of wheels that are casts are brought in line with each other in a step: with 10 wheels
-/// that start from the forces of the step before, a parked car of any proportions stands still
+/// How often the forces of wheels that are casts are brought in line with each other in a step. They start
+/// from the forces of the step before, and a parked car on 10 wheels of any proportions stands still
 /// (tests/games/at_random/cars.rs).
 pub(crate) const WHEEL_SWEEPS: usize = 16;

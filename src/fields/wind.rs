@@ -76,8 +76,8 @@ impl Wind {
             let speed = against.length();
             let Ok(along) = limits::direction("wind", against) else { continue };
             let area = silhouette(shape.geometry, shape.rotation.conjugate() * along);
-            // The speed after the step (implicit Euler): a light body takes the velocity of the air at most, and
-            // one that falls its terminal speed.
+            // The speed after the step (implicit Euler): a light body takes the velocity of the air at most,
+            // and one that falls its terminal speed.
             let drag = 0.5 * self.density * self.drag * area;
             let after = 2.0 * speed / (1.0 + (1.0 + 4.0 * drag * speed * dt / mass).sqrt());
             pushes.push((shape.body, along * (drag * after * after), shape.position, Vec3::ZERO));

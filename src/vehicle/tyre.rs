@@ -87,8 +87,8 @@ impl Tyre {
 
         let (along, held) = self.rolling(wheel, brake, dt);
         if held && along.abs() <= most {
-            // The circle, shrunk onto: if the force along the wheel came first, wheels would hold against each
-            // other and let the vehicle slide aside.
+            // Both shrink to the circle: if the force along the wheel came first, wheels would hold against
+            // each other and let the vehicle slide aside.
             let share = (most / length([along, across]).max(f32::MIN_POSITIVE)).min(1.0);
             return TyreForce { force: [along * share, across * share], spin: 0.0, slides: false };
         }
