@@ -6,11 +6,11 @@ use super::{G, RATES, judge, require};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::vehicle::{Controls, EngineDesc, GearboxDesc, Vehicle, VehicleDesc, WheelDesc, WheelKind};
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, MassProperties, Settings, ShapeDesc, World};
+use std::f32::consts::TAU;
 
 const KINDS: [WheelKind; 3] = [WheelKind::Ray, WheelKind::Sphere, WheelKind::Body];
 
 /// A car by its numbers.
-#[derive(Clone, Debug)]
 struct Car {
     mass: f32,
     /// Length of a car of this mass by that of one of 1,200 kg.
@@ -220,7 +220,7 @@ pub(super) fn brakes_hold_on_slopes() {
         let tips = car.half_track.min(0.5 * car.base()) / (car.height() + car.wheel().radius);
         let most = (0.7 * car.wheel().friction).min(0.5 * tips);
         let angle = libm::atanf(random.range(0.0, most));
-        let turned = Quat::from_rotation_y(random.range(0.0, 6.28));
+        let turned = Quat::from_rotation_y(random.range(0.0, TAU));
         let mut world = car.world()?;
         let ground = Ground::Tilted(angle);
         ground.add_to(&mut world, car.wheel().friction)?;
@@ -431,7 +431,7 @@ fn it_turns_around_the_centre_of_ackermann() {
         let from = (world.rotation(vehicle.chassis())? * Vec3::X, vehicle.speed(&world)?);
         drive(&mut world, &mut vehicle, 0.5, rate, controls)?;
         let to = (world.rotation(vehicle.chassis())? * Vec3::X, vehicle.speed(&world)?);
-        let turned = from.0.cross(to.0).dot(Vec3::Y).asin();
+        let turned = libm::asinf(from.0.cross(to.0).dot(Vec3::Y));
         let radius = 0.5 * (from.1 + to.1) * 0.5 / turned;
         let off = radius / expected - 1.0;
         require!(

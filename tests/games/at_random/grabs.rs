@@ -54,8 +54,11 @@ fn a_grab_follows_by_frequency_and_damping() {
             world.step(dt)?;
             most = most.max(world.position(body)?.x - 1.0);
         }
-        let overshoot =
-            if ratio < 1.0 { libm::expf(-3.1416 * ratio / (1.0 - ratio * ratio).sqrt()) } else { 0.0 };
+        let overshoot = if ratio < 1.0 {
+            libm::expf(-std::f32::consts::PI * ratio / (1.0 - ratio * ratio).sqrt())
+        } else {
+            0.0
+        };
         require!(most < f64::from(overshoot) + 0.02, "overshoots by {most:.3}, not {overshoot:.3}; {text}");
         let expected = start + DVec3::new(1.0, -f64::from(G / (omega * omega)), 0.0);
         let off = world.position(body)?.distance(expected);
@@ -73,7 +76,7 @@ fn a_grab_pulls_nothing_through_walls() {
         let (room, thick) = (5.0_f32, random.range(0.1, 0.5));
         for (axis, side) in [(0, 1.0), (0, -1.0), (2, 1.0), (2, -1.0), (1, 1.0)] {
             let (mut at, mut half) = (Vec3::Y * room, Vec3::splat(room + 1.0));
-            at[axis] += side * if axis == 1 { room } else { room };
+            at[axis] += side * room;
             half[axis] = thick;
             let wall = ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z));
             world.add_body(&BodyDesc::fixed().with_position(at).with_shape(wall))?;

@@ -19,7 +19,8 @@ type Verdict = Result<(), Box<dyn std::error::Error>>;
 /// Fails with a text unless something holds.
 macro_rules! require {
     ($holds:expr, $($text:tt)*) => {
-        if !$holds {
+        let holds: bool = $holds;
+        if !holds {
             return Err(format!($($text)*).into());
         }
     };
