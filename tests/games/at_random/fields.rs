@@ -52,7 +52,7 @@ fn below(world: &World, body: BodyHandle, random: &mut Random) -> Result<(f32, f
 fn floating_bodies_displace_their_mass() {
     judge(6, |random| {
         let (mut world, rate) = (world(random, G)?, random.of(&RATES));
-        let size = random.log_range(0.06, 5.0);
+        let size = random.log_range(0.1, 5.0);
         let (geometry, density) = (any_shape(random, size), random.range(100.0, 950.0));
         let desc =
             BodyDesc::dynamic().with_position(DVec3::Y * f64::from(size)).with_rotation(random.rotation());
