@@ -80,7 +80,7 @@ fn floating_bodies_displace_their_mass() {
 fn water_without_drag_feeds_no_motion() {
     judge(4, |random| {
         let (mut world, rate) = (world(random, G)?, random.of(&RATES));
-        let size = random.log_range(0.03, 5.0);
+        let size = random.log_range(0.15, 5.0);
         let (geometry, density) = (any_shape(random, size), random.range(100.0, 900.0));
         let desc = BodyDesc::dynamic().with_position(DVec3::Y * f64::from(0.5 * size));
         let desc = desc.with_rotation(random.rotation());
