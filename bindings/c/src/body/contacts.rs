@@ -134,8 +134,8 @@ pub unsafe extern "C" fn bs_world_awake_bodies(
 }
 
 /// Bodies that the last step moved, with their poses and velocities: dynamic ones that are awake, then
-/// kinematic ones with a velocity, then dynamic ones that fell asleep, once. To be called after a step, before
-/// other calls change bodies; it allocates nothing. `count` becomes their number.
+/// kinematic ones with a velocity, then dynamic ones that fell asleep, once. To be called after a step, and
+/// before other calls change bodies. Allocates nothing. `count` becomes their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bs_world_body_moves(
     world: *const BsWorld,
