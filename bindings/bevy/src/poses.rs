@@ -9,7 +9,7 @@ use crate::world::{DrawnState, LocalPose, PhysicsWorld, in_order};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::{SystemChangeTick, SystemParam};
-use bevy_math::{DVec3, Quat};
+use bevy_math::{DVec3, Quat, Vec3, Vec3A};
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 
@@ -164,12 +164,12 @@ impl DrawnState {
     #[inline(always)]
     pub(crate) fn show(&mut self, transform: &mut Mut<Transform>, pose: LocalPose) -> bool {
         let is_foreign = transform.last_changed() != self.shown_at;
-        if is_foreign && LocalPose::new(transform.translation, transform.rotation) != self.written {
+        if is_foreign && LocalPose::of_transform(transform) != self.written {
             return true;
         }
         if pose != self.written {
             self.written = pose;
-            (transform.translation, transform.rotation) = (pose.position, pose.rotation());
+            (transform.translation, transform.rotation) = (pose.position.into(), pose.rotation);
             self.shown_at = transform.last_changed();
         }
         is_foreign
@@ -200,7 +200,7 @@ fn write_character(
         _ => last,
     };
     let pose = above.map_or(pose, |above| below(&above, pose));
-    let (translation, rotation) = (pose.position, pose.rotation());
+    let (translation, rotation) = (Vec3::from(pose.position), pose.rotation);
     let mut new = *part.transform;
     if new.translation == state.written.translation {
         (new.translation, state.written.translation) = (translation, translation);
@@ -218,12 +218,16 @@ fn follow_origin(physics: &mut PhysicsWorld) {
     if physics.origin == new {
         return;
     }
-    let shift = (physics.origin - new).as_vec3().to_bevy();
+    let shift = Vec3A::from((physics.origin - new).as_vec3().to_bevy());
     physics.origin = new;
     for body in in_order(physics.bodies.keys().copied()) {
         if let (Some(state), Some(drawn)) = (physics.bodies.get(&body), physics.drawn.get_mut(&body)) {
             let last = LocalPose::of(&state.pose, new);
-            drawn.previous = if drawn.previous == drawn.last { last } else { drawn.previous.moved_by(shift) };
+            if drawn.previous == drawn.last {
+                drawn.previous = last;
+            } else {
+                drawn.previous.position += shift;
+            }
             drawn.last = last;
         }
         physics.mark_moving(body);
@@ -232,8 +236,8 @@ fn follow_origin(physics: &mut PhysicsWorld) {
 
 /// A pose as it is seen from what is above.
 fn below(above: &GlobalTransform, pose: LocalPose) -> LocalPose {
-    let position = above.affine().inverse().transform_point3(pose.position);
-    LocalPose::new(position, above.rotation().inverse() * pose.rotation())
+    let position = above.affine().inverse().transform_point3a(pose.position);
+    LocalPose { position, rotation: above.rotation().inverse() * pose.rotation }
 }
 
 /// Cosine of half of an angle of 16 degrees. For less than that between two steps a chord, which takes a
@@ -249,9 +253,10 @@ fn between(from: &LocalPose, to: &LocalPose, fraction: f32) -> LocalPose {
     if fraction <= 0.0 {
         return *from;
     }
-    let (start, end) = (from.rotation(), to.rotation());
-    let turn = if start.dot(end).abs() > NEAR { Quat::lerp } else { Quat::slerp };
-    LocalPose::new(from.position.lerp(to.position, fraction), turn(start, end, fraction))
+    let (start, end) = (from.rotation, to.rotation);
+    let is_near = start.dot(end).abs() > NEAR;
+    let rotation = if is_near { start.lerp(end, fraction) } else { start.slerp(end, fraction) };
+    LocalPose { position: from.position.lerp(to.position, fraction), rotation }
 }
 
 /// The pose after some time, if nothing changes the velocity [s]. `arm` is from the origin of the body to its

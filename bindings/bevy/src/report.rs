@@ -97,10 +97,10 @@ fn show(physics: &mut PhysicsWorld, part: &mut MotionItem) {
     if let Some(pose) = &mut part.pose {
         pose.set_if_neq(state.pose);
     }
-    if let Some(transform) = part.transform.as_mut().filter(|_| !part.is_below) {
-        if drawn.show(transform, drawn.last) {
-            wrote.look_at(part.entity);
-        }
+    if let Some(transform) = part.transform.as_mut().filter(|_| !part.is_below)
+        && drawn.show(transform, drawn.last)
+    {
+        wrote.look_at(part.entity);
     }
 }
 

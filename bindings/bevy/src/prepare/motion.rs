@@ -37,8 +37,8 @@ pub(crate) fn find_written(
                     continue;
                 }
                 let (Some(state), Some(drawn)) = (bodies.get(&entity), drawn.get(&entity)) else { continue };
-                let Transform { translation, rotation, scale } = transforms[row];
-                if LocalPose::new(translation, rotation) != drawn.written || scale != state.scale {
+                let transform = &transforms[row];
+                if LocalPose::of_transform(transform) != drawn.written || transform.scale != state.scale {
                     moved.push(entity);
                 }
             }
@@ -153,10 +153,9 @@ pub(crate) fn read_poses(
             continue;
         };
         state.scale = transform.scale;
-        let new = LocalPose::new(transform.translation, transform.rotation);
+        let new = LocalPose::of_transform(transform);
         let written = std::mem::replace(&mut drawn.written, new);
-        let (moved, turned) =
-            (written.position != transform.translation, written.rotation() != transform.rotation);
+        let (moved, turned) = (written.position != new.position, written.rotation != new.rotation);
         if !moved && !turned {
             continue;
         }

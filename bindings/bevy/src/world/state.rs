@@ -8,31 +8,25 @@ use backstop::{
 };
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::Entity;
-use bevy_math::{Quat, Vec3};
+use bevy_math::{Quat, Vec3, Vec3A};
 use bevy_transform::components::Transform;
 
-/// A pose relative to the origin that transforms have, packed.
+/// A pose relative to the origin that transforms have, in two registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LocalPose {
-    pub(crate) position: Vec3,
-    rotation: [f32; 4],
+    pub(crate) position: Vec3A,
+    pub(crate) rotation: Quat,
 }
 
 impl LocalPose {
     #[inline]
-    pub(crate) fn new(position: Vec3, rotation: Quat) -> Self {
-        LocalPose { position, rotation: rotation.to_array() }
-    }
-    #[inline]
     pub(crate) fn of(pose: &PhysicsPose, origin: glam::DVec3) -> Self {
-        LocalPose::new((pose.position.to_engine() - origin).as_vec3().to_bevy(), pose.rotation)
-    }
-    pub(crate) fn moved_by(&self, shift: Vec3) -> Self {
-        LocalPose { position: self.position + shift, rotation: self.rotation }
+        let position = (pose.position.to_engine() - origin).as_vec3().to_bevy();
+        LocalPose { position: position.into(), rotation: pose.rotation }
     }
     #[inline]
-    pub(crate) fn rotation(&self) -> Quat {
-        Quat::from_array(self.rotation)
+    pub(crate) fn of_transform(transform: &Transform) -> Self {
+        LocalPose { position: transform.translation.into(), rotation: transform.rotation }
     }
 }
 
@@ -54,7 +48,7 @@ pub(crate) struct DrawnState {
 impl DrawnState {
     /// At rest at a pose, with a transform that says so.
     pub(crate) fn at_rest(pose: LocalPose, written: &Transform) -> Self {
-        let written = LocalPose::new(written.translation, written.rotation);
+        let written = LocalPose::of_transform(written);
         DrawnState { previous: pose, last: pose, written, shown_at: Tick::new(0), listed_in: 0 }
     }
 }
