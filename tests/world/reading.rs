@@ -304,6 +304,7 @@ fn moves_are_told_in_order_after_a_pose_and_after_a_restore() {
     world.move_kinematic(lift, DVec3::new(0.0, 0.1, 20.0), Quat::IDENTITY, DT).unwrap();
     world.step(DT).unwrap();
     assert_eq!(told(&world), [1, 2, 3]);
+    world.set_velocity(lift, Vec3::ZERO, Vec3::ZERO).unwrap();
     steps(&mut world, 200);
     assert_eq!(told(&world), [0; 0], "all is at rest");
 
