@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::handle::BodyHandle;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 /// A body that moved in the last step: where it is and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct BodyMove {
     /// Position of its origin in the world [m].
     pub position: DVec3,
     /// Rotation of its axes.
-    pub rotation: Quat,
+    pub rotation: glam::Quat,
     /// Position of its centre of mass in the world [m].
     pub centre_of_mass: DVec3,
     /// Velocity of its centre of mass [m/s].
