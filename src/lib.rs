@@ -44,7 +44,7 @@
 //! - [`Settings`], [`ContinuousMode`], [`ContinuousMethod`]: gravity, substeps, threads, and continuous
 //!   collision.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: queries, [`World::cast_ray`] and others.
-//! - [`World::moved_bodies`], [`World::contacts_of`], [`World::aabb`]: bodies that moved in the last step,
+//! - [`World::body_moves`], [`World::contacts_of`], [`World::aabb`]: bodies that moved in the last step,
 //!   contacts of a body, and the box around it.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: events, and hooks that may veto
 //!   or edit contacts.
@@ -167,6 +167,6 @@ pub use shape::{
 };
 pub use snapshot::Snapshot;
 pub use world::{
-    Aabb, BodyContact, ContactHook, ContactHooks, ContactPoint, ContentForecast, Feature, FeatureCost,
-    FeatureReport, NoHooks, Plan, StageTimes, StepReport, World,
+    Aabb, BodyContact, BodyMove, ContactHook, ContactHooks, ContactPoint, ContentForecast, Feature,
+    FeatureCost, FeatureReport, NoHooks, Plan, StageTimes, StepReport, World,
 };

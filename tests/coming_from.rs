@@ -79,7 +79,7 @@ rows! {
     world.set_continuous(body, ContinuousMode::Segment);
     world.wake(body);
     world.is_sleeping(body);
-    world.moved_bodies();
+    world.body_moves();
     Geometry::Sphere { radius: 0.5 };
     Geometry::cuboid(0.5, 0.5, 0.5);
     Geometry::capsule(0.5, 0.2);

@@ -42,6 +42,13 @@ impl BodyDetails {
             rotation: (rotation * self.axes).normalize(),
         }
     }
+
+    /// Position and rotation of the body's origin while the centre of mass has this pose.
+    #[inline]
+    pub(crate) fn origin_at(&self, pose: &Pose) -> (DVec3, Quat) {
+        let rotation = pose.rotation * self.axes.conjugate();
+        (pose.position - (rotation * self.centre).as_dvec3(), rotation)
+    }
 }
 
 /// Flags of a body.

@@ -1,7 +1,7 @@
 //! Contacts of the last step for the caller, in world space.
 
 use super::World;
-use crate::body::{BodyKind, Pose, exp_map};
+use crate::body::{Pose, exp_map};
 use crate::broad_phase::{Pair, Places};
 use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
@@ -51,7 +51,7 @@ impl BodyContact {
     }
 }
 
-/// # Contacts, and bodies that moved
+/// # Contacts
 impl World {
     /// Contacts of a body in the last step: with shapes that it touched or that pushed it, none that hooks
     /// vetoed; those with static geometry among them. Sensors have none. In the order of the world's pairs,
@@ -146,31 +146,6 @@ impl World {
             found.normal = -found.normal;
         }
         found
-    }
-
-    /// Awake dynamic bodies.
-    pub fn awake_bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
-        (0..self.bodies.dynamic()).map(|index| self.handle_of(index))
-    }
-
-    /// Bodies that the last step moved: dynamic ones that were awake in it, also if they fell asleep at its
-    /// end, and kinematic ones with a velocity. Takes time for awake bodies only, for a game that draws the
-    /// moved ones.
-    ///
-    /// To be called after a step, before other calls change bodies: it also lists those that were added,
-    /// woken or given a velocity since.
-    pub fn moved_bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
-        let bodies = &self.bodies;
-        let end = |index: usize| if self.buffers.dt > 0.0 { index } else { 0 };
-        let moves = |&index: &usize| {
-            let velocity = &bodies.velocity[index];
-            bodies.kind[index] == BodyKind::Dynamic
-                || velocity.linear != Vec3::ZERO
-                || velocity.angular != Vec3::ZERO
-        };
-        let moved = (0..end(bodies.movers())).filter(moves).map(|index| self.handle_of(index));
-        let tired = self.sleep.fell_asleep.iter().copied();
-        moved.chain(tired.filter(|&body| self.is_sleeping(body).unwrap_or(false)))
     }
 }
 

@@ -3,6 +3,7 @@
 //! - `content/`: bodies, shapes, joints and ragdolls; their mass and motion.
 //! - `step/`: the inputs of each stage, and everything around the stages.
 //! - `characters.rs`: characters that live in the world.
+//! - `moves.rs`, `contacts.rs`: bodies that moved in a step, and contacts.
 //! - `events.rs`, `hooks.rs`, `sleep.rs`, `report.rs`, `summary.rs`: events and reports of a step, hooks on
 //!   it, and sleep.
 //! - `state.rs`: the list of the state that outlives a step.
@@ -16,6 +17,8 @@ mod content;
 mod step;
 
 mod characters;
+
+mod moves;
 
 mod contacts;
 
@@ -43,6 +46,7 @@ pub(crate) use content::finite_position;
 pub use hooks::{ContactHook, ContactHooks, NoHooks};
 pub(crate) use memory::{Addition, Brings, Demand, Needs, Replacement};
 pub use memory::{ContentForecast, Feature, FeatureCost, FeatureReport, Plan};
+pub use moves::BodyMove;
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use revisions::{Revisions, SharedPart};

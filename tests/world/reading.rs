@@ -251,11 +251,24 @@ fn what_moved_is_told_up_to_the_last_step_before_sleep() {
         world.add_body(&BodyDesc::kinematic().with_position(DVec3::Z * 9.0).with_shape(cube())).unwrap();
     let lift = BodyDesc::kinematic().with_position(DVec3::Z * 20.0).with_velocity(Vec3::Y * 0.1, Vec3::ZERO);
     let lift = world.add_body(&lift.with_shape(cube())).unwrap();
-    assert_eq!(world.moved_bodies().count(), 0, "nothing has moved yet");
+    assert_eq!(world.body_moves().count(), 0, "nothing has moved yet");
     let mut seen: Vec<DVec3> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
+    let mut slept = 0;
     for step in 0..400 {
         world.step(DT).unwrap();
-        let moved: Vec<BodyHandle> = world.moved_bodies().collect();
+        let moved: Vec<BodyHandle> = world.body_moves().map(|moved| moved.body).collect();
+        for told in world.body_moves() {
+            let body = told.body;
+            assert_eq!(Ok(told.position), world.position(body));
+            assert_eq!(Ok(told.rotation), world.rotation(body));
+            assert_eq!(Ok(told.centre_of_mass), world.centre_of_mass(body));
+            assert_eq!(Ok(told.linear_velocity), world.linear_velocity(body));
+            assert_eq!(Ok(told.angular_velocity), world.angular_velocity(body));
+            assert_eq!(Ok(told.user_data), world.user_data(body));
+            assert_eq!(Ok(told.fell_asleep), world.is_sleeping(body));
+            slept += u32::from(told.fell_asleep);
+        }
+        assert_eq!(slept as usize, world.sleeping_body_count(), "each is told once that it fell asleep");
         for (&body, seen) in bodies.iter().zip(&mut seen) {
             let at = world.position(body).unwrap();
             if moved.contains(&body) {
@@ -268,9 +281,45 @@ fn what_moved_is_told_up_to_the_last_step_before_sleep() {
         assert!(awake.iter().all(|body| moved.contains(body) && !world.is_sleeping(*body).unwrap()));
         assert_eq!(awake.len() + world.sleeping_body_count(), 4);
     }
-    assert_eq!((world.sleeping_body_count(), world.moved_bodies().count()), (4, 1));
+    assert_eq!((world.sleeping_body_count(), world.body_moves().count()), (4, 1));
     world.wake(bodies[0]).unwrap();
     assert_eq!(world.awake_bodies().collect::<Vec<_>>(), [bodies[0]]);
+}
+
+/// Two balls and a lift on a floor. Expected: dynamic bodies before the kinematic one, and no static one; a
+/// world at rest lists nothing; a body that is put elsewhere wakes and is listed; a restored world lists the
+/// same bodies, with the same bits, after the same step.
+#[test]
+fn moves_are_told_in_order_after_a_pose_and_after_a_restore() {
+    let mut world = world();
+    let ground = world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
+    let lift = BodyDesc::kinematic().with_position(DVec3::Z * 20.0).with_shape(cube()).with_user_data(3);
+    let lift = world.add_body(&lift).unwrap();
+    let ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::sphere(0.5)));
+    let balls = [(1, 0.0), (2, 5.0)].map(|(data, x)| {
+        let at = DVec3::new(x, 0.5, 0.0);
+        world.add_body(&ball.clone().with_position(at).with_user_data(data)).unwrap()
+    });
+    let told = |world: &World| world.body_moves().map(|moved| moved.user_data).collect::<Vec<u64>>();
+    world.move_kinematic(lift, DVec3::new(0.0, 0.1, 20.0), Quat::IDENTITY, DT).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!(told(&world), [1, 2, 3]);
+    world.set_velocity(lift, Vec3::ZERO, Vec3::ZERO).unwrap();
+    steps(&mut world, 200);
+    assert_eq!(told(&world), [0; 0], "all is at rest");
+
+    world.set_pose(ground, DVec3::Y * -1.0, Quat::IDENTITY).unwrap();
+    world.set_pose(balls[1], DVec3::new(5.0, 2.0, 0.0), Quat::IDENTITY).unwrap();
+    let mut snapshot = Snapshot::new();
+    world.snapshot(&mut snapshot);
+    world.step(DT).unwrap();
+    let moves: Vec<_> = world.body_moves().collect();
+    assert!(moves.iter().any(|moved| moved.body == balls[1] && moved.position.y < 2.0));
+    assert!(moves.iter().all(|moved| moved.body != ground && moved.body != lift));
+    steps(&mut world, 100);
+    world.restore(&snapshot).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!(world.body_moves().collect::<Vec<_>>(), moves);
 }
 
 /// Expected: each contact is in the lists of both of its bodies, static ones too.

@@ -1,8 +1,9 @@
-//! A small game without a window: a ball rolls through crates, collects cubes, and takes a lift to the last
-//! of them. Cubes and the lift are sensors with observers. A pilot plays it here, and the end is asserted; a
-//! player would write `Wish` instead.
+//! A small game: a ball rolls through crates, collects cubes, and takes a lift to the last of them. Cubes and
+//! the lift are sensors with observers. Here it has no window, a pilot plays it, and the end is asserted; in
+//! a window the arrow keys play it.
 //!
 //!     cargo run --manifest-path bindings/bevy/Cargo.toml --example game
+//!     cargo run --manifest-path bindings/bevy/window/Cargo.toml -- game
 
 use backstop_bevy::prelude::*;
 use bevy_app::prelude::*;
@@ -14,7 +15,7 @@ use std::time::Duration;
 
 /// Where the ball is to go [m/s].
 #[derive(Component, Default)]
-struct Wish(Vec3);
+pub struct Wish(pub Vec3);
 
 /// A cube to collect, in the order in which the pilot goes for them.
 #[derive(Component)]
@@ -127,15 +128,20 @@ fn roll(mut balls: Query<(Entity, &Wish, &Velocity, &mut ConstantForce)>, physic
     }
 }
 
-fn main() {
-    let mut app = App::new();
-    app.add_plugins((TimePlugin, TransformPlugin, BackstopPlugin::default()));
-    app.insert_resource(Time::<Fixed>::from_hz(60.0)).init_resource::<Game>();
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 144.0)));
-    app.add_systems(Startup, spawn).add_systems(FixedUpdate, (pilot, roll, raise).chain());
+/// The game, for an app with Bevy's time and transforms and somebody who writes [`Wish`].
+pub fn scene(app: &mut App) {
+    app.add_plugins(BackstopPlugin::default()).init_resource::<Game>();
+    app.add_systems(Startup, spawn).add_systems(FixedUpdate, (roll, raise));
     app.add_systems(Update, |mut errors: MessageReader<PhysicsError>, mut game: ResMut<Game>| {
         game.errors += errors.read().count();
     });
+}
+
+fn main() {
+    let mut app = App::new();
+    app.add_plugins((TimePlugin, TransformPlugin, scene)).add_systems(FixedUpdate, pilot.before(roll));
+    app.insert_resource(Time::<Fixed>::from_hz(60.0));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 144.0)));
     while app.world().resource::<Game>().won_at.is_none() {
         app.update();
         assert!(app.world().resource::<Time<Fixed>>().elapsed_secs() < 60.0, "the pilot is lost");

@@ -1,8 +1,9 @@
-//! Platforms that let through what comes from below, without a window: a ball jumps from each to the next, up
-//! to the last. Hooks that ask the app decide about contacts, an observer jumps, and what is drawn is ahead
-//! of the last step.
+//! Platforms that let through what comes from below: a ball jumps from each to the next, up to the last.
+//! Hooks that ask the app decide about contacts, an observer jumps, and what is drawn is ahead of the last
+//! step. Without a window here, and the end is asserted.
 //!
 //!     cargo run --manifest-path bindings/bevy/Cargo.toml --example platforms
+//!     cargo run --manifest-path bindings/bevy/window/Cargo.toml -- platforms
 
 use backstop_bevy::prelude::*;
 use bevy_app::prelude::*;
@@ -67,13 +68,17 @@ fn jump(landed: On<CollisionStart>, mut velocities: Query<&mut Velocity>, mut ju
     }
 }
 
+/// The platforms and the ball, for an app with Bevy's time and transforms.
+pub fn scene(app: &mut App) {
+    let plugin = BackstopPlugin::default().with_hooks::<OneWays>().with_extrapolation();
+    app.add_plugins(plugin).init_resource::<Jumps>().add_systems(Startup, spawn);
+}
+
 fn main() {
     let mut app = App::new();
-    let plugin = BackstopPlugin::default().with_hooks::<OneWays>().with_extrapolation();
-    app.add_plugins((TimePlugin, TransformPlugin, plugin));
-    app.insert_resource(Time::<Fixed>::from_hz(60.0)).init_resource::<Jumps>();
+    app.add_plugins((TimePlugin, TransformPlugin, scene));
+    app.insert_resource(Time::<Fixed>::from_hz(60.0));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 144.0)));
-    app.add_systems(Startup, spawn);
     let mut top = 0.0_f32;
     while app.world().resource::<Time<Fixed>>().elapsed_secs() < 8.0 {
         app.update();

@@ -1,7 +1,8 @@
-//! A yard without a window: crates fall, a chain hangs, a lift carries a crate, a character walks, a gate
-//! notices it. Everything ends within seconds and asserts what it shows.
+//! A yard: crates fall, a chain hangs, a lift carries a crate, a character walks, a gate notices it. Without
+//! a window here; everything ends within seconds and asserts what it shows.
 //!
 //!     cargo run --manifest-path bindings/bevy/Cargo.toml --example yard
+//!     cargo run --manifest-path bindings/bevy/window/Cargo.toml -- yard
 
 use backstop_bevy::backstop::Settings;
 use backstop_bevy::prelude::*;
@@ -86,26 +87,28 @@ fn note(physics: Res<PhysicsWorld>, mut heard: ResMut<Heard>) {
     heard.hashes.push(physics.state_hash());
 }
 
+/// The yard, for an app with Bevy's time and transforms.
+pub fn scene(app: &mut App) {
+    let settings = Settings::default().with_sleeping(true);
+    app.add_plugins(BackstopPlugin::new(settings).expect("in range")).init_resource::<Heard>();
+    app.add_systems(Startup, spawn).add_systems(FixedUpdate, lift);
+    app.add_systems(FixedLast, note).add_systems(Update, hear);
+}
+
 /// The yard after six seconds, drawn at so many frames a second.
-fn run(hz: f64) -> Result<App, backstop_bevy::backstop::Error> {
+fn run(hz: f64) -> App {
     let mut app = App::new();
-    app.add_plugins((TimePlugin, TransformPlugin));
-    app.add_plugins(BackstopPlugin::new(Settings::default().with_sleeping(true))?);
+    app.add_plugins((TimePlugin, TransformPlugin, scene));
     app.insert_resource(Time::<Fixed>::from_hz(60.0));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / hz)));
-    app.init_resource::<Heard>();
-    app.add_systems(Startup, spawn);
-    app.add_systems(FixedUpdate, lift);
-    app.add_systems(FixedLast, note);
-    app.add_systems(Update, hear);
     while app.world().resource::<Time<Fixed>>().elapsed_secs() < 6.0 {
         app.update();
     }
-    Ok(app)
+    app
 }
 
-fn main() -> Result<(), backstop_bevy::backstop::Error> {
-    let mut app = run(144.0)?;
+fn main() {
+    let mut app = run(144.0);
     let world = app.world_mut();
     let cargo = world.query_filtered::<&PhysicsPose, With<Cargo>>().single(world).expect("one").position;
     let lamp = world.query_filtered::<&PhysicsPose, With<Lamp>>().single(world).expect("one").position;
@@ -124,7 +127,6 @@ fn main() -> Result<(), backstop_bevy::backstop::Error> {
     assert!(physics.sleeping_body_count() >= 20, "crates lie still");
 
     // Frames of any length, the same world.
-    let slow = run(30.0)?;
+    let slow = run(30.0);
     assert_eq!(slow.world().resource::<Heard>().hashes[..360], heard.hashes[..360]);
-    Ok(())
 }

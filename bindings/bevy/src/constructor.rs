@@ -105,13 +105,16 @@ fn spread(
     }
 }
 
+/// Shapes of meshes that were made already, by mesh and constructor.
+type Made = HashMap<(AssetId<Mesh>, u8), Result<(Shape, ShapeOffset), Problem>>;
+
 /// Makes shapes of meshes that have loaded.
 fn construct(
     mut commands: Commands,
     meshes: Option<Res<Assets<Mesh>>>,
     waiting: Query<(Entity, &ShapeConstructor, &Mesh3d)>,
     mut physics: Option<ResMut<PhysicsWorld>>,
-    mut made: Local<HashMap<(AssetId<Mesh>, u8), Result<(Shape, ShapeOffset), Problem>>>,
+    mut made: Local<Made>,
 ) {
     let Some(meshes) = meshes else { return };
     for (entity, constructor, mesh) in &waiting {

@@ -92,7 +92,7 @@ mod tests {
         let mut world = World::new(Settings::default()).unwrap();
         world.set_origin(far).unwrap();
         let ball = ShapeDesc::new(Geometry::sphere(0.5));
-        world.add_body(&BodyDesc::dynamic().at(far).with_shape(ball)).unwrap();
+        world.add_body(&BodyDesc::dynamic().with_position(far).with_shape(ball)).unwrap();
         let mut gizmos = GizmoBuffer::new();
         let mut pen = Pen { gizmos: &mut gizmos, origin: world.origin(), point_size: 0.02 };
         let options = DrawOptions::default();

@@ -127,6 +127,7 @@ impl Plugin for BackstopPlugin {
         );
         let prepare = (
             prepare::find_written,
+            prepare::find_changed,
             prepare::change_shapes,
             prepare::add_bodies_and_shapes,
             prepare::change_bodies,

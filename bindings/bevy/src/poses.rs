@@ -3,14 +3,13 @@
 
 use crate::components::body::{Extrapolation, NoInterpolation, PhysicsPose, RigidBody, Velocity};
 use crate::components::character::Character;
-use crate::convert::{ToBevy, ToEngine};
+use crate::convert::ToBevy;
 use crate::plugin::StepLength;
-use crate::world::{BodyState, PhysicsWorld, in_order};
-use backstop::glam;
+use crate::world::{DrawnState, LocalPose, PhysicsWorld, in_order};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_ecs::system::SystemParam;
-use bevy_math::{DVec3, Quat, Vec3};
+use bevy_ecs::system::{SystemChangeTick, SystemParam};
+use bevy_math::{DVec3, Quat, Vec3, Vec3A};
 use bevy_time::{Fixed, Time};
 use bevy_transform::components::{GlobalTransform, Transform};
 
@@ -50,6 +49,7 @@ pub(crate) struct Poses<'w, 's> {
     parents: Query<'w, 's, &'static ChildOf>,
     below: Query<'w, 's, Entity, (Shown, With<ChildOf>)>,
     all_ahead: Option<Res<'w, AllAhead>>,
+    tick: SystemChangeTick,
 }
 
 /// All bodies and characters are drawn ahead of the last step.
@@ -66,7 +66,14 @@ impl Poses<'_, '_> {
         let mut drawn = self.transforms.p0();
         if !(physics.shown_last && moment == Moment::Last) {
             if physics.many_move() {
-                drawn.iter_mut().for_each(|mut part| write_root(physics, &mut part, moment, ahead));
+                let own = self.tick.this_run();
+                physics.wrote.note(own);
+                drawn.iter_mut().for_each(|mut part| {
+                    if part.transform.last_changed() == own {
+                        physics.wrote.look_at(part.entity);
+                    }
+                    write_root(physics, &mut part, moment, ahead);
+                });
             } else {
                 for index in 0..physics.moving.len() {
                     let Ok(mut part) = drawn.get_mut(physics.moving[index]) else { continue };
@@ -129,45 +136,43 @@ fn write_body(
     moment: Moment,
     ahead: bool,
 ) {
-    let PhysicsWorld { world, bodies, list, origin, .. } = physics;
-    let Some(state) = bodies.get_mut(&part.entity) else { return };
+    let PhysicsWorld { world, bodies, drawn, list, origin, wrote, .. } = physics;
+    let Some(state) = drawn.get_mut(&part.entity) else { return };
     if above.is_none() && state.listed_in != *list {
         return;
     }
-    let moment = if part.sudden { Moment::Last } else { moment };
     let pose = match moment {
-        Moment::Last => state.pose,
+        Moment::Last => state.last,
+        _ if part.sudden => state.last,
         Moment::After { share, dt } if ahead || part.ahead => {
-            let arm = world.centre_of_mass(state.handle).map(|centre| centre.to_bevy() - state.pose.position);
-            moved_on(&state.pose, &state.velocity, arm.unwrap_or_default(), share * dt)
+            let Some(body) = bodies.get(&part.entity) else { return };
+            let arm = world.centre_of_mass(body.handle).map(|centre| centre.to_bevy() - body.pose.position);
+            let pose = moved_on(&body.pose, &body.velocity, arm.unwrap_or_default(), share * dt);
+            LocalPose::of(&pose, *origin)
         }
-        Moment::After { share, .. } => between(&state.previous, &state.pose, share),
+        Moment::After { share, .. } => between(&state.previous, &state.last, share),
     };
-    state.show(&mut part.transform, &pose, above, *origin);
+    let pose = above.map_or(pose, |above| below(&above, pose));
+    if state.show(&mut part.transform, pose) {
+        wrote.look_at(part.entity);
+    }
 }
 
-impl BodyState {
-    /// Writes a pose to the transform of the body, unless somebody else wrote that.
-    #[inline]
-    pub(crate) fn show(
-        &mut self,
-        transform: &mut Mut<Transform>,
-        pose: &PhysicsPose,
-        above: Option<GlobalTransform>,
-        origin: glam::DVec3,
-    ) {
-        if **transform != self.written {
-            return;
+impl DrawnState {
+    /// Writes a pose to the transform of the body, unless somebody else wrote another one. Returns whether
+    /// somebody else changed the transform in any way since it was last written.
+    #[inline(always)]
+    pub(crate) fn show(&mut self, transform: &mut Mut<Transform>, pose: LocalPose) -> bool {
+        let is_foreign = transform.last_changed() != self.shown_at;
+        if is_foreign && LocalPose::of_transform(transform) != self.written {
+            return true;
         }
-        let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
-        let (translation, rotation) = match above {
-            Some(_) => below(above, place, pose.rotation),
-            None => (place, pose.rotation),
-        };
-        let new = Transform { translation, rotation, scale: self.written.scale };
-        if new != self.written {
-            (self.written, **transform) = (new, new);
+        if pose != self.written {
+            self.written = pose;
+            (transform.translation, transform.rotation) = (pose.position.into(), pose.rotation);
+            self.shown_at = transform.last_changed();
         }
+        is_foreign
     }
 }
 
@@ -182,18 +187,20 @@ fn write_character(
 ) {
     let origin = physics.origin;
     let Some(state) = physics.walkers.get_mut(&part.entity) else { return };
+    let last = LocalPose::of(&state.pose, origin);
     let pose = match moment {
         Moment::After { share, .. } if !part.sudden => {
-            let mut pose = between(&state.previous, &state.pose, share);
+            let previous = LocalPose::of(&state.previous, origin);
+            let mut pose = between(&previous, &last, share);
             if ahead || part.ahead {
-                pose.position = state.pose.position + (pose.position - state.previous.position);
+                pose.position = last.position + (pose.position - previous.position);
             }
             pose
         }
-        _ => state.pose,
+        _ => last,
     };
-    let place = (pose.position.to_engine() - origin).as_vec3().to_bevy();
-    let (translation, rotation) = below(above, place, pose.rotation);
+    let pose = above.map_or(pose, |above| below(&above, pose));
+    let (translation, rotation) = (Vec3::from(pose.position), pose.rotation);
     let mut new = *part.transform;
     if new.translation == state.written.translation {
         (new.translation, state.written.translation) = (translation, translation);
@@ -207,18 +214,30 @@ fn write_character(
 
 /// Where the world's origin moved, all transforms do.
 fn follow_origin(physics: &mut PhysicsWorld) {
-    if physics.origin != physics.origin() {
-        physics.origin = physics.origin();
-        for body in in_order(physics.bodies.keys().copied()) {
-            physics.mark_moving(body);
+    let new = physics.world.origin();
+    if physics.origin == new {
+        return;
+    }
+    let shift = Vec3A::from((physics.origin - new).as_vec3().to_bevy());
+    physics.origin = new;
+    for body in in_order(physics.bodies.keys().copied()) {
+        if let (Some(state), Some(drawn)) = (physics.bodies.get(&body), physics.drawn.get_mut(&body)) {
+            let last = LocalPose::of(&state.pose, new);
+            if drawn.previous == drawn.last {
+                drawn.previous = last;
+            } else {
+                drawn.previous.position += shift;
+            }
+            drawn.last = last;
         }
+        physics.mark_moving(body);
     }
 }
 
-/// A place and a rotation as they are seen from what is above.
-fn below(above: Option<GlobalTransform>, translation: Vec3, rotation: Quat) -> (Vec3, Quat) {
-    let Some(above) = above else { return (translation, rotation) };
-    (above.affine().inverse().transform_point3(translation), above.rotation().inverse() * rotation)
+/// A pose as it is seen from what is above.
+fn below(above: &GlobalTransform, pose: LocalPose) -> LocalPose {
+    let position = above.affine().inverse().transform_point3a(pose.position);
+    LocalPose { position, rotation: above.rotation().inverse() * pose.rotation }
 }
 
 /// Cosine of half of an angle of 16 degrees. For less than that between two steps a chord, which takes a
@@ -226,19 +245,18 @@ fn below(above: Option<GlobalTransform>, translation: Vec3, rotation: Quat) -> (
 const NEAR: f32 = 0.99;
 
 /// The pose at a fraction of the way from one to another, which is exact at its ends.
-fn between(from: &PhysicsPose, to: &PhysicsPose, fraction: f32) -> PhysicsPose {
+#[inline]
+fn between(from: &LocalPose, to: &LocalPose, fraction: f32) -> LocalPose {
     if fraction >= 1.0 || from == to {
         return *to;
     }
     if fraction <= 0.0 {
         return *from;
     }
-    let is_near = from.rotation.dot(to.rotation).abs() > NEAR;
-    let turn = if is_near { Quat::lerp } else { Quat::slerp };
-    PhysicsPose {
-        position: from.position.lerp(to.position, f64::from(fraction)),
-        rotation: turn(from.rotation, to.rotation, fraction),
-    }
+    let (start, end) = (from.rotation, to.rotation);
+    let is_near = start.dot(end).abs() > NEAR;
+    let rotation = if is_near { start.lerp(end, fraction) } else { start.slerp(end, fraction) };
+    LocalPose { position: from.position.lerp(to.position, fraction), rotation }
 }
 
 /// The pose after some time, if nothing changes the velocity [s]. `arm` is from the origin of the body to its

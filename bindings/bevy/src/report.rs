@@ -8,10 +8,10 @@ use crate::messages::*;
 use crate::observers::{self, SensorEnd, SensorStart};
 use crate::plugin::StepLength;
 use crate::world::{CouplingState, JointState, PhysicsHooks, PhysicsWorld, in_order};
-use backstop::{BodyHandle, ShapeHandle};
+use backstop::ShapeHandle;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_ecs::system::{StaticSystemParam, SystemParam, SystemParamItem};
+use bevy_ecs::system::{StaticSystemParam, SystemChangeTick, SystemParam, SystemParamItem};
 use bevy_transform::components::Transform;
 
 /// One step of the world, with the hooks of the app.
@@ -49,43 +49,30 @@ pub(crate) struct Motion {
     walks: Has<Character>,
 }
 
-/// What a step is done with, kept for its memory.
-#[derive(Default)]
-pub(crate) struct Scratch {
-    moved: Vec<BodyHandle>,
-    before: Vec<Entity>,
-}
-
 /// Poses, velocities and transforms of what moved.
 pub(crate) fn write_motion(
     mut physics: ResMut<PhysicsWorld>,
     mut bodies: Query<Motion, With<RigidBody>>,
-    mut scratch: Local<Scratch>,
+    mut before: Local<Vec<Entity>>,
+    tick: SystemChangeTick,
 ) {
     let physics = &mut *physics;
-    let Scratch { moved, before } = &mut *scratch;
-    moved.clear();
-    let everything = std::mem::take(&mut physics.all_moved);
-    if everything {
-        moved.extend(physics.bodies());
+    if std::mem::take(&mut physics.all_moved) {
+        physics.take_over_all();
     } else {
-        moved.extend(physics.moved_bodies());
-    }
-    std::mem::swap(&mut physics.moving, before);
-    physics.moving.clear();
-    physics.list += 1;
-    let now = physics.steps;
-    for &handle in &*moved {
-        physics.take_over(handle, now, everything);
-    }
-    // What has just come to rest is shown there once more.
-    let rests = |body: &Entity| physics.bodies.get(body).is_some_and(|state| state.moved_in + 1 == now);
-    for body in in_order(before.drain(..).filter(rests)) {
-        let Some(handle) = physics.body(body) else { continue };
-        physics.take_over(handle, now - 1, everything);
+        physics.take_over_moves(&mut before);
     }
     if physics.many_move() {
-        bodies.iter_mut().for_each(|mut part| show(physics, &mut part));
+        let own = tick.this_run();
+        physics.wrote.note(own);
+        bodies.iter_mut().for_each(|mut part| {
+            let of_transform = part.transform.as_ref().map(DetectChanges::last_changed);
+            let of_velocity = part.velocity.as_ref().map(DetectChanges::last_changed);
+            if of_transform == Some(own) || of_velocity == Some(own) {
+                physics.wrote.look_at(part.entity);
+            }
+            show(physics, &mut part);
+        });
     } else {
         for index in 0..physics.moving.len() {
             let Ok(mut part) = bodies.get_mut(physics.moving[index]) else { continue };
@@ -98,8 +85,9 @@ pub(crate) fn write_motion(
 
 /// Writes where a body is and how it moves, if it moved; where a character is, that writes itself.
 fn show(physics: &mut PhysicsWorld, part: &mut MotionItem) {
-    let PhysicsWorld { bodies, walkers, list, origin, .. } = physics;
-    let Some(state) = bodies.get_mut(&part.entity).filter(|state| state.listed_in == *list) else { return };
+    let PhysicsWorld { bodies, drawn, walkers, list, wrote, .. } = physics;
+    let Some(drawn) = drawn.get_mut(&part.entity).filter(|drawn| drawn.listed_in == *list) else { return };
+    let Some(state) = bodies.get(&part.entity) else { return };
     if let Some(velocity) = &mut part.velocity {
         velocity.set_if_neq(state.velocity);
     }
@@ -109,9 +97,10 @@ fn show(physics: &mut PhysicsWorld, part: &mut MotionItem) {
     if let Some(pose) = &mut part.pose {
         pose.set_if_neq(state.pose);
     }
-    if let Some(transform) = part.transform.as_mut().filter(|_| !part.is_below) {
-        let pose = state.pose;
-        state.show(transform, &pose, None, *origin);
+    if let Some(transform) = part.transform.as_mut().filter(|_| !part.is_below)
+        && drawn.show(transform, drawn.last)
+    {
+        wrote.look_at(part.entity);
     }
 }
 
@@ -120,54 +109,22 @@ pub(crate) fn write_sleep(
     mut physics: ResMut<PhysicsWorld>,
     mut sleep: Query<&mut Sleeping>,
     mut writers: Writers,
-    mut before: Local<Vec<BodyHandle>>,
 ) {
-    let physics = &mut *physics;
-    for body in std::mem::take(&mut physics.sleep_asked) {
-        let Some(state) = physics.bodies.get(&body) else { continue };
-        if let Ok(mut shown) = sleep.get_mut(body) {
+    let PhysicsWorld { bodies, sleep_asked, fell_asleep, woke, .. } = &mut *physics;
+    let mut show = |body: Entity| {
+        if let (Some(state), Ok(mut shown)) = (bodies.get(&body), sleep.get_mut(body)) {
             shown.set_if_neq(Sleeping(state.asleep));
         }
-    }
-    std::mem::swap(&mut physics.awake, &mut before);
-    physics.awake.clear();
-    for handle in before.drain(..) {
-        if physics.is_sleeping(handle) == Ok(true)
-            && let Some(body) = physics.entity_of(handle)
-            && set_asleep(physics, &mut sleep, body, true)
-        {
-            writers.slept.write(BodyFellAsleep { body });
-        }
-    }
-    if !physics.settings().sleeping {
-        return;
-    }
-    let PhysicsWorld { world, awake, .. } = &mut *physics;
-    awake.extend(world.awake_bodies());
-    for index in 0..physics.awake.len() {
-        if let Some(body) = physics.entity_of(physics.awake[index])
-            && set_asleep(physics, &mut sleep, body, false)
-        {
-            writers.woke.write(BodyWoke { body });
-        }
-    }
-}
-
-/// Writes whether a body is asleep, if that is new; returns whether it is.
-fn set_asleep(
-    physics: &mut PhysicsWorld,
-    sleep: &mut Query<&mut Sleeping>,
-    body: Entity,
-    asleep: bool,
-) -> bool {
-    let Some(state) = physics.bodies.get_mut(&body).filter(|state| state.asleep != asleep) else {
-        return false;
     };
-    state.asleep = asleep;
-    if let Ok(mut shown) = sleep.get_mut(body) {
-        shown.set_if_neq(Sleeping(asleep));
+    sleep_asked.drain(..).for_each(&mut show);
+    for body in fell_asleep.drain(..) {
+        show(body);
+        writers.slept.write(BodyFellAsleep { body });
     }
-    true
+    for body in woke.drain(..) {
+        show(body);
+        writers.woke.write(BodyWoke { body });
+    }
 }
 
 /// The events of the step, with entities.

@@ -368,6 +368,26 @@ typedef struct BsContact {
     struct BsContactPoint points[4];
 } BsContact;
 
+// A body that moved in the last step: where it is and how fast.
+typedef struct BsBodyMove {
+    // The body.
+    struct BsBody body;
+    // Its user data.
+    uint64_t user_data;
+    // Pose of its origin in the world [m].
+    struct BsPose pose;
+    // Position of its centre of mass in the world [m].
+    struct BsDVec3 centre_of_mass;
+    // Velocity of its centre of mass [m/s].
+    struct BsVec3 linear_velocity;
+    // Angular velocity about the world's axes [rad/s].
+    struct BsVec3 angular_velocity;
+    // Whether it fell asleep since the step began; it is not listed again until it wakes.
+    BsBool fell_asleep;
+    // Zero.
+    uint8_t reserved[7];
+} BsBodyMove;
+
 // A joint between two bodies. Stale once it breaks, or it or one of its bodies is removed. All zeros is no
 // joint.
 typedef struct BsJoint {
@@ -2129,13 +2149,14 @@ BsStatus bs_world_awake_bodies(const struct BsWorld *world,
                                size_t capacity,
                                size_t *count);
 
-// Bodies that the last step moved: to be called after a step, before other calls change bodies. `count`
-// becomes their number.
+// Bodies that the last step moved, with their poses and velocities: dynamic ones that are awake, then
+// kinematic ones with a velocity, then dynamic ones that fell asleep, once. To be called after a step, and
+// before other calls change bodies. Allocates nothing. `count` becomes their number.
 BS_API
-BsStatus bs_world_moved_bodies(const struct BsWorld *world,
-                               struct BsBody *bodies,
-                               size_t capacity,
-                               size_t *count);
+BsStatus bs_world_body_moves(const struct BsWorld *world,
+                             struct BsBodyMove *moves,
+                             size_t capacity,
+                             size_t *count);
 
 // The joints of a body. `count` becomes their number.
 BS_API

@@ -207,6 +207,10 @@ fn contacts_and_surfaces_are_where_they_were() {
     pinned!(BsContact, 176, 8, [
         shapes 0, bodies 16, normal 32, point_count 44, points 48,
     ]);
+    pinned!(BsBodyMove, 112, 8, [
+        body 0, user_data 8, pose 16, centre_of_mass 56, linear_velocity 80, angular_velocity 92,
+        fell_asleep 104, reserved 105,
+    ]);
 }
 
 #[test]

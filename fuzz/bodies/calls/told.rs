@@ -3,8 +3,8 @@
 use super::play::Handles;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyContact, BodyHandle, ContactEnd, ContactEvent, CouplingHandle, JointEvent, JointHandle,
-    Motion, SensorEvent, ShapeHandle, Snapshot, StageTimes, StepReport, World,
+    Axes, Axis, BodyContact, BodyHandle, BodyMove, ContactEnd, ContactEvent, CouplingHandle, JointEvent,
+    JointHandle, Motion, SensorEvent, ShapeHandle, Snapshot, StageTimes, StepReport, World,
 };
 use std::fmt::Debug;
 
@@ -44,7 +44,7 @@ pub struct OfStep {
     limited: bool,
     tight: bool,
     awake: Vec<BodyHandle>,
-    moved: Vec<BodyHandle>,
+    moved: Vec<BodyMove>,
     joints: Vec<[f32; 6]>,
     couplings: Vec<[f32; 2]>,
     contacts: Vec<BodyContact>,
@@ -79,7 +79,7 @@ impl OfStep {
             tight: report.shed > 0 || (report.events_lost > 0 && limited),
             report,
             awake: world.awake_bodies().collect(),
-            moved: world.moved_bodies().collect(),
+            moved: world.body_moves().collect(),
             joints: forces
                 .map(|(force, torque)| {
                     let ([a, b, c], [d, e, f]) = (force.to_array(), torque.to_array());

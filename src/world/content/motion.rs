@@ -20,9 +20,7 @@ impl World {
     /// If the handle is stale.
     pub fn position(&self, body: BodyHandle) -> Result<DVec3, Error> {
         let index = self.index(body)?;
-        let (pose, details) = (&self.bodies.pose[index], &self.bodies.details[index]);
-        let turn = pose.rotation * details.axes.conjugate();
-        Ok(pose.position - (turn * details.centre).as_dvec3())
+        Ok(self.bodies.details[index].origin_at(&self.bodies.pose[index]).0)
     }
 
     /// Position of a body's origin relative to [`World::origin`] [m].
@@ -39,7 +37,7 @@ impl World {
     /// If the handle is stale.
     pub fn rotation(&self, body: BodyHandle) -> Result<glam::Quat, Error> {
         let index = self.index(body)?;
-        Ok((self.bodies.pose[index].rotation * self.bodies.details[index].axes.conjugate()).into())
+        Ok(self.bodies.details[index].origin_at(&self.bodies.pose[index]).1.into())
     }
 
     /// Position of a body's centre of mass in the world [m].

@@ -8,8 +8,6 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_math::{DVec3, Quat, Vec3};
 #[cfg(feature = "reflect")]
 use bevy_reflect::std_traits::ReflectDefault;
-#[cfg(feature = "reflect")]
-use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 
 /// A rigid body of the world. Its shapes are the [`Shape`](crate::Shape)s on its entity and on the entities
@@ -21,6 +19,7 @@ use bevy_transform::components::Transform;
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
 #[require(Transform, PhysicsPose, Velocity, Sleeping)]
 #[component(on_remove = body_removed)]
+#[component(summary_tick)]
 pub enum RigidBody {
     /// Nothing moves it but a change of its `Transform`, at once.
     Static,
@@ -84,6 +83,7 @@ impl Velocity {
 /// No body falls asleep unless [`Settings::sleeping`](backstop::Settings::sleeping) says so.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component, Clone, Default))]
+#[component(summary_tick)]
 pub struct Sleeping(pub bool);
 
 /// Mass, centre of mass and inertia of a body, instead of those of its shapes.
@@ -133,24 +133,14 @@ pub struct LockedAxes {
 
 /// How a body is kept from passing through others; [`ContinuousMode::Segment`] without this.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct Continuous(pub ContinuousMode);
 
 /// The group after which the rows of a body are solved:
 /// [`BodyDesc::solved_after`](backstop::BodyDesc::solved_after).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[component(on_remove = trait_removed)]
 pub struct SolvedAfter(pub RowGroup);
 

@@ -10,8 +10,6 @@ use bevy_ecs::world::DeferredWorld;
 use bevy_math::{Quat, Vec3};
 #[cfg(feature = "reflect")]
 use bevy_reflect::std_traits::ReflectDefault;
-#[cfg(feature = "reflect")]
-use bevy_reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_transform::components::Transform;
 use std::sync::Arc;
 
@@ -21,14 +19,10 @@ use std::sync::Arc;
 /// A scale, its own or from above, scales balls, capsules and cylinders by one factor, all others by three. A
 /// scaled hull, mesh or field is built anew whenever the scale changes. Other scales are refused.
 #[derive(Component, Clone, Debug)]
-#[cfg_attr(
-    feature = "reflect",
-    derive(bevy_reflect::Reflect, serde::Serialize, serde::Deserialize),
-    reflect(opaque),
-    reflect(Component, Clone, Serialize, Deserialize)
-)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::TypePath, serde::Serialize, serde::Deserialize))]
 #[require(Transform)]
 #[component(on_remove = shape_removed)]
+#[component(summary_tick)]
 pub struct Shape(pub Geometry);
 
 impl Shape {
@@ -159,7 +153,7 @@ impl ShapeMaterial {
 /// All that is said of a shape but its place.
 #[derive(QueryData)]
 pub(crate) struct ShapeParts {
-    pub(crate) shape: Ref<'static, Shape>,
+    pub(crate) shape: &'static Shape,
     material: Option<&'static ShapeMaterial>,
     filter: Option<&'static ShapeFilter>,
     density: Option<&'static Density>,
@@ -169,9 +163,8 @@ pub(crate) struct ShapeParts {
     hooked: Has<ContactHooked>,
 }
 
-/// A change of any of it.
+/// A change of any of it but the form.
 pub(crate) type ShapeChanged = Or<(
-    Changed<Shape>,
     Changed<ShapeMaterial>,
     Changed<ShapeFilter>,
     Changed<ShapeOffset>,

@@ -3,10 +3,12 @@
 use super::hierarchy::{Hierarchy, pose_by};
 use super::shapes::describe;
 use crate::components::body::*;
-use crate::components::shape::{Shape, ShapeParts};
+use crate::components::shape::ShapeParts;
 use crate::convert::ToEngine;
 use crate::messages::Problem;
-use crate::world::{BODIES, BodyState, PhysicsWorld, Place, SHAPES, ShapeState, in_order};
+use crate::world::{
+    BODIES, BodyState, DrawnState, LocalPose, PhysicsWorld, Place, SHAPES, ShapeState, in_order,
+};
 use backstop::{BodyDesc, BodyHandle, Error, ShapeDesc, World};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::{Changed, Entity, Has, Or, Query, ResMut};
@@ -28,9 +30,8 @@ pub(crate) struct BodyParts {
     disabled: Has<BodyDisabled>,
 }
 
-/// A change of any of it.
+/// A change of any of it but the kind.
 type BodyChanged = Or<(
-    Changed<RigidBody>,
     Changed<Mass>,
     Changed<GravityScale>,
     Changed<Damping>,
@@ -70,15 +71,13 @@ type Found = EntityHashMap<Vec<(Entity, Place, ShapeDesc)>>;
 /// Adds new bodies with their shapes, and new shapes to bodies that are there.
 pub(crate) fn add_bodies_and_shapes(
     mut physics: ResMut<PhysicsWorld>,
-    new_bodies: Query<Entity, Changed<RigidBody>>,
-    new_shapes: Query<Entity, Changed<Shape>>,
     mut bodies: Query<(BodyParts, &Transform, &Velocity, &mut PhysicsPose)>,
     shapes: Query<ShapeParts>,
     hierarchy: Hierarchy,
 ) {
     let physics = &mut *physics;
     let mut found = Found::default();
-    for shape in physics.candidates(SHAPES, new_shapes.iter()) {
+    for shape in physics.candidates(SHAPES, physics.new_shapes.iter().copied()) {
         let Ok(parts) = shapes.get(shape) else { continue };
         if physics.shapes.contains_key(&shape) {
             continue;
@@ -92,7 +91,7 @@ pub(crate) fn add_bodies_and_shapes(
             Err(problem) => physics.wait(SHAPES, shape, problem),
         }
     }
-    for body in physics.candidates(BODIES, new_bodies.iter()) {
+    for body in physics.candidates(BODIES, physics.new_bodies.iter().copied()) {
         let Ok((parts, transform, velocity, mut pose)) = bodies.get_mut(body) else { continue };
         if physics.bodies.contains_key(&body) {
             continue;
@@ -141,17 +140,17 @@ fn add_body(
     }
     let state = BodyState {
         handle,
-        previous: pose,
         pose,
-        written,
         velocity,
+        scale: written.scale,
         asleep: false,
         mass: desc.mass.map(Box::new),
         follows_shapes: false,
         moved_in: 0,
-        listed_in: 0,
     };
     physics.bodies.insert(body, state);
+    let pose = LocalPose::of(&pose, physics.origin);
+    physics.drawn.insert(body, DrawnState::at_rest(pose, &written));
     if parts.disabled
         && let Err(error) = physics.set_enabled(handle, false)
     {
@@ -183,7 +182,8 @@ pub(crate) fn change_bodies(
 ) {
     let physics = &mut *physics;
     let lost = std::mem::take(&mut physics.changed_bodies);
-    for body in changed.iter().chain(lost) {
+    let kinds = std::mem::take(&mut physics.new_bodies);
+    for body in kinds.iter().copied().chain(&changed).chain(lost) {
         let (Some(handle), Ok(parts)) = (physics.body(body), bodies.get(body)) else { continue };
         let desc = parts.desc(body);
         if let Err(error) = update_body(physics, handle, &desc, !parts.disabled) {
@@ -202,6 +202,7 @@ pub(crate) fn change_bodies(
             Err(error) => physics.refuse(body, error),
         }
     }
+    physics.new_bodies = kinds;
 }
 
 /// Sets what differs from a description.

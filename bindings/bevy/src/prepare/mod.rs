@@ -11,5 +11,5 @@ pub(crate) use bodies::{add_bodies_and_shapes, change_bodies};
 pub(crate) use couplings::sync_couplings;
 pub(crate) use hierarchy::{Hierarchy, pose_by};
 pub(crate) use joints::sync_joints;
-pub(crate) use motion::{find_written, read_motion, read_poses};
+pub(crate) use motion::{find_changed, find_written, read_motion, read_poses};
 pub(crate) use shapes::change_shapes;

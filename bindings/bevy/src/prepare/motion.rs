@@ -3,48 +3,94 @@
 use super::hierarchy::{Hierarchy, pose_by};
 use crate::components::body::*;
 use crate::components::character::Character;
+use crate::components::shape::Shape;
 use crate::convert::ToEngine;
 use crate::plugin::StepLength;
-use crate::world::{PhysicsWorld, in_order};
+use crate::world::{LocalPose, PhysicsWorld, in_order};
 use backstop::{BodyKind, glam};
+use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemChangeTick;
 use bevy_transform::components::Transform;
 
-/// Where a body is and how it moves, and when that was written.
-#[derive(QueryData)]
-pub(crate) struct Written {
-    entity: Entity,
-    transform: Option<Ref<'static, Transform>>,
-    velocity: Option<Ref<'static, Velocity>>,
-}
+/// When transforms and velocities of bodies were written, and what is there.
+type Written = (Entity, Option<Ref<'static, Transform>>, Option<Ref<'static, Velocity>>);
 
-/// Finds bodies whose transform or velocity somebody else wrote, in one pass over all of them.
-pub(crate) fn find_written(mut physics: ResMut<PhysicsWorld>, all: Query<Written, With<RigidBody>>) {
-    let PhysicsWorld { bodies, moved, pushed, .. } = &mut *physics;
+/// Finds bodies whose transform or velocity somebody else wrote, in one pass over the ticks of all of them.
+pub(crate) fn find_written(
+    mut physics: ResMut<PhysicsWorld>,
+    all: Query<Written, With<RigidBody>>,
+    tick: SystemChangeTick,
+) {
+    let PhysicsWorld { bodies, drawn, moved, pushed, wrote, .. } = &mut *physics;
     moved.clear();
     pushed.clear();
-    for part in &all {
-        let transform = part.transform.filter(|transform| transform.is_changed());
-        let velocity = part.velocity.filter(|velocity| velocity.is_changed());
-        if transform.is_none() && velocity.is_none() {
-            continue;
+    let foreign = |entity: Entity, changed: Tick| {
+        changed.is_newer_than(tick.last_run(), tick.this_run()) && wrote.may_be_foreign(entity, changed)
+    };
+    // Both components are in tables.
+    for (entities, transforms, velocities) in all.contiguous_iter().into_iter().flatten() {
+        if let Some(transforms) = transforms {
+            let ticks = transforms.changed_ticks_slice();
+            for (row, (&entity, &changed)) in entities.iter().zip(ticks).enumerate() {
+                if !foreign(entity, changed) {
+                    continue;
+                }
+                let (Some(state), Some(drawn)) = (bodies.get(&entity), drawn.get(&entity)) else { continue };
+                let transform = &transforms[row];
+                if LocalPose::of_transform(transform) != drawn.written || transform.scale != state.scale {
+                    moved.push(entity);
+                }
+            }
         }
-        let Some(state) = bodies.get(&part.entity) else { continue };
-        if transform.is_some_and(|transform| *transform != state.written) {
-            moved.push(part.entity);
-        }
-        if velocity.is_some_and(|velocity| *velocity != state.velocity) {
-            pushed.push(part.entity);
+        if let Some(velocities) = velocities {
+            let ticks = velocities.changed_ticks_slice();
+            for (row, (&entity, &changed)) in entities.iter().zip(ticks).enumerate() {
+                if foreign(entity, changed)
+                    && bodies.get(&entity).is_some_and(|state| velocities[row] != state.velocity)
+                {
+                    pushed.push(entity);
+                }
+            }
         }
     }
+    wrote.clear();
+}
+
+/// Calls `each` with the entities of which a component changed since the system ran before. Tables in which
+/// none did cost nothing, if the component has a summary tick.
+fn each_changed<C: Component>(all: &Query<(Entity, Ref<C>)>, mut each: impl FnMut(Entity)) {
+    for (entities, components) in all.contiguous_iter().into_iter().flatten() {
+        let (_, ticks) = ContiguousRef::split(components);
+        if ticks.summary_tick_is_changed() == Some(false) {
+            continue;
+        }
+        for (&entity, changed) in entities.iter().zip(ticks.changed()) {
+            if changed.is_newer_than(ticks.last_run(), ticks.this_run()) {
+                each(entity);
+            }
+        }
+    }
+}
+
+/// Finds bodies and shapes that are new, or whose component itself changed.
+pub(crate) fn find_changed(
+    mut physics: ResMut<PhysicsWorld>,
+    bodies: Query<(Entity, Ref<RigidBody>)>,
+    shapes: Query<(Entity, Ref<Shape>)>,
+) {
+    let PhysicsWorld { new_bodies, new_shapes, .. } = &mut *physics;
+    new_bodies.clear();
+    new_shapes.clear();
+    each_changed(&bodies, |body| new_bodies.push(body));
+    each_changed(&shapes, |shape| new_shapes.push(shape));
 }
 
 /// Velocities, forces and sleep that somebody set.
 pub(crate) fn read_motion(
     mut physics: ResMut<PhysicsWorld>,
     velocities: Query<&Velocity>,
-    sleep: Query<(Entity, &Sleeping), Changed<Sleeping>>,
+    sleep: Query<(Entity, Ref<Sleeping>)>,
     forces: Query<(Entity, &ConstantForce)>,
 ) {
     let physics = &mut *physics;
@@ -67,17 +113,18 @@ pub(crate) fn read_motion(
         }
         physics.following.remove(&body);
     }
-    for (body, sleeping) in &sleep {
-        let Some(state) = physics.bodies.get(&body).filter(|state| state.asleep != sleeping.0) else {
-            continue;
-        };
+    each_changed(&sleep, |body| {
+        let (Ok((_, sleeping)), Some(state)) = (sleep.get(body), physics.bodies.get(&body)) else { return };
+        if state.asleep == sleeping.0 {
+            return;
+        }
         let handle = state.handle;
         physics.sleep_asked.push(body);
         let done = if sleeping.0 { physics.sleep(handle) } else { physics.wake(handle) };
         if let Err(error) = done {
             physics.refuse(body, error);
         }
-    }
+    });
     for (body, force) in &forces {
         let Some(handle) = physics.body(body) else { continue };
         if let Err(error) =
@@ -100,14 +147,15 @@ pub(crate) fn read_poses(
     let mut stops = std::mem::take(&mut physics.following);
     for index in 0..physics.moved.len() {
         let body = physics.moved[index];
-        let (Ok((transform, kind, mut shown)), Some(state)) =
-            (bodies.get_mut(body), physics.bodies.get_mut(&body))
+        let (Ok((transform, kind, mut shown)), Some(state), Some(drawn)) =
+            (bodies.get_mut(body), physics.bodies.get_mut(&body), physics.drawn.get_mut(&body))
         else {
             continue;
         };
-        let written = std::mem::replace(&mut state.written, *transform);
-        let (moved, turned) =
-            (written.translation != transform.translation, written.rotation != transform.rotation);
+        state.scale = transform.scale;
+        let new = LocalPose::of_transform(transform);
+        let written = std::mem::replace(&mut drawn.written, new);
+        let (moved, turned) = (written.position != new.position, written.rotation != new.rotation);
         if !moved && !turned {
             continue;
         }
@@ -133,9 +181,7 @@ pub(crate) fn read_poses(
             continue;
         }
         *shown = pose;
-        if let Some(state) = physics.bodies.get_mut(&body) {
-            (state.previous, state.pose) = (pose, pose);
-        }
+        physics.put_at(body, pose);
     }
     // Those that have arrived stay there.
     for body in in_order(stops) {

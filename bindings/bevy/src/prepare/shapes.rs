@@ -7,7 +7,7 @@ use crate::convert::ToEngine;
 use crate::messages::Problem;
 use crate::world::{PhysicsWorld, Place, SHAPES};
 use backstop::{Error, ShapeDesc, ShapeHandle, World};
-use bevy_ecs::prelude::{ChildOf, DetectChanges, Entity, Query, ResMut, With, Without};
+use bevy_ecs::prelude::{ChildOf, Entity, Query, ResMut, With, Without};
 
 /// The description of a shape at its place.
 pub(super) fn describe(entity: Entity, parts: &ShapePartsItem, place: &Place) -> Result<ShapeDesc, Problem> {
@@ -52,12 +52,14 @@ pub(crate) fn change_shapes(
     }
     physics.moved = moved;
     let lost = std::mem::take(&mut physics.changed_shapes);
-    for shape in changed.iter().chain(lost) {
+    let forms = std::mem::take(&mut physics.new_shapes);
+    let others = changed.iter().chain(lost).map(|shape| (shape, false));
+    for (shape, formed) in forms.iter().map(|&shape| (shape, true)).chain(others) {
         let Some(state) = physics.shapes.get(&shape) else { continue };
         let (handle, body, scale) = (state.handle, state.body, state.place.scale);
         let (Ok(parts), Some((_, place))) = (shapes.get(shape), hierarchy.place(shape)) else { continue };
         let result = describe(shape, &parts, &place).and_then(|desc| {
-            let reshaped = parts.shape.is_changed() || place.scale != scale;
+            let reshaped = formed || place.scale != scale;
             Ok(update_shape(physics, handle, &desc, reshaped)?)
         });
         match result {
@@ -70,6 +72,7 @@ pub(crate) fn change_shapes(
             Err(problem) => physics.refuse(shape, problem),
         }
     }
+    physics.new_shapes = forms;
 }
 
 /// Sets what differs from a description.

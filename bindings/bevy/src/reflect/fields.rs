@@ -1,6 +1,6 @@
-//! Components that hold types of the engine, which know nothing of Bevy's reflection, as structs of the
-//! fields that an inspector can show and set. What can't be shown, such as limits, motors and meshes, is not
-//! among them; a scene has it all the same, by serde.
+//! Components that hold structs of the engine, which know nothing of Bevy's reflection, as structs of the
+//! fields that an inspector can show and set. What can't be shown, such as limits and motors, is not among
+//! them; a scene has it all the same, by serde.
 
 use crate::components::body::Mass;
 use crate::components::character::Character;
@@ -14,6 +14,94 @@ use bevy_reflect::structs::{FieldIter, Struct, StructInfo};
 use bevy_reflect::utility::NonGenericTypeInfoCell;
 use bevy_reflect::*;
 use std::any::Any;
+
+/// What all components have in common that implement reflection by hand: a form, Struct or Enum, and the
+/// types of its parts.
+macro_rules! by_hand {
+    ($name:ident as $form:ident, [$($part:ty),* $(,)?]) => {
+        impl PartialReflect for $name {
+            fn get_represented_type_info(&self) -> Option<&'static TypeInfo> {
+                Some(Self::type_info())
+            }
+            fn into_partial_reflect(self: Box<Self>) -> Box<dyn PartialReflect> {
+                self
+            }
+            fn as_partial_reflect(&self) -> &dyn PartialReflect {
+                self
+            }
+            fn as_partial_reflect_mut(&mut self) -> &mut dyn PartialReflect {
+                self
+            }
+            fn try_into_reflect(self: Box<Self>) -> Result<Box<dyn Reflect>, Box<dyn PartialReflect>> {
+                Ok(self)
+            }
+            fn try_as_reflect(&self) -> Option<&dyn Reflect> {
+                Some(self)
+            }
+            fn try_as_reflect_mut(&mut self) -> Option<&mut dyn Reflect> {
+                Some(self)
+            }
+            fn try_apply(&mut self, value: &dyn PartialReflect) -> Result<(), ApplyError> {
+                if let Some(whole) = value.try_downcast_ref::<Self>() {
+                    *self = whole.clone();
+                    return Ok(());
+                }
+                self.apply_parts(value)
+            }
+            fn reflect_ref(&self) -> ReflectRef<'_> {
+                ReflectRef::$form(self)
+            }
+            fn reflect_mut(&mut self) -> ReflectMut<'_> {
+                ReflectMut::$form(self)
+            }
+            fn reflect_owned(self: Box<Self>) -> ReflectOwned {
+                ReflectOwned::$form(self)
+            }
+            fn reflect_clone(&self) -> Result<Box<dyn Reflect>, ReflectCloneError> {
+                Ok(Box::new(self.clone()))
+            }
+        }
+        impl Reflect for $name {
+            fn into_any(self: Box<Self>) -> Box<dyn Any> {
+                self
+            }
+            fn as_any(&self) -> &dyn Any {
+                self
+            }
+            fn as_any_mut(&mut self) -> &mut dyn Any {
+                self
+            }
+            fn into_reflect(self: Box<Self>) -> Box<dyn Reflect> {
+                self
+            }
+            fn as_reflect(&self) -> &dyn Reflect {
+                self
+            }
+            fn as_reflect_mut(&mut self) -> &mut dyn Reflect {
+                self
+            }
+            fn set(&mut self, value: Box<dyn Reflect>) -> Result<(), Box<dyn Reflect>> {
+                *self = value.take()?;
+                Ok(())
+            }
+        }
+        impl GetTypeRegistration for $name {
+            fn get_type_registration() -> TypeRegistration {
+                let mut registration = TypeRegistration::of::<Self>();
+                registration.register_type_data::<ReflectFromPtr, Self>();
+                registration.register_type_data::<ReflectFromReflect, Self>();
+                registration.register_type_data::<ReflectComponent, Self>();
+                registration.register_type_data::<ReflectSerialize, Self>();
+                registration.register_type_data::<ReflectDeserialize, Self>();
+                registration
+            }
+            fn register_type_dependencies(registry: &mut TypeRegistry) {
+                $(registry.register::<$part>();)*
+            }
+        }
+    };
+}
+pub(super) use by_hand;
 
 /// Implements reflection for a component as a struct: its fields by name, type and place in the component,
 /// and vectors and matrices of the engine as arrays of numbers. After the name stands how a value is made of
@@ -74,74 +162,14 @@ macro_rules! shown {
                 })
             }
         }
-        impl PartialReflect for $name {
-            fn get_represented_type_info(&self) -> Option<&'static TypeInfo> {
-                Some(Self::type_info())
-            }
-            fn into_partial_reflect(self: Box<Self>) -> Box<dyn PartialReflect> {
-                self
-            }
-            fn as_partial_reflect(&self) -> &dyn PartialReflect {
-                self
-            }
-            fn as_partial_reflect_mut(&mut self) -> &mut dyn PartialReflect {
-                self
-            }
-            fn try_into_reflect(self: Box<Self>) -> Result<Box<dyn Reflect>, Box<dyn PartialReflect>> {
-                Ok(self)
-            }
-            fn try_as_reflect(&self) -> Option<&dyn Reflect> {
-                Some(self)
-            }
-            fn try_as_reflect_mut(&mut self) -> Option<&mut dyn Reflect> {
-                Some(self)
-            }
-            fn try_apply(&mut self, value: &dyn PartialReflect) -> Result<(), ApplyError> {
-                if let Some(whole) = value.try_downcast_ref::<Self>() {
-                    *self = whole.clone();
-                    return Ok(());
-                }
+        by_hand! { $name as Struct, [$($kind,)* $([f32; $length]),*] }
+        impl $name {
+            fn apply_parts(&mut self, value: &dyn PartialReflect) -> Result<(), ApplyError> {
                 for (name, value) in value.reflect_ref().as_struct()?.iter_fields() {
                     if let Some(field) = self.field_mut(name) {
                         field.try_apply(value)?;
                     }
                 }
-                Ok(())
-            }
-            fn reflect_ref(&self) -> ReflectRef<'_> {
-                ReflectRef::Struct(self)
-            }
-            fn reflect_mut(&mut self) -> ReflectMut<'_> {
-                ReflectMut::Struct(self)
-            }
-            fn reflect_owned(self: Box<Self>) -> ReflectOwned {
-                ReflectOwned::Struct(self)
-            }
-            fn reflect_clone(&self) -> Result<Box<dyn Reflect>, ReflectCloneError> {
-                Ok(Box::new(self.clone()))
-            }
-        }
-        impl Reflect for $name {
-            fn into_any(self: Box<Self>) -> Box<dyn Any> {
-                self
-            }
-            fn as_any(&self) -> &dyn Any {
-                self
-            }
-            fn as_any_mut(&mut self) -> &mut dyn Any {
-                self
-            }
-            fn into_reflect(self: Box<Self>) -> Box<dyn Reflect> {
-                self
-            }
-            fn as_reflect(&self) -> &dyn Reflect {
-                self
-            }
-            fn as_reflect_mut(&mut self) -> &mut dyn Reflect {
-                self
-            }
-            fn set(&mut self, value: Box<dyn Reflect>) -> Result<(), Box<dyn Reflect>> {
-                *self = value.take()?;
                 Ok(())
             }
         }
@@ -154,21 +182,6 @@ macro_rules! shown {
                 let mut new = new?;
                 new.try_apply(value).ok()?;
                 Some(new)
-            }
-        }
-        impl GetTypeRegistration for $name {
-            fn get_type_registration() -> TypeRegistration {
-                let mut registration = TypeRegistration::of::<Self>();
-                registration.register_type_data::<ReflectFromPtr, Self>();
-                registration.register_type_data::<ReflectFromReflect, Self>();
-                registration.register_type_data::<ReflectComponent, Self>();
-                registration.register_type_data::<ReflectSerialize, Self>();
-                registration.register_type_data::<ReflectDeserialize, Self>();
-                registration
-            }
-            fn register_type_dependencies(registry: &mut TypeRegistry) {
-                $(registry.register::<$kind>();)*
-                $(registry.register::<[f32; $length]>();)*
             }
         }
     };

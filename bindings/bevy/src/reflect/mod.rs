@@ -1,6 +1,7 @@
 //! Reflection: all components and messages in the app's type registry.
 
 mod fields;
+mod variants;
 
 use crate::*;
 use bevy_app::App;
@@ -12,8 +13,7 @@ macro_rules! register {
     };
 }
 
-/// All that can be shown as fields is; `Continuous`, `SolvedAfter` and `Shape` are opaque. Scenes have what
-/// holds a type of the engine by serde.
+/// All that can be shown as fields is. Scenes have what holds a type of the engine by serde.
 pub(crate) fn register(app: &mut App) {
     register!(app: BodyDisabled, ConstantForce, Continuous, Damping, GravityScale, LockedAxes, Mass);
     register!(app: MaxSpeeds, NeverSleeps, NoInterpolation, PhysicsPose, RigidBody, Sleeping);

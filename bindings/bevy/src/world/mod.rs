@@ -1,5 +1,6 @@
 //! The resource: the engine's world, and which entity is what of it.
 
+mod own_writes;
 mod state;
 mod table;
 
@@ -13,7 +14,10 @@ use backstop::{
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_math::{DVec3, Quat, Vec3};
-pub(crate) use state::{BodyState, CouplingState, JointState, Place, ShapeState, WalkerState};
+pub(crate) use own_writes::OwnWrites;
+pub(crate) use state::{
+    BodyState, CouplingState, DrawnState, JointState, LocalPose, Place, ShapeState, WalkerState,
+};
 use std::ops::{Deref, DerefMut};
 pub(crate) use table::EntityTable;
 
@@ -26,12 +30,17 @@ pub(crate) use table::EntityTable;
 pub struct PhysicsWorld {
     pub(crate) world: World,
     pub(crate) bodies: EntityTable<BodyState>,
+    /// Of the same bodies.
+    pub(crate) drawn: EntityTable<DrawnState>,
     pub(crate) shapes: EntityTable<ShapeState>,
     pub(crate) joints: EntityHashMap<JointState>,
     pub(crate) couplings: EntityHashMap<CouplingState>,
     pub(crate) walkers: EntityTable<WalkerState>,
     /// What is to be made and is not yet, with the last reason that was reported.
     pub(crate) waiting: [EntityHashMap<String>; 5],
+    /// Entities with a body or a shape that is new, or whose component itself changed, since the last step.
+    pub(crate) new_bodies: Vec<Entity>,
+    pub(crate) new_shapes: Vec<Entity>,
     /// Entities that lost a component which has a default.
     pub(crate) changed_bodies: Vec<Entity>,
     pub(crate) changed_shapes: Vec<Entity>,
@@ -40,13 +49,16 @@ pub struct PhysicsWorld {
     /// Bodies whose poses of the last two steps differ; each once.
     pub(crate) moving: Vec<Entity>,
     /// Which list that is.
-    pub(crate) list: u64,
+    pub(crate) list: u32,
     /// Whether the transforms of all of these that have no parent are those of the last step.
     pub(crate) shown_last: bool,
     /// Kinematic bodies that the last step moved to their transforms.
     pub(crate) following: EntityHashSet,
-    /// Dynamic bodies that were awake after the last step.
-    pub(crate) awake: Vec<BodyHandle>,
+    /// Bodies that fell asleep in the last step or before it, and those that woke.
+    pub(crate) fell_asleep: Vec<Entity>,
+    pub(crate) woke: Vec<Entity>,
+    /// What the plugin wrote since it last looked who else did.
+    pub(crate) wrote: OwnWrites,
     /// Bodies whose transform somebody else wrote since the last step, and those whose velocity.
     pub(crate) moved: Vec<Entity>,
     pub(crate) pushed: Vec<Entity>,
@@ -100,11 +112,14 @@ impl PhysicsWorld {
         PhysicsWorld {
             world,
             bodies: EntityTable::default(),
+            drawn: EntityTable::default(),
             shapes: EntityTable::default(),
             joints: EntityHashMap::default(),
             couplings: EntityHashMap::default(),
             walkers: EntityTable::default(),
             waiting: Default::default(),
+            new_bodies: Vec::new(),
+            new_shapes: Vec::new(),
             changed_bodies: Vec::new(),
             changed_shapes: Vec::new(),
             departed: Vec::new(),
@@ -112,7 +127,9 @@ impl PhysicsWorld {
             list: 1,
             shown_last: false,
             following: EntityHashSet::default(),
-            awake: Vec::new(),
+            fell_asleep: Vec::new(),
+            woke: Vec::new(),
+            wrote: OwnWrites::default(),
             moved: Vec::new(),
             pushed: Vec::new(),
             sleep_asked: Vec::new(),
@@ -195,8 +212,9 @@ impl PhysicsWorld {
         let pose = self.pose_of(body)?;
         self.following.remove(&entity);
         if let Some(state) = self.bodies.get_mut(&entity) {
-            (state.previous, state.pose, state.moved_in) = (pose, pose, self.steps);
+            state.moved_in = self.steps;
         }
+        self.put_at(entity, pose);
         self.mark_moving(entity);
         Ok(())
     }
@@ -235,22 +253,85 @@ impl PhysicsWorld {
         })
     }
 
-    /// Takes over pose and velocity of a body after a step, and has them be written.
-    pub(crate) fn take_over(&mut self, handle: BodyHandle, step: u64, everything: bool) -> Option<()> {
-        let body = Entity::try_from_bits(self.world.user_data(handle).ok()?)?;
-        let pose = self.pose_of(handle).ok()?;
+    /// Notes where a body is, without a way from where it was.
+    pub(crate) fn put_at(&mut self, body: Entity, pose: PhysicsPose) {
+        if let (Some(state), Some(drawn)) = (self.bodies.get_mut(&body), self.drawn.get_mut(&body)) {
+            state.pose = pose;
+            drawn.last = LocalPose::of(&pose, self.origin);
+            drawn.previous = drawn.last;
+        }
+    }
+
+    /// Takes over poses and velocities of the bodies that a step moved, and has them be written. Those that
+    /// have just come to rest are written once more.
+    pub(crate) fn take_over_moves(&mut self, before: &mut Vec<Entity>) {
+        std::mem::swap(&mut self.moving, before);
+        self.moving.clear();
+        let (now, old) = (self.steps, self.list);
+        self.list = old.wrapping_add(1);
+        let mut stayed = 0;
+        let PhysicsWorld { world, bodies, drawn, moving, list, fell_asleep, woke, origin, .. } = self;
+        world.body_moves().for_each(|moved| {
+            let Some(body) = Entity::try_from_bits(moved.user_data) else { return };
+            let (Some(state), Some(drawn)) = (bodies.get_mut(&body), drawn.get_mut(&body)) else { return };
+            if state.handle != moved.body {
+                return;
+            }
+            stayed += usize::from(drawn.listed_in == old);
+            drawn.listed_in = *list;
+            moving.push(body);
+            state.pose =
+                PhysicsPose { position: moved.position.to_bevy(), rotation: moved.rotation.to_bevy() };
+            (drawn.previous, drawn.last) = (drawn.last, LocalPose::of(&state.pose, *origin));
+            state.velocity = Velocity {
+                linear: moved.linear_velocity.to_bevy(),
+                angular: moved.angular_velocity.to_bevy(),
+            };
+            state.moved_in = now;
+            if state.asleep != moved.fell_asleep {
+                state.asleep = moved.fell_asleep;
+                if state.asleep { fell_asleep.push(body) } else { woke.push(body) }
+            }
+        });
+        if stayed < before.len() {
+            let rests = |body: &Entity| self.bodies.get(body).is_some_and(|state| state.moved_in + 1 == now);
+            let resting = in_order(before.iter().copied().filter(rests));
+            resting.into_iter().for_each(|body| self.take_over_rest(body, now - 1));
+        }
+        before.clear();
+    }
+
+    /// Takes over pose, velocity and sleep of a body that the last step did not move.
+    fn take_over_rest(&mut self, body: Entity, step: u64) {
+        let Some(handle) = self.body(body) else { return };
+        let Ok(pose) = self.pose_of(handle) else { return };
+        let asleep = self.world.is_sleeping(handle).unwrap_or_default();
         let velocity = Velocity {
             linear: self.world.linear_velocity(handle).unwrap_or_default().to_bevy(),
             angular: self.world.angular_velocity(handle).unwrap_or_default().to_bevy(),
         };
-        let state = self.bodies.get_mut(&body).filter(|state| state.handle == handle)?;
-        state.previous = if everything { pose } else { state.pose };
+        let (Some(state), Some(drawn)) = (self.bodies.get_mut(&body), self.drawn.get_mut(&body)) else {
+            return;
+        };
+        (drawn.previous, drawn.last) = (drawn.last, LocalPose::of(&pose, self.origin));
         (state.pose, state.velocity, state.moved_in) = (pose, velocity, step);
-        if state.listed_in != self.list {
-            state.listed_in = self.list;
-            self.moving.push(body);
+        if state.asleep != asleep {
+            state.asleep = asleep;
+            if asleep { self.fell_asleep.push(body) } else { self.woke.push(body) }
         }
-        Some(())
+        self.mark_moving(body);
+    }
+
+    /// Takes over all bodies after a restore, which moves those that sleep, too.
+    pub(crate) fn take_over_all(&mut self) {
+        self.moving.clear();
+        self.list = self.list.wrapping_add(1);
+        for body in in_order(self.bodies.keys().copied()) {
+            self.take_over_rest(body, self.steps);
+            if let Some(drawn) = self.drawn.get_mut(&body) {
+                drawn.previous = drawn.last;
+            }
+        }
     }
 
     /// Whether to go through all bodies, side by side in memory, costs less than to look up each that moves.
@@ -260,7 +341,7 @@ impl PhysicsWorld {
 
     /// Has the transform of a body be written until it rests.
     pub(crate) fn mark_moving(&mut self, body: Entity) {
-        let Some(state) = self.bodies.get_mut(&body) else { return };
+        let Some(state) = self.drawn.get_mut(&body) else { return };
         self.shown_last = false;
         if state.listed_in != self.list {
             state.listed_in = self.list;
@@ -292,6 +373,7 @@ impl PhysicsWorld {
     pub(crate) fn remove_body_of(&mut self, entity: Entity) {
         self.waiting[BODIES].remove(&entity);
         let Some(BodyState { handle, .. }) = self.bodies.remove(&entity) else { return };
+        self.drawn.remove(&entity);
         self.following.remove(&entity);
         for shape in self.shapes_of(handle) {
             let Some(shape) = self.entity_of_shape(shape) else { continue };

@@ -6,6 +6,7 @@ use backstop_bevy::prelude::*;
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
+use bevy_reflect::enums::DynamicEnum;
 use bevy_reflect::serde::{TypedReflectDeserializer, TypedReflectSerializer};
 use bevy_reflect::structs::DynamicStruct;
 use bevy_reflect::{FromReflect, PartialReflect, Reflect, ReflectMut, TypeRegistration, TypeRegistry};
@@ -169,4 +170,40 @@ fn components_of_the_engine_show_their_fields() {
     assert_eq!((made.0.dynamic_friction, made.0.static_friction), (0.25, 0.6));
     let whole = get::<Joint>(&app, joint);
     assert_eq!(Joint::from_reflect(whole.as_partial_reflect()), Some(whole.clone()));
+}
+
+/// Expected: a shape shows its form and its numbers, a new number reaches the world, and another form can be
+/// chosen, with numbers for what is not given; modes are enums too. A hull has no value to be made of.
+#[test]
+fn forms_and_modes_are_enums() {
+    let mut app = app();
+    let body = ball(&mut app, 3.0);
+    app.world_mut().entity_mut(body).insert(Continuous(ContinuousMode::Segment));
+    app.update();
+    {
+        let mut shape = app.world_mut().get_mut::<Shape>(body).unwrap();
+        let ReflectMut::Enum(form) = shape.as_reflect_mut().reflect_mut() else { panic!("it is an enum") };
+        assert_eq!((form.variant_name(), form.name_at(0)), ("Sphere", Some("radius")));
+        form.field_mut("radius").unwrap().try_apply(&0.25_f32).unwrap();
+    }
+    app.update();
+    let of = |app: &App| {
+        let world = physics(app);
+        format!("{:?}", world.geometry(world.shape(body).unwrap()).unwrap())
+    };
+    assert_eq!(of(&app), format!("{:?}", backstop::Geometry::sphere(0.25)));
+
+    let mut numbers = DynamicStruct::default();
+    numbers.insert("half_extents", [0.5_f32, 1.0, 2.0]);
+    let cuboid = DynamicEnum::new("Box", numbers);
+    app.world_mut().get_mut::<Shape>(body).unwrap().try_apply(&cuboid).unwrap();
+    let volume = DynamicEnum::new("Volume", ());
+    app.world_mut().get_mut::<Continuous>(body).unwrap().try_apply(&volume).unwrap();
+    app.update();
+    assert_eq!(of(&app), format!("{:?}", backstop::Geometry::cuboid(0.5, 1.0, 2.0)));
+    let world = physics(&app);
+    assert_eq!(world.continuous(world.body(body).unwrap()), Ok(ContinuousMode::Volume));
+    assert!(Shape::from_reflect(&DynamicEnum::new("Hull", ())).is_none());
+    let made = SolvedAfter::from_reflect(&DynamicEnum::new("Joints", ()));
+    assert_eq!(made, Some(SolvedAfter(RowGroup::Joints)));
 }

@@ -243,3 +243,52 @@ fn extrapolation_is_ahead_by_the_velocity() {
         }
     }
 }
+
+/// Bodies of which most move, and commands that put them elsewhere or push them. Such commands are applied
+/// just before a system of the plugin runs, and what they write then has its tick. Expected: each of them
+/// counts within two frames, whichever schedule they come from, for bodies that move and for one that rests.
+#[test]
+fn what_commands_write_just_before_the_plugin_counts() {
+    #[derive(Resource)]
+    struct Orders(Vec<Entity>, f32);
+    fn obey(mut commands: Commands, mut orders: ResMut<Orders>) {
+        let z = orders.1;
+        for (place, body) in std::mem::take(&mut orders.0).into_iter().enumerate() {
+            let at = Transform::from_xyz(3.0 * place as f32, 50.0, z);
+            commands.entity(body).insert((at, Velocity::linear(Vec3::X)));
+        }
+    }
+    let at = |labels: usize, app: &mut App| match labels {
+        0 => drop(app.add_systems(PreUpdate, obey)),
+        1 => drop(app.add_systems(RunFixedMainLoop, obey.before(RunFixedMainLoopSystems::FixedMainLoop))),
+        2 => drop(app.add_systems(FixedFirst, obey)),
+        3 => drop(app.add_systems(FixedUpdate, obey)),
+        4 => drop(app.add_systems(FixedPostUpdate, obey.before(PhysicsSystems::Prepare))),
+        5 => drop(app.add_systems(FixedPostUpdate, obey.after(PhysicsSystems::Report))),
+        _ => drop(app.add_systems(FixedLast, obey)),
+    };
+    for schedule in 0..7 {
+        let mut app = app();
+        app.insert_resource(Orders(Vec::new(), 0.0));
+        at(schedule, &mut app);
+        let bodies: Vec<Entity> = (0..8).map(|_| ball(&mut app, 30.0)).collect();
+        for (place, &body) in bodies.iter().enumerate() {
+            app.world_mut().get_mut::<Transform>(body).unwrap().translation.x = 3.0 * place as f32;
+        }
+        let rests = (RigidBody::Kinematic, Shape::sphere(0.5), Transform::from_xyz(0.0, 90.0, 0.0));
+        let rests = app.world_mut().spawn(rests).id();
+        run(&mut app, 5);
+        for z in [4.0, 8.0] {
+            let all = bodies.iter().copied().chain([rests]).collect();
+            app.insert_resource(Orders(all, z));
+            run(&mut app, 2);
+            bodies.iter().for_each(|&body| {
+                let (pose, velocity) = (get::<PhysicsPose>(&app, body), get::<Velocity>(&app, body));
+                let found = (schedule, pose.position.z, velocity.linear.x);
+                assert_eq!(found, (schedule, f64::from(z), 1.0), "it is put there and pushed");
+            });
+            run(&mut app, 1);
+            assert_eq!(get::<PhysicsPose>(&app, rests).position.z, f64::from(z), "schedule {schedule}");
+        }
+    }
+}

@@ -104,7 +104,12 @@ impl<T> Buffer<T> {
 
     /// Writes all of them, or only their number.
     pub(crate) fn fill(&self, items: impl ExactSizeIterator<Item = T>) -> Outcome {
-        self.reserve(items.len())?;
+        self.fill_with(items.len(), items)
+    }
+
+    /// Writes so many of them, or only their number.
+    pub(crate) fn fill_with(&self, count: usize, items: impl Iterator<Item = T>) -> Outcome {
+        self.reserve(count)?;
         for (i, item) in items.take(self.capacity).enumerate() {
             // SAFETY: `i` is below the capacity, for which `new` checked the pointer and its caller promised
             // the rest.

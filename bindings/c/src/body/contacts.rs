@@ -1,10 +1,10 @@
 //! Contacts of bodies, their places, and which of them move.
 
-use crate::abi::pointers::Out;
+use crate::abi::pointers::{Buffer, Out};
 use crate::abi::status::BsStatus;
-use crate::abi::values::{BsAabb, BsBody, BsBool, BsDVec3, BsJoint, BsShape, BsVec3};
+use crate::abi::values::{BsAabb, BsBody, BsBool, BsDVec3, BsJoint, BsPose, BsShape, BsVec3};
 use crate::world::{BsWorld, get_all, reading};
-use backstop::{BodyContact, ContactPoint};
+use backstop::{BodyContact, BodyMove, ContactPoint};
 
 /// A point of a contact.
 #[repr(C)]
@@ -33,6 +33,43 @@ pub struct BsContact {
     pub point_count: u32,
     /// Its points; zeros beyond their number.
     pub points: [BsContactPoint; 4],
+}
+
+/// A body that moved in the last step: where it is and how fast.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsBodyMove {
+    /// The body.
+    pub body: BsBody,
+    /// Its user data.
+    pub user_data: u64,
+    /// Pose of its origin in the world [m].
+    pub pose: BsPose,
+    /// Position of its centre of mass in the world [m].
+    pub centre_of_mass: BsDVec3,
+    /// Velocity of its centre of mass [m/s].
+    pub linear_velocity: BsVec3,
+    /// Angular velocity about the world's axes [rad/s].
+    pub angular_velocity: BsVec3,
+    /// Whether it fell asleep since the step began; it is not listed again until it wakes.
+    pub fell_asleep: BsBool,
+    /// Zero.
+    pub reserved: [u8; 7],
+}
+
+impl From<BodyMove> for BsBodyMove {
+    fn from(moved: BodyMove) -> BsBodyMove {
+        BsBodyMove {
+            body: moved.body.into(),
+            user_data: moved.user_data,
+            pose: BsPose { position: moved.position.into(), rotation: moved.rotation.into() },
+            centre_of_mass: moved.centre_of_mass.into(),
+            linear_velocity: moved.linear_velocity.into(),
+            angular_velocity: moved.angular_velocity.into(),
+            fell_asleep: moved.fell_asleep.into(),
+            reserved: [0; 7],
+        }
+    }
 }
 
 impl From<&ContactPoint> for BsContactPoint {
@@ -96,17 +133,21 @@ pub unsafe extern "C" fn bs_world_awake_bodies(
     unsafe { get_all(world, "bodies", (bodies, capacity, count), |w| Ok(w.awake_bodies().collect())) }
 }
 
-/// Bodies that the last step moved: to be called after a step, before other calls change bodies. `count`
-/// becomes their number.
+/// Bodies that the last step moved, with their poses and velocities: dynamic ones that are awake, then
+/// kinematic ones with a velocity, then dynamic ones that fell asleep, once. To be called after a step, and
+/// before other calls change bodies. Allocates nothing. `count` becomes their number.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn bs_world_moved_bodies(
+pub unsafe extern "C" fn bs_world_body_moves(
     world: *const BsWorld,
-    bodies: *mut BsBody,
+    moves: *mut BsBodyMove,
     capacity: usize,
     count: *mut usize,
 ) -> BsStatus {
-    // SAFETY: the caller keeps to the header.
-    unsafe { get_all(world, "bodies", (bodies, capacity, count), |w| Ok(w.moved_bodies().collect())) }
+    crate::abi::guard::call(|| {
+        // SAFETY: the caller keeps to the header.
+        let (content, out) = unsafe { (reading(world)?, Buffer::new("moves", moves, capacity, count)?) };
+        out.fill_with(content.body_moves().count(), content.body_moves().map(Into::into))
+    })
 }
 
 /// The joints of a body. `count` becomes their number.
