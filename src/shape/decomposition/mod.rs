@@ -17,7 +17,6 @@ use super::mass::Moments;
 use super::{ConvexHull, Geometry, MassProperties, ShapeDesc};
 use crate::config::fields;
 use crate::error::Error;
-use cut::Cutter;
 use glam::Vec3;
 use part::Part;
 use solid::Solid;
@@ -49,7 +48,7 @@ fields! {
     /// ```
     ///
     /// Equal input gives equal hulls, on every machine. The work grows with the number of triangles and of
-    /// hulls: a torus of 1000 triangles takes about a tenth of a second. Keep hulls of levels as bytes (feature
+    /// hulls: a torus of 1000 triangles takes about half a second. Keep hulls of levels as bytes (feature
     /// `bake`).
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[cfg_attr(
@@ -71,7 +70,7 @@ fields! {
 
 impl Decomposition {
     /// The most triangles.
-    pub const MAX_TRIANGLES: usize = 1 << 16;
+    pub const MAX_TRIANGLES: usize = 1 << 15;
 
     /// Decomposes the solid that triangles enclose [m]; they wind counter-clockwise seen from outside, or all
     /// the other way round. It may be in several parts. Parts that overlap count twice in
@@ -104,7 +103,6 @@ impl Decomposition {
     /// At least two and at most `most` parts of the solid, unless their hulls have no more than `allowed`
     /// beyond its volume with fewer.
     fn cut(&self, solid: &Solid, allowed: f64, most: usize) -> Vec<Part> {
-        let cutter = Cutter::new(solid, self.resolution);
         let (mut open, mut whole) = (vec![Part::whole(solid)], Vec::new());
         loop {
             let excess: f64 = open.iter().chain(&whole).map(Part::excess).sum();
@@ -114,7 +112,7 @@ impl Decomposition {
             let worst = (0..open.len()).max_by(|&a, &b| open[a].excess().total_cmp(&open[b].excess()));
             let Some(worst) = worst else { break };
             let part = open.swap_remove(worst);
-            match cutter.best(&part) {
+            match cut::best(solid, &part, self.resolution) {
                 Some(plane) => open.extend(part.split(solid, plane)),
                 None => whole.push(part),
             }

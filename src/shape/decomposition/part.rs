@@ -19,8 +19,6 @@ pub(super) struct Part {
     pub(super) low: [i64; 3],
     pub(super) high: [i64; 3],
     pub(super) surface: Surface,
-    /// Corners of the box just beside which the solid is.
-    pub(super) inner: Vec<DVec3>,
     /// Triangles in the column along x through the box.
     pub(super) column: Vec<u32>,
     /// Of the part, and of its hull [cubic steps].
@@ -44,7 +42,7 @@ impl Surface {
         self.points.extend_from_slice(points);
     }
 
-    pub(super) fn polygons(&self) -> impl Iterator<Item = (u32, &[DVec3])> {
+    fn polygons(&self) -> impl Iterator<Item = (u32, &[DVec3])> {
         let ends = self.starts.iter().skip(1).map(|start| start.0).chain([self.points.len()]);
         self.starts.iter().zip(ends).map(|(&(start, triangle), end)| (triangle, &self.points[start..end]))
     }
@@ -71,25 +69,25 @@ impl Surface {
 }
 
 /// Where a polygon is along an axis.
-pub(super) struct Touch {
-    pub(super) low: f64,
-    pub(super) high: f64,
+struct Touch {
+    low: f64,
+    high: f64,
     /// Whether it looks up the axis or down.
     looks: i64,
 }
 
 impl Touch {
-    pub(super) fn of(polygon: &[DVec3], solid: &Solid, triangle: u32, axis: usize) -> Touch {
+    fn of(polygon: &[DVec3], solid: &Solid, triangle: u32, axis: usize) -> Touch {
         let along = polygon.iter().map(|p| p[axis]);
         let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
         Touch { low, high, looks: solid.looks(triangle, axis) }
     }
 
     /// Whether it bounds what is above a plane: it is there, or in the plane and looks down from there.
-    pub(super) fn is_above(&self, at: f64) -> bool {
+    fn is_above(&self, at: f64) -> bool {
         self.high > at || self.low == at && self.looks < 0
     }
-    pub(super) fn is_below(&self, at: f64) -> bool {
+    fn is_below(&self, at: f64) -> bool {
         self.low < at || self.high == at && self.looks > 0
     }
 }
@@ -104,7 +102,6 @@ impl Part {
             low,
             high,
             surface: Surface::default(),
-            inner: Vec::new(),
             column: Vec::new(),
             volume: 0.0,
             hull: 0.0,
@@ -121,16 +118,7 @@ impl Part {
 
     /// What is in a box, or nothing if it has no volume. The box is shrunk to it.
     fn new(solid: &Solid, surface: Surface, column: &[u32], [low, high]: [[i64; 3]; 2]) -> Option<Part> {
-        let mut inner = Vec::new();
-        for corner in 0..8 {
-            let is_high: [bool; 3] = std::array::from_fn(|a| corner >> a & 1 == 1);
-            let at: [i64; 3] = std::array::from_fn(|a| if is_high[a] { high[a] } else { low[a] });
-            if solid.is_beside(column, at, is_high.map(|high| if high { -1 } else { 1 })) {
-                inner.push(place(at));
-            }
-        }
-        let mut points = surface.points.clone();
-        points.extend(&inner);
+        let points = corners_of(solid, &surface, column, [low, high]);
         let (hull, corners) = build::measure(&points)?;
         let points: Vec<DVec3> = corners.into_iter().map(|i| points[i as usize]).collect();
         let bound = points
@@ -139,23 +127,49 @@ impl Part {
         let low: [i64; 3] = std::array::from_fn(|a| low[a].max(bound.0[a].floor() as i64));
         let high: [i64; 3] = std::array::from_fn(|a| high[a].min(bound.1[a].ceil() as i64));
         let column = column.iter().copied().filter(|&t| solid.in_column(t, low, high)).collect();
-        Some(Part { low, high, surface, inner, column, volume: 0.0, hull, points })
+        Some(Part { low, high, surface, column, volume: 0.0, hull, points })
+    }
+
+    /// The box on one side of a plane.
+    fn beyond(&self, Plane { axis, at }: Plane, above: bool) -> [[i64; 3]; 2] {
+        let mut bounds = [self.low, self.high];
+        bounds[usize::from(!above)][axis] = at;
+        bounds
+    }
+
+    /// Volume of the hull of what is on one side of a plane [cubic steps].
+    pub(super) fn hull_beyond(&self, solid: &Solid, plane: Plane, above: bool) -> f64 {
+        let surface = self.surface.beyond(solid, plane, above);
+        let points = corners_of(solid, &surface, &self.column, self.beyond(plane, above));
+        build::measure(&points).map_or(0.0, |(volume, _)| volume)
     }
 
     /// What is on both sides of a plane.
     pub(super) fn split(self, solid: &Solid, plane: Plane) -> impl Iterator<Item = Part> {
-        let Plane { axis, at } = plane;
-        let (mut below, mut above) = (self.high, self.low);
-        (below[axis], above[axis]) = (at, at);
-        let side = |is_above, bounds| {
-            Part::new(solid, self.surface.beyond(solid, plane, is_above), &self.column, bounds)
+        let side = |above| {
+            let surface = self.surface.beyond(solid, plane, above);
+            Part::new(solid, surface, &self.column, self.beyond(plane, above))
         };
-        let mut sides = [side(false, [self.low, below]), side(true, [above, self.high])];
+        let mut sides = [side(false), side(true)];
         for part in sides.iter_mut().flatten() {
             part.volume = solid.volume_in(&part.column, part.low, part.high);
         }
         sides.into_iter().flatten()
     }
+}
+
+/// Points of which the hull of what is in a box is made: its surface there, and corners of the box just beside
+/// which the solid is.
+fn corners_of(solid: &Solid, surface: &Surface, column: &[u32], [low, high]: [[i64; 3]; 2]) -> Vec<DVec3> {
+    let mut points = surface.points.clone();
+    for corner in 0..8 {
+        let is_high: [bool; 3] = std::array::from_fn(|a| corner >> a & 1 == 1);
+        let at: [i64; 3] = std::array::from_fn(|a| if is_high[a] { high[a] } else { low[a] });
+        if solid.is_beside(column, at, is_high.map(|high| if high { -1 } else { 1 })) {
+            points.push(place(at));
+        }
+    }
+    points
 }
 
 /// The part of a convex polygon on one side of a plane across an axis (Sutherland and Hodgman, *Reentrant
@@ -167,18 +181,13 @@ pub(super) fn clip_polygon(polygon: &[DVec3], axis: usize, at: f64, above: bool,
     for &b in polygon {
         let (of_a, of_b) = (height(a), height(b));
         if of_a * of_b < 0.0 {
-            out.push(crossing(a, b, axis, at));
+            let mut crossing = a + (b - a) * ((at - a[axis]) / (b[axis] - a[axis]));
+            crossing[axis] = at;
+            out.push(crossing);
         }
         if of_b >= 0.0 {
             out.push(b);
         }
         a = b;
     }
-}
-
-/// Where an edge that crosses a plane does.
-pub(super) fn crossing(a: DVec3, b: DVec3, axis: usize, at: f64) -> DVec3 {
-    let mut place = a + (b - a) * ((at - a[axis]) / (b[axis] - a[axis]));
-    place[axis] = at;
-    place
 }

@@ -134,9 +134,12 @@ impl Solid {
             polygon.clear();
             clip_polygon(&clipped, 0, x1, false, &mut polygon);
             volume += flux(&polygon, |x| x - x0);
-            polygon.clear();
-            clip_polygon(&clipped, 0, x1, true, &mut polygon);
-            volume += flux(&polygon, |_| x1 - x0);
+            // One in the plane was counted.
+            if clipped.iter().any(|p| p.x > x1) {
+                polygon.clear();
+                clip_polygon(&clipped, 0, x1, true, &mut polygon);
+                volume += flux(&polygon, |_| x1 - x0);
+            }
         }
         volume
     }
