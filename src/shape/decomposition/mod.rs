@@ -47,9 +47,8 @@ fields! {
     /// # Ok::<(), backstop::Error>(())
     /// ```
     ///
-    /// Equal input gives equal hulls, on every machine. The work grows with the number of triangles and of
-    /// hulls: a torus of 1000 triangles takes about half a second. Keep hulls of levels as bytes (feature
-    /// `bake`).
+    /// Equal input gives equal hulls, on every machine. A torus of 1000 triangles takes about half a second,
+    /// one of 32,000, the most, half a minute. Keep hulls of levels as bytes (feature `bake`).
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[cfg_attr(
         feature = "serde",

@@ -63,7 +63,7 @@ fn hulls_cover_a_solid_and_hardly_more() {
         let near = 1e-5 * f64::from((high - low).max_element()) + f64::from(left_out);
         let distance = |p: DVec3| hulls.iter().map(|hull| hull.distance(p)).fold(f64::MAX, f64::min);
         let what = format!("round {round}, {} hulls, {settings:?}", hulls.len());
-        for v in &mesh.vertices {
+        for v in mesh.corners() {
             let outside = distance(v.as_dvec3());
             assert!(outside < near, "{what}: a vertex is {outside} m outside of {near}");
         }
@@ -132,7 +132,7 @@ fn hulls_have_the_same_bits_everywhere() {
     for vertex in pieces.hulls().iter().flat_map(|hull| hull.vertices()) {
         vertex.to_array().iter().for_each(|x| hash.update(&x.to_bits().to_le_bytes()));
     }
-    assert_eq!((pieces.hulls().len(), hash.finalize()), (0, 0));
+    assert_eq!((pieces.hulls().len(), hash.finalize()), (17, 3_302_055_698));
 }
 
 fn torus_on_blocks(shapes: impl IntoIterator<Item = ShapeDesc>) -> f64 {
@@ -172,7 +172,7 @@ fn bodies_of_hulls_come_to_rest_and_stay() {
             let body = world.add_body(&body.with_position(DVec3::Y * 2.0)).unwrap();
             let lowest = |world: &World| {
                 let (turn, at) = (world.rotation(body).unwrap(), world.position(body).unwrap());
-                mesh.vertices.iter().map(|&v| f64::from((turn * v).y) + at.y).fold(f64::MAX, f64::min)
+                mesh.corners().map(|v| f64::from((turn * v).y) + at.y).fold(f64::MAX, f64::min)
             };
             common::steps(&mut world, 12 * rate, 1.0 / rate as f32);
             let (at, turn) = (world.position(body).unwrap(), world.rotation(body).unwrap());

@@ -60,7 +60,7 @@ fn what_is_no_solid_is_refused() {
 fn garbage_does_not_panic() {
     let mut random = Random(63);
     let mut refused = 0;
-    for round in 0..3000 {
+    for round in 0..600 {
         let count = 3 + random.below(12);
         let squeeze = Vec3::new(1.0, random.of(&[1.0, 0.1, 1e-4, 0.0]), random.of(&[1.0, 1e-6]));
         let scale = random.log_range(1e-7, 1e5);
@@ -97,5 +97,5 @@ fn garbage_does_not_panic() {
             }
         }
     }
-    assert!((100..2900).contains(&refused), "{refused} were refused");
+    assert!((50..550).contains(&refused), "{refused} were refused");
 }

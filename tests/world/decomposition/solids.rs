@@ -157,9 +157,14 @@ impl Mesh {
         self
     }
 
+    /// Those that triangles use.
+    pub(super) fn corners(&self) -> impl Iterator<Item = Vec3> {
+        self.triangles.iter().flatten().map(|&v| self.vertices[v as usize])
+    }
+
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         let (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        self.vertices.iter().fold((low, high), |(low, high), &v| (low.min(v), high.max(v)))
+        self.corners().fold((low, high), |(low, high), v| (low.min(v), high.max(v)))
     }
 
     pub(super) fn volume(&self) -> f64 {
