@@ -59,8 +59,8 @@ fields! {
     pub struct Decomposition {
         /// The most hulls.
         with_max_hulls(max_hulls: u32) = 32, "most hulls" [1.0, 256.0] "in 1..=256";
-        /// Volume that the hulls may have beyond the solid's, as a share of it: while there is more, and fewer
-        /// than the most hulls, there are more cuts.
+        /// Volume that the hulls may have beyond the solid's, as a share of it: while there is more, and
+        /// fewer than the most hulls, there are more cuts.
         with_concavity(concavity: f32) = 0.02, "concavity" [0.0, 10.0] "in 0..=10";
         /// Planes that are tried along each axis of a piece.
         with_resolution(resolution: u32) = 16, "resolution" [1.0, 64.0] "in 1..=64";
@@ -78,8 +78,8 @@ impl Decomposition {
     /// # Errors
     /// A number of these settings is out of its range; a coordinate is not finite or beyond 1e6; an index has
     /// no vertex; there are no triangles or too many; an edge does not have as many triangles on one side as
-    /// on the other, so that the mesh is open or wound both ways; or it encloses no volume, or is thinner than
-    /// a millionth of its size.
+    /// on the other, so that the mesh is open or wound both ways; or it encloses no volume, or is thinner
+    /// than a millionth of its size.
     pub fn run(&self, vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Pieces, Error> {
         self.check_ranges()?;
         let solid = Solid::new(vertices, triangles)?;

@@ -158,8 +158,8 @@ impl Part {
     }
 }
 
-/// Points of which the hull of what is in a box is made: its surface there, and corners of the box just beside
-/// which the solid is.
+/// Points of which the hull of what is in a box is made: its surface there, and corners of the box just
+/// beside which the solid is.
 fn corners_of(solid: &Solid, surface: &Surface, column: &[u32], [low, high]: [[i64; 3]; 2]) -> Vec<DVec3> {
     let mut points = surface.points.clone();
     for corner in 0..8 {

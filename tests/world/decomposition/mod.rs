@@ -48,9 +48,9 @@ fn random_settings(random: &mut Random) -> Decomposition {
 }
 
 /// Expected: every vertex and every point of the solid is in a hull, to 1e-5 of its size (f32 at ten times
-/// its size from the origin) and what hulls of too many vertices left out; points of hulls outside of the solid are at most as many as the excess says,
-/// within four deviations of their number; and the excess is within the concavity or the hulls are as many as
-/// may be. The mesh says what is inside by winding numbers.
+/// its size from the origin) and what hulls of too many vertices left out; points of hulls outside of the
+/// solid are at most as many as the excess says, within four deviations of their number; and the excess is
+/// within the concavity or the hulls are as many as may be. The mesh says what is inside by winding numbers.
 #[test]
 fn hulls_cover_a_solid_and_hardly_more() {
     let mut random = Random(60);

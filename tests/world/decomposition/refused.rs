@@ -20,8 +20,8 @@ fn what_is_no_solid_is_refused() {
     assert_eq!(message(&[Vec3::X; 3], &[[0, 1, 2]]), nothing);
     assert_eq!(
         message(&good.vertices, &good.triangles[1..]),
-        "the shape is degenerate: the mesh is not closed: 3 of its edges have more triangles on one side than \
-         on the other"
+        "the shape is degenerate: the mesh is not closed: 3 of its edges have more triangles on one side \
+         than on the other"
     );
     let mut turned = good.triangles.clone();
     turned[0].swap(0, 1);
