@@ -31,8 +31,9 @@ impl Moments {
         Self::around(middle, triangles.iter().map(|triangle| triangle.map(|p| p - middle)))
     }
 
-    /// A sum over tetrahedra from the middle to each triangle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ +
-    /// c cᵀ), s = a + b + c (Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*, 2004).
+    /// A sum over tetrahedra from the middle to each triangle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ
+    /// plus c cᵀ), s = a + b + c (Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*,
+    /// 2004).
     fn around(middle: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
         let (mut mass, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
         for [a, b, c] in triangles {
