@@ -162,8 +162,8 @@ pub use load_limits::{Count, LimitExceeded, LoadLimits, Tally};
 pub use memory::{Budget, Bytes, Category, MemoryReport};
 pub use query::{ClosestPoint, Overlap, QueryFilter, QueryTarget, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{
-    Combine, ConvexHull, Filter, Geometry, GeometryKey, HeightField, MassProperties, Material, ShapeDesc,
-    TriangleMesh,
+    Combine, ConvexHull, Decomposition, Filter, Geometry, GeometryKey, HeightField, MassProperties, Material,
+    Pieces, ShapeDesc, TriangleMesh,
 };
 pub use snapshot::Snapshot;
 pub use world::{

@@ -4,8 +4,9 @@ use backstop::debug::{DebugDraw, DrawOptions};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     Aabb, Axes, Axis, BodyDesc, BodyHandle, BodyKind, Character, CharacterSettings, ContinuousMode,
-    CouplingDesc, Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion, Motor, NoHooks,
-    Overlap, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot, TriangleMesh, World,
+    CouplingDesc, Decomposition, Filter, Frame, Geometry, JointDesc, JointHandle, Limit, Material, Motion,
+    Motor, NoHooks, Overlap, QueryFilter, Ray, Settings, ShapeCast, ShapeDesc, ShapeHandle, Snapshot,
+    TriangleMesh, World,
 };
 
 /// Objects that the rows of the table use.
@@ -84,6 +85,7 @@ rows! {
     Geometry::cuboid(0.5, 0.5, 0.5);
     Geometry::capsule(0.5, 0.2);
     mesh.scaled(Vec3::new(-1.0, 2.0, 1.0));
+    Decomposition::default().run(&vertices, &triangles);
     world.set_heights(shape, [2, 3], [1, 1], &[0.5]);
     world.set_holes(shape, [2, 3], [1, 1], &[true]);
     TriangleMesh::with_materials(vertices, triangles, &[1, 0], &[ice]);

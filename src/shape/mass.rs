@@ -7,8 +7,7 @@ use super::Geometry;
 use crate::error::{Error, finite, positive, within};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 pub(crate) use moments::Moments;
-use moments::principal;
-pub(super) use moments::{capsule, frustum};
+pub(super) use moments::{capsule, frustum, principal};
 
 /// Mass, centre of mass and inertia about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +35,12 @@ impl MassProperties {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn of(geometry: &Geometry, density: f32) -> Self {
-        geometry.moments().scaled(density.into()).rounded()
+        Self::of_moments(geometry.moments(), density)
+    }
+
+    /// Of moments at a density of one.
+    pub(super) fn of_moments(moments: Moments, density: f32) -> Self {
+        moments.scaled(density.into()).rounded()
     }
 
     /// Those of a body with known principal moments [kg m²]; `axes`: the rotation from its principal axes

@@ -8,6 +8,7 @@
 mod baked;
 mod collider;
 mod corners;
+mod decomposition;
 mod flags;
 mod forms;
 mod four_tree;
@@ -27,6 +28,7 @@ mod surfaces;
 
 pub(crate) use collider::{Collider, ColliderSummary};
 pub(crate) use corners::Corners;
+pub use decomposition::{Decomposition, Pieces};
 pub(crate) use flags::{BELT, EVENTS, HOOKS, IDLE_DAMPING, RARE, ROLLS, SENSOR, SOFT, STATICS};
 pub(crate) use forms::{Frustum, Kind, NearPoint, Symmetry, outline, support};
 pub(crate) use four_tree::{FourTree, LEAF, NONE};

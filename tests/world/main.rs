@@ -15,6 +15,7 @@ mod calls;
 mod changes;
 mod character;
 mod churn;
+mod decomposition;
 mod determinism;
 mod each_call;
 mod events;

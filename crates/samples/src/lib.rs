@@ -46,8 +46,8 @@ samples! {
         windmill, wrecking_ball;
     /// Parts of games.
     games:
-        billiards, bonded_wall, bowling, digging, doors, explosion, galton, grab, gravity_gun, labyrinth,
-        one_way, seams, voxels;
+        billiards, bonded_wall, bowling, chain_links, digging, doors, explosion, galton, grab, gravity_gun,
+        labyrinth, one_way, seams, voxels;
     /// Characters that walk, and figures that fall.
     characters:
         stairs, slopes, platforms, crates, crowd, ragdoll, hundred_ragdolls, ragdoll_stairs, crouch, pose,

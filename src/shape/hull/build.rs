@@ -70,6 +70,25 @@ pub(crate) fn build(points: &[Vec3], most: usize) -> Result<Polyhedron, Error> {
     merge::polygons(&local, hull.triangles(), tolerance, left_out)
 }
 
+/// Volume of the hull of points on a grid, in its steps cubed, and which of them are its corners; nothing if
+/// all are within two steps of a plane.
+pub(crate) fn measure(points: &[DVec3]) -> Option<(f64, Vec<u32>)> {
+    let first = *points.first()?;
+    let (min, max) = points.iter().fold((first, first), |(min, max), &p| (min.min(p), max.max(p)));
+    let tolerance = Tolerance { noise: 0.5, rounding: 1e-13 * (max - min).element_sum() };
+    let all: Vec<u32> = (0..points.len() as u32).collect();
+    let start = first_tetrahedron(points, &all, tolerance, 2.0).ok()?;
+    let mut hull = Quickhull::new(points, &all, start, tolerance.noise, tolerance.rounding);
+    hull.grow(points.len());
+    let triangles = hull.triangles();
+    let inside = points[start[0] as usize];
+    let volume = triangles.iter().map(|t| (t.offset - t.normal.dot(inside)) * t.area / 3.0).sum();
+    let mut corners: Vec<u32> = triangles.iter().flat_map(|t| t.vertices).collect();
+    corners.sort_unstable();
+    corners.dedup();
+    Some((volume, corners))
+}
+
 /// A corner of the triangulated hull: three vertices counter-clockwise from outside, and the triangle across
 /// the edge from each vertex to the next.
 #[derive(Clone, Debug)]

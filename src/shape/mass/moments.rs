@@ -15,21 +15,32 @@ pub(crate) struct Moments {
 impl Moments {
     pub(in crate::shape) const ZERO: Self = Moments { mass: 0.0, centre: DVec3::ZERO, inertia: DMat3::ZERO };
 
-    /// Moments of a closed polyhedron, its faces counter-clockwise from outside: a sum over tetrahedra from
-    /// its middle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c (Tonon, *Explicit
-    /// exact formulas for the 3-D tetrahedron inertia tensor*, 2004).
+    /// Moments of a closed polyhedron, its faces counter-clockwise from outside.
     pub(in crate::shape) fn of_polyhedron(vertices: &[Vec3], faces: &[Vec<u16>]) -> Self {
         let middle = vertices.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / vertices.len().max(1) as f64;
         let at = |i: u16| vertices[usize::from(i)].as_dvec3() - middle;
+        let fans = faces
+            .iter()
+            .flat_map(|face| face[1..].windows(2).map(move |pair| [at(face[0]), at(pair[0]), at(pair[1])]));
+        Self::around(middle, fans)
+    }
+
+    /// The same of triangles.
+    pub(in crate::shape) fn of_triangles(triangles: &[[DVec3; 3]]) -> Self {
+        let middle = triangles.iter().flatten().sum::<DVec3>() / (3 * triangles.len()).max(1) as f64;
+        Self::around(middle, triangles.iter().map(|triangle| triangle.map(|p| p - middle)))
+    }
+
+    /// A sum over tetrahedra from the middle to each triangle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ
+    /// plus c cᵀ), s = a + b + c (Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*,
+    /// 2004).
+    fn around(middle: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
         let (mut mass, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
-        for face in faces {
-            for pair in face[1..].windows(2) {
-                let (a, b, c) = (at(face[0]), at(pair[0]), at(pair[1]));
-                let (det, s) = (a.dot(b.cross(c)), a + b + c);
-                mass += det / 6.0;
-                first += s * (det / 24.0);
-                second += (outer(s) + outer(a) + outer(b) + outer(c)) * (det / 120.0);
-            }
+        for [a, b, c] in triangles {
+            let (det, s) = (a.dot(b.cross(c)), a + b + c);
+            mass += det / 6.0;
+            first += s * (det / 24.0);
+            second += (outer(s) + outer(a) + outer(b) + outer(c)) * (det / 120.0);
         }
         if mass <= 0.0 {
             return Moments::ZERO;
@@ -124,7 +135,7 @@ fn revolve(y0: f64, y1: f64, square: impl Fn(f64) -> f64) -> Moments {
 /// Eigenvalues and eigenvectors of a symmetric matrix, by Jacobi's rotations (Golub and Van Loan, *Matrix
 /// Computations*, 8.5): exact for a diagonal matrix, and no angle is above 45 degrees, so the axes stay near
 /// their own.
-pub(super) fn principal(matrix: DMat3) -> (DVec3, DQuat) {
+pub(in crate::shape) fn principal(matrix: DMat3) -> (DVec3, DQuat) {
     let mut m = matrix.to_cols_array_2d();
     let mut axes = DMat3::IDENTITY.to_cols_array_2d();
     // Quadratic convergence: four or five sweeps do.

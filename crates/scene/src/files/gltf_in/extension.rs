@@ -1,6 +1,7 @@
 //! Objects of `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, with their names; and properties without
 //! names there, in the object `backstop` of their `extras`.
 
+use backstop::Decomposition;
 use serde::de::{DeserializeOwned, Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
@@ -303,4 +304,42 @@ pub(super) struct Geometry {
     pub(super) shape: Option<usize>,
     pub(super) node: Option<usize>,
     pub(super) convex_hull: bool,
+    #[serde(deserialize_with = "own")]
+    pub(super) extras: GeometryExtras,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct GeometryExtras {
+    pub(super) decomposition: Option<Pieces>,
+}
+
+/// As many hulls as a mesh needs.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase", deny_unknown_fields)]
+pub(super) struct Pieces {
+    max_hulls: u32,
+    concavity: f32,
+    resolution: u32,
+}
+
+impl Default for Pieces {
+    fn default() -> Self {
+        let Decomposition { max_hulls, concavity, resolution, .. } = Decomposition::default();
+        Pieces { max_hulls, concavity, resolution }
+    }
+}
+
+impl Pieces {
+    pub(super) fn settings(self) -> Decomposition {
+        Decomposition::default()
+            .with_max_hulls(self.max_hulls)
+            .with_concavity(self.concavity)
+            .with_resolution(self.resolution)
+    }
+
+    /// Equal for equal numbers.
+    pub(super) fn key(self) -> [u32; 3] {
+        [self.max_hulls, self.concavity.to_bits(), self.resolution]
+    }
 }

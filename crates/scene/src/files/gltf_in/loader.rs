@@ -3,7 +3,7 @@
 use super::extension::{self, NodePhysics, Physics, RIGID_BODIES, SHAPES, Shapes};
 use super::file::Parts;
 use super::problem::{Problem, problem};
-use super::shapes::{self, Placed};
+use super::shapes::{self, Form, Placed};
 use super::tree::{self, Tree};
 use super::{filter, joints, motion};
 use crate::{Scene, SceneBody, SceneError};
@@ -31,6 +31,8 @@ struct Build {
     /// Bits of f32.
     scale: [u32; 9],
     hull: bool,
+    /// The numbers of its decomposition.
+    pieces: Option<[u32; 3]>,
 }
 
 /// The parts of a file that have been read, and the scene that they become.
@@ -217,7 +219,9 @@ impl<'a> Loader<'a> {
             shape.position = (apart + turn * placed.offset.as_dvec3()).as_vec3();
         }
         shape.validate().map_err(|e| problem(self.parts, node, Problem::Engine(e)))?;
-        self.scene.bodies[body].desc.shapes.push(shape);
+        let more = placed.more.into_iter().map(|geometry| shape.clone().with_geometry(geometry));
+        let more: Vec<_> = more.collect();
+        self.scene.bodies[body].desc.shapes.extend([shape].into_iter().chain(more));
         Ok(())
     }
 
@@ -232,11 +236,16 @@ impl<'a> Loader<'a> {
         let dynamic = kind == BodyKind::Dynamic;
         let home = self.body[node].and_then(|body| self.scene.bodies[body].node);
         let key = self.build_of(node, geometry, scale, (home, dynamic))?;
-        let hull = key.hull;
+        let (hull, decomposition) = (key.hull, geometry.extras.decomposition);
         let mut placed = match self.built.get(&key) {
             Some(placed) => placed.clone(),
             None => {
-                let placed = self.build(key.of, scale, hull)?;
+                let form = match decomposition {
+                    Some(pieces) => Form::Pieces(pieces.settings()),
+                    None if hull => Form::Hull,
+                    None => Form::Mesh,
+                };
+                let placed = self.build(key.of, scale, form)?;
                 self.built.insert(key, placed.clone());
                 placed
             }
@@ -258,7 +267,11 @@ impl<'a> Loader<'a> {
         scale: DMat3,
         (home, dynamic): (Option<usize>, bool),
     ) -> Result<Build, Problem> {
-        let hull = geometry.node.is_some() && (geometry.convex_hull || dynamic);
+        let pieces = geometry.extras.decomposition.map(|pieces| pieces.key());
+        if pieces.is_some() && geometry.node.is_none() {
+            return Err(Problem::Text("decomposition needs a geometry with a node".into()));
+        }
+        let hull = geometry.node.is_some() && pieces.is_none() && (geometry.convex_hull || dynamic);
         let of = match (geometry.shape, geometry.node) {
             (Some(shape), None) => Source::Shape(shape),
             (None, Some(mesh)) => {
@@ -272,10 +285,10 @@ impl<'a> Loader<'a> {
         };
         // As f32, as files have it: under a rotation it has the noise of f64, zeros of both signs among it.
         let scale = scale.to_cols_array().map(|x| (x as f32 + 0.0).to_bits());
-        Ok(Build { of, scale, hull })
+        Ok(Build { of, scale, hull, pieces })
     }
 
-    fn build(&mut self, of: Source, scale: DMat3, hull: bool) -> Result<Placed, Problem> {
+    fn build(&mut self, of: Source, scale: DMat3, form: Form) -> Result<Placed, Problem> {
         match of {
             Source::Shape(shape) => match self.shapes.get(shape) {
                 Some(shape) => shapes::implicit(shape, scale, &mut self.tally),
@@ -283,7 +296,7 @@ impl<'a> Loader<'a> {
             },
             Source::Mesh(mesh, own) => {
                 let moves = |n: usize| Some(n) != own && moves(&self.physics, n);
-                shapes::of_mesh(self.parts, mesh, &moves, hull, scale)
+                shapes::of_mesh(self.parts, mesh, &moves, form, scale)
             }
         }
     }

@@ -11,8 +11,8 @@ use super::extension;
 use super::file::Parts;
 use super::problem::{Problem, text};
 use crate::weld::Welded;
-use backstop::Geometry;
 use backstop::{Count, Tally};
+use backstop::{Decomposition, Geometry};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use gltf::mesh::Mode;
 use std::f64::consts::{PI, TAU};
@@ -21,6 +21,8 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone)]
 pub(super) struct Placed {
     pub(super) geometry: Geometry,
+    /// The others that a mesh was decomposed into.
+    pub(super) more: Vec<Geometry>,
     /// Along the node's axes [m].
     pub(super) offset: Vec3,
     /// What was approximated, as the rest of a sentence.
@@ -29,7 +31,7 @@ pub(super) struct Placed {
 
 impl From<Geometry> for Placed {
     fn from(geometry: Geometry) -> Self {
-        Placed { geometry, offset: Vec3::ZERO, note: None }
+        Placed { geometry, more: Vec::new(), offset: Vec3::ZERO, note: None }
     }
 }
 
@@ -110,7 +112,7 @@ fn capsule(half_height: f32, radius_bottom: f32, radius_top: f32) -> Placed {
     if (radius_bottom - radius_top).abs() >= 2.0 * half_height {
         let y = if radius_bottom > radius_top { -half_height } else { half_height };
         let geometry = Geometry::Sphere { radius: larger };
-        return Placed { geometry, offset: Vec3::new(0.0, y, 0.0), note: None };
+        return Placed { offset: Vec3::new(0.0, y, 0.0), ..geometry.into() };
     }
     // Ends without radius are allowed in files but not in the engine.
     let least = larger * 1e-3;
@@ -120,12 +122,12 @@ fn capsule(half_height: f32, radius_bottom: f32, radius_top: f32) -> Placed {
     Placed { note, ..Geometry::Capsule { half_height, radius_bottom, radius_top }.into() }
 }
 
-/// The hull of the triangles below a node, or the triangles themselves.
+/// The hull of the triangles below a node, several hulls, or the triangles themselves.
 pub(super) fn of_mesh(
     parts: &Parts,
     node: usize,
     stop_at: &dyn Fn(usize) -> bool,
-    hull: bool,
+    form: Form,
     scale: DMat3,
 ) -> Result<Placed, Problem> {
     let (mut welded, mut note) = (Welded::default(), None);
@@ -139,11 +141,24 @@ pub(super) fn of_mesh(
     if welded.vertices.is_empty() {
         return text(format!("its geometry, node {node}, has no triangles"));
     }
-    let geometry = match hull {
-        true => Geometry::Hull(assets::hull(&welded.vertices)?),
-        false => Geometry::Mesh(assets::mesh(&welded.vertices, &welded.triangles)?),
+    let mut geometries = match form {
+        Form::Hull => vec![Geometry::Hull(assets::hull(&welded.vertices)?)],
+        Form::Mesh => vec![Geometry::Mesh(assets::mesh(&welded.vertices, &welded.triangles)?)],
+        Form::Pieces(settings) => {
+            let pieces = settings.run(&welded.vertices, &welded.triangles)?;
+            pieces.hulls().iter().map(|hull| Geometry::hull(hull.clone())).collect()
+        }
     };
-    Ok(Placed { geometry, offset: Vec3::ZERO, note })
+    let more = geometries.split_off(1);
+    let geometry = geometries.swap_remove(0);
+    Ok(Placed { more, note, ..geometry.into() })
+}
+
+/// What becomes of the triangles of a mesh.
+pub(super) enum Form {
+    Hull,
+    Mesh,
+    Pieces(Decomposition),
 }
 
 /// Counts the vertices and triangles of [`of_mesh`] before they are read.

@@ -238,6 +238,38 @@ fn a_file_without_physics_is_one_static_mesh() {
     assert!(load_json("plain", &short).is_err());
 }
 
+/// Expected: two tetrahedra that are apart are two hulls, as `extras` ask for; one hull without.
+#[test]
+fn a_mesh_on_a_dynamic_body_is_decomposed_on_demand() {
+    let mut bytes = Vec::new();
+    for x in [0.0f32, 5.0] {
+        let [o, a, b, c] = [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.0]];
+        [o, b, a, o, a, c, o, c, b, a, b, c]
+            .as_flattened()
+            .iter()
+            .for_each(|x| bytes.extend(x.to_le_bytes()));
+    }
+    let text = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, &bytes);
+    let load = |extras: Value| {
+        let geometry = json!({ "node": 0, "extras": extras });
+        let body = physics(json!({ "motion": {}, "collider": { "geometry": geometry } }));
+        let mut json = file(json!([{ "mesh": 0, "extensions": body }]), json!([]), json!({}));
+        json["meshes"] = json!([{ "primitives": [{ "attributes": { "POSITION": 0 } }] }]);
+        json["accessors"] = json!([{ "bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3",
+            "min": [0, 0, 0], "max": [6, 1, 1] }]);
+        json["bufferViews"] = json!([{ "buffer": 0, "byteLength": 288 }]);
+        let uri = format!("data:application/octet-stream;base64,{text}");
+        json["buffers"] = json!([{ "byteLength": 288, "uri": uri }]);
+        load_json("decomposed", &json)
+    };
+    let hulls = |extras: Value| load(extras).unwrap().bodies[0].desc.shapes.len();
+    assert_eq!(hulls(json!({})), 1);
+    assert_eq!(hulls(json!({ "backstop": { "decomposition": {} } })), 2);
+    assert_eq!(hulls(json!({ "backstop": { "decomposition": { "maxHulls": 1 } } })), 1);
+    let refused = load(json!({ "backstop": { "decomposition": { "concavity": -1 } } })).unwrap_err();
+    assert!(refused.to_string().contains("concavity must be in 0..=10"), "{refused}");
+}
+
 fn conformance(name: &str) -> Option<Result<Scene, SceneError>> {
     Some(load(data("gltf")?.join(name)))
 }
