@@ -347,6 +347,12 @@ pub(crate) const RATTLE_SWING: f32 = 3.0;
 /// all.
 pub(crate) const LIGHTEST_LINK: f32 = 5e-5;
 
+/// Minimum moment of inertia of a body, as a share of the inertia that hinges and welds turn with it. The
+/// mobility that a hinge leaves is a difference of differences, and loses more than that of a ball joint: an
+/// arm with a 20,000th about its length gained energy in two of three substeps, one with a 10,000th in 10 of
+/// 1,200, one with a thousandth in none.
+pub(crate) const THINNEST_LINK: f32 = 1e-3;
+
 /// Share of an error that is corrected within a substep. Contacts see a tree body by body and converge slowly
 /// to a common solution; if errors are corrected faster, their disagreement grows (see
 /// [`Softness::stiffest`](crate::constraint::contact::row::Softness::stiffest), with a load that does not

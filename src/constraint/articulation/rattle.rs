@@ -47,7 +47,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         for node in &mut self.nodes {
             node.pulled = L::zero();
         }
-        let mut others = !self.is_alone();
+        let mut others = !self.is_alone() | L::Mask::from_bits(self.weighted);
         let (mut laden, mut heavy) = (L::zero().gt(L::zero()), L::zero().gt(L::zero()));
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);

@@ -17,7 +17,7 @@ use super::rattle::is_free;
 use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::transfer::{predict_bend, read_velocities, save};
-use crate::config::tuning::LIGHTEST_LINK;
+use crate::config::tuning::{LIGHTEST_LINK, THINNEST_LINK};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::lanes::{Mask, Quat, Vec3};
@@ -26,25 +26,38 @@ pub(crate) use batch::TreeBatch;
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// Bodies whose mobility would be lost in the rounding of that of the bodies that hang on them count as
-    /// heavier: as a share of that mass, which makes the tree heavier by as much.
+    /// heavier: as a share of that mass, which makes the tree heavier by as much. The same of rotations, where
+    /// a hinge or a weld turns a load with a body: about its length a beam has next to no inertia.
     fn weigh(&mut self) {
         self.weighted = 0;
         for node in &mut self.nodes {
-            // The mass that hangs on it.
-            node.pulled = L::zero();
+            // The mass that hangs on it; the inertia that turns with it, and how much it lacks for that.
+            (node.pulled, node.carried) = (L::zero(), Twist::zero());
         }
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
-            let least = node.pulled * L::splat(LIGHTEST_LINK);
-            let light = (least * node.inverse_mass).gt(L::one());
-            let factor = L::select(light, least * node.inverse_mass, L::one());
+            let (load, lacks) = (node.pulled, node.carried.linear.x);
+            let mass = L::one() / node.inverse_mass;
             if let Some(parent) = parent {
-                parent.pulled += node.pulled + L::one() / node.inverse_mass;
+                parent.pulled += load + mass;
+                if node.turns != Turns::Freely {
+                    let swung = (load + mass) * node.arm[0].length_squared();
+                    let Vec3 { x, y, z } = node.drift.moments.inertia;
+                    let turned = node.carried.angular.x + swung + x.max(y).max(z);
+                    parent.carried.angular.x += turned;
+                    let least = turned * L::splat(THINNEST_LINK) - node.thinnest_of(parent);
+                    parent.carried.linear.x = parent.carried.linear.x.max(least);
+                }
             }
+            let least = load * L::splat(LIGHTEST_LINK);
+            let (light, thin) = (least.gt(mass), lacks.gt(L::zero()));
+            let factor = L::select(light, least * node.inverse_mass, L::one());
             node.inverse_mass = node.inverse_mass / factor;
             node.inertia = node.inertia.scaled(factor);
-            let bits = light.bits() & node.write;
-            self.weighted |= bits;
+            for moment in [&mut node.inertia.xx, &mut node.inertia.yy, &mut node.inertia.zz] {
+                *moment += lacks;
+            }
+            self.weighted |= (light | thin).bits() & node.write;
         }
     }
 
@@ -181,6 +194,22 @@ impl<L: TreeWidth> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { save(&mut self.nodes[..self.real], motion, lanes.bits(), self.exact) };
+    }
+}
+
+impl<L: TreeWidth> Node<L> {
+    /// The smallest moment of the parent's inertia about axes that the joint locks.
+    fn thinnest_of(&self, parent: &Node<L>) -> L {
+        if self.turns == Turns::Not {
+            let Vec3 { x, y, z } = parent.drift.moments.inertia;
+            return x.min(y).min(z);
+        }
+        let half = L::splat(0.5);
+        let (t, s) = self.axis[1].tangents();
+        let (mt, ms) = (parent.inertia.mul(t), parent.inertia.mul(s));
+        let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
+        let apart = (a - d) * half;
+        (a + d) * half - (apart * apart + b * b).sqrt()
     }
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+mod beams;
 mod limits;
 mod momentum;
 mod springs;
