@@ -26,8 +26,8 @@ pub(crate) use batch::TreeBatch;
 
 impl<L: TreeWidth> TreeBatch<L> {
     /// Bodies whose mobility would be lost in the rounding of that of the bodies that hang on them count as
-    /// heavier: as a share of that mass, which makes the tree heavier by as much. The same of rotations, where
-    /// a hinge or a weld turns a load with a body: about its length a beam has next to no inertia.
+    /// heavier: as a share of that mass, which makes the tree heavier by as much. The same of rotations,
+    /// where a hinge or a weld turns a load with a body: about its length a beam has next to no inertia.
     fn weigh(&mut self) {
         self.weighted = 0;
         for node in &mut self.nodes {

@@ -11,10 +11,10 @@ pub(super) fn best(solid: &Solid, part: &Part, resolution: u32) -> Option<Plane>
     let extent: [f64; 3] = std::array::from_fn(|a| (part.high[a] - part.low[a]) as f64);
     let longest = extent[0].max(extent[1]).max(extent[2]);
     let mut best: Option<(f64, Plane)> = None;
-    for axis in 0..3 {
+    for (axis, extent) in extent.into_iter().enumerate() {
         // Where many planes are alike, as across a ring, one across the middle of a long side leads to fewer
         // pieces.
-        let short = 1.0 - extent[axis] / longest;
+        let short = 1.0 - extent / longest;
         for at in planes(part, axis, resolution) {
             let plane = Plane { axis, at };
             let [below, above] = [false, true].map(|is_above| part.hull_beyond(solid, plane, is_above));

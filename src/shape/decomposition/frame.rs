@@ -47,7 +47,7 @@ impl Frame {
         Frame { axes, origin: (low / step).floor() * step, step }
     }
 
-    pub(super) fn into_grid(&self, place: DVec3) -> [i64; 3] {
+    pub(super) fn to_grid(&self, place: DVec3) -> [i64; 3] {
         ((self.axes.transpose() * place - self.origin) / self.step).round().to_array().map(|x| x as i64)
     }
 

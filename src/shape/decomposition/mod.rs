@@ -69,7 +69,7 @@ fields! {
 
 impl Decomposition {
     /// The most triangles.
-    pub const MAX_TRIANGLES: usize = 1 << 15;
+    pub const MAX_TRIANGLES: usize = solid::MAX_TRIANGLES;
 
     /// Decomposes the solid that triangles enclose [m]; they wind counter-clockwise seen from outside, or all
     /// the other way round. It may be in several parts. Parts that overlap count twice in

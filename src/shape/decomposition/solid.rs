@@ -1,12 +1,14 @@
 //! A closed surface of triangles on a grid of integers, where inside and outside are exact.
 
 use super::super::mass::{Moments, principal};
-use super::Decomposition;
 use super::frame::Frame;
 use super::part::clip_polygon;
 use crate::error::{Error, each, index};
 use crate::limits;
 use glam::{DMat3, DVec3, Vec3};
+
+/// The most triangles.
+pub(super) const MAX_TRIANGLES: usize = 1 << 15;
 
 /// A solid on its grid.
 #[derive(Debug)]
@@ -27,8 +29,8 @@ const PARTS: i64 = 64;
 impl Solid {
     pub(super) fn new(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Solid, Error> {
         each("vertex", vertices, |&v| limits::offset("mesh vertex", v))?;
-        if triangles.len() > Decomposition::MAX_TRIANGLES {
-            let most = Decomposition::MAX_TRIANGLES as u64;
+        if triangles.len() > MAX_TRIANGLES {
+            let most = MAX_TRIANGLES as u64;
             return Err(Error::TooMany { what: "triangles of a mesh to be decomposed", most });
         }
         let of_vertex = |&i: &u32| index("mesh index", i as usize, vertices.len()).map(drop);
@@ -50,7 +52,7 @@ impl Solid {
         }
         let frame = Frame::of(&places, DMat3::from_quat(principal(moments.inertia).1));
         let corners: Vec<[[i64; 3]; 3]> =
-            places.iter().map(|triangle| triangle.map(|p| frame.into_grid(p))).collect();
+            places.iter().map(|triangle| triangle.map(|p| frame.to_grid(p))).collect();
         require_closed(&corners)?;
         let whole = corners.iter().map(|&triangle| determinant(triangle)).sum::<i128>();
         let volume = whole as f64 / 6.0;

@@ -1,8 +1,8 @@
 //! Thin beams that carry heavy loads on hinges and welds: cranes, trebuchets, doors. About its length a beam
 //! has next to no inertia, and the load's, which the hinge turns with it, is up to a million times as large.
 //!
-//! The mobility of such a beam was once lost in rounding: a trebuchet of an arm of 19 kg and a counterweight of
-//! 2 t gained energy out of its plane in two of three substeps, was damped for it, and stopped in mid-air.
+//! The mobility of such a beam was once lost in rounding: a trebuchet of an arm of 19 kg and a counterweight
+//! of 2 t gained energy out of its plane in two of three substeps, was damped for it, and stopped in mid-air.
 
 use super::{ground, world_with};
 use crate::common::random::Random;
@@ -77,7 +77,8 @@ impl Beam {
     }
 }
 
-/// Pendulums conserve energy; beams that bear up to 150 times their mass may lose it, and gain no more than this.
+/// Pendulums conserve energy; beams that bear up to 150 times their mass may lose it, and gain no more than
+/// this.
 fn check(seeds: std::ops::Range<u64>, most: f64) {
     for seed in seeds {
         for welded in [false, true] {

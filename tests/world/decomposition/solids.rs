@@ -135,7 +135,7 @@ impl Mesh {
 
     /// One of every kind, with random proportions.
     pub(super) fn random(kind: usize, random: &mut Random) -> Mesh {
-        let mut number = |low: f32, high: f32| low + (high - low) * random.unit() as f32;
+        let mut number = |low: f32, high: f32| low + (high - low) * random.unit();
         let thin = number(0.1, 0.6);
         let (a, b, c) = (number(0.5, 2.0), number(0.5, 2.0), number(0.2, 1.0));
         let three = [0.0, thin, thin + a, 2.0 * thin + a];
