@@ -186,9 +186,9 @@ struct Submerged {
     volume: f32,
     /// [m]
     middle: DVec3,
-    /// Of the plane.
+    /// Normal of the plane.
     normal: Vec3,
-    /// Of the cut [m²], and its second moment about the shape's origin [m⁴].
+    /// Area of the cut [m²], and its second moment about the shape's origin [m⁴].
     area: f32,
     second_moment: f32,
 }

@@ -55,7 +55,7 @@ fn at(world: &World, car: &Vehicle) -> DVec3 {
     world.position(car.chassis()).unwrap()
 }
 
-/// Expected: the springs bear the weight, and with the hand brake the car stays within two millimetres for a
+/// Expected: the springs bear the weight, and with the hand brake the car stays within a millimetre, on wheels of bodies two, for a
 /// minute on a slope of 20 %, the right way up.
 #[test]
 fn it_stands_on_a_slope_with_the_hand_brake() {
@@ -70,7 +70,8 @@ fn it_stands_on_a_slope_with_the_hand_brake() {
             assert!((load - weight).abs() < 0.1 * weight, "{kind:?} {rate}: {load} N of {weight} N");
             drive(&mut world, &mut car, 60.0, rate, brake);
             let creep = at(&world, &car).distance(start);
-            assert!(creep < 2e-3, "{kind:?} at {rate} Hz: {creep} m");
+            let most = if kind == WheelKind::Body { 2e-3 } else { 1e-3 };
+            assert!(creep < most, "{kind:?} at {rate} Hz: {creep} m");
             assert!((world.rotation(car.chassis()).unwrap() * Vec3::Y).y > 0.97);
         }
     }

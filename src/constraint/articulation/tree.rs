@@ -29,15 +29,14 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// heavier: as a share of that mass, which makes the tree heavier by as much. The same of rotations,
     /// where a hinge or a weld turns a load with a body: about its length a beam has next to no inertia.
     fn weigh(&mut self) {
-        self.weighted = 0;
+        let mut weighted = 0;
         for node in &mut self.nodes {
-            // The mass that hangs on it; the inertia that turns with it, and how much it lacks for that.
+            // The mass that hangs on it, and the inertia that turns with it.
             (node.pulled, node.carried) = (L::zero(), Twist::zero());
         }
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
-            let (load, lacks) = (node.pulled, node.carried.linear.x);
-            let mass = L::one() / node.inverse_mass;
+            let (load, mass) = (node.pulled, L::one() / node.inverse_mass);
             if let Some(parent) = parent {
                 parent.pulled += load + mass;
                 if node.turns != Turns::Freely {
@@ -45,20 +44,18 @@ impl<L: TreeWidth> TreeBatch<L> {
                     let Vec3 { x, y, z } = node.drift.moments.inertia;
                     let turned = node.carried.angular.x + swung + x.max(y).max(z);
                     parent.carried.angular.x += turned;
-                    let least = turned * L::splat(THINNEST_LINK) - node.thinnest_of(parent);
-                    parent.carried.linear.x = parent.carried.linear.x.max(least);
+                    let thin = node.thicken(parent, turned * L::splat(THINNEST_LINK));
+                    weighted |= thin.bits() & parent.write;
                 }
             }
             let least = load * L::splat(LIGHTEST_LINK);
-            let (light, thin) = (least.gt(mass), lacks.gt(L::zero()));
+            let light = least.gt(mass);
             let factor = L::select(light, least * node.inverse_mass, L::one());
             node.inverse_mass = node.inverse_mass / factor;
             node.inertia = node.inertia.scaled(factor);
-            for moment in [&mut node.inertia.xx, &mut node.inertia.yy, &mut node.inertia.zz] {
-                *moment += lacks;
-            }
-            self.weighted |= (light | thin).bits() & node.write;
+            weighted |= light.bits() & node.write;
         }
+        self.weighted = weighted;
     }
 
     /// Initialises arms and impulses at the start of a step.
@@ -198,18 +195,29 @@ impl<L: TreeWidth> TreeBatch<L> {
 }
 
 impl<L: TreeWidth> Node<L> {
-    /// The smallest moment of the parent's inertia about axes that the joint locks.
-    fn thinnest_of(&self, parent: &Node<L>) -> L {
-        if self.turns == Turns::Not {
+    /// Raises the inertia of the parent about the axes that the joint locks, where it is less than `least`.
+    /// Returns where it is.
+    fn thicken(&self, parent: &mut Node<L>, least: L) -> L::Mask {
+        // A weld locks all axes.
+        let (axis, thinnest) = if self.turns == Turns::Not {
             let Vec3 { x, y, z } = parent.drift.moments.inertia;
-            return x.min(y).min(z);
-        }
-        let half = L::splat(0.5);
-        let (t, s) = self.axis[1].tangents();
-        let (mt, ms) = (parent.inertia.mul(t), parent.inertia.mul(s));
-        let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
-        let apart = (a - d) * half;
-        (a + d) * half - (apart * apart + b * b).sqrt()
+            (Vec3::zero(), x.min(y).min(z))
+        } else {
+            let (t, s) = self.axis[1].tangents();
+            let (mt, ms) = (parent.inertia.mul(t), parent.inertia.mul(s));
+            let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
+            let (half, apart) = (L::splat(0.5), a - d);
+            (self.axis[1], half * (a + d - (apart * apart + L::splat(4.0) * b * b).sqrt()))
+        };
+        let lacks = (least - thinnest).max(L::zero());
+        let inertia = &mut parent.inertia;
+        inertia.xx += lacks - lacks * axis.x * axis.x;
+        inertia.yy += lacks - lacks * axis.y * axis.y;
+        inertia.zz += lacks - lacks * axis.z * axis.z;
+        inertia.xy -= lacks * axis.x * axis.y;
+        inertia.xz -= lacks * axis.x * axis.z;
+        inertia.yz -= lacks * axis.y * axis.z;
+        lacks.gt(L::zero())
     }
 }
 

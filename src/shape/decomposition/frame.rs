@@ -17,7 +17,7 @@ pub(super) struct Frame {
 const STEPS: u64 = 1 << 22;
 
 impl Frame {
-    /// Of the axes along which the faces of a mesh lie most: identity, if no others are better.
+    /// The frame along whose axes most faces of a mesh lie: identity, if no others are better.
     pub(super) fn of(triangles: &[[DVec3; 3]], principal: DMat3) -> Frame {
         let areas: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (b - a).cross(c - a)).collect();
         // Faces across an axis add one component, others two or three.

@@ -125,7 +125,7 @@ impl Decomposition {
 #[derive(Clone, Debug)]
 pub struct Pieces {
     hulls: Vec<Arc<ConvexHull>>,
-    /// Of the mesh, at a density of one.
+    /// Mass, centre and inertia of the mesh at a density of one.
     moments: Moments,
 }
 
@@ -142,7 +142,7 @@ impl Pieces {
         self.hulls.iter().map(|hull| ShapeDesc::new(Geometry::Hull(hull.clone())))
     }
 
-    /// Of the mesh itself, at an even density [kg/m³]: for [`BodyDesc::with_mass`].
+    /// Mass properties of the mesh itself at an even density [kg/m³]: for [`BodyDesc::with_mass`].
     ///
     /// [`BodyDesc::with_mass`]: crate::BodyDesc::with_mass
     pub fn mass_properties(&self, density: f32) -> MassProperties {

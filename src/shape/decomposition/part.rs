@@ -21,7 +21,7 @@ pub(super) struct Part {
     pub(super) surface: Surface,
     /// Triangles in the column along x through the box.
     pub(super) column: Vec<u32>,
-    /// Of the part, and of its hull [cubic steps].
+    /// Volumes of the part and of its hull [cubic steps].
     pub(super) volume: f64,
     pub(super) hull: f64,
     /// Corners of the hull.

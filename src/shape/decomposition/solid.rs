@@ -17,7 +17,7 @@ pub(super) struct Solid {
     /// Counter-clockwise from outside [steps], below 2^23 each.
     corners: Vec<[[i64; 3]; 3]>,
     volume: f64,
-    /// Of the mesh at a density of one [m].
+    /// Mass, centre and inertia of the mesh at a density of one [m].
     pub(super) moments: Moments,
 }
 
@@ -151,7 +151,7 @@ pub(super) fn place(corner: [i64; 3]) -> DVec3 {
     DVec3::from_array(corner.map(|x| x as f64))
 }
 
-/// Of a linear field along x through a polygon, counter-clockwise as it looks up x.
+/// Integral of a linear field along x over a polygon, counter-clockwise as it looks up x.
 fn flux(polygon: &[DVec3], field: impl Fn(f64) -> f64) -> f64 {
     let Some((&first, others)) = polygon.split_first() else { return 0.0 };
     let through = |pair: &[DVec3]| {

