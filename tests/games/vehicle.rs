@@ -55,8 +55,8 @@ fn at(world: &World, car: &Vehicle) -> DVec3 {
     world.position(car.chassis()).unwrap()
 }
 
-/// Expected: the springs bear the weight, and with the hand brake the car stays within a millimetre, on wheels of bodies two, for a
-/// minute on a slope of 20 %, the right way up.
+/// Expected: the springs bear the weight, and with the hand brake the car stays within a millimetre, on
+/// wheels of bodies within two, for a minute on a slope of 20 %, the right way up.
 #[test]
 fn it_stands_on_a_slope_with_the_hand_brake() {
     for kind in KINDS {

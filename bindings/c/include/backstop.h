@@ -1167,7 +1167,8 @@ typedef struct BsStepReport {
     // geometry: they were led along it, and ended outside of it.
     uint32_t settled;
     // Trees of joints in which a body counts as heavier than it is, because something more than 20,000
-    // times as heavy is attached to it: with its own mass the exact solution would lose all digits.
+    // times as heavy is attached to it, or because hinges and welds turn more than 1,000 times its moment
+    // of inertia with it: with its own mass the exact solution would lose its digits.
     uint32_t weighted_trees;
     // Trees of joints that whip, because a body bears several times its mass: no velocities at the start of
     // a substep leave them closed at its end, or only velocities that gain energy. They were closed all the
