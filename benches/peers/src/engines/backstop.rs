@@ -67,6 +67,6 @@ impl Engine for Backstop {
     }
 
     fn asleep(&self) -> usize {
-        self.world.asleep()
+        self.world.sleeping_body_count()
     }
 }

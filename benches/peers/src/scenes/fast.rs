@@ -42,7 +42,7 @@ pub(super) fn room() -> Subject {
         let at = Vec3::new(x as f32 - 8.5, y as f32 - 8.5, z as f32 - 8.0) * 2.0;
         let velocity = rng.direction() * 250.0;
         let spin = rng.direction() * rng.range(0.0, 20.0);
-        scene.add("body", dynamic(shape, at).rotated(rng.rotation()).moving(velocity, spin));
+        scene.add("body", dynamic(shape, at).with_rotation(rng.rotation()).with_velocity(velocity, spin));
     }
     for shape in scene.bodies.iter_mut().flat_map(|body| &mut body.desc.shapes) {
         shape.material.restitution = 0.9;

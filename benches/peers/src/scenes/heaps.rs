@@ -127,7 +127,8 @@ pub(super) fn planks() -> Subject {
         let at = Vec3::new((x as f32 - 1.5) * 1.35, 0.5 + 0.42 * layer as f32, (z as f32 - 1.5) * 1.35);
         let flat = axis_angle(Vec3::Y, rng.range(0.0, TAU));
         let rotation = rng.small_rotation(0.2) * flat;
-        scene.add("plank", dynamic(Geometry::cuboid(0.6, 0.04, 0.12), at).rotated(rotation.normalize()));
+        scene
+            .add("plank", dynamic(Geometry::cuboid(0.6, 0.04, 0.12), at).with_rotation(rotation.normalize()));
     }
     Subject { beyond: beyond_pen(half, height), ..Subject::new(scene, Error::Depth) }
 }
@@ -138,7 +139,7 @@ fn chair(at: Vec3) -> BodyDesc {
         ShapeDesc::new(Geometry::cuboid(half[0], half[1], half[2])).with_position(Vec3::from_array(at))
     };
     let mut desc = BodyDesc::dynamic()
-        .at(at)
+        .with_position(at)
         .with_shape(part([0.22, 0.02, 0.22], [0.0, 0.0, 0.0]))
         .with_shape(part([0.22, 0.25, 0.02], [0.0, 0.27, -0.2]));
     for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
@@ -156,7 +157,7 @@ pub(super) fn chairs() -> Subject {
     for i in 0..250 {
         let (x, z, layer) = (i % 4, i / 4 % 4, i / 16);
         let at = Vec3::new((x as f32 - 1.5) * 1.2, 0.8 + 1.25 * layer as f32, (z as f32 - 1.5) * 1.2);
-        scene.add("chair", chair(at).rotated(rng.rotation()));
+        scene.add("chair", chair(at).with_rotation(rng.rotation()));
     }
     Subject { beyond: beyond_pen(half, height), ..Subject::new(scene, Error::Depth) }
 }

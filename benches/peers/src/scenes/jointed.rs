@@ -22,7 +22,7 @@ fn add_figure(scene: &mut Scene, at: DVec3, turn: Rotation) {
     throw(scene, &Skeleton::humanoid(), (at, turn), Vec3::ZERO);
     for joint in &mut scene.joints[first..] {
         let hinge = turning(joint, true) != Turning::Ball;
-        joint.drives.clear();
+        joint.motors.clear();
         joint.limits.retain(|limit| limit.motion == Motion::Linear);
         if hinge {
             joint.limits.push(Limit::lock(Motion::Angular, Axes::Perpendicular(Axis::X)));
@@ -103,10 +103,10 @@ pub(super) fn ropes() -> Subject {
         let first = scene.bodies.len() - 1;
         for i in 0..LINKS {
             let at = top + Vec3::X * (pitch * (i as f32 + 0.5));
-            scene.add("link", dynamic(Geometry::capsule(half, radius), at).rotated(lying));
+            scene.add("link", dynamic(Geometry::capsule(half, radius), at).with_rotation(lying));
         }
         let end = top + Vec3::X * (pitch * LINKS as f32 + ball);
-        let mut weight = dynamic(Geometry::sphere(ball), end).rotated(lying);
+        let mut weight = dynamic(Geometry::sphere(ball), end).with_rotation(lying);
         let volume = 2.0 * half * radius * radius + 4.0 / 3.0 * radius * radius * radius;
         weight.shapes[0].density *= LINKS as f32 * volume / (4.0 / 3.0 * ball * ball * ball);
         scene.add("weight", weight);
@@ -124,7 +124,7 @@ pub(super) fn ropes() -> Subject {
 
 fn ball_joint(bodies: [usize; 2], frames: [Frame; 2]) -> SceneJoint {
     let JointDesc { limits, .. } = JointDesc::ball([backstop::BodyHandle::from_bits(0); 2], frames);
-    SceneJoint { name: "joint".into(), bodies, frames, limits, drives: Vec::new(), collide: false }
+    SceneJoint { name: "joint".into(), bodies, frames, limits, motors: Vec::new(), collide: false }
 }
 
 /// A net of 100 by 100 balls and 19,800 joints, held by seven of them.

@@ -15,7 +15,7 @@ const DRUM: (f32, f32) = (4.0, 3.0);
 fn drum_body() -> BodyDesc {
     let (radius, length) = DRUM;
     let (staves, thickness) = (24, 0.25);
-    let mut desc = BodyDesc::kinematic().moving(Vec3::ZERO, Vec3::Z);
+    let mut desc = BodyDesc::kinematic().with_velocity(Vec3::ZERO, Vec3::Z);
     let mut part = |half: Vec3, angle: f32, away: f32| {
         let turn = axis_angle(Vec3::Z, angle);
         let shape = ShapeDesc::new(Geometry::Box { half_extents: half });
@@ -50,7 +50,7 @@ pub(super) fn drum() -> Subject {
     // Clear of the wall and the paddles.
     let places = places.filter(|at| at.truncate().length() < radius - 0.95);
     for (i, at) in places.take(1500).enumerate() {
-        scene.add("body", dynamic(mixed.shape(i), at).rotated(rng.small_rotation(0.3)));
+        scene.add("body", dynamic(mixed.shape(i), at).with_rotation(rng.small_rotation(0.3)));
     }
     let beyond =
         Arc::new(move |p: Vec3| (p.truncate().length() - radius - 0.25).max(p.z.abs() - length - 0.25));
@@ -65,8 +65,8 @@ fn add_car(scene: &mut Scene, at: Vec3, speed: f32) {
         ShapeDesc::new(Geometry::cuboid(half[0], half[1], half[2])).with_position(at)
     };
     let chassis = BodyDesc::dynamic()
-        .at(at + Vec3::Y * (radius + 0.3))
-        .moving(forward, Vec3::ZERO)
+        .with_position(at + Vec3::Y * (radius + 0.3))
+        .with_velocity(forward, Vec3::ZERO)
         .with_shape(part([1.6, 0.25, 0.6], Vec3::ZERO))
         .with_shape(part([0.8, 0.25, 0.55], Vec3::new(-0.2, 0.5, 0.0)));
     let body = scene.add("chassis", chassis);
@@ -75,7 +75,7 @@ fn add_car(scene: &mut Scene, at: Vec3, speed: f32) {
     for (x, z) in [(1.1, -0.85), (1.1, 0.85), (-1.1, -0.85), (-1.1, 0.85)] {
         let place = at + Vec3::new(x, radius, z);
         let spin = Vec3::Z * (-speed / radius);
-        let wheel = scene.add("wheel", dynamic(Geometry::sphere(radius), place).moving(forward, spin));
+        let wheel = scene.add("wheel", dynamic(Geometry::sphere(radius), place).with_velocity(forward, spin));
         let axes = Quat::from_rotation_arc(Vec3::X, Vec3::Z);
         join(scene, [body, wheel], place.as_dvec3(), axes.into(), JointDesc::hinge);
     }

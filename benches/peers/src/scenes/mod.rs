@@ -193,6 +193,6 @@ fn grid(
         // Shapes shift by one from row to row and layer to layer, so that kinds mix.
         let shape = shape(i + z + layer);
         let name = shape.kind_name();
-        scene.add(name, dynamic(shape, at + Vec3::Y * bottom).rotated(rng.small_rotation(0.3)));
+        scene.add(name, dynamic(shape, at + Vec3::Y * bottom).with_rotation(rng.small_rotation(0.3)));
     }
 }
