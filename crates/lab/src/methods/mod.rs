@@ -17,6 +17,7 @@ mod run;
 mod tableau;
 #[cfg(test)]
 mod tests;
+mod verdict;
 
 pub use newton::{newton_fb, newton_min};
 pub use pivoting::{block_pivoting, dantzig, keller, lemke, murty, path};

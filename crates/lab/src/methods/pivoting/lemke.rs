@@ -33,7 +33,7 @@ pub fn lemke(problem: &Problem, effort: &Effort) -> Solution {
 
 /// Solves a linear complementarity problem from a start.
 pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome {
-    let (even, factors) = lcp.equilibrated();
+    let (even, _, factors) = lcp.equilibrated();
     let n = lcp.q.len();
     let active: Vec<usize> = start.map_or(Vec::new(), |start| (0..n).filter(|&i| start[i] > 0.0).collect());
     let mut outcome = Outcome { x: vec![0.0; n], status: Status::Limit, pivots: 0, iterations: 0 };
@@ -70,10 +70,6 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
             return outcome;
         }
         match end {
-            End::Ray(ray) if certificate::proves(&even, &ray) => {
-                outcome.status = Status::NoSolution;
-                return outcome;
-            }
             End::Ray(_) => outcome.status = Status::Ray,
             _ if outcome.pivots >= limit => return outcome,
             _ => {}

@@ -1,11 +1,18 @@
 //! Common parts of all iterations: the start, checks of the residual, the best iterate, and when to give up.
 
-use crate::methods::{Effort, Friction, Solution, Status};
+use crate::methods::linear::greatest;
+use crate::methods::pivoting::certificate;
+use crate::methods::verdict::Claim;
+use crate::methods::{Effort, Friction, Solution};
 use crate::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
 /// An iteration stagnates if the residual has not improved for as many sweeps as there were before, plus this
 /// many.
 const PATIENCE: u32 = 1000;
+
+/// Impulses that as velocities are this many times as great as q are a reason to search for a proof that
+/// there is no solution: then they grow with each sweep.
+const GROWTH: f64 = 300.0;
 
 /// The best impulses that were seen.
 pub(super) struct Best<'a> {
@@ -17,6 +24,8 @@ pub(super) struct Best<'a> {
     at: u32,
     /// The last residual that was a substantial improvement, and its sweep.
     gain: (f64, u32),
+    /// The greatest impulse that was offered, as a velocity [m/s].
+    greatest: f64,
 }
 
 impl<'a> Best<'a> {
@@ -27,7 +36,7 @@ impl<'a> Best<'a> {
         let start = effort.start.as_ref().filter(fits).filter(|r| problem.residual(r).relative.is_finite());
         let r = start.cloned().unwrap_or_else(zero);
         let residual = problem.residual(&r).relative;
-        Best { problem, effort, r, residual, at: 0, gain: (residual, 0) }
+        Best { problem, effort, r, residual, at: 0, gain: (residual, 0), greatest: 0.0 }
     }
 
     pub(super) fn impulses(&self) -> &[f64] {
@@ -45,9 +54,13 @@ impl<'a> Best<'a> {
 
     /// The same where the velocities are known.
     pub(super) fn offer_at(&mut self, r: &[f64], u: &[f64], sweep: u32) -> f64 {
-        let residual = self.problem.residual_at(r, u).relative;
-        let residual =
-            if residual.is_finite() && r.iter().all(|x| x.is_finite()) { residual } else { f64::INFINITY };
+        let mut residual = self.problem.residual_at(r, u).relative;
+        if residual <= self.effort.tolerance {
+            // What rounding may have hidden counts.
+            residual = self.problem.residual(r).relative;
+        }
+        let size = (0..r.len()).fold(0.0_f64, |most, i| most.max(self.problem.scale(i) * r[i].abs()));
+        self.greatest = self.greatest.max(size);
         if residual < self.residual {
             self.r.copy_from_slice(r);
             (self.residual, self.at) = (residual, sweep);
@@ -60,8 +73,8 @@ impl<'a> Best<'a> {
 
     /// Keeps `r` even if it is worse; returns false, and keeps nothing, if its residual is not finite.
     fn replace(&mut self, r: &[f64], sweep: u32) -> bool {
-        let residual = self.problem.residual(r).relative;
-        let finite = residual.is_finite() && r.iter().all(|x| x.is_finite());
+        let residual = self.problem.residual_at(r, &self.problem.velocities(r)).relative;
+        let finite = residual.is_finite();
         if finite {
             self.r.copy_from_slice(r);
             (self.residual, self.at) = (residual, sweep);
@@ -76,14 +89,11 @@ impl<'a> Best<'a> {
 
     /// The solution after `sweeps`; if it is solved, it counts only the sweeps up to the best iterate.
     pub(super) fn finish(self, sweeps: u32) -> Solution {
-        let solved = self.is_solved();
-        Solution {
-            status: if solved { Status::Solved } else { Status::Limit },
-            iterations: if solved { self.at } else { sweeps },
-            pivots: 0,
-            residual: self.residual.min(f64::MAX),
-            r: self.r,
-        }
+        let solved = self.problem.residual(&self.r).relative <= self.effort.tolerance;
+        let grown = !solved && self.greatest > GROWTH * greatest(self.problem.q());
+        let proof = if grown { certificate::contradiction(self.problem) } else { None };
+        let iterations = if solved { self.at } else { sweeps };
+        Claim { r: self.r, ray: false, proof, iterations, pivots: 0 }.judged(self.problem, self.effort)
     }
 }
 
