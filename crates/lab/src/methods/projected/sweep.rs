@@ -10,6 +10,10 @@ use crate::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 /// many.
 const PATIENCE: u32 = 1000;
 
+/// Sweeps have come to a halt if the residual has not improved for this many of them, and an eighth of those
+/// before: sooner than they stagnate.
+const HALT: u32 = 128;
+
 /// Impulses that as velocities are this many times as great as q are a reason to search for a proof that
 /// there is no solution: then they grow with each sweep.
 const GROWTH: f64 = 300.0;
@@ -41,6 +45,11 @@ impl<'a> Best<'a> {
 
     pub(super) fn impulses(&self) -> &[f64] {
         &self.r
+    }
+
+    /// The sweep that the best impulses are from.
+    pub(super) fn sweep(&self) -> u32 {
+        self.at
     }
 
     pub(super) fn is_solved(&self) -> bool {
@@ -108,21 +117,34 @@ pub(super) fn is_checked(sweep: u32) -> bool {
 
 /// Sweeps until the tolerance is met, or the sweeps have run out, or they change nothing any more.
 pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(&mut [f64])) -> Solution {
+    iterate_counting(problem, effort, |r, _| sweep(r))
+}
+
+/// The same for sweeps that take shorter steps the more often they have come to a halt ([`HALT`]).
+pub(super) fn iterate_counting(
+    problem: &Problem,
+    effort: &Effort,
+    mut sweep: impl FnMut(&mut [f64], u32),
+) -> Solution {
     let mut best = Best::start(problem, effort);
     let mut r = best.impulses().to_vec();
+    let (mut halts, mut since) = (0, 0);
     for number in 1..=effort.iterations {
         if best.is_solved() {
             return best.finish(number - 1);
         }
         if !is_checked(number) && number != effort.iterations {
-            sweep(&mut r);
+            sweep(&mut r, halts);
             continue;
         }
         let before = r.clone();
-        sweep(&mut r);
+        sweep(&mut r, halts);
         // No iteration recovers from numbers that are not finite.
         if best.offer(&r, number).is_infinite() || r == before || best.stagnates(number) {
             return best.finish(number);
+        }
+        if number - best.gain.1.max(since) > HALT + best.gain.1 / 8 {
+            (halts, since) = (halts + 1, number);
         }
     }
     best.finish(effort.iterations)
@@ -157,50 +179,6 @@ pub(super) fn iterate_shaped(
         }
     }
     last.finish(effort.iterations)
-}
-
-/// Damps oscillating laws: if the change of a law opposes that of the previous sweep, smaller shares of its
-/// next changes are applied, down to a tenth, and larger ones again once it no longer does. With Coulomb's
-/// law sweeps can cycle, which this breaks; it hardly affects sweeps that converge.
-pub(super) struct Damping {
-    share: Vec<f64>,
-    /// The change of the last sweep.
-    change: Vec<f64>,
-}
-
-impl Damping {
-    pub(super) fn new(problem: &Problem) -> Damping {
-        Damping { share: vec![1.0; problem.laws().len()], change: vec![0.0; problem.rows()] }
-    }
-
-    /// Call it with the first row of a law before its impulses change.
-    pub(super) fn before(&self, first: usize, r: &[f64]) -> Old {
-        let at = |i: usize| r.get(first + i).copied().unwrap_or(0.0);
-        Old { first, r: [at(0), at(1), at(2)] }
-    }
-
-    /// Call it after; `rows` of the law.
-    pub(super) fn after(&mut self, law: usize, rows: usize, old: Old, r: &mut [f64]) {
-        let own = old.first..old.first + rows;
-        let (r, last) = (&mut r[own.clone()], &mut self.change[own]);
-        let mut turned = 0.0;
-        for ((r, old), last) in r.iter().zip(old.r).zip(last.iter_mut()) {
-            let change = r - old;
-            turned += change * *last;
-            *last = change;
-        }
-        let share = &mut self.share[law];
-        *share = if turned < 0.0 { (0.9 * *share).max(0.1) } else { (1.05 * *share).min(1.0) };
-        if *share < 1.0 {
-            r.iter_mut().zip(old.r).for_each(|(r, old)| *r = old + *share * (*r - old));
-        }
-    }
-}
-
-/// Impulses of a law before it was solved.
-pub(super) struct Old {
-    first: usize,
-    r: [f64; 3],
 }
 
 /// Projects impulses onto those that their laws allow; patches use the projected normals.
