@@ -4,8 +4,9 @@ use super::residual::power_of_two;
 use super::twice::{Real, Twice};
 use super::{Law, Problem};
 
-/// Entries of W count as exact to so many roundings.
-const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+/// What counts as zero in a sum of products of W and y, relative to the sum of their magnitudes: the rounding
+/// of y and of W, each half a unit in the last place, twice over.
+const ROUNDINGS: f64 = 2.0 * f64::EPSILON;
 /// The least contradiction, relative to the terms of its sum.
 const LEAST: f64 = 1e-9;
 
@@ -16,9 +17,9 @@ impl Problem {
     ///
     /// `y` is not negative in normals of contacts and in rows with a lower bound only, not positive in those
     /// with an upper bound only, of either sign in rows without bounds, and zero in all others. The sums are
-    /// computed in twice the precision of `f64`; entries of W count as exact to 16 roundings, as numbers near
-    /// the proof itself are rounded: a problem that has a solution only beyond 1e14 q / W counts as one
-    /// without.
+    /// computed in twice the precision of `f64`. What the rounding of W and y explains counts as zero, so that
+    /// a problem is contradicted too if the last digit of W decides whether it has a solution: none that
+    /// `f64` could hold.
     pub fn is_contradicted_by(&self, y: &[f64]) -> bool {
         let greatest = y.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
         if y.len() != self.rows() || !(greatest > 0.0 && greatest.is_finite()) || !self.admits(y) {

@@ -31,6 +31,7 @@ pub(super) const KINDS: &[Kind] = &[
     Kind { name: "badly scaled", make: badly_scaled },
     Kind { name: "indefinite", make: indefinite },
     Kind { name: "contradictory", make: contradictory },
+    Kind { name: "all but contradictory", make: all_but_contradictory },
     Kind { name: "bounds", make: bounds },
     Kind { name: "pile", make: pile },
     Kind { name: "pile, known", make: known_pile },
@@ -157,6 +158,15 @@ fn contradictory(random: &mut Random) -> (Problem, Known) {
     let mut q: Vec<f64> = (0..n).map(|_| random.below(9) as f64 - 4.0).collect();
     q[0] -= 1.0 + (0..n).map(|i| y[i] * q[i]).sum::<f64>();
     (lcp(&(&b * b.transpose()), q), Known::None)
+}
+
+/// The same with so little added to the diagonal that the solution, which there is then, is far away.
+fn all_but_contradictory(random: &mut Random) -> (Problem, Known) {
+    let (problem, _) = if random.chance(0.5) { contradictory(random) } else { squeezed(random) };
+    let add = 10.0_f64.powi(-3 - random.below(9) as i32) * problem.scale(0);
+    let w = problem.w().dense() + add * DMatrix::identity(problem.rows(), problem.rows());
+    let laws = problem.laws().map(|(_, law)| law).collect();
+    (Problem::new(laws, Matrix::from_dense(&w), problem.q().to_vec()).unwrap(), Known::Some)
 }
 
 /// Rows with bounds of all kinds.

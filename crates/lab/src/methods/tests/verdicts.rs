@@ -39,8 +39,8 @@ fn velocity(problem: &Problem, row: usize, r: &[f64]) -> f64 {
     parts.iter().sum()
 }
 
-/// The natural map's residual relative to q.
-fn residual(problem: &Problem, r: &[f64]) -> f64 {
+/// The natural map's residual relative to q, and what of it may be rounding of the map itself.
+fn residual(problem: &Problem, r: &[f64]) -> [f64; 2] {
     let u: Vec<f64> = (0..problem.rows()).map(|row| velocity(problem, row, r)).collect();
     let scale = |row: usize| {
         let most = problem.w().row(row).fold(0.0_f64, |most, (_, w)| most.max(w.abs()));
@@ -50,7 +50,7 @@ fn residual(problem: &Problem, r: &[f64]) -> f64 {
             _ => 1.0,
         }
     };
-    let mut sum = 0.0_f64;
+    let (mut sum, mut noise) = (0.0_f64, 0.0_f64);
     for (first, law) in problem.laws() {
         let s = scale(first);
         let error = match law {
@@ -77,24 +77,27 @@ fn residual(problem: &Problem, r: &[f64]) -> f64 {
             }
         };
         sum = sum.hypot(error);
+        let most = r[first..first + law.rows()].iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+        noise = noise.hypot(4.0 * f64::EPSILON * s * most);
     }
-    sum / problem.q().iter().fold(0.0_f64, |sum, q| sum.hypot(*q)).max(1e-12)
+    let size = problem.q().iter().fold(0.0_f64, |sum, q| sum.hypot(*q)).max(1e-12);
+    [sum / size, noise / size]
 }
 
 /// What is wrong with a status, if anything is.
 fn lie(problem: &Problem, known: &Known, method: &Method, tolerance: f64) -> (Status, Option<String>) {
     let effort = Effort { tolerance, iterations: 2000, ..Effort::default() };
     let found = (method.solve)(problem, &effort);
-    let left = residual(problem, &found.r);
+    let [left, noise] = residual(problem, &found.r);
     let wrong = match (found.status, known) {
         (Status::Solved, Known::None) => Some("a solution where there is none".to_string()),
-        (Status::Solved, _) if left > tolerance * 1.001 => Some(format!("a residual of {left:.1e}")),
+        (Status::Solved, _) if left > tolerance * 1.001 + noise => Some(format!("a residual of {left:.1e}")),
         (Status::Solved, Known::One(r)) => {
             let off = r.iter().zip(&found.r).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-            (off > 1e-5).then(|| format!("off by {off:.1e}"))
+            (off > 1e-5 && tolerance < 1e-7).then(|| format!("off by {off:.1e}"))
         }
         (Status::NoSolution, Known::One(_) | Known::Some) => Some("a denied solution".to_string()),
-        (Status::Limit | Status::Ray, _) if left <= tolerance * 0.999 => {
+        (Status::Limit | Status::Ray, _) if left <= tolerance * 0.999 - noise => {
             Some("a solution unseen".to_string())
         }
         _ => None,
@@ -113,7 +116,8 @@ fn no_status_is_a_lie() {
         for method in Method::ALL {
             let mut counts = [0; 4];
             for (seed, (problem, known)) in problems.iter().enumerate() {
-                let (status, wrong) = lie(problem, known, method, 1e-8);
+                let tolerance = [1e-8, 1e-10, 1e-4][seed % 3];
+                let (status, wrong) = lie(problem, known, method, tolerance);
                 if let Some(wrong) = wrong {
                     counts[3] += 1;
                     lies.push(format!("{} of {} {seed}: {status:?}, {wrong}", method.name, kind.name));
