@@ -118,6 +118,7 @@ fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {
         Form::Complementarity => ("z", 1),
         Form::PlaneContacts => ("impulses of each contact: normal, tangent", 2),
         Form::Contacts => ("impulses of each contact: normal, two tangents", 3),
+        Form::RollingContacts => ("impulses of each contact: normal, two tangents, two moments", 5),
     };
     let _ = writeln!(text, "{title}");
     for (number, contact) in solution.chunks(width).enumerate() {

@@ -20,16 +20,17 @@ pub(super) struct ContactBlock {
 }
 
 impl ContactBlock {
-    /// `scale` [1/kg]: the magnitude of the block's numbers if its diagonal is zero.
-    pub(super) fn new(w: [[f64; 3]; 3], mu: f64, scale: f64) -> ContactBlock {
+    /// `scale` [1/kg]: the magnitude of the block's numbers if its diagonal is zero. `hold`: the proximal term
+    /// as a share of the mean of the diagonal, if it need not be greater.
+    pub(super) fn new(w: [[f64; 3]; 3], mu: f64, scale: f64, hold: f64) -> ContactBlock {
         let trace = w[0][0].max(0.0) + w[1][1].max(0.0) + w[2][2].max(0.0);
         let least = 1e-6 * if trace > 0.0 { trace } else { scale };
-        let mut proximal = 0.0;
+        let mut proximal = hold * trace / 3.0;
         for _ in 0..64 {
             if let Some(block) = ContactBlock::with_proximal(w, mu, proximal, 1e-3 * least) {
                 return block;
             }
-            proximal = if proximal == 0.0 { least } else { 4.0 * proximal };
+            proximal = (4.0 * proximal).max(least);
         }
         // Numbers close to overflow: only a diagonal is kept.
         let w = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]];
@@ -198,7 +199,7 @@ mod tests {
             let w = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot3(a[i], a[j]) + if i == j { add } else { 0.0 }));
             let q = [random(), random(), random()];
             let mu = [0.0, 0.1, 0.7, 2.0][trial % 4];
-            let r = ContactBlock::new(w, mu, 1.0).solve([0.0; 3], q);
+            let r = ContactBlock::new(w, mu, 1.0, 0.0).solve([0.0; 3], q);
             let found = residual(w, q, mu, r);
             worst = worst.max(found);
             assert!(found < 1e-10, "{w:?} {q:?} {mu}: {r:?} {found}");
@@ -216,7 +217,7 @@ mod tests {
             [[1e-300, 0.0, 0.0], [0.0, 1e300, 0.0], [0.0, 0.0, 1.0]],
         ];
         for w in blocks {
-            let r = ContactBlock::new(w, 0.5, 1.0).solve([0.0; 3], [-1.0, 1.0, 2.0]);
+            let r = ContactBlock::new(w, 0.5, 1.0, 0.0).solve([0.0; 3], [-1.0, 1.0, 2.0]);
             assert!(r.iter().all(|x| x.is_finite()), "{w:?}: {r:?}");
         }
         assert_eq!(solve_disc([[0.0; 2]; 2], 1.0, [0.0; 2], [0.0; 2]), [0.0; 2]);

@@ -143,7 +143,8 @@ pub(super) fn groups(problem: &Problem) -> Vec<Group> {
         Law::Bounds { .. } => None,
         Law::Contact { mu } => Some(Group { tangent: row + 1, normals: row..row + 1, mu, twist: None, axis }),
         Law::Patch { mu, arm, first, count } => {
-            Some(Group { tangent: row, normals: first..first + count, mu, twist: Some((row + 2, arm)), axis })
+            let twist = (arm > 0.0).then_some((row + 2, arm));
+            Some(Group { tangent: row, normals: first..first + count, mu, twist, axis })
         }
     };
     problem.laws().filter_map(group).collect()

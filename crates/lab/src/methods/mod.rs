@@ -2,7 +2,8 @@
 //!
 //! `pivoting` and `newton` have the exact methods, `projected` the iterations. Exact methods share the
 //! forms into which they bring a problem (`forms`), the rounds that lead from these to the exact cone
-//! (`rounds`) and the bookkeeping of a run (`run`).
+//! (`rounds`) and the bookkeeping of a run (`run`). What any method found is checked before it is returned
+//! (`verdict`).
 
 mod cone;
 mod envelope;
@@ -17,6 +18,7 @@ mod run;
 mod tableau;
 #[cfg(test)]
 mod tests;
+mod verdict;
 
 pub use newton::{newton_fb, newton_min};
 pub use pivoting::{block_pivoting, dantzig, keller, lemke, murty, path};
@@ -28,12 +30,12 @@ use crate::problem::Problem;
 /// How a method ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Every law holds to the tolerance.
+    /// Every law holds to the tolerance, by the [residual](Problem::residual) of these very impulses.
     Solved,
     /// A pivoting method ran along a ray: for a copositive-plus matrix this means that there is no solution,
     /// for others it means nothing.
     Ray,
-    /// It was proved that there is no solution.
+    /// There is no solution, by a proof that was checked ([`Problem::is_contradicted_by`]).
     NoSolution,
     /// Iterations or pivots ran out, or it stagnated, before the tolerance was met.
     Limit,
@@ -95,7 +97,7 @@ pub struct Solution {
     pub iterations: u32,
     /// Pivots, of methods that pivot.
     pub pivots: u32,
-    /// Unit-free natural-map residual of `r`.
+    /// Unit-free natural-map residual of `r`, in twice the precision of `f64`.
     pub residual: f64,
 }
 

@@ -3,7 +3,6 @@
 
 use super::forms::{Boxed, Group, Lcp, boxed, from_axes, pyramid, reduce, to_axes};
 use super::newton::cone_newton;
-use super::pivoting::certificate;
 use super::run::Run;
 use super::{Friction, Status};
 
@@ -135,8 +134,9 @@ fn by_rounds(run: &mut Run, mut groups: Vec<Group>, core: Core, with_pyramid: bo
         run.pivots += outcome.pivots;
         run.iterations += 1;
         // That the relaxation has no solution proves nothing about the problem.
-        run.status = if outcome.status == Status::Ray { Status::Ray } else { Status::Limit };
-        if run.consider(&next) || with_pyramid && !refine {
+        let ended_on_ray = matches!(outcome.status, Status::Ray | Status::NoSolution);
+        run.status = if ended_on_ray { Status::Ray } else { Status::Limit };
+        if run.consider(&next) || with_pyramid && !refine || ended_on_ray && run.is_contradicted() {
             return;
         }
         let start = next.clone();
@@ -163,15 +163,9 @@ fn without_friction(run: &mut Run, core: Core) {
     let outcome = core.regular(&boxed, start.as_deref(), run.limit);
     run.pivots = outcome.pivots;
     run.iterations = outcome.iterations;
-    run.status = outcome.status;
-    if !run.consider(&outcome.x) && run.status != Status::NoSolution {
-        if run.status == Status::Solved {
-            run.status = Status::Limit;
-        }
-        if certificate::infeasible(&reduce(&boxed, &[]).lcp) {
-            run.status = Status::NoSolution;
-        }
-    }
+    let ended_on_ray = matches!(outcome.status, Status::Ray | Status::NoSolution);
+    run.status = if ended_on_ray { Status::Ray } else { Status::Limit };
+    run.consider(&outcome.x);
 }
 
 /// Rotates the first axis of each group into the direction of slip, or of friction if it sticks.

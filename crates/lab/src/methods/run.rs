@@ -1,7 +1,9 @@
 //! Common parts of the exact methods: a problem scaled to numbers near one, and the best impulses so far.
 
+use super::pivoting::certificate;
+use super::verdict::Claim;
 use super::{Effort, Solution, Status};
-use crate::problem::{Law, Matrix, Problem};
+use crate::problem::{Law, Matrix, Problem, power_of_two};
 
 /// Stands in for a finite bound that scaling would make infinite.
 const MAX_MAGNITUDE: f64 = 1e290;
@@ -22,14 +24,15 @@ pub(super) struct Run {
     pub(super) status: Status,
     /// Whether impulses to start from were given.
     pub(super) warm: bool,
+    /// A proof that there is no solution; none within if none was found.
+    proof: Option<Option<Vec<f64>>>,
 }
 
 impl Run {
     /// Keeps impulses that are better than the best. True once the tolerance is met.
     pub(super) fn consider(&mut self, r: &[f64]) -> bool {
         if r.len() == self.best.len() && r.iter().all(|x| x.is_finite()) {
-            // If impulses are so great that rounding hides the velocities, the residual proves nothing.
-            let residual = self.problem.residual(r).relative.max(noise(&self.problem, r));
+            let residual = self.problem.residual(r).relative;
             if residual < self.residual {
                 self.residual = residual;
                 self.best.copy_from_slice(r);
@@ -40,6 +43,11 @@ impl Run {
 
     pub(super) fn solved(&self) -> bool {
         self.residual <= self.tolerance
+    }
+
+    /// Whether there is a proof that there is no solution. It is searched for once.
+    pub(super) fn is_contradicted(&mut self) -> bool {
+        self.proof.get_or_insert_with(|| certificate::contradiction(&self.problem)).is_some()
     }
 
     /// Pivots that are left.
@@ -62,7 +70,7 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl Fn(&mut Run))
     let share = (parts.len().max(1) as f64).sqrt();
     let start = effort.start.as_deref().filter(|start| start.len() == problem.rows());
     let mut r = vec![0.0; problem.rows()];
-    let (mut status, mut iterations, mut pivots) = (Status::Solved, 0, 0);
+    let (mut ray, mut proof, mut iterations, mut pivots) = (false, None, 0, 0);
     for rows in &parts {
         let part = if parts.len() == 1 { problem.clone() } else { restricted(problem, rows) };
         // The share of a common tolerance: parts that are nearly at rest needn't be more exact than the
@@ -74,21 +82,15 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl Fn(&mut Run))
         rows.iter().zip(run.best).for_each(|(&i, x)| r[i] = x);
         iterations = iterations.max(run.iterations);
         pivots += run.pivots;
-        status = match (status, run.status) {
-            (Status::NoSolution, _) | (_, Status::NoSolution) => Status::NoSolution,
-            (Status::Ray, _) | (_, Status::Ray) => Status::Ray,
-            (Status::Solved, other) => other,
-            (other, _) => other,
-        };
+        ray |= run.status == Status::Ray;
+        // That a part has no solution proves that the whole has none.
+        if let (None, Some(part)) = (&proof, run.proof.flatten()) {
+            let mut y = vec![0.0; problem.rows()];
+            rows.iter().zip(part).for_each(|(&i, part)| y[i] = part);
+            proof = Some(y);
+        }
     }
-    let residual = problem.residual(&r).relative.min(f64::MAX);
-    let holds = residual.max(noise(problem, &r)) <= effort.tolerance;
-    let status = match status {
-        Status::Solved if !holds => Status::Limit,
-        Status::Limit | Status::Ray if holds => Status::Solved,
-        status => status,
-    };
-    Solution { status, r, iterations, pivots, residual }
+    Claim { r, ray, proof, iterations, pivots }.judged(problem, effort)
 }
 
 /// One part, with the impulses as they are in the problem.
@@ -113,6 +115,7 @@ fn run_part(
         pivots: 0,
         status: Status::Limit,
         warm: false,
+        proof: None,
     };
     let start: Vec<f64> = start.unwrap_or_default().iter().map(|x| x * by_w / by_q).collect();
     run.warm = start.len() == rows && start.iter().any(|&x| x != 0.0) && start.iter().all(|x| x.is_finite());
@@ -133,20 +136,14 @@ fn run_part(
     }
     if run.solved() {
         run.status = Status::Solved;
+    } else if limit > 0 {
+        run.is_contradicted();
     }
     run.best.iter_mut().for_each(|x| *x = *x * by_q / by_w);
     if run.best.iter().any(|x| !x.is_finite()) {
         run.best.fill(0.0);
     }
     run
-}
-
-/// The rounding error of the velocities `W r`, relative to q; infinite if unknown.
-fn noise(problem: &Problem, r: &[f64]) -> f64 {
-    let rows = (0..r.len()).map(|i| problem.w().row(i).map(|(j, w)| (w * r[j]).abs()).sum::<f64>());
-    let size = rows.fold(0.0_f64, f64::hypot);
-    let noise = 0.5 * f64::EPSILON * size / norm(problem.q()).max(1e-12);
-    if noise.is_nan() { f64::INFINITY } else { noise }
 }
 
 fn norm(values: &[f64]) -> f64 {
@@ -211,15 +208,6 @@ fn restricted(problem: &Problem, rows: &[usize]) -> Problem {
 
 fn matrix_entries(problem: &Problem) -> impl Iterator<Item = f64> + '_ {
     (0..problem.rows()).flat_map(|i| problem.w().row(i).map(|(_, value)| value))
-}
-
-/// The greatest power of two that is not above the greatest absolute value, or one where all are zero.
-pub(super) fn power_of_two(values: impl Iterator<Item = f64>) -> f64 {
-    let most = values.fold(0.0_f64, |most, x| most.max(x.abs()));
-    if most == 0.0 || !most.is_finite() {
-        return 1.0;
-    }
-    f64::from_bits(most.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 fn scaled(problem: &Problem, by_w: f64, by_q: f64) -> Option<Problem> {

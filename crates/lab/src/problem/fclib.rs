@@ -18,6 +18,9 @@ fn error<T>(what: impl Into<String>) -> Result<T, FclibError> {
     Err(FclibError(what.into()))
 }
 
+/// The end of the names of groups with rolling friction, which has five rows a contact.
+const ROLLING: &str = "_rolling";
+
 /// The most velocities that the mass matrix may couple, as each coupled block is inverted densely.
 const COUPLED: usize = 3000;
 
@@ -25,23 +28,39 @@ const COUPLED: usize = 3000;
 pub fn read_fclib(bytes: Vec<u8>) -> Result<File, FclibError> {
     let file = Hdf5::from_bytes(bytes).map_err(|e| FclibError(format!("no HDF5 that can be read: {e}")))?;
     let (root, groups) = (file.root(), names(&file.root())?);
-    let has = |name: &str| groups.iter().any(|group| group == name);
-    if has("fclib_local") {
-        read_local(&group(&root, "fclib_local")?)
-    } else if has("fclib_global") {
-        read_global(&group(&root, "fclib_global")?)
+    let found = |names: [&'static str; 2]| names.into_iter().find(|name| groups.iter().any(|g| g == name));
+    if let Some(name) = found(["fclib_local", "fclib_local_rolling"]) {
+        read_local(&group(&root, name)?, name.ends_with(ROLLING))
+    } else if let Some(name) = found(["fclib_global", "fclib_global_rolling"]) {
+        read_global(&group(&root, name)?, name.ends_with(ROLLING))
     } else {
-        error("the file has neither fclib_local nor fclib_global")
+        error("the file has neither fclib_local nor fclib_global, and neither of them with _rolling")
     }
 }
 
-fn read_local(local: &Group) -> Result<File, FclibError> {
+/// Contacts of a file; those with rolling friction have a second coefficient among the vectors.
+fn of_contacts(
+    dimensions: usize,
+    w: Matrix,
+    q: Vec<f64>,
+    mu: &[f64],
+    vectors: &Group,
+) -> Result<File, FclibError> {
+    let file = if dimensions == 5 {
+        File::of_rolling_contacts(w, q, mu, &reals(vectors, "mu_r")?)
+    } else {
+        File::of_contacts(dimensions, w, q, mu)
+    };
+    file.map_err(|e| FclibError(e.to_string()))
+}
+
+fn read_local(local: &Group, rolling: bool) -> Result<File, FclibError> {
     if names(local)?.iter().any(|name| name == "R" || name == "V") {
         return error(
             "the local problem has joints beside its contacts (matrices V and R), which is not supported",
         );
     }
-    let dimensions = dimensions(local)?;
+    let dimensions = if rolling { 5 } else { dimensions(local)? };
     let vectors = group(local, "vectors")?;
     let (q, mu) = (reals(&vectors, "q")?, reals(&vectors, "mu")?);
     let w = Sparse::read(local, "W")?;
@@ -49,11 +68,11 @@ fn read_local(local: &Group) -> Result<File, FclibError> {
         return error("W and q must have as many rows");
     }
     let w = Matrix::from_entries(q.len(), w.entries);
-    File::of_contacts(dimensions, w, q, &mu).map_err(|e| FclibError(e.to_string()))
+    of_contacts(dimensions, w, q, &mu, &vectors)
 }
 
-fn read_global(global: &Group) -> Result<File, FclibError> {
-    let dimensions = dimensions(global)?;
+fn read_global(global: &Group, rolling: bool) -> Result<File, FclibError> {
+    let dimensions = if rolling { 5 } else { dimensions(global)? };
     let vectors = group(global, "vectors")?;
     let (f, mut offset, mu) = (reals(&vectors, "f")?, reals(&vectors, "w")?, reals(&vectors, "mu")?);
     let (mass, mut jacobian) = (Sparse::read(global, "M")?, Sparse::read(global, "H")?);
@@ -73,10 +92,10 @@ fn read_global(global: &Group) -> Result<File, FclibError> {
     }
     let (w, q) = eliminate(&mass, &jacobian, &f, offset)?;
     if q.len() == contact_rows {
-        return File::of_contacts(dimensions, w, q, &mu).map_err(|e| FclibError(e.to_string()));
+        return of_contacts(dimensions, w, q, &mu, &vectors);
     }
     if dimensions != 3 {
-        return error("joints in a plane are not supported");
+        return error("joints in a plane, or beside rolling friction, are not supported");
     }
     let contacts = mu.iter().map(|&mu| Law::Contact { mu });
     let laws = contacts.chain((contact_rows..q.len()).map(|_| Law::LOCKED)).collect();

@@ -5,19 +5,21 @@
 //! velocity without impulses, plus terms for gap, restitution and stabilisation. A linear complementarity
 //! problem is a [`Problem`] all of whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
 
+mod contradiction;
 #[cfg(feature = "hdf5")]
 mod fclib;
 mod matrix;
 mod read;
 mod residual;
+mod twice;
 mod write;
 
 #[cfg(feature = "hdf5")]
 pub use fclib::{FclibError, read_fclib};
 pub use matrix::Matrix;
 pub use read::{File, Form, ReadError, read_problem};
-pub(crate) use residual::nearest_within;
 pub use residual::{Residual, project_cone, project_disc};
+pub(crate) use residual::{nearest_within, power_of_two};
 pub use write::write_problem;
 
 pub use backstop::observe::Law;
@@ -35,6 +37,8 @@ pub struct Problem {
     w: Matrix,
     /// Velocities without any impulse [m/s].
     q: Vec<f64>,
+    /// The [scale](Problem::scale) of each row.
+    scales: Vec<f64>,
 }
 
 impl Problem {
@@ -67,7 +71,8 @@ impl Problem {
         if let Some(&value) = q.iter().chain(w.values()).find(|x| !x.is_finite()) {
             return Err(Error::NotFinite { what: "a number of W or q", value });
         }
-        Ok(Problem { laws, starts, w, q })
+        let scales = (0..rows).map(|row| residual::scale(&w, row)).collect();
+        Ok(Problem { laws, starts, w, q, scales })
     }
 
     /// A linear complementarity problem: `z >= 0`, `w = M z + q >= 0`, `z w = 0`.

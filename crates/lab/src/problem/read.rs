@@ -2,7 +2,8 @@
 //!
 //! Both begin with sizes and the matrix W, then q, and for contacts the coefficients of friction; any text
 //! may follow. A matrix is dense (storage 0) or made of blocks (storage 1), and either way goes column by
-//! column.
+//! column, or it is sparse (storage 2), as CSparse prints it. Five dimensions are those of a contact with
+//! rolling friction, which has a second coefficient.
 
 use super::{Law, Matrix, Problem};
 use std::fmt::Display;
@@ -26,6 +27,10 @@ pub enum Form {
     PlaneContacts,
     /// Contacts in space.
     Contacts,
+    /// Contacts in space with rolling friction: beside normal and tangents, moments about both tangents, at
+    /// most `mu_r` [m] times the normal impulse. In the problem each is a normal with two patches without
+    /// arm, one for the tangents and one for the moments: seven rows, on two of which nothing acts.
+    RollingContacts,
 }
 
 /// A problem out of a file.
@@ -42,6 +47,9 @@ impl File {
     pub fn unknowns(&self, r: &[f64]) -> Vec<f64> {
         match self.form {
             Form::PlaneContacts => r.chunks(3).flat_map(|contact| &contact[..2]).copied().collect(),
+            Form::RollingContacts => {
+                r.chunks(7).flat_map(|contact| contact[..3].iter().chain(&contact[4..6])).copied().collect()
+            }
             Form::Complementarity | Form::Contacts => r.to_vec(),
         }
     }
@@ -73,7 +81,40 @@ impl File {
         let q = q.chunks(2).flat_map(|contact| [contact[0], contact[1], 0.0]).collect();
         Ok(File { problem: Problem::new(laws, w, q)?, form: Form::PlaneContacts })
     }
+
+    /// Contacts with rolling friction: `w` and `q` have five rows for each coefficient of friction `mu` and
+    /// of rolling friction `mu_r` [m]: normal, two tangents, and rotations about these.
+    pub fn of_rolling_contacts(
+        w: Matrix,
+        q: Vec<f64>,
+        mu: &[f64],
+        mu_r: &[f64],
+    ) -> Result<File, backstop::Error> {
+        let (contacts, rows) = (mu.len(), mu.len() * 5);
+        if w.size() != rows || q.len() != rows || mu_r.len() != contacts {
+            return Err(backstop::Error::Incomplete {
+                what: "W, q and mu_r",
+                expected: "five rows and a coefficient of rolling friction for each contact",
+            });
+        }
+        let place = |row: usize| row / 5 * 7 + [0, 1, 2, 4, 5][row % 5];
+        let own = (0..rows).flat_map(|i| w.row(i).map(move |(j, value)| (place(i), place(j), value)));
+        // The twist of either patch, on which nothing acts, gets the mass of a row beside it.
+        let twist = (0..contacts).flat_map(|c| [(7 * c + 3, 5 * c + 2), (7 * c + 6, 5 * c + 4)]);
+        let twist = twist.map(|(to, from)| (to, to, w.at(from, from)));
+        let mut all = vec![0.0; 7 * contacts];
+        q.iter().enumerate().for_each(|(row, &q)| all[place(row)] = q);
+        let patch = |c: usize, mu: f64| Law::Patch { mu, arm: 0.0, first: 7 * c, count: 1 };
+        let laws = (0..contacts).flat_map(|c| [Law::AT_LEAST_ZERO, patch(c, mu[c]), patch(c, mu_r[c])]);
+        let w = Matrix::from_entries(7 * contacts, own.chain(twist));
+        Ok(File { problem: Problem::new(laws.collect(), w, all)?, form: Form::RollingContacts })
+    }
 }
+
+/// The storage of a matrix that is neither dense (0) nor made of blocks (1).
+const SPARSE: usize = 2;
+/// Dimensions of contacts with rolling friction.
+const ROLLING: usize = 5;
 
 /// Reads a linear complementarity problem or a contact problem: whichever the sizes at the beginning say. A
 /// text that is too short for its sizes is refused before anything is allocated.
@@ -81,9 +122,9 @@ pub fn read_problem(text: &str) -> Result<File, ReadError> {
     let mut words = Words::new(text);
     let first = words.clone().sizes()?;
     // A contact problem has one size more before the matrix: dimension, contacts, storage, rows, columns.
-    if (first[1] == 0 || first[1] == 1) && first[2] == first[0] && first[3] == first[0] {
+    if first[1] <= SPARSE && first[2] == first[0] && first[3] == first[0] {
         read_complementarity(&mut words)
-    } else if first[0] == 2 || first[0] == 3 {
+    } else if matches!(first[0], 2 | 3 | ROLLING) {
         read_contacts(&mut words)
     } else {
         Err(words
@@ -106,22 +147,30 @@ fn read_contacts(words: &mut Words) -> Result<File, ReadError> {
     let w = read_matrix(words, rows)?;
     let q = words.numbers(rows, "q")?;
     let mu = words.numbers(contacts, "mu")?;
-    if mu.iter().any(|&mu| mu < 0.0) {
+    let mu_r = if dimensions == ROLLING { words.numbers(contacts, "mu_r")? } else { Vec::new() };
+    if mu.iter().chain(&mu_r).any(|&mu| mu < 0.0) {
         return Err(words.error("a coefficient of friction is negative"));
+    }
+    if dimensions == ROLLING {
+        return File::of_rolling_contacts(w, q, &mu, &mu_r).map_err(|error| words.error(error));
     }
     File::of_contacts(dimensions, w, q, &mu).map_err(|error| words.error(error))
 }
 
 fn read_matrix(words: &mut Words, rows: usize) -> Result<Matrix, ReadError> {
     let storage = words.size("the storage of the matrix")?;
-    if storage > 1 {
-        return Err(
-            words.error(format!("storage {storage} of the matrix is not known: 0 is dense, 1 has blocks"))
-        );
+    if storage > SPARSE {
+        return Err(words.error(format!(
+            "storage {storage} of the matrix is not known: 0 is dense, 1 has blocks, 2 is sparse"
+        )));
     }
     words.exactly(rows, "rows of the matrix")?;
     words.exactly(rows, "columns of the matrix")?;
-    let entries = if storage == 0 { read_dense(words, rows)? } else { read_blocks(words, rows)? };
+    let entries = match storage {
+        0 => read_dense(words, rows)?,
+        SPARSE => read_sparse(words, rows)?,
+        _ => read_blocks(words, rows)?,
+    };
     // Blocks may be of any size and stay empty; q has a number for each row.
     words.room_for(rows, "q")?;
     Ok(Matrix::from_entries(rows, entries))
@@ -185,6 +234,62 @@ fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
     Ok(entries)
 }
 
+/// Entries as CSparse prints them: by columns, by rows, or one by one.
+fn read_sparse(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
+    // How the matrix was made, which the text says again.
+    words.size("the origin of the sparse matrix")?;
+    if !words.line().starts_with("CSparse") {
+        return Err(words.error("a line of CSparse's version expected"));
+    }
+    let header = words.line();
+    let (kind, header) = match header.split_once("-by-").map(|(rows, _)| rows.split_once(": ")) {
+        Some(Some(("triplet", _))) => ("", &header["triplet: ".len()..]),
+        Some(Some(("csr", _))) => ("row", &header["csr: ".len()..]),
+        Some(None) => ("col", header),
+        _ => return Err(words.error("the sizes of the sparse matrix expected")),
+    };
+    if !header.starts_with(&format!("{size}-by-{size},")) {
+        return Err(words.error(format!("a matrix of {size}-by-{size} expected")));
+    }
+    let number = header.split_once("nnz: ").map(|(_, rest)| rest.split(',').next().unwrap_or(rest).trim());
+    let Some(number) = number.and_then(|number| number.parse().ok()) else {
+        return Err(words.error("the number of entries (nnz) expected"));
+    };
+    words.room_for(number, "the entries of the matrix")?;
+    let mut entries = Vec::new();
+    let index = |words: &mut Words| match words.size("an index of the matrix")? {
+        index if index < size => Ok(index),
+        index => Err(words.error(format!("index {index} is outside of the matrix"))),
+    };
+    if kind.is_empty() {
+        for _ in 0..number {
+            let (row, column) = (index(words)?, index(words)?);
+            words.literal(":")?;
+            entries.push((row, column, words.number("an entry of the matrix")?));
+        }
+        return Ok(entries);
+    }
+    for line in 0..size {
+        words.literal(kind)?;
+        words.exactly(line, if kind == "col" { "as the column" } else { "as the row" })?;
+        [":", "locations"].iter().try_for_each(|word| words.literal(word))?;
+        words.exactly(entries.len(), "as the first location")?;
+        words.literal("to")?;
+        // Of an empty column that begins at 0 the last location is -1.
+        let last = words.number("the last location")?;
+        while (entries.len() as f64) <= last {
+            if entries.len() == number {
+                return Err(words.error("there are more locations than entries"));
+            }
+            let other = index(words)?;
+            words.literal(":")?;
+            let value = words.number("an entry of the matrix")?;
+            entries.push(if kind == "col" { (other, line, value) } else { (line, other, value) });
+        }
+    }
+    Ok(entries)
+}
+
 /// Where each row or column of blocks ends.
 fn read_ends(words: &mut Words, count: usize, size: usize) -> Result<Vec<usize>, ReadError> {
     let ends = words.sizes_of(count, "the sizes of blocks")?;
@@ -218,6 +323,22 @@ impl<'a> Words<'a> {
         let word;
         (word, self.rest) = start.split_at(end);
         if word.is_empty() { Err(self.error(format!("the text ends before {what}"))) } else { Ok(word) }
+    }
+
+    /// The rest of a line, or the next line if nothing is left of it.
+    fn line(&mut self) -> &'a str {
+        let start = self.rest.trim_start();
+        self.line += self.rest[..self.rest.len() - start.len()].matches('\n').count();
+        let line;
+        (line, self.rest) = start.split_at(start.find('\n').unwrap_or(start.len()));
+        line
+    }
+
+    fn literal(&mut self, expected: &str) -> Result<(), ReadError> {
+        match self.word(expected)? {
+            word if word == expected => Ok(()),
+            word => Err(self.error(format!("\"{expected}\" expected, but found \"{}\"", shown(word)))),
+        }
     }
 
     fn size(&mut self, what: &str) -> Result<usize, ReadError> {

@@ -48,6 +48,42 @@ fn blocks_are_put_where_their_pointers_say() {
     assert_eq!(file.unknowns(&[1.0, 2.0, 0.0, 3.0, 4.0, 0.0]), [1.0, 2.0, 3.0, 4.0]);
 }
 
+/// 1 2 0 / 0 3 0 / 0 0 4 by columns, by rows, and as triplets.
+#[test]
+fn a_sparse_matrix_is_read_as_csparse_prints_it() {
+    let columns = "3-by-3, nzmax: 4 nnz: 4, 1-norm: 5\n    col 0 : locations 0 to 0\n      0 : 1
+        col 1 : locations 1 to 2\n      0 : 2\n      1 : 3\n    col 2 : locations 3 to 3\n      2 : 4";
+    let rows =
+        "csr: 3-by-3, nzmax: 4 nnz: 4, 1-norm: 5\n    row 0 : locations 0 to 1\n      0 : 1\n      1 : 2
+        row 1 : locations 2 to 2\n      1 : 3\n    row 2 : locations 3 to 3\n      2 : 4";
+    let triplets = "triplet: 3-by-3, nzmax: 9 nnz: 4\n    2 2 : 4\n    0 0 : 1\n    0 1 : 2\n    1 1 : 3";
+    for (origin, matrix) in [(2, columns), (3, rows), (1, triplets)] {
+        let version = "CSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016";
+        let text = format!("3\n1\n2\n3\n3\n{origin}\n{version}\n{matrix}\n-1 2 3\n0.5");
+        let file = read_problem(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(dense(&file), [[1.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 4.0]]);
+        assert_eq!((file.form, file.problem.q()), (Form::Contacts, &[-1.0, 2.0, 3.0][..]));
+    }
+}
+
+/// A ball of 1 kg and 0.1 m that lands at 6 m/s, slides at 2 and rolls at 20 rad/s about another axis: each
+/// friction opposes its own motion.
+#[test]
+fn rolling_friction_is_a_second_patch() {
+    let text = "5 1 0 5 5 5 5  1 0 0 0 0  0 1 0 0 0  0 0 1 0 0  0 0 0 2 0  0 0 0 0 2  -6 2 0 0 20  0.5 0.1";
+    let file = read_problem(text).unwrap();
+    assert_eq!((file.form, file.problem.rows()), (Form::RollingContacts, 7));
+    for method in crate::methods::Method::ALL {
+        let found = (method.solve)(&file.problem, &Default::default());
+        let r = file.unknowns(&found.r);
+        // 6 N s stop it; 2 of 3 N s of friction hold it, and 0.6 N m s slow it by 1.2 rad/s.
+        let close = r.iter().zip([6.0, -2.0, 0.0, 0.0, -0.6]).all(|(r, e)| (r - e).abs() < 1e-8);
+        assert!(found.residual <= 1e-10 && close, "{}: {r:?} {found:?}", method.name);
+    }
+    let negative = text.replace(" 0.1", " -0.1");
+    assert!(read_problem(&negative).is_err_and(|error| error.what.contains("negative")));
+}
+
 #[test]
 fn what_is_wrong_is_said_with_its_line() {
     let cases = [
@@ -55,8 +91,13 @@ fn what_is_wrong_is_said_with_its_line() {
         ("2\n0\n2\n2\n2 2\n1 2\n3 x\n1 1", 7, "finite number, not \"x\""),
         ("2\n0\n2\n2\n2 2\n1 2\n3 inf\n1 1", 7, "finite number"),
         ("2\n0\n2\n2\n2 2\n1 2\n3 4\n1", 7, "too short for q"),
-        ("5\n4\n7\n8\n", 1, "neither the sizes"),
-        ("3\n1\n2\n3\n3", 3, "storage 2"),
+        ("6\n4\n7\n8\n", 1, "neither the sizes"),
+        ("3\n1\n7\n3\n3", 3, "storage 7"),
+        ("3\n1\n2\n3\n3\n1\nCS", 7, "CSparse"),
+        ("3\n1\n2\n3\n3\n1\nCSparse\n2-by-2, nnz: 1", 8, "3-by-3 expected"),
+        ("3\n1\n2\n3\n3\n1\nCSparse\n3-by-3, nnz: 99999999999\n1", 8, "too short for the entries"),
+        ("3\n1\n2\n3\n3\n1\nCSparse\ntriplet: 3-by-3, nnz: 1\n0 3 : 1", 9, "index 3 is outside"),
+        ("3\n1\n2\n3\n3\n2\nCSparse\n3-by-3, nnz: 1\ncol 0 : locations 0 to 9\n0 : 1\n1 : 1", 10, "more loc"),
         ("3\n1\n0\n6\n3", 4, "3 rows of the matrix expected, but found 6"),
         ("-2 0 2 2", 1, "whole number"),
         // A billion rows in twenty bytes.

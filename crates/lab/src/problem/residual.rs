@@ -1,9 +1,14 @@
 //! The distance of impulses from a solution: the natural map, which is zero at solutions only.
 
-use super::{Law, Problem};
+use super::twice::{Real, Twice};
+use super::{Law, Matrix, Problem};
 
 /// Below this velocity [m/s] a problem counts as one at rest.
 const FLOOR: f64 = 1e-12;
+/// A diagonal entry below this share of its row is rounding: for masses it would take a ratio of 1e24.
+const ROUNDING: f64 = 1e-12;
+/// Impulses above this, in units of q over W, leave no digit of q even in twice the precision.
+const GREATEST: f64 = 1e60;
 
 /// The natural-map residual of impulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,23 +21,43 @@ pub struct Residual {
 
 impl Problem {
     /// The natural-map residual of impulses `r`: for each law `e = s (r - P(r - u / s))`, a velocity, where
-    /// `P` projects onto the impulses that the law allows, `s` is the law's entry on the diagonal of W, and
+    /// `P` projects onto the impulses that the law allows, `s` is the [scale](Problem::scale) of the law, and
     /// for Coulomb's law `u` has `mu |u_t|` added to its normal part (De Saxcé). Infinite if any number is
-    /// not finite.
+    /// not finite, or `r` so great that no digit of the velocities is left.
+    ///
+    /// It is computed in twice the precision of `f64`, and so holds for these very numbers: beside impulses
+    /// of 1e16 the velocities of `f64` are nothing but rounding, and a law that fails would seem to hold.
     pub fn residual(&self, r: &[f64]) -> Residual {
-        self.residual_at(r, &self.velocities(r))
+        // Powers of two, so that products neither overflow nor lose digits.
+        let by_w = power_of_two(self.w().values().iter().copied());
+        let by_q = power_of_two(self.q().iter().copied());
+        let impulses: Vec<f64> = r.iter().map(|r| r * by_w / by_q).collect();
+        if impulses.iter().any(|r| !r.is_finite() || r.abs() > GREATEST) {
+            return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
+        }
+        let impulses: Vec<Twice> = impulses.into_iter().map(Twice::from).collect();
+        let velocity = |i: usize| {
+            let products = self.w().row(i).map(|(j, w)| Twice::product(w / by_w, impulses[j].rounded()));
+            products.fold(Twice::from(self.q()[i] / by_q), |sum, product| sum + product)
+        };
+        let u: Vec<Twice> = (0..self.rows()).map(velocity).collect();
+        let error = |first, law| error_of(self, first, law, &impulses, &u, [by_w, by_w / by_q]).rounded();
+        self.sum_of_errors(by_q, self.laws().map(|(first, law)| error(first, law)))
     }
 
-    /// The same where the velocities `u` are known, for instance those that a step ended with.
+    /// The same in `f64`, where the velocities `u` are known, for instance those that a step ended with.
     pub fn residual_at(&self, r: &[f64], u: &[f64]) -> Residual {
         if r.iter().chain(u).any(|x| !x.is_finite()) {
             return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
         }
+        self.sum_of_errors(1.0, self.laws().map(|(first, law)| error_of(self, first, law, r, u, [1.0, 1.0])))
+    }
+
+    /// The residual of errors that are in units of `by`.
+    fn sum_of_errors(&self, by: f64, errors: impl Iterator<Item = f64>) -> Residual {
         // `hypot` does not overflow.
         let (mut sum, mut worst) = (0.0_f64, 0.0_f64);
-        for (first, law) in self.laws() {
-            let rows = first..first + law.rows();
-            let error = self.law_error(first, law, r, &u[rows]);
+        for error in errors {
             sum = sum.hypot(error);
             worst = worst.max(error);
             if !sum.is_finite() {
@@ -40,47 +65,64 @@ impl Problem {
             }
         }
         let scale = self.q().iter().fold(0.0_f64, |scale, x| scale.hypot(*x));
-        Residual { relative: sum / scale.max(FLOOR), worst }
+        Residual { relative: sum / (scale / by).max(FLOOR / by), worst: worst * by }
     }
 
-    /// The factor from an impulse of a row to a velocity [1/kg]: its diagonal entry if positive, else the
-    /// greatest entry of the row, else one.
+    /// The factor from an impulse of a row to a velocity [1/kg]: its diagonal entry if that is positive and
+    /// not mere rounding beside the greatest entry of the row, else that entry, or one if there is none.
     pub fn scale(&self, row: usize) -> f64 {
-        let diagonal = self.w().at(row, row);
-        if diagonal > 0.0 {
-            return diagonal;
-        }
-        let most = self.w().row(row).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
-        if most > 0.0 { most } else { 1.0 }
+        self.scales[row]
     }
+}
 
-    /// The error of one law [m/s]; `u` are the velocities of its rows.
-    pub fn law_error(&self, first: usize, law: Law, r: &[f64], u: &[f64]) -> f64 {
-        match law {
-            Law::Bounds { min, max } => {
-                let s = self.scale(first);
-                // This equals r - (r - u / s).clamp(min, max), but does not lose u to rounding beside a great
-                // r.
-                s * nearest_within(u[0] / s, r[first] - max, r[first] - min).abs()
+/// [`Problem::scale`] of a row of W.
+pub(super) fn scale(w: &Matrix, row: usize) -> f64 {
+    let most = w.row(row).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+    let diagonal = w.at(row, row);
+    if diagonal > ROUNDING * most {
+        diagonal
+    } else if most > 0.0 {
+        most
+    } else {
+        1.0
+    }
+}
+
+/// The error of one law [m/s], where W is divided by `by_w`, and impulses are multiplied by `by_r`.
+fn error_of<T: Real>(problem: &Problem, first: usize, law: Law, r: &[T], u: &[T], by: [f64; 2]) -> T {
+    let [by_w, by_r] = by;
+    let scale = |row: usize| T::from(problem.scale(row) / by_w);
+    let s = scale(first);
+    match law {
+        Law::Bounds { min, max } => {
+            let [min, max] = [min, max].map(|bound| T::from(bound * by_r));
+            // This equals r - (r - u / s).clamp(min, max), but does not lose u to rounding beside a great r.
+            let error = s * (u[first] / s).within(r[first] - max, r[first] - min);
+            error.most(-error)
+        }
+        Law::Contact { mu } => {
+            let mu = T::from(mu);
+            let own = [r[first], r[first + 1], r[first + 2]];
+            let slip = u[first + 1].length(u[first + 2]);
+            let moved = [u[first] + mu * slip, u[first + 1], u[first + 2]];
+            let to = [0, 1, 2].map(|i| own[i] - moved[i] / s);
+            if to[1].length(to[2]) <= mu * to[0] {
+                // As the projection does not move it, this is own - to without its rounding.
+                return moved[0].length(moved[1]).length(moved[2]);
             }
-            Law::Contact { mu } => {
-                let s = self.scale(first);
-                let slip = u[1].hypot(u[2]);
-                let own = [r[first], r[first + 1], r[first + 2]];
-                let to = [own[0] - (u[0] + mu * slip) / s, own[1] - u[1] / s, own[2] - u[2] / s];
-                let to = project_cone(to, mu);
-                s * norm([own[0] - to[0], own[1] - to[1], own[2] - to[2]])
-            }
-            Law::Patch { mu, arm, first: normals, count } => {
-                let normal: f64 = r[normals..normals + count].iter().map(|x| x.max(0.0)).sum();
-                let (s, twist) = (self.scale(first), self.scale(first + 2));
-                let own = [r[first], r[first + 1]];
-                let to = project_disc([own[0] - u[0] / s, own[1] - u[1] / s], mu * normal);
-                let most = mu * arm * normal;
-                let turned = r[first + 2] - nearest_within(r[first + 2] - u[2] / twist, -most, most);
-                // A twist counts as the velocity of the points, `arm` from their middle.
-                s * (own[0] - to[0]).hypot(own[1] - to[1]) + arm * twist * turned.abs()
-            }
+            let to = nearest_in_cone(to, mu);
+            let [n, a, b] = [0, 1, 2].map(|i| own[i] - to[i]);
+            s * n.length(a).length(b)
+        }
+        Law::Patch { mu, arm, first: normals, count } => {
+            let (zero, arm) = (T::from(0.0), T::from(arm));
+            let normal = r[normals..normals + count].iter().fold(zero, |sum, &x| sum + x.most(zero));
+            let (twist, most) = (scale(first + 2), T::from(mu) * normal);
+            let own = [r[first], r[first + 1]];
+            let to = nearest_in_disc([own[0] - u[first] / s, own[1] - u[first + 1] / s], most);
+            let turned = (u[first + 2] / twist).within(r[first + 2] - arm * most, r[first + 2] + arm * most);
+            // A twist counts as the velocity of the points, `arm` from their middle.
+            s * (own[0] - to[0]).length(own[1] - to[1]) + arm * twist * turned.most(-turned)
         }
     }
 }
@@ -90,33 +132,45 @@ pub(crate) fn nearest_within(x: f64, min: f64, max: f64) -> f64 {
     x.max(min).min(max)
 }
 
-fn norm(x: [f64; 3]) -> f64 {
-    x[0].hypot(x[1]).hypot(x[2])
+/// The greatest power of two that is not above the greatest absolute value, or one where all are zero.
+pub(crate) fn power_of_two(values: impl Iterator<Item = f64>) -> f64 {
+    let most = values.fold(0.0_f64, |most, x| most.max(x.abs()));
+    if most == 0.0 || !most.is_finite() {
+        return 1.0;
+    }
+    f64::from_bits(most.max(f64::MIN_POSITIVE).to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// The point of the friction cone `|t| <= mu n` that is nearest to `x` (normal first).
 pub fn project_cone(x: [f64; 3], mu: f64) -> [f64; 3] {
-    let (n, t) = (x[0], x[1].hypot(x[2]));
-    if t <= mu * n {
-        return x;
-    }
-    if mu * t <= -n {
-        return [0.0; 3];
-    }
-    let normal = (n + mu * t) / (1.0 + mu * mu);
-    let share = if t > 0.0 { mu * normal / t } else { 0.0 };
-    [normal, x[1] * share, x[2] * share]
+    nearest_in_cone(x, mu)
 }
 
 /// The point of a disc about the origin that is nearest to `x`.
 pub fn project_disc(x: [f64; 2], radius: f64) -> [f64; 2] {
-    let t = x[0].hypot(x[1]);
+    nearest_in_disc(x, radius)
+}
+
+fn nearest_in_cone<T: Real>(x: [T; 3], mu: T) -> [T; 3] {
+    let (n, t, zero) = (x[0], x[1].length(x[2]), T::from(0.0));
+    if t <= mu * n {
+        return x;
+    }
+    if mu * t <= -n {
+        return [zero; 3];
+    }
+    let normal = (n + mu * t) / (T::from(1.0) + mu * mu);
+    let share = if t > zero { mu * normal / t } else { zero };
+    [normal, x[1] * share, x[2] * share]
+}
+
+fn nearest_in_disc<T: Real>(x: [T; 2], radius: T) -> [T; 2] {
+    let t = x[0].length(x[1]);
     if t <= radius { x } else { x.map(|x| x * radius / t) }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Matrix;
     use super::*;
 
     /// A ball of 2 kg that falls at 3 m/s and slides at 4 on a floor with mu = 0.5: 6 N s stop it, 3 N s

@@ -309,7 +309,7 @@ pub(in crate::methods) fn search(run: &mut Run) -> bool {
     let mut count = 50;
     for round in 0..12 {
         let count_now = run.iterations_left().min(count);
-        if count_now == 0 {
+        if count_now == 0 || round == 2 && run.is_contradicted() {
             return false;
         }
         // Alternately with smaller steps, which converge where whole ones cycle.

@@ -6,7 +6,8 @@
 use crate::methods::forms::Lcp;
 use crate::methods::linear::solve;
 use crate::methods::tableau::Tableau;
-use crate::methods::{forms, linear, run};
+use crate::methods::{forms, linear};
+use crate::problem::power_of_two;
 use nalgebra::DMatrix;
 
 /// A pivot counts as zero below this share of the greatest entry of its column.
@@ -123,13 +124,10 @@ impl<'a> Dictionary<'a> {
         if most <= 0.0 {
             return End::Solved;
         }
-        let mut out = first;
-        for i in (0..n).filter(|&i| i != first && self.t[(i, n)] > 0.0) {
-            let t = -self.t[(i, n + 1)] / self.t[(i, n)];
-            if (t - most).abs() <= TIE * most.abs() && !self.before(out, i, n, 1.0) {
-                out = i;
-            }
-        }
+        let ratio = |i: usize| -self.t[(i, n + 1)] / self.t[(i, n)];
+        let tied = (0..n).filter(|&i| self.t[(i, n)] > 0.0);
+        let tied = tied.filter(|&i| i == first || (ratio(i) - most).abs() <= TIE * most.abs()).collect();
+        let out = self.least(tied, n, 1.0);
         let left = self.rows[out];
         self.exchange(out, n);
         self.follow(self.complement(left), limit)
@@ -148,9 +146,12 @@ impl<'a> Dictionary<'a> {
                 return End::Limit;
             }
             let column = self.place[enters];
-            let Some(row) = self.blocking(column) else {
-                return End::Ray(self.ray(enters, column));
-            };
+            let mut row = self.blocking(column);
+            if row.is_none() && self.refactor() {
+                // Without the rounding errors of the pivots.
+                row = self.blocking(column);
+            }
+            let Some(row) = row else { return End::Ray(self.ray(enters, column)) };
             let left = self.rows[row];
             self.exchange(row, column);
             self.pivots += 1;
@@ -176,36 +177,38 @@ impl<'a> Dictionary<'a> {
             return None;
         }
         let size = self.t.column(n + 1).iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let tied = candidates.filter(|&i| ratio(i) - least <= TIE * (least + size / -values[i]));
-        let mut best: Option<usize> = None;
-        for i in tied {
-            if self.rows[i] == 2 * n {
-                return Some(i);
-            }
-            if best.is_none_or(|best| self.before(i, best, column, -1.0)) {
-                best = Some(i);
-            }
-        }
-        best
+        let tied: Vec<usize> =
+            candidates.filter(|&i| ratio(i) - least <= TIE * (least + size / -values[i])).collect();
+        tied.iter().copied().find(|&i| self.rows[i] == 2 * n).or_else(|| Some(self.least(tied, column, -1.0)))
     }
 
-    /// Whether row `a` of the perturbation, divided by its entry of a column, is lexicographically less than
-    /// row `b`.
-    fn before(&self, a: usize, b: usize, column: usize, sign: f64) -> bool {
-        let (p, q) = (sign * self.t[(a, column)], sign * self.t[(b, column)]);
+    /// The row among some whose perturbation, divided by its entry of a column, is lexicographically least.
+    ///
+    /// An entry of the inverse basis is exact to a share of the greatest entry of its column, and not of its
+    /// own size: 1e-17 beside ones is zero, and would tell rows apart that are tied.
+    fn least(&self, mut tied: Vec<usize>, column: usize, sign: f64) -> usize {
         for &variable in &self.origin {
-            let c = self.place[variable];
-            let (x, y) = if self.columns[c] == variable {
-                (-self.t[(a, c)] / p, -self.t[(b, c)] / q)
-            } else {
-                let one = |row: usize| if self.rows[row] == variable { 1.0 } else { 0.0 };
-                (one(a) / p, one(b) / q)
-            };
-            if (x - y).abs() > TIE * (x.abs() + y.abs()) {
-                return x < y;
+            if tied.len() == 1 {
+                break;
             }
+            let place = self.place[variable];
+            let nonbasic = self.columns[place] == variable;
+            let rounding =
+                if nonbasic { TIE * linear::greatest(self.t.column(place).as_slice()) } else { 0.0 };
+            let part = |row: usize| {
+                let p = sign * self.t[(row, column)];
+                let entry =
+                    if nonbasic { -self.t[(row, place)] } else { f64::from(self.rows[row] == variable) };
+                (entry / p, rounding / p)
+            };
+            let first = tied.iter().map(|&row| part(row)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((least, noise)) = first else { break };
+            tied.retain(|&row| {
+                let (value, own) = part(row);
+                value - least <= noise + own
+            });
         }
-        a < b
+        tied[0]
     }
 
     /// Makes the variable of a column basic in place of that of a row.
@@ -321,15 +324,17 @@ impl Lcp {
     }
 
     /// The problem with rows and columns multiplied by powers of two such that their greatest entries are
-    /// near one, and the factors of the columns. Complementary pairs stay the same.
-    pub(super) fn equilibrated(&self) -> (Lcp, Vec<f64>) {
+    /// near one, and the factors of rows and columns. Complementary pairs stay the same.
+    pub(super) fn equilibrated(&self) -> (Lcp, Vec<f64>, Vec<f64>) {
         let n = self.q.len();
-        let (mut m, mut q, mut factors) = (self.m.clone(), self.q.clone(), vec![1.0; n]);
+        let (mut m, mut q) = (self.m.clone(), self.q.clone());
+        let (mut rows, mut factors) = (vec![1.0; n], vec![1.0; n]);
         for _ in 0..3 {
             for (i, q) in q.iter_mut().enumerate() {
                 let by = half_power(m.row(i).iter().copied());
                 m.row_mut(i).iter_mut().for_each(|x| *x *= by);
                 *q *= by;
+                rows[i] *= by;
             }
             for (mut column, factor) in m.column_iter_mut().zip(&mut factors) {
                 let by = half_power(column.iter().copied());
@@ -338,15 +343,15 @@ impl Lcp {
             }
         }
         // One number for all of q and z.
-        let by = 1.0 / run::power_of_two(q.iter().copied());
+        let by = 1.0 / power_of_two(q.iter().copied());
         q.iter_mut().for_each(|x| *x *= by);
         factors.iter_mut().for_each(|x| *x /= by);
-        (Lcp { m, q }, factors)
+        (Lcp { m, q }, rows, factors)
     }
 }
 
 /// A power of two near one over the root of the greatest absolute value.
 fn half_power(values: impl Iterator<Item = f64>) -> f64 {
-    let most = run::power_of_two(values);
-    1.0 / run::power_of_two(std::iter::once(most.sqrt()))
+    let most = power_of_two(values);
+    1.0 / power_of_two(std::iter::once(most.sqrt()))
 }

@@ -19,11 +19,11 @@ use crate::problem::Problem;
 /// direction of slip round by round, and Newton's method on the exact cone starts from there (see
 /// [`newton_fb`](crate::methods::newton_fb)).
 ///
-/// Rays: if one proves by Farkas' lemma that the inequalities contradict each other, as it does wherever M is
-/// copositive-plus (positive semidefinite for instance), the status is [`Status::NoSolution`]. Else other
-/// covering vectors are tried, then `M + eps I`, and at last the status is [`Status::Ray`], which says
-/// nothing about solutions. It fails with indefinite M such as those of bimatrix games with the wrong signs,
-/// and rounding accumulates over some hundred pivots, so it refactors.
+/// Rays: where M is copositive-plus (positive semidefinite for instance) they mean that the inequalities
+/// contradict each other. Then a linear programme finds a proof by Farkas' lemma, and the status is
+/// [`Status::NoSolution`]. Else other covering vectors are tried, then `M + eps I`, and at last the status is
+/// [`Status::Ray`], which says nothing about solutions. It fails with indefinite M such as those of bimatrix
+/// games with the wrong signs, and rounding accumulates over some hundred pivots, so it refactors.
 ///
 /// With a start, the pairs that are positive there are pivoted in first, and `d` covers only what remains
 /// negative.
@@ -33,7 +33,7 @@ pub fn lemke(problem: &Problem, effort: &Effort) -> Solution {
 
 /// Solves a linear complementarity problem from a start.
 pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome {
-    let (even, factors) = lcp.equilibrated();
+    let (even, _, factors) = lcp.equilibrated();
     let n = lcp.q.len();
     let active: Vec<usize> = start.map_or(Vec::new(), |start| (0..n).filter(|&i| start[i] > 0.0).collect());
     let mut outcome = Outcome { x: vec![0.0; n], status: Status::Limit, pivots: 0, iterations: 0 };
@@ -70,10 +70,6 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
             return outcome;
         }
         match end {
-            End::Ray(ray) if certificate::proves(&even, &ray) => {
-                outcome.status = Status::NoSolution;
-                return outcome;
-            }
             End::Ray(_) => outcome.status = Status::Ray,
             _ if outcome.pivots >= limit => return outcome,
             _ => {}

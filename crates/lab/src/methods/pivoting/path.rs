@@ -88,7 +88,7 @@ fn crash(lcp: &Lcp, start: &[f64]) -> (Point, u32) {
 }
 
 fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome {
-    let (even, factors) = lcp.equilibrated();
+    let (even, _, factors) = lcp.equilibrated();
     let n = lcp.q.len();
     let zeros = vec![0.0; n];
     let start =

@@ -1,11 +1,22 @@
 //! Common parts of all iterations: the start, checks of the residual, the best iterate, and when to give up.
 
-use crate::methods::{Effort, Friction, Solution, Status};
+use crate::methods::linear::greatest;
+use crate::methods::pivoting::certificate;
+use crate::methods::verdict::Claim;
+use crate::methods::{Effort, Friction, Solution};
 use crate::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
 /// An iteration stagnates if the residual has not improved for as many sweeps as there were before, plus this
 /// many.
 const PATIENCE: u32 = 1000;
+
+/// Sweeps have come to a halt if the residual has not improved for this many of them, and an eighth of those
+/// before: sooner than they stagnate.
+const HALT: u32 = 128;
+
+/// Impulses that as velocities are this many times as great as q are a reason to search for a proof that
+/// there is no solution: then they grow with each sweep.
+const GROWTH: f64 = 300.0;
 
 /// The best impulses that were seen.
 pub(super) struct Best<'a> {
@@ -17,6 +28,8 @@ pub(super) struct Best<'a> {
     at: u32,
     /// The last residual that was a substantial improvement, and its sweep.
     gain: (f64, u32),
+    /// The greatest impulse that was offered, as a velocity [m/s].
+    greatest: f64,
 }
 
 impl<'a> Best<'a> {
@@ -27,11 +40,16 @@ impl<'a> Best<'a> {
         let start = effort.start.as_ref().filter(fits).filter(|r| problem.residual(r).relative.is_finite());
         let r = start.cloned().unwrap_or_else(zero);
         let residual = problem.residual(&r).relative;
-        Best { problem, effort, r, residual, at: 0, gain: (residual, 0) }
+        Best { problem, effort, r, residual, at: 0, gain: (residual, 0), greatest: 0.0 }
     }
 
     pub(super) fn impulses(&self) -> &[f64] {
         &self.r
+    }
+
+    /// The sweep that the best impulses are from.
+    pub(super) fn sweep(&self) -> u32 {
+        self.at
     }
 
     pub(super) fn is_solved(&self) -> bool {
@@ -45,9 +63,13 @@ impl<'a> Best<'a> {
 
     /// The same where the velocities are known.
     pub(super) fn offer_at(&mut self, r: &[f64], u: &[f64], sweep: u32) -> f64 {
-        let residual = self.problem.residual_at(r, u).relative;
-        let residual =
-            if residual.is_finite() && r.iter().all(|x| x.is_finite()) { residual } else { f64::INFINITY };
+        let mut residual = self.problem.residual_at(r, u).relative;
+        if residual <= self.effort.tolerance {
+            // What rounding may have hidden counts.
+            residual = self.problem.residual(r).relative;
+        }
+        let size = (0..r.len()).fold(0.0_f64, |most, i| most.max(self.problem.scale(i) * r[i].abs()));
+        self.greatest = self.greatest.max(size);
         if residual < self.residual {
             self.r.copy_from_slice(r);
             (self.residual, self.at) = (residual, sweep);
@@ -60,8 +82,8 @@ impl<'a> Best<'a> {
 
     /// Keeps `r` even if it is worse; returns false, and keeps nothing, if its residual is not finite.
     fn replace(&mut self, r: &[f64], sweep: u32) -> bool {
-        let residual = self.problem.residual(r).relative;
-        let finite = residual.is_finite() && r.iter().all(|x| x.is_finite());
+        let residual = self.problem.residual_at(r, &self.problem.velocities(r)).relative;
+        let finite = residual.is_finite();
         if finite {
             self.r.copy_from_slice(r);
             (self.residual, self.at) = (residual, sweep);
@@ -76,14 +98,11 @@ impl<'a> Best<'a> {
 
     /// The solution after `sweeps`; if it is solved, it counts only the sweeps up to the best iterate.
     pub(super) fn finish(self, sweeps: u32) -> Solution {
-        let solved = self.is_solved();
-        Solution {
-            status: if solved { Status::Solved } else { Status::Limit },
-            iterations: if solved { self.at } else { sweeps },
-            pivots: 0,
-            residual: self.residual.min(f64::MAX),
-            r: self.r,
-        }
+        let solved = self.problem.residual(&self.r).relative <= self.effort.tolerance;
+        let grown = !solved && self.greatest > GROWTH * greatest(self.problem.q());
+        let proof = if grown { certificate::contradiction(self.problem) } else { None };
+        let iterations = if solved { self.at } else { sweeps };
+        Claim { r: self.r, ray: false, proof, iterations, pivots: 0 }.judged(self.problem, self.effort)
     }
 }
 
@@ -98,21 +117,34 @@ pub(super) fn is_checked(sweep: u32) -> bool {
 
 /// Sweeps until the tolerance is met, or the sweeps have run out, or they change nothing any more.
 pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(&mut [f64])) -> Solution {
+    iterate_counting(problem, effort, |r, _| sweep(r))
+}
+
+/// The same for sweeps that take shorter steps the more often they have come to a halt ([`HALT`]).
+pub(super) fn iterate_counting(
+    problem: &Problem,
+    effort: &Effort,
+    mut sweep: impl FnMut(&mut [f64], u32),
+) -> Solution {
     let mut best = Best::start(problem, effort);
     let mut r = best.impulses().to_vec();
+    let (mut halts, mut since) = (0, 0);
     for number in 1..=effort.iterations {
         if best.is_solved() {
             return best.finish(number - 1);
         }
         if !is_checked(number) && number != effort.iterations {
-            sweep(&mut r);
+            sweep(&mut r, halts);
             continue;
         }
         let before = r.clone();
-        sweep(&mut r);
+        sweep(&mut r, halts);
         // No iteration recovers from numbers that are not finite.
         if best.offer(&r, number).is_infinite() || r == before || best.stagnates(number) {
             return best.finish(number);
+        }
+        if number - best.gain.1.max(since) > HALT + best.gain.1 / 8 {
+            (halts, since) = (halts + 1, number);
         }
     }
     best.finish(effort.iterations)
@@ -147,50 +179,6 @@ pub(super) fn iterate_shaped(
         }
     }
     last.finish(effort.iterations)
-}
-
-/// Damps oscillating laws: if the change of a law opposes that of the previous sweep, smaller shares of its
-/// next changes are applied, down to a tenth, and larger ones again once it no longer does. With Coulomb's
-/// law sweeps can cycle, which this breaks; it hardly affects sweeps that converge.
-pub(super) struct Damping {
-    share: Vec<f64>,
-    /// The change of the last sweep.
-    change: Vec<f64>,
-}
-
-impl Damping {
-    pub(super) fn new(problem: &Problem) -> Damping {
-        Damping { share: vec![1.0; problem.laws().len()], change: vec![0.0; problem.rows()] }
-    }
-
-    /// Call it with the first row of a law before its impulses change.
-    pub(super) fn before(&self, first: usize, r: &[f64]) -> Old {
-        let at = |i: usize| r.get(first + i).copied().unwrap_or(0.0);
-        Old { first, r: [at(0), at(1), at(2)] }
-    }
-
-    /// Call it after; `rows` of the law.
-    pub(super) fn after(&mut self, law: usize, rows: usize, old: Old, r: &mut [f64]) {
-        let own = old.first..old.first + rows;
-        let (r, last) = (&mut r[own.clone()], &mut self.change[own]);
-        let mut turned = 0.0;
-        for ((r, old), last) in r.iter().zip(old.r).zip(last.iter_mut()) {
-            let change = r - old;
-            turned += change * *last;
-            *last = change;
-        }
-        let share = &mut self.share[law];
-        *share = if turned < 0.0 { (0.9 * *share).max(0.1) } else { (1.05 * *share).min(1.0) };
-        if *share < 1.0 {
-            r.iter_mut().zip(old.r).for_each(|(r, old)| *r = old + *share * (*r - old));
-        }
-    }
-}
-
-/// Impulses of a law before it was solved.
-pub(super) struct Old {
-    first: usize,
-    r: [f64; 3],
 }
 
 /// Projects impulses onto those that their laws allow; patches use the projected normals.

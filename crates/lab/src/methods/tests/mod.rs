@@ -1,6 +1,8 @@
 //! Problems with known solutions, for every method, and ill-posed problems.
 
 mod exact;
+mod generated;
+mod verdicts;
 
 use super::{Effort, Friction, Method, Solution, Solve, Status};
 use crate::problem::{Law, Matrix, Problem};
