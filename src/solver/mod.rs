@@ -302,7 +302,7 @@ kernel! {
                 return solve_impact_friction(batch, friction, of, group, motion, pass);
             }
             if of.in_tree && kind != PassKind::WarmStart && batch.b.is_empty() {
-                return guard(batch, motion, pass);
+                return guard(batch, batches, motion, pass);
             }
             // Without friction a kernel of its own.
             let rows = if group.is_potential() { None } else { friction.touching(of) };

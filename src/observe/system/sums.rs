@@ -260,14 +260,20 @@ impl Witness for Sums {
         }
     }
 
-    fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>) {
+    fn substep(&mut self, views: &Views<'_>, joints: &JointViews<'_>) {
         let mut at = 0;
         // SAFETY: between stages there is no other thread.
         unsafe {
-            rows.each_lane(&mut |lane| {
+            views.each_lane(&mut |lane| {
                 let own = &mut self.contacts[at..];
                 for (sum, point) in own.iter_mut().zip(lane.points()) {
                     *sum += f64::from(point.impulse);
+                }
+                if let Some(guarded) = views.guarded.find(lane.part.slot()) {
+                    for (i, sum) in own.iter_mut().enumerate().take(lane.points().len()) {
+                        let push = &mut guarded[lane.part.only().unwrap_or(i)];
+                        *sum += f64::from(std::mem::take(push));
+                    }
                 }
                 let rows = LaneRows::of(lane);
                 if let Some(f) = lane.friction {
