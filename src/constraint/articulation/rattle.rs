@@ -136,7 +136,21 @@ impl<L: TreeWidth> TreeBatch<L> {
                 base.linear += more.lane(lane);
             }
         }
-        self.late = L::zero();
+        (self.late, self.caught) = (L::zero(), self.late);
+    }
+
+    /// Calls `f` with each body of which the velocity was brought up in the last substep, and by how much.
+    #[cfg(feature = "observe")]
+    pub(crate) fn each_caught(&self, f: &mut dyn FnMut(u32, glam::Vec3)) {
+        if !self.caught.abs().gt(L::zero()).any() {
+            return;
+        }
+        for node in self.of_bodies() {
+            let more = node.drift.pull * self.caught;
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                f(node.body[lane], more.lane(lane));
+            }
+        }
     }
 
     /// Finds the impulses of joints that close them at the end of the substep, given external forces and the
@@ -145,6 +159,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        self.caught = L::zero();
         if self.late.abs().gt(L::zero()).any() {
             // SAFETY: by the contract.
             unsafe { self.catch_up(motion) };

@@ -213,6 +213,7 @@ impl FrictionLane {
 impl JointViews<'_> {
     /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling`
     /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
+    /// `caught`: see [`TreeBatch::each_caught`](crate::constraint::articulation::tree::TreeBatch::each_caught).
     ///
     /// # Safety
     /// No other thread works on the batches.
@@ -221,6 +222,7 @@ impl JointViews<'_> {
         lock: &mut dyn FnMut(u32, Vec3),
         row: &mut dyn FnMut(u32, RowImpulse),
         coupling: &mut dyn FnMut(u32, [f32; 2], [[Vec3; 2]; 2]),
+        caught: &mut dyn FnMut(u32, Vec3),
     ) {
         let mut to = Call { lock, row };
         // SAFETY: by the contract.
@@ -232,6 +234,8 @@ impl JointViews<'_> {
             self.trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
             self.single_trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
             self.each_coupling(&mut to, coupling);
+            self.trees.all().iter().for_each(|batch| batch.each_caught(caught));
+            self.single_trees.all().iter().for_each(|batch| batch.each_caught(caught));
         }
     }
 }

@@ -315,6 +315,7 @@ impl Witness for Sums {
                         }
                     }
                 },
+                &mut |body, more| self.given[body as usize][0] += more.as_dvec3(),
             );
         }
     }
