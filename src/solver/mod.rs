@@ -71,10 +71,14 @@ pub(crate) trait Witness {
     fn before(&mut self, velocity: &[Record]);
     /// Called after it did.
     fn after(&mut self, velocity: &[Record]);
+    /// Called after that, if it was trees of joints that moved.
+    fn trees_moved(&mut self, velocity: &[Record]);
     /// Number of contacts.
     fn contacts(&self) -> usize;
     /// Takes the normal impulses [N s] that impacts gave contacts, in the order of contacts.
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>);
+    /// Takes the bodies that stand still for the rest of the step after impacts.
+    fn stand(&mut self, bodies: &[u32]);
     /// Called when velocities change by an acceleration over a time [s].
     fn pull(&mut self, acceleration: &[Record], h: f32);
     /// Called at the end of a substep.
