@@ -143,12 +143,14 @@ impl StepMeter for Watch {
     fn before_rows(&mut self, world: &mut World, dt: f32) {
         self.system = System::assemble(world, dt);
         self.sums = Sums::new(world, &self.system);
+        world.buffers.rows.guarded = vec![[0.0; 4]; world.contacts.slots()];
         self.observer.before_rows(world, &self.system);
     }
 
     fn after_rows(&mut self, world: &mut World) {
         let Watch { system, sums, observer } = self;
         let bounced = sums.give(world, system);
+        world.buffers.rows.guarded = Vec::new();
         observer.after_rows(&mut Solved { world, system, bounced });
         for (i, body) in system.bodies.iter_mut().enumerate() {
             body.end = velocity(&world.bodies.velocity[i]);

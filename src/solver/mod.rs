@@ -71,10 +71,14 @@ pub(crate) trait Witness {
     fn before(&mut self, velocity: &[Record]);
     /// Called after it did.
     fn after(&mut self, velocity: &[Record]);
+    /// Called after that, if it was trees of joints that moved.
+    fn trees_moved(&mut self, velocity: &[Record]);
     /// Number of contacts.
     fn contacts(&self) -> usize;
     /// Takes the normal impulses [N s] that impacts gave contacts, in the order of contacts.
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>);
+    /// Takes the bodies that stand still for the rest of the step after impacts.
+    fn stand(&mut self, bodies: &[u32]);
     /// Called when velocities change by an acceleration over a time [s].
     fn pull(&mut self, acceleration: &[Record], h: f32);
     /// Called at the end of a substep.
@@ -302,7 +306,7 @@ kernel! {
                 return solve_impact_friction(batch, friction, of, group, motion, pass);
             }
             if of.in_tree && kind != PassKind::WarmStart && batch.b.is_empty() {
-                return guard(batch, motion, pass);
+                return guard(batch, batches, motion, pass);
             }
             // Without friction a kernel of its own.
             let rows = if group.is_potential() { None } else { friction.touching(of) };

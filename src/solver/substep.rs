@@ -149,6 +149,7 @@ impl Substeps<'_> {
         let recorded = self.impulses.len();
         self.impulses.copy_from_slice(&own[..recorded]);
         witness.after(struck.velocity);
+        witness.stand(self.restitution.standing());
     }
 
     /// Adds gravity, forces and, from the second substep on, the warm start to velocities. If bodies are
@@ -219,16 +220,23 @@ impl Substeps<'_> {
     #[inline(always)]
     pub(super) fn advance_impacts_and_trees(&mut self) {
         self.outside_rows(|this| {
-            let Context { passes, settings, h, .. } = &this.context;
+            let h = &this.context.h;
             if !this.restitution.is_empty() {
                 // SAFETY: between stages this thread is alone.
                 let MotionSlices { velocity, base, delta } = unsafe { this.context.slices() };
                 this.restitution.go_on(*h, [velocity, base, delta], &this.forces.acceleration);
             }
-            if passes.joints.exist() {
-                passes.close_joints(settings.measures().slop);
-            }
         });
+        let Context { passes, settings, .. } = &self.context;
+        if !passes.joints.exist() {
+            return;
+        }
+        let slop = settings.measures().slop;
+        self.outside_rows(|this| this.context.passes.close_joints(slop));
+        if let Some(witness) = self.witness.as_deref_mut() {
+            // SAFETY: between stages this thread is alone.
+            witness.trees_moved(unsafe { self.context.slices() }.velocity);
+        }
     }
 
     /// Gives contacts that pushed before they touched their friction, after rows have relaxed. Returns

@@ -349,6 +349,7 @@ kernel! {
 #[inline(always)]
 pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
+    views: &Views<'_>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -356,13 +357,15 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
     // SAFETY: by the contract.
     let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     let (mut sum, mut moment) = (L::zero(), zero);
-    for point in &batch.points {
+    let mut pushes = [L::zero(); P];
+    for (point, kept) in batch.points.iter().zip(&mut pushes) {
         let u = relative::<L, B>(batch.normal, &v) + row(&v, point);
         let gap = (point.now * L::splat(pass.inverse_h)).max(L::zero());
         let push = L::select(point.mass.gt(L::zero()), (-((u + gap) * point.mass)).max(L::zero()), L::zero());
         v.apply(batch, batch.normal * push, point.arm_a * push, zero);
         sum += push;
         moment += point.arm_a * push;
+        *kept = push;
     }
     if sum.gt(L::zero()).any() {
         // SAFETY: by the contract.
@@ -371,7 +374,28 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
             base.apply(batch, batch.normal * sum, moment, zero);
             v.save(batch, motion.velocity);
             base.save(batch, motion.base);
+            note(batch, &pushes, views);
         }
     }
     pass.relax && potential_load(batch, pass.touch_distance).0.gt(L::zero()).any()
+}
+
+/// Lets an observer of the step know of impulses that nothing keeps.
+///
+/// # Safety
+/// No other thread works on the contacts of the batch.
+#[inline(always)]
+unsafe fn note<L: Lanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    pushes: &[L; P],
+    views: &Views<'_>,
+) {
+    for lane in (0..L::N).filter(|lane| batch.write_a >> lane & 1 != 0) {
+        // SAFETY: by the contract.
+        if let Some(sums) = unsafe { views.guarded.find(batch.contact[lane].slot()) } {
+            for (i, push) in pushes.iter().enumerate() {
+                sums[batch.contact[lane].only().unwrap_or(i)] += push.lane(lane);
+            }
+        }
+    }
 }

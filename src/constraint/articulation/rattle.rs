@@ -38,6 +38,17 @@ const LOST: f32 = 1e-5;
 /// Share of [`JOINT_OPEN`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 
+/// How the tree of a body moved in a substep, apart from the impulses of its joints.
+#[cfg(feature = "observe")]
+pub(crate) struct Aside {
+    /// By how much gravity and forces brought up the body's velocity [m/s].
+    pub(crate) caught: glam::Vec3,
+    /// Whether bodies count as heavier than they are, or the substep was solved again.
+    pub(crate) unconserved: bool,
+    /// Whether joints acted once more while bodies moved, in parts of the substep.
+    pub(crate) whirled: bool,
+}
+
 impl<L: TreeWidth> TreeBatch<L> {
     /// Decides which trees conserve energy in this step: those that touch nothing, and in which no body bears
     /// a load that is too heavy for it or that swings it too fast for the substep. The load is the impulse of
@@ -136,7 +147,24 @@ impl<L: TreeWidth> TreeBatch<L> {
                 base.linear += more.lane(lane);
             }
         }
-        self.late = L::zero();
+        (self.late, self.caught) = (L::zero(), self.late);
+    }
+
+    /// Calls `f` with each body and with how its tree moved in the last substep.
+    #[cfg(feature = "observe")]
+    pub(crate) fn each_aside(&self, f: &mut dyn FnMut(u32, Aside)) {
+        for node in self.of_bodies() {
+            let more = node.drift.pull * self.caught;
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                let is = |bits: u32| bits >> lane & 1 != 0;
+                let aside = Aside {
+                    caught: more.lane(lane),
+                    unconserved: is(self.weighted | self.damped),
+                    whirled: is(self.whirled),
+                };
+                f(node.body[lane], aside);
+            }
+        }
     }
 
     /// Finds the impulses of joints that close them at the end of the substep, given external forces and the
@@ -145,6 +173,7 @@ impl<L: TreeWidth> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        (self.caught, self.whirled) = (L::zero(), 0);
         if self.late.abs().gt(L::zero()).any() {
             // SAFETY: by the contract.
             unsafe { self.catch_up(motion) };
@@ -323,6 +352,7 @@ impl<L: TreeWidth> TreeBatch<L> {
         let parts = self.parts();
         if parts > 1.0 {
             self.whirl(parts);
+            self.whirled = self.exact;
         } else {
             self.drift(self.lag);
         }

@@ -3,6 +3,7 @@
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView};
 use super::rows::{Views, with_batch};
+use crate::constraint::articulation::rattle::Aside;
 use crate::constraint::joint::batch::{Report, RowImpulse};
 use crate::constraint::joint::run::JointViews;
 use crate::constraint::joint::store::{report_locks, report_motors};
@@ -213,6 +214,7 @@ impl FrictionLane {
 impl JointViews<'_> {
     /// Calls `lock` with each lock and its impulse, `row` with each other row and its own, and `coupling`
     /// with each coupling, its impulses at both ends, and force and torque on each of its joints per impulse.
+    /// `aside`: see [`TreeBatch::each_aside`](crate::constraint::articulation::tree::TreeBatch::each_aside).
     ///
     /// # Safety
     /// No other thread works on the batches.
@@ -221,6 +223,7 @@ impl JointViews<'_> {
         lock: &mut dyn FnMut(u32, Vec3),
         row: &mut dyn FnMut(u32, RowImpulse),
         coupling: &mut dyn FnMut(u32, [f32; 2], [[Vec3; 2]; 2]),
+        aside: &mut dyn FnMut(u32, Aside),
     ) {
         let mut to = Call { lock, row };
         // SAFETY: by the contract.
@@ -232,6 +235,8 @@ impl JointViews<'_> {
             self.trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
             self.single_trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
             self.each_coupling(&mut to, coupling);
+            self.trees.all().iter().for_each(|batch| batch.each_aside(aside));
+            self.single_trees.all().iter().for_each(|batch| batch.each_aside(aside));
         }
     }
 }

@@ -50,6 +50,9 @@ pub(crate) struct Rows {
     /// One for each batch of the schedule; empty unless some shape resists rolling or spinning.
     pub(crate) rolling: Vec<RollingRow>,
     pub(crate) soft: SoftRows,
+    /// Impulses of [`guard`](crate::constraint::guard) on the points of each contact in the substep [N s], of which
+    /// nothing else is kept; empty unless somebody observes the step.
+    pub(crate) guarded: Vec<[f32; 4]>,
 }
 
 impl Beside {
@@ -185,6 +188,7 @@ impl Rows {
             rolling: Shared::new(&mut self.rolling),
             soft: Shared::new(&mut self.soft.rows),
             marks: &self.soft.marks,
+            guarded: Shared::new(&mut self.guarded),
         }
     }
 
@@ -284,6 +288,8 @@ pub(crate) struct Views<'a> {
     pub(crate) soft: Shared<'a, SoftRow>,
     /// See [`SoftRows`].
     pub(crate) marks: &'a [u8],
+    /// See [`Rows::guarded`].
+    pub(crate) guarded: Shared<'a, [f32; 4]>,
 }
 
 impl Views<'_> {

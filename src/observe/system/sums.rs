@@ -22,6 +22,10 @@ pub(in crate::observe) struct Sums {
     /// Changes by gravity and forces; a body that stops after a bounce has none.
     pulled: Vec<Velocity>,
     before: Vec<Record>,
+    /// Changes while trees moved in the last substep.
+    moved: Vec<Velocity>,
+    /// See [`SystemBody::unconserved`].
+    unconserved: Vec<bool>,
 }
 
 impl Sums {
@@ -35,6 +39,8 @@ impl Sums {
             given: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             pulled: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             before: Vec::new(),
+            moved: vec![[DVec3::ZERO; 2]; system.bodies.len()],
+            unconserved: vec![false; system.bodies.len()],
         }
     }
 
@@ -45,6 +51,7 @@ impl Sums {
         }
         for (i, body) in system.bodies.iter_mut().enumerate() {
             let (given, pulled) = (self.given[i], self.pulled[i]);
+            body.unconserved = self.unconserved[i];
             body.given = [0, 1].map(|k| given[k] + pulled[k] - (body.free[k] - body.start[k]));
         }
         self.give_joints(world, system);
@@ -241,6 +248,13 @@ impl Witness for Sums {
         }
     }
 
+    fn trees_moved(&mut self, now: &[Record]) {
+        for ((moved, before), now) in self.moved.iter_mut().zip(&self.before).zip(now) {
+            let (before, now) = (velocity(before), velocity(now));
+            *moved = [now[0] - before[0], now[1] - before[1]];
+        }
+    }
+
     fn contacts(&self) -> usize {
         self.impacts.len()
     }
@@ -248,6 +262,12 @@ impl Witness for Sums {
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
         for (sum, impulse) in self.impacts.iter_mut().zip(impulses) {
             *sum += f64::from(impulse);
+        }
+    }
+
+    fn stand(&mut self, bodies: &[u32]) {
+        for &i in bodies {
+            self.unconserved[i as usize] = true;
         }
     }
 
@@ -260,14 +280,20 @@ impl Witness for Sums {
         }
     }
 
-    fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>) {
+    fn substep(&mut self, views: &Views<'_>, joints: &JointViews<'_>) {
         let mut at = 0;
         // SAFETY: between stages there is no other thread.
         unsafe {
-            rows.each_lane(&mut |lane| {
+            views.each_lane(&mut |lane| {
                 let own = &mut self.contacts[at..];
                 for (sum, point) in own.iter_mut().zip(lane.points()) {
                     *sum += f64::from(point.impulse);
+                }
+                if let Some(guarded) = views.guarded.find(lane.part.slot()) {
+                    for (i, sum) in own.iter_mut().enumerate().take(lane.points().len()) {
+                        let push = &mut guarded[lane.part.only().unwrap_or(i)];
+                        *sum += f64::from(std::mem::take(push));
+                    }
                 }
                 let rows = LaneRows::of(lane);
                 if let Some(f) = lane.friction {
@@ -307,6 +333,16 @@ impl Witness for Sums {
                         for k in 0..2 {
                             acted[k] += lever[k].as_dvec3() * net;
                         }
+                    }
+                },
+                &mut |body, aside| {
+                    let body = body as usize;
+                    self.unconserved[body] |= aside.unconserved;
+                    self.given[body][0] += aside.caught.as_dvec3();
+                    // Impulses of joints account for it.
+                    let moved = if aside.whirled { self.moved[body] } else { Velocity::default() };
+                    for k in 0..2 {
+                        self.given[body][k] -= moved[k];
                     }
                 },
             );

@@ -30,6 +30,8 @@ pub(crate) const FIGURES: [Figure; 15] = [
     ("momentum", "N s", |m| m.momentum),
     ("angular_momentum", "N m s", |m| m.angular_momentum),
     ("unexplained", "m/s", |m| m.unexplained),
+    ("unexplained_turn", "m/s", |m| m.unexplained_turn),
+    ("unconserved", "m/s", |m| m.unconserved),
 ];
 
 /// Islands that are named.

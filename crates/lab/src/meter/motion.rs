@@ -59,7 +59,12 @@ impl<'a> Balance<'a> {
             let turning = body.inverse_inertia.determinant();
             let inverse_mass = body.inverse_mass.max_element();
             let reach = (inverse(turning.cbrt()) * inverse_mass).sqrt();
-            out.unexplained = out.unexplained.max(v.length()).max(w.length() * reach);
+            if body.unconserved {
+                out.unconserved = out.unconserved.max(v.length()).max(w.length() * reach);
+                continue;
+            }
+            out.unexplained = out.unexplained.max(v.length());
+            out.unexplained_turn = out.unexplained_turn.max(w.length() * reach);
             let p = v * inverse(inverse_mass);
             momentum += p;
             spin += (body.centre - centre).cross(p);

@@ -4,6 +4,7 @@
 mod common;
 
 mod accuracy;
+mod adds_up;
 mod cases;
 mod inactive_edges;
 mod lcp;

@@ -38,6 +38,10 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) astray: u32,
     /// External forces act for so much longer in the first substep [s].
     pub(crate) late: L,
+    /// The same within a substep that began with it.
+    pub(crate) caught: L,
+    /// Lanes whose substep was solved in parts.
+    pub(crate) whirled: u32,
     /// Half a substep where only joints and external forces act on the tree, else zero [s].
     pub(crate) lag: L,
     /// Its place in the order of all rows.
