@@ -74,6 +74,12 @@ pub(crate) fn world_of(scene: &Scene, settings: Settings) -> (World, Vec<BodyHan
     (world, bodies)
 }
 
+/// Whether tests run over all of their cases, with `WIDE=1` (`scripts/reliability wide`), or over as many as
+/// one waits for.
+pub(crate) fn wide() -> bool {
+    std::env::var_os("WIDE").is_some()
+}
+
 pub(crate) fn steps(world: &mut World, count: u32, dt: f32) {
     for _ in 0..count {
         world.step(dt).unwrap();

@@ -219,7 +219,7 @@ fn a_hook_that_panics_poisons_the_world_until_it_is_restored() {
 #[test]
 fn impacts_with_what_spins_beyond_reason_leave_numbers() {
     let mut stopped = 0;
-    for seed in 0..60 {
+    for seed in 0..if crate::common::wide() { 60 } else { 20 } {
         let mut random = Random(seed);
         let method =
             [ContinuousMethod::ConservativeAdvancement, ContinuousMethod::LinearCast][seed as usize % 2];

@@ -8,11 +8,12 @@ mod bodies;
 use proptest::prelude::any;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
-/// Sequences of calls: some twenty seconds.
-const CALL_SEEDS: u64 = 400;
+/// Sequences of calls: some ten seconds.
+const CALL_SEEDS: u64 = 200;
 
 /// Runs a body on `cases` inputs of at most so many bytes.
 fn seeded(seed: u8, cases: u32, length: usize, run: fn(&[u8])) {
+    let cases = if crate::common::wide() { cases } else { cases / 2 };
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 4096, ..Config::default() };
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]);
     let bytes = proptest::collection::vec(any::<u8>(), 0..length);
@@ -29,7 +30,7 @@ fn seeded(seed: u8, cases: u32, length: usize, run: fn(&[u8])) {
 /// more of them.
 #[test]
 fn calls_in_any_order_leave_a_world_that_restores_to_itself() {
-    for seed in 0..CALL_SEEDS {
+    for seed in 0..if crate::common::wide() { 10 * CALL_SEEDS } else { CALL_SEEDS } {
         println!("seed {seed}");
         bodies::calls::run(&bodies::calls::bytes_of(seed));
     }

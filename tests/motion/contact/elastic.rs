@@ -8,7 +8,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
 use crate::common::random::Random;
-use crate::common::{self, Floor, dynamic, shape, steps};
+use crate::common::{self, Floor, dynamic, shape, steps, wide};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, ConvexHull, Geometry, Material, Settings, World};
 
@@ -124,7 +124,7 @@ fn gas_of(
 #[test]
 fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
     for (hz, speed) in [(30.0, 5.0), (60.0, 5.0), (120.0, 5.0), (120.0, 10.0)] {
-        for seed in 1..=10 {
+        for seed in 1..=if wide() { 10 } else { 3 } {
             let mut world = world(0.0, 4);
             let balls = gas(&mut world, 1.5, speed, seed);
             let before = world.energy();
@@ -158,11 +158,17 @@ fn a_gas_of_elastic_bodies_of_any_shape_keeps_its_energy_for_a_minute() {
     let corners: Vec<_> = (0..14).map(|_| random.cube().normalize() * 0.22).collect();
     let hull = Geometry::hull(ConvexHull::new(&corners).unwrap());
     let mixed = [ball, cuboid.clone(), capsule.clone(), cylinder.clone(), hull.clone()];
+    let mut case = 0;
     for shapes in [&[cuboid][..], &[capsule], &[cylinder], &[hull], &mixed] {
         let name = if shapes.len() > 1 { "mixed".to_owned() } else { format!("{:.12?}", shapes[0]) };
         let name: String = name.chars().take(12).collect();
         for (hz, speed) in [(30.0, 5.0), (60.0, 5.0), (120.0, 10.0)] {
             for (threshold, least) in [(0.3, 0.99), (0.0, if hz == 30.0 { 0.99 } else { 0.999 })] {
+                case += 1;
+                // Three rates and two thresholds: each shape has each of them.
+                if !wide() && case % 2 == 0 {
+                    continue;
+                }
                 let mut world = World::new(
                     Settings::default().with_gravity(Vec3::ZERO).with_restitution_threshold(threshold),
                 )

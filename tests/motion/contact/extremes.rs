@@ -1,6 +1,6 @@
 //! With any masses, a step leaves numbers, and joined bodies stay joined.
 
-use crate::common::{self, all_finite};
+use crate::common::{self, all_finite, wide};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::limits::MAX_FORCE;
 use backstop::{
@@ -153,6 +153,9 @@ fn chains_bear_any_load() {
     for links in [1, 2, 5, 20] {
         for ratio in [1.0, 1e2, 1e3, 3e3, 5e3, 1e4, 1e5, 1e6] {
             for solver in CASES {
+                if !wide() && links == 2 {
+                    continue;
+                }
                 let seconds = if solver == CASES[0] { 60 } else { 10 };
                 check_chain(&mut wrong, links, ratio, solver, 1.0, seconds);
             }
@@ -193,6 +196,9 @@ fn chains_that_whip_bear_any_load() {
     for (hertz, substeps, iterations) in CASES {
         for lying in [Lying::Folded, Lying::Zigzag, Lying::Upright] {
             for (links, ratio) in [2, 5, 20].into_iter().flat_map(|n| [20.0, 1e3, 1e5, 1e6].map(|r| (n, r))) {
+                if !wide() && (links == 2) == (ratio == 20.0 || ratio == 1e5) {
+                    continue;
+                }
                 let mut chain = Chain::new(links, ratio, (substeps, iterations), 1.0, lying);
                 let mass = |&body: &BodyHandle| f64::from(chain.world.mass(body).unwrap());
                 let depth = 2.0 * (LINK * f64::from(links) + 0.25);

@@ -54,7 +54,7 @@ fn random_settings(random: &mut Random) -> Decomposition {
 #[test]
 fn hulls_cover_a_solid_and_hardly_more() {
     let mut random = Random(60);
-    for round in 0..12 * KINDS {
+    for round in 0..KINDS * if crate::common::wide() { 12 } else { 5 } {
         let (mesh, settings) = (random_solid(round, &mut random), random_settings(&mut random));
         let pieces = decomposed(&mesh, settings);
         let hulls: Vec<Planes> = pieces.hulls().iter().map(|hull| Planes::of(hull)).collect();
