@@ -18,8 +18,8 @@ const WAIT: u32 = 32;
 /// settled, it takes a quarter of the sweeps or less. The residual does not fall in every sweep, so the best
 /// impulses are kept, taken before the move along `p`. A sweep is no gradient of a symmetric form, so the
 /// moves can keep each other up for ever, as for `W = I + 1 1ᵀ`: where the residual has not improved for
-/// long, sweeps go on alone from the best impulses, each time for twice as long. All laws are exact at the fixed
-/// point.
+/// long, sweeps go on alone from the best impulses, each time for twice as long. All laws are exact at the
+/// fixed point.
 pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
     let blocks = Blocks::new(problem);
     let mut best = Best::start(problem, effort);
