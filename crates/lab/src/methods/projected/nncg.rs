@@ -21,7 +21,7 @@ const WAIT: u32 = 32;
 /// long, sweeps go on alone from the best impulses, each time for twice as long. All laws are exact at the
 /// fixed point.
 pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
-    let blocks = Blocks::new(problem);
+    let mut blocks = Blocks::new(problem);
     let mut best = Best::start(problem, effort);
     let mut r = best.impulses().to_vec();
     let mut direction = vec![0.0; r.len()];
