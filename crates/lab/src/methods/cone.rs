@@ -20,8 +20,8 @@ pub(super) struct ContactBlock {
 }
 
 impl ContactBlock {
-    /// `scale` [1/kg]: the magnitude of the block's numbers if its diagonal is zero. `hold`: the proximal term
-    /// as a share of the mean of the diagonal, if it need not be greater.
+    /// `scale` [1/kg]: the magnitude of the block's numbers if its diagonal is zero. `hold`: the proximal
+    /// term as a share of the mean of the diagonal, if it need not be greater.
     pub(super) fn new(w: [[f64; 3]; 3], mu: f64, scale: f64, hold: f64) -> ContactBlock {
         let trace = w[0][0].max(0.0) + w[1][1].max(0.0) + w[2][2].max(0.0);
         let least = 1e-6 * if trace > 0.0 { trace } else { scale };

@@ -17,9 +17,9 @@ impl Problem {
     ///
     /// `y` is not negative in normals of contacts and in rows with a lower bound only, not positive in those
     /// with an upper bound only, of either sign in rows without bounds, and zero in all others. The sums are
-    /// computed in twice the precision of `f64`. What the rounding of W and y explains counts as zero, so that
-    /// a problem is contradicted too if the last digit of W decides whether it has a solution: none that
-    /// `f64` could hold.
+    /// computed in twice the precision of `f64`. What the rounding of W and y explains counts as zero, so
+    /// that a problem is contradicted too if the last digit of W decides whether it has a solution: none
+    /// that `f64` could hold.
     pub fn is_contradicted_by(&self, y: &[f64]) -> bool {
         let greatest = y.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
         if y.len() != self.rows() || !(greatest > 0.0 && greatest.is_finite()) || !self.admits(y) {

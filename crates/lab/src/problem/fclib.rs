@@ -5,9 +5,9 @@
 //! `u = Hᵀ v + w`, `0 = Gᵀ v + b`. With v eliminated it is `W = [H G]ᵀ M⁻¹ [H G]`, of which the rows of
 //! joints are [`Law::LOCKED`].
 
+use super::global::{COUPLED, Sparse, eliminate};
 use super::{File, Form, Law, Matrix, Problem};
 use hdf5_pure::{File as Hdf5, Group};
-use nalgebra::{DMatrix, DVector};
 
 /// Why a file could not be read as a problem of FCLIB.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -20,9 +20,6 @@ fn error<T>(what: impl Into<String>) -> Result<T, FclibError> {
 
 /// The end of the names of groups with rolling friction, which has five rows a contact.
 const ROLLING: &str = "_rolling";
-
-/// The most velocities that the mass matrix may couple, as each coupled block is inverted densely.
-const COUPLED: usize = 3000;
 
 /// Reads the bytes of an FCLIB file, with `fclib_local` or `fclib_global`.
 pub fn read_fclib(bytes: Vec<u8>) -> Result<File, FclibError> {
@@ -90,7 +87,7 @@ fn read_global(global: &Group, rolling: bool) -> Result<File, FclibError> {
         jacobian.columns += b.len();
         offset.extend(b);
     }
-    let (w, q) = eliminate(&mass, &jacobian, &f, offset)?;
+    let (w, q) = eliminate(&mass, &jacobian, &f, offset).map_err(FclibError)?;
     if q.len() == contact_rows {
         return of_contacts(dimensions, w, q, &mu, &vectors);
     }
@@ -103,90 +100,7 @@ fn read_global(global: &Group, rolling: bool) -> Result<File, FclibError> {
     Ok(File { problem, form: Form::Contacts })
 }
 
-/// `W = Hᵀ M⁻¹ H` and `q = w + Hᵀ M⁻¹ f`, a group of coupled velocities (a body, as a rule) at a time.
-fn eliminate(
-    mass: &Sparse,
-    h: &Sparse,
-    f: &[f64],
-    mut q: Vec<f64>,
-) -> Result<(Matrix, Vec<f64>), FclibError> {
-    let mut entries = Vec::new();
-    let by_row = |sparse: &Sparse| {
-        let mut rows = vec![Vec::new(); sparse.rows];
-        sparse.entries.iter().for_each(|&(i, j, x)| rows[i].push((j, x)));
-        rows
-    };
-    let (mass_rows, h_rows) = (by_row(mass), by_row(h));
-    for velocities in coupled(mass) {
-        let size = velocities.len();
-        if size > COUPLED {
-            return error(format!(
-                "the mass matrix couples {size} velocities, and at most {COUPLED} are supported"
-            ));
-        }
-        let mut m = DMatrix::zeros(size, size);
-        for (i, &velocity) in velocities.iter().enumerate() {
-            for &(column, x) in &mass_rows[velocity] {
-                let j = velocities.binary_search(&column).expect("coupled velocities are in one group");
-                m[(i, j)] += x;
-            }
-        }
-        let Some(factor) = m.cholesky() else { return error("the mass matrix must be positive definite") };
-        let mut columns: Vec<usize> =
-            velocities.iter().flat_map(|&v| h_rows[v].iter().map(|e| e.0)).collect();
-        columns.sort_unstable();
-        columns.dedup();
-        let mut part = DMatrix::zeros(size, columns.len());
-        for (i, &velocity) in velocities.iter().enumerate() {
-            for &(column, x) in &h_rows[velocity] {
-                part[(i, columns.binary_search(&column).expect("it was listed"))] += x;
-            }
-        }
-        let force = DVector::from_iterator(size, velocities.iter().map(|&v| f[v]));
-        let free = part.tr_mul(&factor.solve(&force));
-        // By way of L⁻¹ H, whose Gram matrix is symmetric to the last bit.
-        let root = factor.l_dirty().solve_lower_triangular(&part).expect("a Cholesky factor is regular");
-        for (a, &i) in columns.iter().enumerate() {
-            q[i] += free[a];
-            entries.extend(
-                columns.iter().enumerate().map(|(b, &j)| (i, j, root.column(a).dot(&root.column(b)))),
-            );
-        }
-    }
-    Ok((Matrix::from_entries(h.columns, entries), q))
-}
-
-/// Groups of rows that entries couple, each in ascending order.
-fn coupled(matrix: &Sparse) -> Vec<Vec<usize>> {
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
-    let mut parent: Vec<usize> = (0..matrix.rows).collect();
-    for &(i, j, x) in &matrix.entries {
-        let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-        if x != 0.0 {
-            parent[a.max(b)] = a.min(b);
-        }
-    }
-    let mut groups = vec![Vec::new(); matrix.rows];
-    for i in 0..matrix.rows {
-        groups[root(&mut parent, i)].push(i);
-    }
-    groups.retain(|group| !group.is_empty());
-    groups
-}
-
-/// A matrix as FCLIB stores it, and CSparse before it.
-struct Sparse {
-    rows: usize,
-    columns: usize,
-    entries: Vec<(usize, usize, f64)>,
-}
-
+// A matrix as FCLIB stores it, and CSparse before it.
 impl Sparse {
     fn read(parent: &Group, name: &str) -> Result<Sparse, FclibError> {
         let own = group(parent, name)?;

@@ -8,6 +8,7 @@
 mod contradiction;
 #[cfg(feature = "hdf5")]
 mod fclib;
+mod global;
 mod matrix;
 mod read;
 mod residual;

@@ -3,8 +3,10 @@
 //! Both begin with sizes and the matrix W, then q, and for contacts the coefficients of friction; any text
 //! may follow. A matrix is dense (storage 0) or made of blocks (storage 1), and either way goes column by
 //! column, or it is sparse (storage 2), as CSparse prints it. Five dimensions are those of a contact with
-//! rolling friction, which has a second coefficient.
+//! rolling friction, which has a second coefficient. A square matrix of another size than the contacts have
+//! rows is the mass matrix of a global problem; the matrix H follows.
 
+use super::global::{Sparse, eliminate};
 use super::{Law, Matrix, Problem};
 use std::fmt::Display;
 
@@ -134,7 +136,13 @@ pub fn read_problem(text: &str) -> Result<File, ReadError> {
 
 fn read_complementarity(words: &mut Words) -> Result<File, ReadError> {
     let n = words.size("the number of unknowns")?;
-    let w = read_matrix(words, n)?;
+    let (storage, size) = read_sizes(words)?;
+    if size != [n; 2] {
+        return Err(words.error(format!("{n} rows and columns of the matrix expected")));
+    }
+    let entries = read_matrix(words, storage, size)?;
+    words.room_for(n, "q")?;
+    let w = Matrix::from_entries(n, entries);
     let q = words.numbers(n, "q")?;
     let problem = Problem::lcp(w, q).map_err(|error| words.error(error))?;
     Ok(File { problem, form: Form::Complementarity })
@@ -144,8 +152,22 @@ fn read_contacts(words: &mut Words) -> Result<File, ReadError> {
     let dimensions = words.size("the number of dimensions")?;
     let contacts = words.size("the number of contacts")?;
     let rows = contacts.saturating_mul(dimensions);
-    let w = read_matrix(words, rows)?;
-    let q = words.numbers(rows, "q")?;
+    let (storage, [size, columns]) = read_sizes(words)?;
+    if size != columns {
+        return Err(words.error(format!("a square matrix expected, but found {size}-by-{columns}")));
+    }
+    let entries = read_matrix(words, storage, [size; 2])?;
+    // Sizes of another matrix, and no numbers of q, which could be the same by a rare chance only.
+    let h_follows = read_sizes(&mut words.clone()).is_ok_and(|(_, found)| found == [size, rows]);
+    let (w, q) = if h_follows {
+        read_global(words, Sparse { rows: size, columns: size, entries }, rows)?
+    } else if size == rows {
+        // Blocks may be of any size and stay empty; q has a number for each row.
+        words.room_for(rows, "q")?;
+        (Matrix::from_entries(rows, entries), words.numbers(rows, "q")?)
+    } else {
+        return Err(words.error(format!("{rows} rows of the matrix expected, but found {size}")));
+    };
     let mu = words.numbers(contacts, "mu")?;
     let mu_r = if dimensions == ROLLING { words.numbers(contacts, "mu_r")? } else { Vec::new() };
     if mu.iter().chain(&mu_r).any(|&mu| mu < 0.0) {
@@ -157,33 +179,42 @@ fn read_contacts(words: &mut Words) -> Result<File, ReadError> {
     File::of_contacts(dimensions, w, q, &mu).map_err(|error| words.error(error))
 }
 
-fn read_matrix(words: &mut Words, rows: usize) -> Result<Matrix, ReadError> {
+/// The rest of a global problem, `M v = q + H r` and `u = Hᵀ v + b`, of which the velocities v of bodies are
+/// eliminated.
+fn read_global(words: &mut Words, mass: Sparse, rows: usize) -> Result<(Matrix, Vec<f64>), ReadError> {
+    let (storage, size) = read_sizes(words)?;
+    let h = Sparse { rows: mass.rows, columns: rows, entries: read_matrix(words, storage, size)? };
+    let (forces, offset) = (words.numbers(mass.rows, "q")?, words.numbers(rows, "b")?);
+    eliminate(&mass, &h, &forces, offset).map_err(|error| words.error(error))
+}
+
+/// The storage of a matrix, its rows and its columns.
+fn read_sizes(words: &mut Words) -> Result<(usize, [usize; 2]), ReadError> {
     let storage = words.size("the storage of the matrix")?;
     if storage > SPARSE {
         return Err(words.error(format!(
             "storage {storage} of the matrix is not known: 0 is dense, 1 has blocks, 2 is sparse"
         )));
     }
-    words.exactly(rows, "rows of the matrix")?;
-    words.exactly(rows, "columns of the matrix")?;
-    let entries = match storage {
-        0 => read_dense(words, rows)?,
-        SPARSE => read_sparse(words, rows)?,
-        _ => read_blocks(words, rows)?,
-    };
-    // Blocks may be of any size and stay empty; q has a number for each row.
-    words.room_for(rows, "q")?;
-    Ok(Matrix::from_entries(rows, entries))
+    Ok((storage, [words.size("the rows of the matrix")?, words.size("the columns of the matrix")?]))
+}
+
+fn read_matrix(words: &mut Words, storage: usize, size: [usize; 2]) -> Result<Entries, ReadError> {
+    match storage {
+        0 => read_dense(words, size),
+        SPARSE => read_sparse(words, size),
+        _ => read_blocks(words, size),
+    }
 }
 
 type Entries = Vec<(usize, usize, f64)>;
 
-fn read_dense(words: &mut Words, rows: usize) -> Result<Entries, ReadError> {
+fn read_dense(words: &mut Words, [rows, columns]: [usize; 2]) -> Result<Entries, ReadError> {
     words.exactly(rows, "rows of the dense matrix")?;
-    words.exactly(rows, "columns of the dense matrix")?;
-    words.room_for(rows.saturating_mul(rows), "the entries of the matrix")?;
+    words.exactly(columns, "columns of the dense matrix")?;
+    words.room_for(rows.saturating_mul(columns), "the entries of the matrix")?;
     let mut entries = Vec::new();
-    read_block(words, &mut entries, 0..rows, 0..rows)?;
+    read_block(words, &mut entries, 0..rows, 0..columns)?;
     Ok(entries)
 }
 
@@ -202,12 +233,12 @@ fn read_block(
     Ok(())
 }
 
-fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
+fn read_blocks(words: &mut Words, size: [usize; 2]) -> Result<Entries, ReadError> {
     let blocks = words.size("the number of blocks")?;
     let rows = words.size("the number of rows of blocks")?;
     let columns = words.size("the number of columns of blocks")?;
-    let row_ends = read_ends(words, rows, size)?;
-    let column_ends = read_ends(words, columns, size)?;
+    let row_ends = read_ends(words, rows, size[0])?;
+    let column_ends = read_ends(words, columns, size[1])?;
     let pointers = words.size("the length of the row pointer")?;
     if pointers != rows.saturating_add(1) {
         return Err(words
@@ -235,7 +266,7 @@ fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
 }
 
 /// Entries as CSparse prints them: by columns, by rows, or one by one.
-fn read_sparse(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
+fn read_sparse(words: &mut Words, [rows, columns]: [usize; 2]) -> Result<Entries, ReadError> {
     // How the matrix was made, which the text says again.
     words.size("the origin of the sparse matrix")?;
     if !words.line().starts_with("CSparse") {
@@ -248,8 +279,8 @@ fn read_sparse(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
         Some(None) => ("col", header),
         _ => return Err(words.error("the sizes of the sparse matrix expected")),
     };
-    if !header.starts_with(&format!("{size}-by-{size},")) {
-        return Err(words.error(format!("a matrix of {size}-by-{size} expected")));
+    if !header.starts_with(&format!("{rows}-by-{columns},")) {
+        return Err(words.error(format!("a matrix of {rows}-by-{columns} expected")));
     }
     let number = header.split_once("nnz: ").map(|(_, rest)| rest.split(',').next().unwrap_or(rest).trim());
     let Some(number) = number.and_then(|number| number.parse().ok()) else {
@@ -257,19 +288,20 @@ fn read_sparse(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
     };
     words.room_for(number, "the entries of the matrix")?;
     let mut entries = Vec::new();
-    let index = |words: &mut Words| match words.size("an index of the matrix")? {
+    let index = |words: &mut Words, size: usize| match words.size("an index of the matrix")? {
         index if index < size => Ok(index),
         index => Err(words.error(format!("index {index} is outside of the matrix"))),
     };
     if kind.is_empty() {
         for _ in 0..number {
-            let (row, column) = (index(words)?, index(words)?);
+            let (row, column) = (index(words, rows)?, index(words, columns)?);
             words.literal(":")?;
             entries.push((row, column, words.number("an entry of the matrix")?));
         }
         return Ok(entries);
     }
-    for line in 0..size {
+    let (lines, others) = if kind == "col" { (columns, rows) } else { (rows, columns) };
+    for line in 0..lines {
         words.literal(kind)?;
         words.exactly(line, if kind == "col" { "as the column" } else { "as the row" })?;
         [":", "locations"].iter().try_for_each(|word| words.literal(word))?;
@@ -281,7 +313,7 @@ fn read_sparse(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
             if entries.len() == number {
                 return Err(words.error("there are more locations than entries"));
             }
-            let other = index(words)?;
+            let other = index(words, others)?;
             words.literal(":")?;
             let value = words.number("an entry of the matrix")?;
             entries.push(if kind == "col" { (other, line, value) } else { (line, other, value) });

@@ -84,6 +84,20 @@ fn rolling_friction_is_a_second_patch() {
     assert!(read_problem(&negative).is_err_and(|error| error.what.contains("negative")));
 }
 
+/// Two bodies of 2 and 4 kg that are not coupled but by a zero, and one contact between them and the ground:
+/// `W = Hᵀ M⁻¹ H`, `q = b + Hᵀ M⁻¹ f`.
+#[test]
+fn velocities_of_a_global_problem_are_eliminated() {
+    let mass = "2 4 4\n1\nCSparse\ntriplet: 4-by-4, nnz: 5\n0 0 : 2\n1 1 : 2\n2 2 : 4\n3 3 : 4\n0 3 : 0";
+    let h = "0 4 3 4 3  1 0 0 -1  0 1 0 0  0 0 1 0";
+    let file = read_problem(&format!("3 1\n{mass}\n{h}\n2 0 0 4  -1 0 0  0.5")).unwrap();
+    assert_eq!(file.form, Form::Contacts);
+    let w = [[0.75, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.25]];
+    let close = |a: &f64, b: &f64| (a - b).abs() < 1e-15;
+    assert!(dense(&file).iter().flatten().zip(w.as_flattened()).all(|(a, b)| close(a, b)));
+    assert!(file.problem.q().iter().zip(&[-1.0, 0.0, 0.0]).all(|(a, b)| close(a, b)));
+}
+
 #[test]
 fn what_is_wrong_is_said_with_its_line() {
     let cases = [
@@ -98,7 +112,8 @@ fn what_is_wrong_is_said_with_its_line() {
         ("3\n1\n2\n3\n3\n1\nCSparse\n3-by-3, nnz: 99999999999\n1", 8, "too short for the entries"),
         ("3\n1\n2\n3\n3\n1\nCSparse\ntriplet: 3-by-3, nnz: 1\n0 3 : 1", 9, "index 3 is outside"),
         ("3\n1\n2\n3\n3\n2\nCSparse\n3-by-3, nnz: 1\ncol 0 : locations 0 to 9\n0 : 1\n1 : 1", 10, "more loc"),
-        ("3\n1\n0\n6\n3", 4, "3 rows of the matrix expected, but found 6"),
+        ("3\n1\n0\n6\n3", 5, "square matrix expected, but found 6-by-3"),
+        ("3\n1\n0\n1\n1\n1 1\n7\n1 2 3", 7, "3 rows of the matrix expected, but found 1"),
         ("-2 0 2 2", 1, "whole number"),
         // A billion rows in twenty bytes.
         (
@@ -106,7 +121,7 @@ fn what_is_wrong_is_said_with_its_line() {
             5,
             "too short for the entries",
         ),
-        ("3\n18446744073709551615\n0\n3\n3", 4, "rows of the matrix expected"),
+        ("3\n18446744073709551615\n0\n1\n1\n1 1\n7", 7, "rows of the matrix expected"),
         // One block of a billion rows, and empty.
         (
             "1000000000 1 1000000000 1000000000\n0 1 1 1000000000 1000000000\n2 0\n0 0\n1",

@@ -33,6 +33,28 @@ fn a_problem_is_solved_as_is_promised() {
     assert!(String::from_utf8_lossy(&list.stdout).contains("nncg"));
 }
 
+/// A contact whose body no impulse moves, and a ball that rolls: the one has no solution, the other five
+/// numbers a contact.
+#[test]
+fn what_has_no_solution_is_said_and_rolling_is_solved() {
+    let write = |name: &str, text: &str| {
+        let file = scratch(name);
+        std::fs::write(&file, text).expect("a file");
+        file.to_str().expect("a name").to_owned()
+    };
+    let fixed = write("fixed.dat", "3 1 0 3 3 3 3  0 0 0 0 0 0 0 0 0  -1 0 0  0.5");
+    let rolling =
+        "5 1 0 5 5 5 5  1 0 0 0 0  0 1 0 0 0  0 0 1 0 0  0 0 0 2 0  0 0 0 0 2  -6 2 0 0 20  0.5 0.1";
+    let rolling = write("rolling.dat", rolling);
+    for method in ["lemke", "apgd", "pgs"] {
+        let found = backstop(&["solve", &fixed, "--method", method, "--json"]);
+        assert_eq!(found.status.code(), Some(3));
+        let found: Value = serde_json::from_slice(&found.stdout).expect("one JSON document");
+        assert_eq!(found["status"], "no_solution", "{method}");
+        numbers(&document(&backstop(&["solve", &rolling, "--method", method, "--json"]))["solution"], 5);
+    }
+}
+
 #[test]
 fn cases_tell_what_they_are_off_by() {
     let asked =

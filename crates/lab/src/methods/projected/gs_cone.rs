@@ -1,6 +1,6 @@
 //! Block Gauss-Seidel with exact contacts.
 
-use super::sweep::{iterate, pressure};
+use super::sweep::{Damping, iterate, pressure};
 use crate::methods::cone::{ContactBlock, solve_disc};
 use crate::methods::{Effort, Solution};
 use crate::problem::{Law, Problem, nearest_within};
@@ -14,7 +14,7 @@ use crate::problem::{Law, Problem, nearest_within};
 /// such, and patches as a disc whose size is that of their normals at the moment. It does not converge, and
 /// its status says so, if W is far from symmetric and positive semidefinite.
 pub fn gs_cone(problem: &Problem, effort: &Effort) -> Solution {
-    let blocks = Blocks::new(problem);
+    let mut blocks = Blocks::new(problem);
     iterate(problem, effort, |r| blocks.sweep(r))
 }
 
@@ -28,6 +28,7 @@ const HOLD: f64 = 0.02;
 pub(super) struct Blocks<'a> {
     problem: &'a Problem,
     own: Vec<(usize, Own)>,
+    damping: Damping,
 }
 
 enum Own {
@@ -56,12 +57,26 @@ impl<'a> Blocks<'a> {
             };
             (first, own)
         });
-        Blocks { problem, own: own.collect() }
+        Blocks { problem, own: own.collect(), damping: Damping::new(problem) }
     }
 
     /// All laws in the order of their rows.
-    pub(super) fn sweep(&self, r: &mut [f64]) {
-        self.own.iter().for_each(|own| self.solve(own, r));
+    pub(super) fn sweep(&mut self, r: &mut [f64]) {
+        for law in 0..self.own.len() {
+            let (first, ref own) = self.own[law];
+            let rows = match own {
+                Own::Row { .. } => 1,
+                Own::Patch { .. } => 3,
+                // The proximal term does for these what damping does for the others.
+                Own::Contact(_) => {
+                    self.solve(&self.own[law], r);
+                    continue;
+                }
+            };
+            let old = self.damping.before(first, r);
+            self.solve(&self.own[law], r);
+            self.damping.after(law, rows, old, r);
+        }
     }
 
     fn solve(&self, &(first, ref own): &(usize, Own), r: &mut [f64]) {

@@ -17,11 +17,11 @@ const WAIT: u32 = 32;
 /// A sweep costs one of `gs_cone` and some vector work; once the set of sticking and sliding contacts has
 /// settled, it takes a quarter of the sweeps or less. The residual does not fall in every sweep, so the best
 /// impulses are kept, taken before the move along `p`. A sweep is no gradient of a symmetric form, so the
-/// moves can keep each other up for ever, as for `W = I + 1 1ᵀ`: where the residual has not improved for long,
-/// sweeps go on alone from the best impulses, each time for twice as long. All laws are exact at the fixed
-/// point.
+/// moves can keep each other up for ever, as for `W = I + 1 1ᵀ`: where the residual has not improved for
+/// long, sweeps go on alone from the best impulses, each time for twice as long. All laws are exact at the
+/// fixed point.
 pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
-    let blocks = Blocks::new(problem);
+    let mut blocks = Blocks::new(problem);
     let mut best = Best::start(problem, effort);
     let mut r = best.impulses().to_vec();
     let mut direction = vec![0.0; r.len()];

@@ -10,8 +10,8 @@ use crate::problem::Problem;
 ///
 /// Converges for symmetric, positive semidefinite W and a relaxation in (0, 2) without friction (Cryer 1971);
 /// with friction and a relaxation much above 1 it often does not: then the impulses swing, and where the
-/// residual does not improve for more than a hundred sweeps, what is above 1 of the relaxation is halved. Cost and laws are
-/// those of `pgs`.
+/// residual does not improve for more than a hundred sweeps, what is above 1 of the relaxation is halved.
+/// Cost and laws are those of `pgs`.
 pub fn psor(problem: &Problem, effort: &Effort) -> Solution {
     let relaxation = if effort.relaxation.is_nan() { 1.0 } else { effort.relaxation.clamp(0.01, 1.99) };
     let rows = Rows::new(problem, effort.friction);

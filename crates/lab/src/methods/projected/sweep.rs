@@ -181,6 +181,50 @@ pub(super) fn iterate_shaped(
     last.finish(effort.iterations)
 }
 
+/// Damps oscillating laws: if the change of a law opposes that of the previous sweep, smaller shares of its
+/// next changes are applied, down to a tenth, and larger ones again once it no longer does. Sweeps over rows
+/// of a W that is far from symmetric can cycle, which this breaks; it hardly affects sweeps that converge.
+pub(super) struct Damping {
+    share: Vec<f64>,
+    /// The change of the last sweep.
+    change: Vec<f64>,
+}
+
+impl Damping {
+    pub(super) fn new(problem: &Problem) -> Damping {
+        Damping { share: vec![1.0; problem.laws().len()], change: vec![0.0; problem.rows()] }
+    }
+
+    /// Call it with the first row of a law before its impulses change.
+    pub(super) fn before(&self, first: usize, r: &[f64]) -> Old {
+        let at = |i: usize| r.get(first + i).copied().unwrap_or(0.0);
+        Old { first, r: [at(0), at(1), at(2)] }
+    }
+
+    /// Call it after; `rows` of the law.
+    pub(super) fn after(&mut self, law: usize, rows: usize, old: Old, r: &mut [f64]) {
+        let own = old.first..old.first + rows;
+        let (r, last) = (&mut r[own.clone()], &mut self.change[own]);
+        let mut turned = 0.0;
+        for ((r, old), last) in r.iter().zip(old.r).zip(last.iter_mut()) {
+            let change = r - old;
+            turned += change * *last;
+            *last = change;
+        }
+        let share = &mut self.share[law];
+        *share = if turned < 0.0 { (0.9 * *share).max(0.1) } else { (1.05 * *share).min(1.0) };
+        if *share < 1.0 {
+            r.iter_mut().zip(old.r).for_each(|(r, old)| *r = old + *share * (*r - old));
+        }
+    }
+}
+
+/// Impulses of a law before it was solved.
+pub(super) struct Old {
+    first: usize,
+    r: [f64; 3],
+}
+
 /// Projects impulses onto those that their laws allow; patches use the projected normals.
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {

@@ -1,8 +1,8 @@
 //! Whether a status is true: every method on problems made at random, judged by a residual that is computed
 //! here, from sums without rounding errors.
 //!
-//! `COUNT=500 cargo test --release -p backstop-lab --lib -- verdicts --nocapture` makes that many of each kind
-//! and prints a table.
+//! `COUNT=500 cargo test --release -p backstop-lab --lib -- verdicts --nocapture` makes that many of each
+//! kind and prints a table.
 
 use super::generated::{KINDS, Known};
 use crate::methods::{Effort, Method, Status};
