@@ -63,6 +63,8 @@ pub(crate) enum Command {
     Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
+    /// Compare measured impacts of a body on a plate with the same impacts simulated (docs/tosses.md).
+    Impacts(ImpactOptions),
     /// Run four tests of SimBenchmark beside the numbers that it published for other engines
     /// (docs/simbench.md).
     Simbench(SimbenchOptions),

@@ -5,6 +5,7 @@ mod common;
 
 mod accuracy;
 mod cases;
+mod impacts;
 mod inactive_edges;
 mod lcp;
 mod penalty;
