@@ -10,6 +10,7 @@ mod inactive_edges;
 mod lcp;
 mod penalty;
 mod problems;
+mod ragdoll;
 mod retroactive;
 mod rolling_and_couplings;
 mod simbench;
