@@ -1,4 +1,4 @@
-//! Four tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
+//! Five tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
 //! the description: the same scenes, the same metrics, and the numbers that were published for other engines
 //! ([`Test::published`]). `docs/simbench.md` has the source of each number and the results.
 //!
@@ -48,6 +48,7 @@ impl Test {
             Test::Rolling => rolling::run(setting, seconds),
             Test::Bouncing => bouncing::run(setting, seconds),
             Test::Spheres => spheres::run(setting, seconds),
+            Test::Elastic => spheres::run_elastic(setting, seconds),
             Test::Tower => tower::run(setting, seconds),
         }
     }

@@ -28,6 +28,7 @@ pub(super) fn of(test: Test) -> &'static [Published] {
         Test::Rolling => ROLLING,
         Test::Bouncing => BOUNCING,
         Test::Spheres => SPHERES,
+        Test::Elastic => ELASTIC,
         Test::Tower => TOWER,
     }
 }
@@ -125,6 +126,39 @@ const SPHERES: &[Published] = &[
     row("DART", "Dantzig", false, 0.01, None, 214.842, 3.06581),
     row("DART", "Dantzig", false, 0.04, None, 1366.83, 1.24581),
     row("DART", "Dantzig", false, 0.1, None, 6.83924, 2.75566),
+];
+
+/// `data/666-elastic/sample.csv`, without error reduction.
+#[rustfmt::skip]
+const ELASTIC: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.0001, None, 0.00110304, 6.11585),
+    row("RaiSim", "bisection", false, 0.0004, None, 0.248699, 1.64278),
+    row("RaiSim", "bisection", false, 0.001, None, 8.36835, 0.655143),
+    row("RaiSim", "bisection", false, 0.004, None, 264.072, 0.180666),
+    row("RaiSim", "bisection", false, 0.01, None, 5184170.0, 0.0702891),
+    row("RaiSim", "bisection", false, 0.04, None, 2731520000.0, 0.021476),
+    row("RaiSim", "bisection", false, 0.1, None, 119339000.0, 0.0127361),
+    row("Bullet", "sequential impulse", false, 0.0001, None, 167.526, 21.5038),
+    row("Bullet", "sequential impulse", false, 0.0004, None, 3563.92, 5.93753),
+    row("Bullet", "sequential impulse", false, 0.001, None, 41498.1, 2.31772),
+    row("Bullet", "sequential impulse", false, 0.004, None, 840066.0, 0.65147),
+    row("Bullet", "sequential impulse", false, 0.01, None, 9863960.0, 0.31976),
+    row("Bullet", "sequential impulse", false, 0.05, None, 105315000.0, 0.149203),
+    row("Bullet", "sequential impulse", false, 0.1, None, 1720190000.0, 0.150474),
+    row("ODE", "PGS", false, 0.0001, None, 1.09578, 55.5611),
+    row("ODE", "PGS", false, 0.0004, None, 17.5054, 13.8713),
+    row("ODE", "PGS", false, 0.001, None, 112.318, 5.64728),
+    row("ODE", "PGS", false, 0.004, None, 1648.4, 1.43055),
+    row("ODE", "PGS", false, 0.01, None, 8559990.0, 0.601697),
+    row("ODE", "PGS", false, 0.05, None, 1378830.0, 0.130007),
+    row("ODE", "PGS", false, 0.1, None, 18843500.0, 0.065268),
+    row("DART", "Dantzig", false, 0.0001, None, 2438.45, 141.159),
+    row("DART", "Dantzig", false, 0.0004, None, 52414.7, 20.386),
+    row("DART", "Dantzig", false, 0.001, None, 346909.0, 8.05873),
+    row("DART", "Dantzig", false, 0.004, None, 6622240.0, 1.9544),
+    row("DART", "Dantzig", false, 0.01, None, 12870600000.0, 0.842985),
+    row("DART", "Dantzig", false, 0.04, None, 5964670000.0, 0.251876),
+    row("DART", "Dantzig", false, 0.1, None, 1207130000000.0, 0.12266),
 ];
 
 /// `data/kapla/sample.csv`, steps of 0.01 s; 600 s is the end of the test. MuJoCo is listed with the
