@@ -65,7 +65,7 @@ pub(crate) enum Command {
     Tosses(TossOptions),
     /// Compare measured impacts of a body on a plate with the same impacts simulated (docs/tosses.md).
     Impacts(ImpactOptions),
-    /// Run five tests of SimBenchmark beside the numbers that it published for other engines
+    /// Run seven tests of SimBenchmark beside the numbers that it published for other engines
     /// (docs/simbench.md).
     Simbench(SimbenchOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods
