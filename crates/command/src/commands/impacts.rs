@@ -62,11 +62,11 @@ fn summary(all: &[Deviation], of: fn(&Deviation) -> f64) -> [f64; 2] {
 }
 
 fn document(all: &[Deviation]) -> serde_json::Value {
-    let one = |[motion, velocity, spin]: [f64; 3]| json!({ "motion": motion, "velocity_m_s": velocity, "spin_rad_s": spin });
+    let one = |of: [f64; 3]| json!({ "motion": of[0], "velocity_m_s": of[1], "spin_rad_s": of[2] });
     let each: Vec<_> = all.iter().map(|d| one([d.motion, d.velocity, d.spin])).collect();
-    let [motion, velocity, spin] =
-        [summary(all, |d| d.motion), summary(all, |d| d.velocity), summary(all, |d| d.spin)];
-    let [mean, median] = [0, 1].map(|i| one([motion[i], velocity[i], spin[i]]));
+    let fields: [fn(&Deviation) -> f64; 3] = [|d| d.motion, |d| d.velocity, |d| d.spin];
+    let summaries = fields.map(|of| summary(all, of));
+    let [mean, median] = [0, 1].map(|i| one(summaries.map(|of| of[i])));
     json!({ "impacts": all.len(), "mean": mean, "median": median, "each": each })
 }
 

@@ -1,7 +1,7 @@
 //! Andrews' squeezing mechanism: seven bodies in a plane, ten hinges, three loops, driven by a constant
 //! torque against a spring. Data and reference: W. Schiehlen, *Multibody Systems Handbook*, 1990; E. Hairer
-//! and G. Wanner, *Solving Ordinary Differential Equations II*, 1991, VII.7; the IVP test set has the angle of
-//! the crank after 0.03 s to 15 digits, which a Runge-Kutta method over the equations in seven angles
+//! and G. Wanner, *Solving Ordinary Differential Equations II*, 1991, VII.7. The IVP test set has the angle
+//! of the crank after 0.03 s to 15 digits, which a Runge-Kutta method over the equations in seven angles
 //! confirms.
 //!
 //! Here lengths are a hundred times and times 200 times as long, which changes no angle.
