@@ -1,7 +1,7 @@
 //! Files that the command reads within a limit, and those that it replaces: only what it may have written
 //! itself.
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow, bail, ensure};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -20,6 +20,18 @@ pub(crate) fn read(path: &Path, most: u64) -> anyhow::Result<Vec<u8>> {
 /// The same of text.
 pub(crate) fn read_text(path: &Path, most: u64) -> anyhow::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|_| anyhow!("it is not text in UTF-8"))
+}
+
+/// Reads the numbers of a CSV file with a line of headings, at least `columns` in each line.
+pub(crate) fn numbers(path: &Path, most: u64, columns: usize) -> anyhow::Result<Vec<Vec<f64>>> {
+    let bytes = read(path, most)?;
+    let line = |(line, row): (usize, csv::Result<csv::StringRecord>)| {
+        let numbers: Result<Vec<f64>, _> = row?.iter().map(|number| number.trim().parse()).collect();
+        let numbers = numbers.with_context(|| format!("line {}", line + 2))?;
+        ensure!(numbers.len() >= columns, "line {} has {} numbers, not {columns}", line + 2, numbers.len());
+        Ok(numbers)
+    };
+    csv::Reader::from_reader(&bytes[..]).records().enumerate().map(line).collect()
 }
 
 /// Mark of written pages and pictures of charts: a file with it may be replaced.

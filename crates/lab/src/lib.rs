@@ -29,6 +29,7 @@ pub mod cases;
 pub mod comparison;
 pub mod envelope;
 mod growth;
+pub mod impacts;
 mod map;
 mod meter;
 pub mod methods;

@@ -4,6 +4,7 @@
 use super::values::*;
 use backstop::{FrictionCone, FrictionModel};
 use backstop_lab::WorldMethod;
+use backstop_lab::impacts::{Body, Law};
 use backstop_lab::methods::{Friction, Method};
 use backstop_lab::simbench::Test;
 use backstop_lab::structures::Structure;
@@ -176,6 +177,44 @@ pub(crate) struct TossOptions {
     /// Solve each step by a method of the lab instead (docs/methods.md).
     #[arg(long, value_name = "NAME", value_parser = world_method)]
     pub(crate) solver: Option<WorldMethod>,
+    /// Print one JSON document instead of a table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ImpactOptions {
+    /// A CSV file with a line for each impact: rx_m, ry_m, vx_m_s, vy_m_s, w_rad_s, vx_after_m_s,
+    /// vy_after_m_s, w_after_rad_s.
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Steps a second.
+    #[arg(long, value_name = "N", default_value_t = 240.0, value_parser = hertz)]
+    pub(crate) hz: f32,
+    /// Substeps of a step.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub(crate) substeps: u32,
+    /// Iterations of a substep.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) iterations: u32,
+    /// Where friction acts: patch or point.
+    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = named::<FrictionModel>)]
+    pub(crate) friction_model: FrictionModel,
+    /// Radius of gyration of the body [m].
+    #[arg(long, value_name = "M", default_value_t = Body::default().gyration)]
+    pub(crate) gyration: f64,
+    /// Coefficient of friction of body and plate.
+    #[arg(long, value_name = "MU", default_value_t = Body::default().friction)]
+    pub(crate) friction: f64,
+    /// Restitution of body and plate.
+    #[arg(long, value_name = "E", default_value_t = Body::default().restitution)]
+    pub(crate) restitution: f64,
+    /// Solve each step by a method of the lab instead (docs/methods.md).
+    #[arg(long, value_name = "NAME", value_parser = world_method)]
+    pub(crate) solver: Option<WorldMethod>,
+    /// Compute each impact by a law instead of simulating it: newton, poisson or stronge.
+    #[arg(long, value_name = "NAME", value_parser = law, conflicts_with = "solver")]
+    pub(crate) law: Option<Law>,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,

@@ -63,7 +63,9 @@ pub(crate) enum Command {
     Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
-    /// Run four tests of SimBenchmark beside the numbers that it published for other engines
+    /// Compare measured impacts of a body on a plate with the same impacts simulated (docs/tosses.md).
+    Impacts(ImpactOptions),
+    /// Run seven tests of SimBenchmark beside the numbers that it published for other engines
     /// (docs/simbench.md).
     Simbench(SimbenchOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods

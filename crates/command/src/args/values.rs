@@ -2,6 +2,7 @@
 
 use backstop::glam::Vec3;
 use backstop_lab::WorldMethod;
+use backstop_lab::impacts::Law;
 use backstop_lab::methods::{Friction, Method};
 use backstop_lab::simbench::Test;
 use backstop_lab::structures::Structure;
@@ -77,6 +78,11 @@ pub(crate) fn any_method(text: &str) -> Result<AnyMethod, String> {
 pub(crate) fn simbench_test(text: &str) -> Result<Test, String> {
     let names = || Test::ALL.map(Test::name).join(", ");
     Test::named(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+pub(crate) fn law(text: &str) -> Result<Law, String> {
+    let names = || Law::ALL.map(Law::name).join(", ");
+    Law::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
 }
 
 pub(crate) fn world_method(text: &str) -> Result<WorldMethod, String> {

@@ -3,6 +3,7 @@
 mod cases;
 pub(crate) mod compare;
 mod extremes;
+mod impacts;
 mod methods;
 mod plan;
 mod profile;
@@ -36,6 +37,7 @@ pub(crate) fn execute(command: Command) -> anyhow::Result<ExitCode> {
         Command::Methods(options) => methods::methods(&options),
         Command::Cases(options) => cases::cases(&options),
         Command::Simbench(options) => simbench::simbench(&options),
+        Command::Impacts(options) => impacts::impacts(&options),
         Command::Tosses(options) => tosses::tosses(&options),
         Command::Trade(options) => trade::trade(&options),
         Command::Compare(options) => compare::print(&options),

@@ -93,25 +93,15 @@ fn files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 fn read(file: &Path) -> anyhow::Result<Vec<Sample>> {
-    let mut samples = Vec::new();
-    let bytes = files::read(file, LARGEST)?;
-    for (line, row) in csv::Reader::from_reader(&bytes[..]).records().enumerate() {
-        let row = row?;
-        let numbers: Vec<f64> = row
-            .iter()
-            .map(str::trim)
-            .map(str::parse)
-            .collect::<Result<_, _>>()
-            .with_context(|| format!("line {}", line + 2))?;
-        ensure!(numbers.len() >= COLUMNS, "line {} has {} numbers, not {COLUMNS}", line + 2, numbers.len());
+    let sample = |numbers: Vec<f64>| {
         let vec = |i: usize| DVec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
-        samples.push(Sample {
+        Sample {
             time: numbers[0],
             position: vec(1),
             rotation: DQuat::from_xyzw(numbers[5], numbers[6], numbers[7], numbers[4]),
             velocity: vec(8),
             body_spin: vec(11),
-        });
-    }
-    Ok(samples)
+        }
+    };
+    Ok(files::numbers(file, LARGEST, COLUMNS)?.into_iter().map(sample).collect())
 }

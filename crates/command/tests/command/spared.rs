@@ -129,6 +129,7 @@ fn files_without_an_end_are_refused() {
     refused(&["extremes", "--only", "ball/gravity", "--beside", zero], "more than 268435456 bytes");
     refused(&["trade", "--merge", zero, "--quiet"], "more than 268435456 bytes");
     refused(&["extremes", "--only", "ball/gravity", "--results", zero], "not a regular file");
+    refused(&["impacts", zero], "more than 67108864 bytes");
     let folder = scratch("tosses");
     std::fs::create_dir_all(&folder).expect("a folder");
     let link = folder.join("zero.csv");

@@ -21,6 +21,8 @@ mod bounces;
 mod case;
 mod discs;
 mod falling;
+mod impacts;
+mod linkages;
 mod pendulums;
 mod rig;
 mod rods;
@@ -43,8 +45,16 @@ impl Case {
             discs::CASES,
             bounces::CASES,
             rods::CASES,
+            impacts::eccentric::CASES,
+            impacts::rocking::CASES,
+            impacts::superball::CASES,
             balls::CASES,
             pendulums::CASES,
+            linkages::modes::CASES,
+            linkages::capstan::CASES,
+            linkages::squeezer::CASES,
+            linkages::four_bars::CASES,
+            linkages::bricard::CASES,
             falling::CASES,
             tops::CASES,
             structures::CASES,

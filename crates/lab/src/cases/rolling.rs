@@ -101,6 +101,32 @@ pub(super) const CASES: &[Case] = &[
         bar: 0.01,
         measure: |setting| valley(setting, smooth(0.0), 1.0),
     },
+    Case {
+        name: "cue-parabola",
+        about: "a ball with a spin about the direction of its path slips obliquely: how far aside it is \
+            halfway to rolling",
+        formula: "z = mu g t² / 2 u_z / |u|, u the slip at the start (Coriolis 1835)",
+        unit: "m",
+        bar: 0.02,
+        measure: |setting| cue(setting, false),
+    },
+    Case {
+        name: "cue-direction",
+        about: "the same: the angle of its path once it rolls",
+        formula: "v' = v - 2/7 u",
+        unit: "rad",
+        bar: 1e-3,
+        measure: |setting| cue(setting, true),
+    },
+    Case {
+        name: "cylinder-ball",
+        about: "a ball rolls round inside an upright cylinder of 360 flat sides: how often, while it goes down \
+            and up once",
+        formula: "sqrt(7/2) = 1.871 (Gualtieri and others 2006)",
+        unit: "",
+        bar: 0.02,
+        measure: upright_cylinder,
+    },
 ];
 
 const RADIUS: f64 = 0.5;
@@ -262,4 +288,67 @@ fn valley(setting: &Setting, material: Material, heavier: f64) -> Result<Outcome
         Ok(passages.times.len() == 3)
     })?;
     Ok(Outcome::of(TAU * (heavier * (LARGE - SMALL) / G).sqrt() * stretch(start), passages.period()))
+}
+
+/// The slip and its direction stay the same until the ball rolls: the path is a parabola.
+fn cue(setting: &Setting, direction: bool) -> Result<Outcome, Error> {
+    let (speed, spin) = (3.0, 8.0);
+    let slip = DVec3::new(speed, 0.0, -RADIUS * spin);
+    let mut rig = Rig::new(setting, DOWN)?;
+    rig.floor(surface(MU, 0.0))?;
+    let ball = dynamic(BALL, surface(MU, 0.0), Vec3::Y * RADIUS as f32);
+    let ball = rig.add(&ball.with_velocity(Vec3::X * speed as f32, Vec3::X * spin as f32))?;
+    let rolls = 2.0 * slip.length() / (7.0 * MU * G);
+    if direction {
+        rig.run_to(2.0 * rolls)?;
+        let (want, v) = (DVec3::X * speed - slip * (2.0 / 7.0), rig.velocity(ball)?);
+        return Ok(Outcome::of(libm::atan2(want.z, want.x), libm::atan2(v.z, v.x)));
+    }
+    rig.run_to(0.5 * rolls)?;
+    let want = -0.5 * MU * G * rig.time * rig.time * slip.z / slip.length();
+    Ok(Outcome::of(want, rig.place(ball)?.z))
+}
+
+/// With the spin about the radial direction, which grows with the height, friction is a spring: of the ball
+/// at distance a from the axis, `(m r² + I) z" = -I W² z - m g r²`, with I = 2/5 m r².
+fn upright_cylinder(setting: &Setting) -> Result<Outcome, Error> {
+    const SMALL: f64 = 0.2;
+    const RATE: f64 = 4.0;
+    const SIDES: u32 = 360;
+    let vertices = (0..=SIDES).flat_map(|i| {
+        let (sin, cos) = libm::sincos(f64::from(i) * TAU / f64::from(SIDES));
+        // The middles of the sides touch a circle of radius 1 m and the ball's own.
+        let radius = (1.0 + SMALL) / libm::cos(0.5 * TAU / f64::from(SIDES));
+        [-5.0, 2.0].map(|y| DVec3::new(radius * cos, y, -radius * sin).as_vec3())
+    });
+    // Seen from the axis.
+    let triangles =
+        (0..SIDES).flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 1], [2 * i + 2, 2 * i + 3, 2 * i + 1]]);
+    let mesh = TriangleMesh::new(vertices.collect::<Vec<_>>(), triangles.collect::<Vec<_>>())?;
+    let mut rig = Rig::new(setting, DOWN)?;
+    let material = surface(2.0, 0.0);
+    rig.add(&BodyDesc::fixed().with_shape(shape(Geometry::Mesh(Arc::new(mesh)), material)))?;
+    let middle = 0.5 * TAU / f64::from(SIDES);
+    let (sin, cos) = libm::sincos(middle);
+    let ball = dynamic(Geometry::Sphere { radius: SMALL as f32 }, material, Vec3::ZERO);
+    let ball = ball.with_position(DVec3::new(cos, 0.0, -sin));
+    let velocity = DVec3::new(-sin, 0.0, -cos) * RATE;
+    let ball = rig.add(&ball.with_velocity(velocity.as_vec3(), Vec3::NEG_Y * (RATE / SMALL) as f32))?;
+    // The rate at which it goes round falls on flat sides; the ratio does not depend on it.
+    let mut turns = Turns::default();
+    // Height and angle where it was lowest, and then highest.
+    let (mut low, mut high) = ((0.0, 0.0), (f64::NEG_INFINITY, 0.0));
+    let turned = rig.until(10.0, |rig| {
+        let place = rig.place(ball)?;
+        turns.see(libm::atan2(-place.z, place.x));
+        let now = (place.y, turns.gone);
+        if now.0 < low.0 {
+            (low, high) = (now, (f64::NEG_INFINITY, 0.0));
+        } else if now.0 > high.0 {
+            high = now;
+        }
+        Ok(high.0 > low.0 + 0.5 && now.0 < high.0 - 0.1)
+    })?;
+    let measured = if turned { high.1 / TAU } else { f64::NAN };
+    Ok(Outcome::of(3.5f64.sqrt(), measured))
 }

@@ -83,7 +83,15 @@ pub(super) const CASES: &[Case] = &[
         formula: "0: none may be gained; 1 + 3 cos² th - 3 mu sin th cos th < 0",
         unit: "of E",
         bar: 1e-3,
-        measure: painleve,
+        measure: |setting| painleve(setting, false),
+    },
+    Case {
+        name: "painleve-jam",
+        about: "the same: its spin after a sixtieth of a second",
+        formula: "w = m v y / (I + m r²), y the height of the centre: an impulse stops the end at once",
+        unit: "rad/s",
+        bar: 0.05,
+        measure: |setting| painleve(setting, true),
     },
 ];
 
@@ -168,8 +176,9 @@ fn incline_tips(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, found))
 }
 
-/// The greatest energy during the motion, relative to that at the start.
-fn painleve(setting: &Setting) -> Result<Outcome, Error> {
+/// The greatest energy during the motion, relative to that at the start; or the spin soon after the start:
+/// about the end, which stops, angular momentum is kept.
+fn painleve(setting: &Setting, jam: bool) -> Result<Outcome, Error> {
     const LENGTH: f64 = 1.0;
     const END: f32 = 0.01;
     let mut rig = Rig::new(setting, DOWN)?;
@@ -185,9 +194,14 @@ fn painleve(setting: &Setting) -> Result<Outcome, Error> {
     let height = f64::from(END) + 0.5 * LENGTH * libm::cos(30f64.to_radians());
     let mut body = rod(LENGTH);
     body.shapes = ends.to_vec();
-    rig.add(
-        &body.with_position(DVec3::Y * height).with_rotation(lean).with_velocity(Vec3::X * 5.0, Vec3::ZERO),
-    )?;
+    let body = body.with_position(DVec3::Y * height).with_rotation(lean);
+    let body = rig.add(&body.with_velocity(Vec3::X * 5.0, Vec3::ZERO))?;
+    if jam {
+        let arm = DVec3::new(-0.5 * LENGTH * libm::sin(30f64.to_radians()), height, 0.0);
+        rig.run_to(1.0 / 60.0)?;
+        let want = -5.0 * height / (LENGTH * LENGTH / 12.0 + arm.length_squared());
+        return Ok(Outcome::of(want, rig.spin(body)?.z));
+    }
     let before = rig.world.energy();
     let mut most = before;
     rig.until(2.0, |rig| {

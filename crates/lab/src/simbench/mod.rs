@@ -1,4 +1,4 @@
-//! Four tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
+//! Seven tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
 //! the description: the same scenes, the same metrics, and the numbers that were published for other engines
 //! ([`Test::published`]). `docs/simbench.md` has the source of each number and the results.
 //!
@@ -18,6 +18,7 @@
 
 mod bouncing;
 mod published;
+mod robot;
 mod rolling;
 mod run;
 mod spheres;
@@ -48,6 +49,9 @@ impl Test {
             Test::Rolling => rolling::run(setting, seconds),
             Test::Bouncing => bouncing::run(setting, seconds),
             Test::Spheres => spheres::run(setting, seconds),
+            Test::Elastic => spheres::run_elastic(setting, seconds),
+            Test::Momentum => robot::momentum(setting, seconds),
+            Test::Energy => robot::energy(setting, seconds),
             Test::Tower => tower::run(setting, seconds),
         }
     }

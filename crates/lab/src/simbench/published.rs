@@ -28,6 +28,9 @@ pub(super) fn of(test: Test) -> &'static [Published] {
         Test::Rolling => ROLLING,
         Test::Bouncing => BOUNCING,
         Test::Spheres => SPHERES,
+        Test::Elastic => ELASTIC,
+        Test::Momentum => MOMENTUM,
+        Test::Energy => ENERGY,
         Test::Tower => TOWER,
     }
 }
@@ -125,6 +128,85 @@ const SPHERES: &[Published] = &[
     row("DART", "Dantzig", false, 0.01, None, 214.842, 3.06581),
     row("DART", "Dantzig", false, 0.04, None, 1366.83, 1.24581),
     row("DART", "Dantzig", false, 0.1, None, 6.83924, 2.75566),
+];
+
+/// `data/666-elastic/sample.csv`, without error reduction.
+#[rustfmt::skip]
+const ELASTIC: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.0001, None, 0.00110304, 6.11585),
+    row("RaiSim", "bisection", false, 0.0004, None, 0.248699, 1.64278),
+    row("RaiSim", "bisection", false, 0.001, None, 8.36835, 0.655143),
+    row("RaiSim", "bisection", false, 0.004, None, 264.072, 0.180666),
+    row("RaiSim", "bisection", false, 0.01, None, 5184170.0, 0.0702891),
+    row("RaiSim", "bisection", false, 0.04, None, 2731520000.0, 0.021476),
+    row("RaiSim", "bisection", false, 0.1, None, 119339000.0, 0.0127361),
+    row("Bullet", "sequential impulse", false, 0.0001, None, 167.526, 21.5038),
+    row("Bullet", "sequential impulse", false, 0.0004, None, 3563.92, 5.93753),
+    row("Bullet", "sequential impulse", false, 0.001, None, 41498.1, 2.31772),
+    row("Bullet", "sequential impulse", false, 0.004, None, 840066.0, 0.65147),
+    row("Bullet", "sequential impulse", false, 0.01, None, 9863960.0, 0.31976),
+    row("Bullet", "sequential impulse", false, 0.05, None, 105315000.0, 0.149203),
+    row("Bullet", "sequential impulse", false, 0.1, None, 1720190000.0, 0.150474),
+    row("ODE", "PGS", false, 0.0001, None, 1.09578, 55.5611),
+    row("ODE", "PGS", false, 0.0004, None, 17.5054, 13.8713),
+    row("ODE", "PGS", false, 0.001, None, 112.318, 5.64728),
+    row("ODE", "PGS", false, 0.004, None, 1648.4, 1.43055),
+    row("ODE", "PGS", false, 0.01, None, 8559990.0, 0.601697),
+    row("ODE", "PGS", false, 0.05, None, 1378830.0, 0.130007),
+    row("ODE", "PGS", false, 0.1, None, 18843500.0, 0.065268),
+    row("DART", "Dantzig", false, 0.0001, None, 2438.45, 141.159),
+    row("DART", "Dantzig", false, 0.0004, None, 52414.7, 20.386),
+    row("DART", "Dantzig", false, 0.001, None, 346909.0, 8.05873),
+    row("DART", "Dantzig", false, 0.004, None, 6622240.0, 1.9544),
+    row("DART", "Dantzig", false, 0.01, None, 12870600000.0, 0.842985),
+    row("DART", "Dantzig", false, 0.04, None, 5964670000.0, 0.251876),
+    row("DART", "Dantzig", false, 0.1, None, 1207130000000.0, 0.12266),
+];
+
+/// `data/anymal-momentum/sample.csv`, from steps of a millisecond on.
+#[rustfmt::skip]
+const MOMENTUM: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.001, None, 4.67537e-05, 0.058022),
+    row("RaiSim", "bisection", false, 0.004, None, 0.00091496, 0.016257),
+    row("RaiSim", "bisection", false, 0.01, None, 0.00538685, 0.00609994),
+    row("Bullet", "sequential impulse", false, 0.001, None, 0.000265836, 0.43904),
+    row("Bullet", "sequential impulse", false, 0.004, None, 0.00426832, 0.0868042),
+    row("Bullet", "sequential impulse", false, 0.01, None, 0.022708, 0.035419),
+    row("ODE", "PGS", false, 0.001, None, 1.33335e-27, 1.77907),
+    row("ODE", "PGS", false, 0.004, None, 5.44184e-28, 0.449475),
+    row("ODE", "PGS", false, 0.01, None, 4.03941e-28, 0.179843),
+    row("MuJoCo", "Newton", false, 0.001, None, 0.0011404, 0.379829),
+    row("MuJoCo", "Newton", false, 0.004, None, 0.0133445, 0.094028),
+    row("MuJoCo", "Newton", false, 0.01, None, 0.0156349, 0.038142),
+    row("MuJoCo", "Newton, RK4", false, 0.001, None, 4.66112e-13, 0.790538),
+    row("MuJoCo", "Newton, RK4", false, 0.004, None, 3.51561e-07, 0.199953),
+    row("MuJoCo", "Newton, RK4", false, 0.01, None, 2.39848e-05, 0.0783849),
+    row("DART", "Dantzig", false, 0.001, None, 168.986, 0.526448),
+    row("DART", "Dantzig", false, 0.004, None, 150.287, 0.135765),
+    row("DART", "Dantzig", false, 0.01, None, 104.792, 0.0524459),
+];
+
+/// `data/anymal-energy/sample.csv`, from steps of a millisecond on.
+#[rustfmt::skip]
+const ENERGY: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.001, None, 0.0118404, 0.0149939),
+    row("RaiSim", "bisection", false, 0.004, None, 0.214716, 0.00422597),
+    row("RaiSim", "bisection", false, 0.01, None, 1.39767, 0.00145698),
+    row("Bullet", "sequential impulse", false, 0.001, None, 3.65233, 0.082814),
+    row("Bullet", "sequential impulse", false, 0.004, None, 55.6567, 0.0273678),
+    row("Bullet", "sequential impulse", false, 0.01, None, 342.786, 0.010957),
+    row("ODE", "PGS", false, 0.001, None, 3.92255, 0.481013),
+    row("ODE", "PGS", false, 0.004, None, 61.9581, 0.126718),
+    row("ODE", "PGS", false, 0.01, None, 379.89, 0.0516329),
+    row("MuJoCo", "Newton", false, 0.001, None, 3.48198, 0.063359),
+    row("MuJoCo", "Newton", false, 0.004, None, 55.5411, 0.0151579),
+    row("MuJoCo", "Newton", false, 0.01, None, 343.91, 0.006392),
+    row("MuJoCo", "Newton, RK4", false, 0.001, None, 1.6273e-17, 0.139079),
+    row("MuJoCo", "Newton, RK4", false, 0.004, None, 4.50248e-14, 0.0343139),
+    row("MuJoCo", "Newton, RK4", false, 0.01, None, 5.56596e-11, 0.0135331),
+    row("DART", "Dantzig", false, 0.001, None, 236.756, 0.0965772),
+    row("DART", "Dantzig", false, 0.004, None, 392.803, 0.0225611),
+    row("DART", "Dantzig", false, 0.01, None, 918.391, 0.0119619),
 ];
 
 /// `data/kapla/sample.csv`, steps of 0.01 s; 600 s is the end of the test. MuJoCo is listed with the

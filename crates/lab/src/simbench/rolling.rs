@@ -75,13 +75,6 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
         world.add_force(pushed, DIRECTION * FORCE)?;
         for (body, a) in [(pushed, a), (rolls, a_ball)] {
             let should = DIRECTION.as_dvec3() * (a * dt * f64::from(step));
-            if step % 400 == 1 && std::env::var_os("SHOW").is_some() {
-                eprintln!(
-                    "{step} {:.6} {:.6}",
-                    world.linear_velocity(body)?.as_dvec3().dot(DIRECTION.as_dvec3()) / should.length() - 1.0,
-                    world.position(body)?.y
-                );
-            }
             errors += (world.linear_velocity(body)?.as_dvec3() - should).length_squared();
             expected += should.length_squared();
         }

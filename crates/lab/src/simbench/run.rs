@@ -103,6 +103,18 @@ impl Run {
         Ok(())
     }
 
+    /// Steps a world whose energy should stay the same: the metric is its mean squared error.
+    pub(super) fn energy(mut self, setting: &Setting) -> Result<Outcome, Error> {
+        let (start, steps) = (self.world.energy(), f64::from(self.steps.max(1)));
+        let mut errors = 0.0;
+        self.go(setting, |world, _| {
+            errors += (world.energy() - start).powi(2);
+            Ok(ControlFlow::Continue(()))
+        })?;
+        let mean = errors / steps;
+        Ok(self.outcome(mean, mean.sqrt() / start, false))
+    }
+
     pub(super) fn outcome(mut self, metric: f64, relative: f64, fell: bool) -> Outcome {
         let steps = self.times.len();
         self.times.sort_by(f64::total_cmp);

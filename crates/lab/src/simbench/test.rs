@@ -12,13 +12,29 @@ pub enum Test {
     Bouncing,
     /// 216 balls in a cube collapse; the metric is the sum of squared penetrations [m²].
     Spheres,
+    /// The same 216 balls fall by 1 m with restitution 1; the metric is the squared error of their energy
+    /// [J²].
+    Elastic,
+    /// A ball flies into a robot without gravity; the metric is the squared error of their momentum [kg²
+    /// m²/s²].
+    Momentum,
+    /// A robot is thrown up; the metric is the squared error of its energy [J²].
+    Energy,
     /// A tower of 102 bricks; the metric is how long it stands [s].
     Tower,
 }
 
 impl Test {
     /// All of them.
-    pub const ALL: [Test; 4] = [Test::Rolling, Test::Bouncing, Test::Spheres, Test::Tower];
+    pub const ALL: [Test; 7] = [
+        Test::Rolling,
+        Test::Bouncing,
+        Test::Spheres,
+        Test::Elastic,
+        Test::Momentum,
+        Test::Energy,
+        Test::Tower,
+    ];
 
     /// SimBenchmark's name.
     pub fn name(self) -> &'static str {
@@ -26,6 +42,9 @@ impl Test {
             Test::Rolling => "rolling",
             Test::Bouncing => "bouncing",
             Test::Spheres => "666",
+            Test::Elastic => "666-elastic",
+            Test::Momentum => "momentum",
+            Test::Energy => "energy",
             Test::Tower => "kapla",
         }
     }
@@ -39,7 +58,8 @@ impl Test {
     pub fn unit(self) -> &'static str {
         match self {
             Test::Rolling => "m2/s2",
-            Test::Bouncing => "J2",
+            Test::Bouncing | Test::Elastic | Test::Energy => "J2",
+            Test::Momentum => "kg2m2/s2",
             Test::Spheres => "m2",
             Test::Tower => "s",
         }
@@ -55,7 +75,8 @@ impl Test {
         match self {
             Test::Rolling => 4.0,
             Test::Bouncing => 20.0,
-            Test::Spheres => 10.0,
+            Test::Spheres | Test::Elastic | Test::Momentum => 10.0,
+            Test::Energy => 3.0,
             Test::Tower => 600.0,
         }
     }
@@ -72,6 +93,8 @@ impl Test {
                 all
             }
             Test::Bouncing => steps(&[0.0001, 0.001, 0.004, 0.01, 1.0 / 60.0, 0.04, 0.1]),
+            Test::Momentum | Test::Energy => steps(&[0.001, 0.004, 0.01, 1.0 / 60.0]),
+            Test::Elastic => steps(&[0.0004, 0.001, 0.004, 0.01, 1.0 / 60.0, 0.05]),
             Test::Spheres => steps(&[0.001, 0.004, 0.01, 1.0 / 60.0, 0.04]),
             Test::Tower => efforts(&[(1, 1), (1, 10), (1, 40), (1, 100), (4, 1), (8, 1)]),
         }

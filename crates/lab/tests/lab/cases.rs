@@ -10,6 +10,15 @@ const SHORT: &[(&str, f64)] = &[
     ("oblique-grip", 1.5e-4),
     ("pendulum-179", 1.2e-3),
     ("arch", 0.375),
+    ("slide-spin", 1.001),
+    ("upright-hoop", 0.255),
+    ("upright-disc", 0.335),
+    ("rod-slip-plastic", 0.033),
+    ("rod-stick", 0.125),
+    ("rod-reversal", 0.251),
+    ("rocking-loss", 0.08),
+    ("superball-table", 1.14),
+    ("four-bars-energy", 0.19),
 ];
 
 fn check(name: &str) {
@@ -43,6 +52,7 @@ cases! {
     incline_slides "incline-slides"
     incline_tips "incline-tips"
     painleve_rod "painleve-rod"
+    painleve_jam "painleve-jam"
     boxcar "boxcar"
     cards "cards"
     ladder "ladder"
@@ -58,8 +68,14 @@ cases! {
     turntable "turntable"
     bowl_rolling "bowl-rolling"
     bowl_smooth "bowl-smooth"
+    cue_parabola "cue-parabola"
+    cue_direction "cue-direction"
+    cylinder_ball "cylinder-ball"
     spinning_disc "spinning-disc"
     euler_disc "euler-disc"
+    slide_spin "slide-spin"
+    upright_hoop "upright-hoop"
+    upright_disc "upright-disc"
     bounce_height "bounce-height"
     bounce_time "bounce-time"
     bounce_rest "bounce-rest"
@@ -71,6 +87,13 @@ cases! {
     rod_end_70 "rod-end-70"
     rod_end_spin "rod-end-spin"
     percussion "percussion"
+    rod_slip "rod-slip"
+    rod_slip_plastic "rod-slip-plastic"
+    rod_stick "rod-stick"
+    rod_reversal "rod-reversal"
+    rocking_time "rocking-time"
+    rocking_loss "rocking-loss"
+    superball_table "superball-table"
     cradle_2 "cradle-2"
     cradle_3 "cradle-3"
     cradle_4 "cradle-4"
@@ -88,6 +111,14 @@ cases! {
     pendulum_170 "pendulum-170"
     pendulum_179 "pendulum-179"
     pendulum_energy "pendulum-energy"
+    double_pendulum_slow "double-pendulum-slow"
+    double_pendulum_fast "double-pendulum-fast"
+    capstan "capstan"
+    squeezer "squeezer"
+    four_bars_fall "four-bars-fall"
+    four_bars_energy "four-bars-energy"
+    bricard_fall "bricard-fall"
+    bricard_energy "bricard-energy"
     free_fall "free-fall"
     falling_rod "falling-rod"
     falling_rod_straight "falling-rod-straight"

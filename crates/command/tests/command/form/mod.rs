@@ -4,6 +4,7 @@
 
 mod documented;
 mod files;
+mod impacts;
 mod measures;
 mod problems;
 mod runs;
