@@ -12,6 +12,7 @@ mod sequential;
 mod step;
 #[cfg(test)]
 mod tests;
+mod today;
 
 pub use guendelman::guendelman;
 pub use impulse_based::impulse_based;
@@ -19,6 +20,7 @@ pub(super) use memory::Memory;
 pub use penalty::{penalty, penalty_implicit};
 pub use sequential::sequential;
 pub use step::{Resolution, Resolve, Step};
+pub use today::{mass_splitting, mujoco, sap, temporal_gauss_seidel};
 
 /// A method as the command line names it.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +70,33 @@ impl Stepper {
             about: "the same springs at the end of the step, which no stiffness makes unstable",
             pushes: true,
             resolve: penalty_implicit,
+        },
+        Stepper {
+            name: "mass-splitting",
+            about: "blocks of contacts at once, each with its share of the mass of its bodies (Tonge, \
+                Benevolenski and Voroshilov 2012)",
+            pushes: false,
+            resolve: mass_splitting,
+        },
+        Stepper {
+            name: "sap",
+            about: "the convex problem of compliant contacts and joints, by Newton's method, as in Drake \
+                (Castro, Permenter and Han 2022)",
+            pushes: true,
+            resolve: sap,
+        },
+        Stepper {
+            name: "mujoco",
+            about: "the convex problem of constraints that strive for the acceleration of a damped spring \
+                (Todorov 2014)",
+            pushes: true,
+            resolve: mujoco,
+        },
+        Stepper {
+            name: "tgs",
+            about: "temporal Gauss-Seidel, 16 substeps of one sweep as in PhysX (Macklin et al. 2019)",
+            pushes: true,
+            resolve: temporal_gauss_seidel,
         },
     ];
 
