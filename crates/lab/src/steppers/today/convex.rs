@@ -219,7 +219,7 @@ pub(super) fn project(y: [f64; 3], mu: f64, ratio: f64) -> ([f64; 3], [[f64; 3];
 
 /// The square root of a body's inverse mass by axis, and a factor of its inverse inertia: `L Lᵀ`. An axis
 /// that is locked has none.
-fn root(system: &System, body: usize) -> (DVec3, DMat3) {
+pub(super) fn root(system: &System, body: usize) -> (DVec3, DMat3) {
     let body = &system.bodies[body];
     let mass = body.inverse_mass;
     let linear = DVec3::new(mass.x.sqrt(), mass.y.sqrt(), mass.z.sqrt());

@@ -1,5 +1,6 @@
 //! Methods of today's engines, a file each.
 
+mod avbd;
 mod convex;
 mod mass_splitting;
 mod mujoco;
@@ -10,8 +11,11 @@ mod sap;
 #[cfg(test)]
 mod tests;
 mod tgs;
+mod xpbd;
 
+pub use avbd::avbd;
 pub use mass_splitting::mass_splitting;
 pub use mujoco::mujoco;
 pub use sap::sap;
 pub use tgs::temporal_gauss_seidel;
+pub use xpbd::xpbd;

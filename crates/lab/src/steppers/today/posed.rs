@@ -1,8 +1,9 @@
 //! Bodies on their way through a step, and how far each row has come: for methods with substeps and for those
 //! that solve for positions.
 //!
-//! A system has the directions of the start of the step. Here arms turn with their bodies, and directions of
-//! joints with the first of them, so that a swinging body is held at its length. Normals of contacts stay.
+//! A system has the directions of the start of the step. Here the arms of locks turn with their bodies, and
+//! directions of joints with the first of them, so that a swinging body is held at its length. Contacts stay as
+//! they are, to first order: a point of a ball that rolls does not roll with it.
 
 use crate::problem::Law;
 use crate::system::{Owner, SIDES, System, SystemRow, Velocity};
@@ -11,9 +12,7 @@ use glam::{DQuat, DVec3};
 /// What a row measures.
 #[derive(Clone, Copy, Debug)]
 enum Measure {
-    /// The displacement of two points along a direction that stays; their arms.
-    Point([DVec3; 2]),
-    /// The same along a direction that turns with the first body.
+    /// The displacement of two points along a direction that turns with the first body; their arms.
     Joint([DVec3; 2]),
     /// A rotation about an axis that turns with the first body.
     Angle,
@@ -21,39 +20,60 @@ enum Measure {
     Linear,
 }
 
+/// Displacement of a centre of mass [m], and rotation, since the start of the step.
+pub(super) type Place = (DVec3, DQuat);
+
 /// Displacements of bodies since the start of the step.
 #[derive(Clone, Debug)]
 pub(super) struct Posed<'a> {
     pub(super) system: &'a System,
     measures: Vec<Measure>,
-    /// Of centres of mass [m].
-    way: Vec<DVec3>,
-    turn: Vec<DQuat>,
+    places: Vec<Place>,
 }
 
 impl<'a> Posed<'a> {
     pub(super) fn new(system: &'a System) -> Posed<'a> {
-        let count = system.bodies.len();
-        let (way, turn) = (vec![DVec3::ZERO; count], vec![DQuat::IDENTITY; count]);
-        Posed { system, measures: measures(system), way, turn }
+        let places = vec![(DVec3::ZERO, DQuat::IDENTITY); system.bodies.len()];
+        Posed { system, measures: measures(system), places }
     }
 
     /// Displacement [m] and rotation vector [rad].
     pub(super) fn moved(&self, body: usize) -> Velocity {
-        [self.way[body], rotation(self.turn[body])]
+        self.since(&(DVec3::ZERO, DQuat::IDENTITY), body)
+    }
+
+    /// The same since the body was at a place.
+    pub(super) fn since(&self, before: &Place, body: usize) -> Velocity {
+        let now = &self.places[body];
+        [now.0 - before.0, rotation(now.1 * before.1.conjugate())]
+    }
+
+    /// Where bodies are.
+    pub(super) fn places(&self) -> &[Place] {
+        &self.places
     }
 
     /// Moves a body on.
     pub(super) fn displace(&mut self, body: usize, [way, turn]: Velocity) {
-        self.way[body] += way;
-        self.turn[body] = (DQuat::from_scaled_axis(turn) * self.turn[body]).normalize();
+        let place = &mut self.places[body];
+        place.0 += way;
+        place.1 = (DQuat::from_scaled_axis(turn) * place.1).normalize();
+    }
+
+    /// Displaces the bodies of a row with its present directions by an impulse times a time.
+    pub(super) fn push(&mut self, now: &SystemRow, r: f64) {
+        for side in 0..SIDES {
+            let Some(i) = now.bodies[side].filter(|&i| self.system.bodies[i].dynamic) else { continue };
+            let body = &self.system.bodies[i];
+            let by = [body.inverse_mass * now.linear[side], body.inverse_inertia * now.angular[side]];
+            self.displace(i, by.map(|by| by * r));
+        }
     }
 
     /// By how much a row's displacement has grown since the start of the step [m] or [rad].
     pub(super) fn along(&self, row: usize) -> f64 {
         let start = &self.system.rows[row];
         match self.measures[row] {
-            Measure::Point(arms) => start.linear[1].dot(self.apart(start, arms)),
             Measure::Joint(arms) => (self.first(start) * start.linear[1]).dot(self.apart(start, arms)),
             Measure::Angle => {
                 let turned = self.first(start).conjugate() * self.turn_of(start.bodies[1]);
@@ -76,12 +96,6 @@ impl<'a> Posed<'a> {
         let start = &self.system.rows[row];
         let mut now = *start;
         match self.measures[row] {
-            Measure::Point(arms) => {
-                for (side, arm) in arms.into_iter().enumerate() {
-                    let arm = self.turn_of(start.bodies[side]) * arm;
-                    now.angular[side] = arm.cross(start.linear[side]);
-                }
-            }
             Measure::Joint(arms) => {
                 let d = self.first(start) * start.linear[1];
                 let turned = [0, 1].map(|side| self.turn_of(start.bodies[side]) * arms[side]);
@@ -98,8 +112,16 @@ impl<'a> Posed<'a> {
         now
     }
 
+    /// The arm of a row that turns with its bodies on a side [m].
+    pub(super) fn arm(&self, row: usize, side: usize) -> f64 {
+        match self.measures[row] {
+            Measure::Joint(arms) => arms.get(side).map_or(0.0, |arm| arm.length()),
+            Measure::Angle | Measure::Linear => 0.0,
+        }
+    }
+
     fn turn_of(&self, body: Option<usize>) -> DQuat {
-        body.map_or(DQuat::IDENTITY, |body| self.turn[body])
+        body.map_or(DQuat::IDENTITY, |body| self.places[body].1)
     }
 
     fn first(&self, row: &SystemRow) -> DQuat {
@@ -109,8 +131,9 @@ impl<'a> Posed<'a> {
     /// How far the second point of a row has moved from the first one since the start of the step.
     fn apart(&self, row: &SystemRow, arms: [DVec3; 2]) -> DVec3 {
         let moved = |side: usize| {
-            row.bodies[side]
-                .map_or(DVec3::ZERO, |body| self.way[body] + self.turn[body] * arms[side] - arms[side])
+            row.bodies[side].map_or(DVec3::ZERO, |body| {
+                self.places[body].0 + self.places[body].1 * arms[side] - arms[side]
+            })
         };
         moved(1) - moved(0)
     }
@@ -142,15 +165,11 @@ fn measures(system: &System) -> Vec<Measure> {
             continue;
         }
         match (law.law, law.owner) {
-            (Law::Contact { .. }, _) => {
-                let arms = arms(row, Some(&system.rows[first + 1]));
-                measures[first..first + 3].fill(Measure::Point(arms));
-            }
             (Law::Bounds { .. }, Owner::Joint(_)) if row.linear[1] == DVec3::ZERO => {
                 measures[first] = Measure::Angle;
             }
             (Law::Bounds { .. }, Owner::Joint(_)) if is_lock(i - 1) && is_lock(i) => {
-                let arms = arms(row, Some(&system.rows[first + 1]));
+                let arms = arms(row, &system.rows[first + 1]);
                 measures[first..first + 2].fill(Measure::Joint(arms));
                 i += 1;
                 if is_lock(i) {
@@ -158,7 +177,6 @@ fn measures(system: &System) -> Vec<Measure> {
                     i += 1;
                 }
             }
-            (Law::Bounds { .. }, Owner::Joint(_)) => measures[first] = Measure::Point(arms(row, None)),
             _ => {}
         }
     }
@@ -166,11 +184,11 @@ fn measures(system: &System) -> Vec<Measure> {
 }
 
 /// The arms of a row, of which another one with a direction across knows the part along its own.
-fn arms(row: &SystemRow, other: Option<&SystemRow>) -> [DVec3; 2] {
+fn arms(row: &SystemRow, other: &SystemRow) -> [DVec3; 2] {
     // J of an angular velocity is the arm times the direction; this is the arm's part across it.
     let across = |row: &SystemRow, side: usize| row.linear[side].cross(row.angular[side]);
     [0, 1].map(|side| {
         let direction = row.linear[side];
-        across(row, side) + direction * other.map_or(0.0, |other| across(other, side).dot(direction))
+        across(row, side) + direction * across(other, side).dot(direction)
     })
 }

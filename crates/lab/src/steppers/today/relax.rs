@@ -6,7 +6,9 @@ use crate::system::SystemLaw;
 
 /// Laws with the mobilities of their rows.
 pub(super) struct Relaxed {
-    laws: Vec<(SystemLaw, [f64; 2])>,
+    /// Whether it is the turn of a contact's friction: after all normals, as points that share a body would
+    /// else slip aside by their order.
+    laws: Vec<(SystemLaw, [f64; 2], bool)>,
 }
 
 impl Relaxed {
@@ -25,9 +27,13 @@ impl Relaxed {
                 Law::Contact { .. } => [of(law.first), both(law.first + 1)],
                 Law::Patch { .. } => [both(law.first), of(law.first + 2)],
             };
-            (law, scales)
+            (law, scales, false)
         };
-        Relaxed { laws: laws.map(scales).collect() }
+        let mut laws: Vec<_> = laws.map(scales).collect();
+        let contacts = laws.iter().filter(|(law, ..)| matches!(law.law, Law::Contact { .. }));
+        let friction: Vec<_> = contacts.map(|&(law, scales, _)| (law, scales, true)).collect();
+        laws.extend(friction);
+        Relaxed { laws }
     }
 
     /// All laws in their order. `offsets` are added to the velocities of rows; `r` are the impulses so far,
@@ -35,7 +41,7 @@ impl Relaxed {
     /// impulse.
     pub(super) fn sweep(&self, moving: &mut Moving<'_>, offsets: &[f64], r: &mut [f64]) -> f64 {
         let mut most = 0.0_f64;
-        for (law, scales) in &self.laws {
+        for (law, scales, friction) in &self.laws {
             let step = scales.map(|scale| if scale > 0.0 { 1.0 / scale } else { 0.0 });
             let asked = |row: usize, step: f64, moving: &Moving<'_>, r: &[f64]| {
                 let yields = moving.system.rows[row].compliance * r[row];
@@ -52,12 +58,14 @@ impl Relaxed {
                     let to = nearest_within(asked(first, step[0], moving, r), min, max);
                     give(first, scales[0], to, moving, r);
                 }
-                Law::Contact { mu } => {
-                    let to = asked(first, step[0], moving, r).max(0.0);
-                    give(first, scales[0], to, moving, r);
+                Law::Contact { mu } if *friction => {
                     let own = [1, 2].map(|k| asked(first + k, step[1], moving, r));
                     let own = project_disc(own, mu * r[first]);
                     (0..2).for_each(|k| give(first + 1 + k, scales[1], own[k], moving, r));
+                }
+                Law::Contact { .. } => {
+                    let to = asked(first, step[0], moving, r).max(0.0);
+                    give(first, scales[0], to, moving, r);
                 }
                 Law::Patch { mu, arm, first: normals, count } => {
                     let load = mu * r[normals..normals + count].iter().map(|r| r.max(0.0)).sum::<f64>();

@@ -9,7 +9,11 @@ use crate::steppers::step::{Resolution, Resolve, Step};
 use crate::steppers::today::convex::{Convex, Soft};
 use crate::steppers::today::points::Points;
 use crate::system::{Stabilisation, System, SystemProblems, with_impacts};
-use backstop::{BodyDesc, Frame, Geometry, JointDesc, Material, Settings, ShapeDesc, World};
+use crate::{WorldMethod, WorldSolver};
+use backstop::{
+    Axis, BodyDesc, BodyHandle, Frame, Geometry, JointDesc, Material, Motion, Motor, Settings, ShapeDesc,
+    Spring, World,
+};
 use glam::{Quat, Vec3};
 use nalgebra::DVector;
 
@@ -216,5 +220,105 @@ fn substeps_are_small_steps_where_all_is_linear() {
         for (body, velocity) in small.bodies.iter().zip(&whole.velocity) {
             assert!((body.start[0] - velocity[0]).length() < 1e-10, "{seed}: {body:?} and {velocity:?}");
         }
+    }
+}
+
+const NAMES: [&str; 6] = ["mass-splitting", "tgs", "mujoco", "sap", "xpbd", "avbd"];
+
+/// An empty world that a method solves, whatever its residual.
+fn solved_by(name: &str) -> World {
+    let mut world = World::new(Settings::default()).unwrap();
+    world.solve_with(Some(WorldSolver::new(WorldMethod::by_name(name).unwrap())));
+    world
+}
+
+/// Steps for some seconds; nothing is left to the fast path.
+fn run(world: &mut World, seconds: f32) {
+    for _ in 0..(60.0 * seconds) as u32 {
+        world.step(1.0 / 60.0).unwrap();
+        let report = world.solver_report().unwrap();
+        assert_eq!((report.refused, report.too_large), (0, 0));
+    }
+}
+
+/// A mass on a spring with stiffness k hangs `m g / k` below its rest, and a stiff one as much.
+#[test]
+fn a_mass_on_a_spring_hangs_as_low_as_its_weight_says() {
+    let mut random = Random(3);
+    for name in NAMES {
+        for _ in 0..3 {
+            let mut world = solved_by(name);
+            let mass = f64::from(random.range(1.0, 50.0));
+            // One metre to a tenth of a millimetre.
+            let stiffness = mass * 9.81 * 10.0_f64.powf(random.range64(0.0, 4.0));
+            let damping = 2.0 * (mass * stiffness).sqrt();
+            let wall = world.add_body(&BodyDesc::fixed()).unwrap();
+            let cube = Geometry::cuboid(0.5, 0.5, 0.5);
+            let desc = BodyDesc::dynamic().with_shape(ShapeDesc::new(cube).with_density(mass as f32));
+            let body = world.add_body(&desc).unwrap();
+            let spring = Spring::Coefficients { stiffness: stiffness as f32, damping: damping as f32 };
+            let up = Frame {
+                rotation: Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+                ..Frame::at(Vec3::ZERO)
+            };
+            let slider = JointDesc::slider([wall, body], [up, up]);
+            let motor = Motor::position(Motion::Linear, Axis::X, 0.0, spring);
+            world.add_joint(&slider.with_motor(motor)).unwrap();
+            run(&mut world, 4.0);
+            let (low, expected) = (-world.position(body).unwrap().y, mass * 9.81 / stiffness);
+            assert!((low / expected - 1.0).abs() < 1e-2, "{name}: {low} for {expected}");
+        }
+    }
+}
+
+/// Boxes of random masses stand: by how much they sink is what a method's softness says.
+#[test]
+fn a_stack_stands() {
+    let allowed = [1e-3, 2e-2, 2e-2, 5e-3, 2e-2, 5e-3];
+    for (name, allowed) in NAMES.into_iter().zip(allowed) {
+        let mut random = Random(8);
+        let mut world = solved_by(name);
+        world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
+        let mut place = |i: usize| {
+            let cube =
+                ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_density(random.range(300.0, 1000.0));
+            let at = BodyDesc::dynamic().with_position(Vec3::Y * (i as f32 + 0.5)).with_shape(cube);
+            world.add_body(&at).unwrap()
+        };
+        let boxes: Vec<BodyHandle> = (0..4).map(&mut place).collect();
+        run(&mut world, 3.0);
+        for (i, &body) in boxes.iter().enumerate() {
+            let off = (world.position(body).unwrap() - glam::DVec3::Y * (i as f64 + 0.5)).length();
+            println!("{name} {i}: {off:.1e}");
+            assert!(off < allowed, "{name} {i}: {off}");
+        }
+    }
+}
+
+/// A pendulum on a ball joint, let go level: its length stays, and so does its energy where rows follow the
+/// swing. The others lose it, as directions are those of the start of a step.
+#[test]
+fn a_pendulum_keeps_its_length() {
+    for (name, length, energy) in
+        [("tgs", 5e-3, 0.05), ("xpbd", 2e-3, 0.1), ("avbd", 1e-2, 1.0), ("sap", 1e-2, 1.0)]
+    {
+        let mut world = solved_by(name);
+        let wall = world.add_body(&BodyDesc::fixed()).unwrap();
+        let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
+        let desc = BodyDesc::dynamic().with_position(Vec3::X).with_shape(ball);
+        let body = world.add_body(&desc).unwrap();
+        let frames = [Frame::at(Vec3::ZERO), Frame::at(Vec3::NEG_X)];
+        world.add_joint(&JointDesc::ball([wall, body], frames)).unwrap();
+        let (mut worst, mut lost) = (0.0_f64, 0.0_f64);
+        for _ in 0..5 * 60 {
+            run(&mut world, 1.0 / 59.0);
+            let (at, speed) =
+                (world.position(body).unwrap(), world.linear_velocity(body).unwrap().as_dvec3());
+            worst = worst.max((at.length() - 1.0).abs());
+            // Its own rotation has 0.4 % of the energy.
+            lost = lost.max((9.81 * at.y + 0.5 * 1.004 * speed.length_squared()).abs() / 9.81);
+        }
+        println!("{name}: {worst:.1e} m, {lost:.1e}");
+        assert!(worst < length && lost < energy, "{name}: {worst} m, {lost}");
     }
 }

@@ -14,7 +14,7 @@ use crate::methods::{Effort, Status};
 use crate::problem::Law;
 use crate::steppers::moving::Moving;
 use crate::steppers::step::{Resolution, Step};
-use crate::system::{Owner, System, SystemLaw, Velocity};
+use crate::system::{Owner, System, Velocity};
 
 /// The most substeps of a step.
 const SUBSTEPS: u32 = 16;
@@ -54,6 +54,8 @@ pub(super) struct Flow<'a> {
     r: Vec<f64>,
     /// Impulses over the step.
     sum: Vec<f64>,
+    /// Which laws have bounced.
+    bounced: Vec<bool>,
 }
 
 impl<'a> Flow<'a> {
@@ -61,7 +63,8 @@ impl<'a> Flow<'a> {
         let velocity = system.bodies.iter().map(|body| body.start).collect();
         let r = vec![0.0; system.rows.len()];
         let substeps = f64::from(substeps.max(1));
-        Flow { posed: Posed::new(system), velocity, substeps, sum: r.clone(), r }
+        let bounced = vec![false; system.laws.len()];
+        Flow { posed: Posed::new(system), velocity, substeps, sum: r.clone(), r, bounced }
     }
 
     /// Starts with impulses.
@@ -112,20 +115,20 @@ impl<'a> Flow<'a> {
             now.rows[row] = self.posed.row(row);
             now.rows[row].compliance *= n;
         }
-        for law in &mut now.laws {
-            offsets[law.first] = self.offset(law, share, system.dt / n);
-            if let Law::Bounds { min, max } = law.law
-                && law.gap.is_none()
-            {
+        for law in now.laws.iter_mut().filter(|law| law.gap.is_none()) {
+            if let Law::Bounds { min, max } = law.law {
                 law.law = Law::Bounds { min: min / n, max: max / n };
                 if share > 0.0 {
                     self.r[law.first] = 0.0;
                 }
             }
         }
-        let before = self.r.clone();
         let mut moving = Moving::new(&now, |body| body.start);
         std::mem::swap(&mut moving.velocity, &mut self.velocity);
+        for (i, law) in system.laws.iter().enumerate() {
+            offsets[law.first] = self.offset(i, moving.speed(law.first), share);
+        }
+        let before = self.r.clone();
         let (contacts, joints): (Vec<_>, Vec<_>) =
             now.laws.iter().partition(|law| matches!(law.owner, Owner::Contact(_)));
         let laws = joints.into_iter().chain(contacts).copied();
@@ -136,18 +139,29 @@ impl<'a> Flow<'a> {
         }
     }
 
-    /// What is added to the velocity of a law's first row: the gap or the error over a substep of `h` seconds.
-    fn offset(&self, law: &SystemLaw, share: f64, h: f64) -> f64 {
+    /// What is added to the velocity of a law's first row, which is `speed` now: the gap or the error over a
+    /// substep.
+    fn offset(&mut self, i: usize, speed: f64, share: f64) -> f64 {
         let system = self.posed.system;
+        let (law, h) = (&system.laws[i], system.dt / self.substeps);
         let along = self.posed.along(law.first);
         let Some(gap) = law.gap else {
             let locks = law.law == Law::LOCKED && !law.drives && !law.yields;
             return if locks { share * (law.off + along) / h } else { 0.0 };
         };
         let gap = gap + along;
-        let offset = if gap > 0.0 { gap / h } else { (share * gap / h).max(-PUSH) };
-        let start = system.speed(&system.rows[law.first], |body| body.start) + system.rows[law.first].bias;
-        let bounces = law.restitution > 0.0 && -start > system.threshold && gap <= 1e-3 * h * -start;
-        if bounces { offset.min(law.restitution * start) } else { offset }
+        let row = &system.rows[law.first];
+        let start = system.speed(row, |body| body.start) + row.bias;
+        let bounces = law.restitution > 0.0 && -start > system.threshold;
+        if bounces && (gap + speed * h <= 0.0 || self.bounced[i] && gap <= 0.0) {
+            self.bounced[i] = true;
+            return law.restitution * start;
+        }
+        if gap > 0.0 {
+            // It has left, and keeps what it got.
+            self.r[law.first..law.first + law.law.rows()].fill(0.0);
+            return gap / h;
+        }
+        (share * gap / h).max(-PUSH)
     }
 }
