@@ -46,7 +46,7 @@ pub fn avbd(step: &Step<'_>, effort: &Effort) -> Resolution {
     }
     let dt = points.system.dt;
     let impulses: Vec<f64> = descent.force.iter().map(|force| force * dt).collect();
-    let end = step.island.bodies.iter().map(|&i| descent.posed.moved(i).map(|way| way / dt)).collect();
+    let end = step.island.bodies.iter().map(|&i| descent.posed.travelled(i).map(|way| way / dt)).collect();
     let (status, impulses) = (Status::Solved, impulses.as_slice());
     points.resolution(step, Found { status, impulses, iterations, end, moving: None })
 }
@@ -61,6 +61,16 @@ struct Descent<'a> {
     /// Penalties [N/m], and the stiffness of springs or the greatest penalty.
     k: Vec<f64>,
     most: Vec<f64>,
+}
+
+/// The forces of a law by its rows, clamped [N].
+struct Forces {
+    force: [f64; 3],
+    /// Whether a row resists with its penalty.
+    resists: [bool; 3],
+    /// Of a point that slides, the force over its slip, as a share of the penalty: friction resists with that.
+    /// Its derivative, which is zero along the slip, lets points slip back and forth.
+    slides: f64,
 }
 
 /// A body with the square root of its inverse mass.
@@ -116,22 +126,27 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The forces of a law [N] by its rows, clamped, and whether each row resists.
-    fn forces(&self, law: &SystemLaw) -> ([f64; 3], [bool; 3]) {
+    /// The forces of a law, and how they change.
+    fn forces(&self, law: &SystemLaw) -> Forces {
         let i = law.first;
         let asked = |k: usize| self.lambda[i + k] - self.k[i + k] * self.error(law, k);
         match law.law {
             Law::Bounds { min, max } => {
                 let dt = self.posed.system.dt;
                 let (min, max, asked) = (min / dt, max / dt, asked(0));
-                ([asked.max(min).min(max), 0.0, 0.0], [min < asked && asked < max, false, false])
+                let resists = [min < asked && asked < max, false, false];
+                Forces { force: [asked.max(min).min(max), 0.0, 0.0], resists, slides: 0.0 }
             }
             Law::Contact { mu } => {
                 let normal = asked(0).max(0.0);
-                let own = project_disc([asked(1), asked(2)], mu * normal);
-                ([normal, own[0], own[1]], [normal > 0.0; 3])
+                let asked = [asked(1), asked(2)];
+                let [x, y] = project_disc(asked, mu * normal);
+                let (pushes, most) = (normal > 0.0, asked[0].hypot(asked[1]));
+                let sticks = pushes && most <= mu * normal;
+                let slides = if pushes && !sticks { mu * normal / most } else { 0.0 };
+                Forces { force: [normal, x, y], resists: [pushes, sticks, sticks], slides }
             }
-            Law::Patch { .. } => ([0.0; 3], [false; 3]),
+            Law::Patch { .. } => Forces { force: [0.0; 3], resists: [false; 3], slides: 0.0 },
         }
     }
 
@@ -143,17 +158,18 @@ impl<'a> Descent<'a> {
             let mut matrix = Matrix6::identity() * square;
             let mut push = -body.off * square;
             for law in body.laws.iter().map(|&i| &self.posed.system.laws[i]) {
-                let (force, resists) = self.forces(law);
-                for k in (0..law.law.rows()).filter(|&k| resists[k] || force[k] != 0.0) {
+                let Forces { force, resists, slides } = self.forces(law);
+                let now = [0, 1, 2].map(|k| self.posed.row(law.first + k.min(law.law.rows() - 1)));
+                let Some(side) = (0..SIDES).find(|&side| now[0].bodies[side] == Some(body.index)) else {
+                    continue;
+                };
+                let j = now.map(|row| body.scaled(row.linear[side], row.angular[side]));
+                for k in 0..law.law.rows() {
                     let row = law.first + k;
-                    let now = self.posed.row(row);
-                    let Some(side) = (0..SIDES).find(|&side| now.bodies[side] == Some(body.index)) else {
-                        continue;
-                    };
-                    let j = body.scaled(now.linear[side], now.angular[side]);
-                    push += j * force[k];
-                    if resists[k] {
-                        matrix += j * j.transpose() * self.k[row];
+                    push += j[k] * force[k];
+                    let share = if resists[k] { 1.0 } else { f64::from(u8::from(k > 0)) * slides };
+                    if share > 0.0 {
+                        matrix += j[k] * j[k].transpose() * (share * self.k[row]);
                     }
                     let lump = force[k].abs() * self.posed.arm(row, side);
                     if lump > 0.0 {
@@ -177,7 +193,7 @@ impl<'a> Descent<'a> {
     fn dual(&mut self) {
         let system = self.posed.system;
         for law in &system.laws {
-            let (force, resists) = self.forces(law);
+            let Forces { force, resists, .. } = self.forces(law);
             for k in 0..law.law.rows() {
                 let row = law.first + k;
                 self.force[row] = force[k];

@@ -29,12 +29,15 @@ pub(super) struct Posed<'a> {
     pub(super) system: &'a System,
     measures: Vec<Measure>,
     places: Vec<Place>,
+    /// Sums of all rotation vectors [rad].
+    turns: Vec<DVec3>,
 }
 
 impl<'a> Posed<'a> {
     pub(super) fn new(system: &'a System) -> Posed<'a> {
         let places = vec![(DVec3::ZERO, DQuat::IDENTITY); system.bodies.len()];
-        Posed { system, measures: measures(system), places }
+        let turns = vec![DVec3::ZERO; places.len()];
+        Posed { system, measures: measures(system), places, turns }
     }
 
     /// Displacement [m] and rotation vector [rad].
@@ -42,7 +45,12 @@ impl<'a> Posed<'a> {
         self.since(&(DVec3::ZERO, DQuat::IDENTITY), body)
     }
 
-    /// The same since the body was at a place.
+    /// The same with the sum of all rotation vectors: the velocities that led there times their time.
+    pub(super) fn travelled(&self, body: usize) -> Velocity {
+        [self.places[body].0, self.turns[body]]
+    }
+
+    /// The same as the first since the body was at a place.
     pub(super) fn since(&self, before: &Place, body: usize) -> Velocity {
         let now = &self.places[body];
         [now.0 - before.0, rotation(now.1 * before.1.conjugate())]
@@ -55,6 +63,7 @@ impl<'a> Posed<'a> {
 
     /// Moves a body on.
     pub(super) fn displace(&mut self, body: usize, [way, turn]: Velocity) {
+        self.turns[body] += turn;
         let place = &mut self.places[body];
         place.0 += way;
         place.1 = (DQuat::from_scaled_axis(turn) * place.1).normalize();
@@ -82,7 +91,7 @@ impl<'a> Posed<'a> {
             Measure::Linear => {
                 let side = |i: usize| {
                     start.bodies[i].map_or(0.0, |body| {
-                        let [way, turn] = self.moved(body);
+                        let [way, turn] = self.travelled(body);
                         start.linear[i].dot(way) + start.angular[i].dot(turn)
                     })
                 };

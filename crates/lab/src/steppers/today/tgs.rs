@@ -54,8 +54,10 @@ pub(super) struct Flow<'a> {
     r: Vec<f64>,
     /// Impulses over the step.
     sum: Vec<f64>,
-    /// Which laws have bounced.
-    bounced: Vec<bool>,
+    /// Offsets of laws that have bounced: minus the speed with which they leave.
+    bounced: Vec<Option<f64>>,
+    /// Time since the start of the step [s].
+    time: f64,
 }
 
 impl<'a> Flow<'a> {
@@ -63,8 +65,8 @@ impl<'a> Flow<'a> {
         let velocity = system.bodies.iter().map(|body| body.start).collect();
         let r = vec![0.0; system.rows.len()];
         let substeps = f64::from(substeps.max(1));
-        let bounced = vec![false; system.laws.len()];
-        Flow { posed: Posed::new(system), velocity, substeps, sum: r.clone(), r, bounced }
+        let bounced = vec![None; system.laws.len()];
+        Flow { posed: Posed::new(system), velocity, substeps, sum: r.clone(), r, bounced, time: 0.0 }
     }
 
     /// Starts with impulses.
@@ -89,6 +91,7 @@ impl<'a> Flow<'a> {
         let share = (2.0 / self.substeps.sqrt()).min(1.0);
         self.sweep(share);
         let h = system.dt / self.substeps;
+        self.time += h;
         for (i, velocity) in self.velocity.iter().enumerate() {
             self.posed.displace(i, velocity.map(|v| v * h));
         }
@@ -127,6 +130,15 @@ impl<'a> Flow<'a> {
         std::mem::swap(&mut moving.velocity, &mut self.velocity);
         for (i, law) in system.laws.iter().enumerate() {
             offsets[law.first] = self.offset(i, moving.speed(law.first), share);
+            if let Law::Contact { mu } = law.law
+                && self.r[law.first + 1].hypot(self.r[law.first + 2]) < mu * self.r[law.first]
+            {
+                // A point that sticks goes back to where it was.
+                for row in law.first + 1..law.first + 3 {
+                    let slip = self.posed.along(row) + system.rows[row].bias * self.time;
+                    offsets[row] = share * slip * n / system.dt;
+                }
+            }
         }
         let before = self.r.clone();
         let (contacts, joints): (Vec<_>, Vec<_>) =
@@ -153,9 +165,11 @@ impl<'a> Flow<'a> {
         let row = &system.rows[law.first];
         let start = system.speed(row, |body| body.start) + row.bias;
         let bounces = law.restitution > 0.0 && -start > system.threshold;
-        if bounces && (gap + speed * h <= 0.0 || self.bounced[i] && gap <= 0.0) {
-            self.bounced[i] = true;
-            return law.restitution * start;
+        if bounces && self.bounced[i].is_none() && gap + speed * h <= 0.0 {
+            self.bounced[i] = Some(law.restitution * speed);
+        }
+        if let Some(leaves) = self.bounced[i].filter(|_| gap + speed * h <= 0.0) {
+            return leaves;
         }
         if gap > 0.0 {
             // It has left, and keeps what it got.

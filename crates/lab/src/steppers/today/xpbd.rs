@@ -3,7 +3,8 @@
 //!
 //! In each substep bodies fly; then positions are corrected, one law after the other, joints first, once:
 //! `Δλ = (-C - α λ) / (w + α)` with the compliance α over the square of the substep, which moves bodies by
-//! `M⁻¹ Jᵀ Δλ`. Static friction takes back the slip of the substep if the cone allows it. Velocities are what
+//! `M⁻¹ Jᵀ Δλ`. Friction takes back the slip of the substep as far as the cone allows it (the authors leave a
+//! point beyond its cone to the velocities; a box on an incline then slid off where it should have held). Velocities are what
 //! bodies moved over the substep; sliding friction and restitution change them afterwards, and take out the
 //! speed that the correction of overlap left. A lock that starts with an error is corrected at once.
 
@@ -124,10 +125,8 @@ impl<'a> Flow<'a> {
         let tangents = [1, 2].map(|k| self.posed.row(i + k));
         let w = tangents.iter().map(|row| self.posed.system.mobility(row)).fold(f64::MIN_POSITIVE, f64::max);
         let slip = |k: usize| self.posed.along(i + k) - self.past[i + k] + tangents[k - 1].bias * self.h;
-        let hold = [1, 2].map(|k| -slip(k) / w);
-        if hold[0].hypot(hold[1]) <= mu * self.lambda[i] {
-            (0..2).for_each(|k| self.give(i + 1 + k, &tangents[k], hold[k]));
-        }
+        let hold = project_disc([1, 2].map(|k| -slip(k) / w), mu * self.lambda[i]);
+        (0..2).for_each(|k| self.give(i + 1 + k, &tangents[k], hold[k]));
     }
 
     /// Moves the bodies of a row.
