@@ -1,15 +1,15 @@
 //! Augmented vertex block descent (Giles, Diaz and Yuksel, *Augmented vertex block descent*, 2025).
 //!
 //! A step is implicit Euler: positions minimise `½ |x - y|² M / dt²`, with y where bodies would fly, plus the
-//! energy `½ k C² - λ C` of each row. Each iteration minimises over one body after the other, six numbers at a
-//! time, with Newton's matrix of the body's own rows and the stiffness of turning directions, lumped; then
+//! energy `½ k C² - λ C` of each row. Each iteration minimises over one body after the other, six numbers at
+//! a time, with Newton's matrix of the body's own rows and the stiffness of turning directions, lumped; then
 //! multipliers become the forces, `λ = clamp(λ - k C)`, and penalties k of rows within their bounds grow with
 //! the error, to hold without oscillating. Springs keep their own stiffness and have no multiplier.
 //!
 //! Penalties begin at the row's mass over `dt²` and grow by that for each millimetre of error times
 //! [`GROWTH`]; the authors' numbers have units. Multipliers carry over to the next step, penalties do not. Of
-//! the error of the start of a step, [`KEPT`] stays, which keeps its correction from being a jump. There is no
-//! restitution.
+//! the error of the start of a step, [`KEPT`] stays, which keeps its correction from being a jump. Nothing
+//! bounces.
 
 use super::convex::root;
 use super::points::{Found, Points};
@@ -68,8 +68,8 @@ struct Forces {
     force: [f64; 3],
     /// Whether a row resists with its penalty.
     resists: [bool; 3],
-    /// Of a point that slides, the force over its slip, as a share of the penalty: friction resists with that.
-    /// Its derivative, which is zero along the slip, lets points slip back and forth.
+    /// Of a point that slides, the force over its slip, as a share of the penalty, with which it resists:
+    /// with the derivative of friction, which is zero along the slip, points slip back and forth.
     slides: f64,
 }
 

@@ -1,9 +1,9 @@
 //! The convex problem of soft constraints, which Drake's SAP and MuJoCo share: each row has a regularisation
 //! `R` and a velocity `v̂` that it strives for, and the velocities of the bodies minimise
-//! `½ (v - v*)ᵀ M (v - v*) + Σ ½ γᵀ R γ` with the impulses `γ = P(R⁻¹ (v̂ - J v))`, projected onto their bounds
-//! or their cones in the norm of R (Castro, Permenter and Han 2022; Todorov 2014). The objective is strictly
-//! convex, so that there is one answer, to which Newton's method with an exact line search converges from
-//! anywhere. At it `M (v - v*) = Jᵀ γ`.
+//! `½ (v - v*)ᵀ M (v - v*) + Σ ½ γᵀ R γ` with the impulses `γ = P(R⁻¹ (v̂ - J v))`, projected onto their
+//! bounds or their cones in the norm of R (Castro, Permenter and Han 2022; Todorov 2014). The objective is
+//! strictly convex, so that there is one answer, to which Newton's method with an exact line search converges
+//! from anywhere. At it `M (v - v*) = Jᵀ γ`.
 //!
 //! Friction on the cone is part of the objective and not Coulomb's law: a sliding contact separates at
 //! `mu |v_t|`.

@@ -1,11 +1,11 @@
 //! Mass splitting (Tonge, Benevolenski and Voroshilov, *Mass splitting for jitter-free parallel rigid body
 //! simulation*, 2012).
 //!
-//! A body that has a part in `n` blocks, each of them all contacts with another body or a joint, is split into
-//! `n` bodies with an `n`th of its mass. Each block is solved alone with its own parts of bodies; then the
-//! parts of a body are joined again at the mean of their velocities, which equals its velocity with the whole
-//! mass under all impulses. So blocks may be solved in any order, or all at once, with the same result: the
-//! method is a block Jacobi method whose steps are as long as the number of neighbours allows. Its fixed
+//! A body that has a part in `n` blocks, each of them all contacts with another body or a joint, is split
+//! into `n` bodies with an `n`th of its mass. Each block is solved alone with its own parts of bodies; then
+//! the parts of a body are joined again at the mean of their velocities, which equals its velocity with the
+//! whole mass under all impulses. So blocks may be solved in any order, or all at once, with the same result:
+//! the method is a block Jacobi method whose steps are as long as the number of neighbours allows. Its fixed
 //! point is the solution for any symmetric, positive semidefinite W.
 
 use super::relax::Relaxed;

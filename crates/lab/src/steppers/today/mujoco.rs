@@ -3,10 +3,10 @@
 //!
 //! Each constraint has an acceleration that it strives for, that of a damped spring with its error r,
 //! `a_ref = -b v - k d r`, and an impedance `d` in 0..1 that grows with the error: the constraint gets
-//! `R = (1 - d) / d` times its own mobility as regularisation, so that it accelerates at a mean of `a_ref` and
-//! of the acceleration without it. Defaults are MuJoCo's: a time constant of 20 ms, but at least two steps, a
-//! damping ratio of 1, and `d` from 0.9 to 0.95 over the first millimetre. Friction is on the elliptic cone,
-//! damped and not held, with the normal's regularisation (`impratio` 1).
+//! `R = (1 - d) / d` times its own mobility as regularisation, so that it accelerates at a mean of `a_ref`
+//! and of the acceleration without it. Defaults are MuJoCo's: a time constant of 20 ms, but at least two
+//! steps, a damping ratio of 1, and `d` from 0.9 to 0.95 over the first millimetre. Friction is on the
+//! elliptic cone, damped and not held, with the normal's regularisation (`impratio` 1).
 //!
 //! A contact acts once bodies overlap, not before, and nothing bounces.
 

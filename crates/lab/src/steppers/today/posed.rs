@@ -2,8 +2,8 @@
 //! that solve for positions.
 //!
 //! A system has the directions of the start of the step. Here the arms of locks turn with their bodies, and
-//! directions of joints with the first of them, so that a swinging body is held at its length. Contacts stay as
-//! they are, to first order: a point of a ball that rolls does not roll with it.
+//! directions of joints with the first of them, so that a swinging body is held at its length. Contacts stay
+//! as they are, to first order: a point of a ball that rolls does not roll with it.
 
 use crate::problem::Law;
 use crate::system::{Owner, SIDES, System, SystemRow, Velocity};

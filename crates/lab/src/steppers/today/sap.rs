@@ -3,9 +3,9 @@
 //!
 //! All is rigid as far as a step can tell: the period of a contact's spring is [`CONTACT`] steps, that of a
 //! lock's [`LOCK`], and both dissipate within that time. So `R = (β / 2π)² w` with w the row's own mobility,
-//! and `v̂ = -φ / (dt + τ)` with `τ = β dt / π`. Tangents have `R = σ w`: instead of sticking a contact creeps,
-//! at most by [`SLIP`] times the velocity that its friction could stop. A point that is still open may close
-//! within the step. There is no restitution.
+//! and `v̂ = -φ / (dt + τ)` with `τ = β dt / π`. Tangents have `R = σ w`: instead of sticking a contact
+//! creeps, at most by [`SLIP`] times the velocity that its friction could stop. A point that is still open
+//! may close within the step. There is no restitution.
 
 use super::convex::{Convex, Soft};
 use super::points::{Found, Points};

@@ -1,5 +1,5 @@
-//! Temporal Gauss-Seidel, as PhysX has it (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke and Müller, *Small
-//! steps in physics simulation*, 2019; PhysX's solver of this name).
+//! Temporal Gauss-Seidel, as PhysX has it (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke and Müller,
+//! *Small steps in physics simulation*, 2019; PhysX's solver of this name).
 //!
 //! Contacts are found once a step. Each sweep over the laws is a substep: bodies take their share of gravity
 //! and forces, rows are solved once with the gaps and errors that the substeps before have left, and bodies
@@ -134,9 +134,10 @@ impl<'a> Flow<'a> {
                 && self.r[law.first + 1].hypot(self.r[law.first + 2]) < mu * self.r[law.first]
             {
                 // A point that sticks goes back to where it was.
-                for row in law.first + 1..law.first + 3 {
+                let tangents = law.first + 1..law.first + 3;
+                for (row, offset) in tangents.clone().zip(&mut offsets[tangents]) {
                     let slip = self.posed.along(row) + system.rows[row].bias * self.time;
-                    offsets[row] = share * slip * n / system.dt;
+                    *offset = share * slip * n / system.dt;
                 }
             }
         }

@@ -4,9 +4,10 @@
 //! In each substep bodies fly; then positions are corrected, one law after the other, joints first, once:
 //! `Δλ = (-C - α λ) / (w + α)` with the compliance α over the square of the substep, which moves bodies by
 //! `M⁻¹ Jᵀ Δλ`. Friction takes back the slip of the substep as far as the cone allows it (the authors leave a
-//! point beyond its cone to the velocities; a box on an incline then slid off where it should have held). Velocities are what
-//! bodies moved over the substep; sliding friction and restitution change them afterwards, and take out the
-//! speed that the correction of overlap left. A lock that starts with an error is corrected at once.
+//! point beyond its cone to the velocities; a box on an incline then slid off where it should have held).
+//! Velocities are what bodies moved over the substep; sliding friction and restitution change them
+//! afterwards, and take out the speed that the correction of overlap left. A lock that starts with an error
+//! is corrected at once.
 
 use super::points::{Found, Points};
 use super::posed::{Place, Posed};
