@@ -37,7 +37,11 @@ impl<'a> Moving<'a> {
 
     /// Gives a row an impulse.
     pub(super) fn push(&mut self, row: usize, r: f64) {
-        let row = &self.system.rows[row];
+        self.push_along(&self.system.rows[row], r);
+    }
+
+    /// The same for a row that may have other directions than those of the system.
+    pub(super) fn push_along(&mut self, row: &SystemRow, r: f64) {
         for side in 0..SIDES {
             if let Some(i) = row.bodies[side].filter(|&i| self.moves(i)) {
                 let body = &self.system.bodies[i];

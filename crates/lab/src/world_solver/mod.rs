@@ -98,7 +98,7 @@ pub struct WorldSolver {
     pub method: WorldMethod,
     /// Its limits for an island in a step; the start is replaced by `guess`. Default tolerance: 1e-8.
     pub effort: Effort,
-    /// The impulses that it starts from.
+    /// The impulses that it starts from. Default: those of the step before if [`Stepper::warm`], else zero.
     pub guess: Guess,
     /// Islands with more rows keep the answer of the fast path. Default 400.
     pub most_rows: usize,
@@ -119,10 +119,12 @@ pub struct WorldSolver {
 impl WorldSolver {
     /// With the defaults.
     pub fn new(method: impl Into<WorldMethod>) -> WorldSolver {
+        let method = method.into();
+        let warm = matches!(method, WorldMethod::Step(stepper) if stepper.warm);
         WorldSolver {
-            method: method.into(),
+            method,
             effort: Effort { tolerance: 1e-8, ..Effort::default() },
-            guess: Guess::Zero,
+            guess: if warm { Guess::LastStep } else { Guess::Zero },
             most_rows: 400,
             only: Vec::new(),
             most_residual: 1e-2,
