@@ -51,7 +51,7 @@ mod world_solver;
 pub use growth::growth;
 pub use meter::{Accuracy, IslandAccuracy, LabWorld, Measures};
 pub use rest::{Rest, find_rest};
-pub use world_solver::{Guess, SolverReport, WorldMethod, WorldSolver};
+pub use world_solver::{Guess, MethodOptions, SolverReport, WorldMethod, WorldSolver};
 
 use arnoldi::{Ritz, arnoldi, noise, norm};
 use backstop::BodyHandle;

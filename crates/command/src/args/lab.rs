@@ -1,6 +1,7 @@
 //! Options of commands that measure: stability, extremes, methods of the lab, cases and published
 //! measurements.
 
+use super::MethodArgs;
 use super::values::*;
 use backstop::{FrictionCone, FrictionModel};
 use backstop_lab::WorldMethod;
@@ -112,6 +113,8 @@ pub(crate) struct MethodsOptions {
     /// Unit-free residual to be reached.
     #[arg(long, value_name = "R", default_value_t = 1e-8, value_parser = tolerance)]
     pub(crate) tolerance: f64,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -177,6 +180,8 @@ pub(crate) struct TossOptions {
     /// Solve each step by a method of the lab instead (docs/methods.md).
     #[arg(long, value_name = "NAME", value_parser = world_method)]
     pub(crate) solver: Option<WorldMethod>,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -241,6 +246,8 @@ pub(crate) struct CaseOptions {
     /// Where friction acts: patch or point.
     #[arg(long, value_name = "MODEL", value_parser = named::<FrictionModel>)]
     pub(crate) friction_model: Option<FrictionModel>,
+    #[command(flatten)]
+    pub(crate) lab: MethodArgs,
     /// Runs at once [default: one per core].
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) jobs: Option<usize>,

@@ -3,11 +3,13 @@
 #[cfg(test)]
 mod documented;
 mod lab;
+mod methods;
 #[cfg(test)]
 mod tests;
 mod values;
 
 pub(crate) use lab::*;
+pub(crate) use methods::MethodArgs;
 pub(crate) use values::*;
 
 use crate::commands::trade::TradeOptions;
@@ -189,6 +191,8 @@ pub(crate) struct RunOptions {
     /// Islands with more rows than this are left to the engine's own.
     #[arg(long, value_name = "N", default_value_t = 400, requires = "solver")]
     pub(crate) solver_rows: usize,
+    #[command(flatten)]
+    pub(crate) methods: MethodArgs,
     /// Measure how accurately each step was solved (docs/accuracy.md).
     #[arg(long)]
     pub(crate) accuracy: bool,

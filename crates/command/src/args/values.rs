@@ -166,3 +166,17 @@ pub(crate) fn bytes(text: &str) -> Result<usize, String> {
     let value = value * f64::from(1u32 << shift);
     if (0.0..=1e15).contains(&value) { Ok(value as usize) } else { Err(wrong()) }
 }
+
+/// One of some names.
+pub(crate) fn named_of<T: Copy>(text: &str, all: &[(&str, T)]) -> Result<T, String> {
+    let names = || all.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    all.iter()
+        .find(|(name, _)| *name == text)
+        .map(|one| one.1)
+        .ok_or_else(|| format!("must be one of {}", names()))
+}
+
+/// A number of at least zero, which is finite.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0).ok_or_else(|| "must be at least 0".into())
+}

@@ -57,8 +57,10 @@ fn usual_methods() -> Vec<AnyMethod> {
 fn settings(options: &CaseOptions, method: AnyMethod) -> Vec<Setting> {
     let asked =
         options.substeps.is_some() || options.iterations.is_some() || options.friction_model.is_some();
+    let lab = options.lab.any().then(|| options.lab.options());
     if options.hz.is_empty() && !asked {
-        return Setting::usual(method.0);
+        let with = |setting| Setting { options: lab, ..setting };
+        return Setting::usual(method.0).into_iter().map(with).collect();
     }
     let reference = Setting::REFERENCE;
     let at = |dt| Setting {
@@ -67,6 +69,7 @@ fn settings(options: &CaseOptions, method: AnyMethod) -> Vec<Setting> {
         iterations: options.iterations.unwrap_or(reference.iterations),
         friction: options.friction_model.unwrap_or(reference.friction),
         method: method.0,
+        options: lab,
     };
     if options.hz.is_empty() {
         vec![at(reference.dt)]

@@ -40,7 +40,8 @@ pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
                     most_rows: usize::MAX,
                     most_residual: f64::INFINITY,
                     ..WorldSolver::new(method)
-                };
+                }
+                .with_options(options.methods.options());
                 (solver.effort.iterations, solver.effort.tolerance) = (options.iterations, options.tolerance);
                 solver
             });

@@ -231,6 +231,7 @@ impl Chosen {
         let solver = options.solver.or(file.solver);
         let solver =
             solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
+        let solver = solver.map(|solver| solver.with_options(options.methods.options()));
         let base = file.world;
         let settings = base
             .clone()

@@ -28,7 +28,8 @@ pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {
         .with_substeps(options.substeps)
         .with_iterations(options.iterations)
         .with_friction_model(options.friction_model);
-    let solver = options.solver.map(WorldSolver::new);
+    let solver =
+        options.solver.map(|method| WorldSolver::new(method).with_options(options.methods.options()));
     let mut deviations = Vec::new();
     let files = files(&options.folder)?;
     let bar = output::progress(!options.json, files.len() as u64, "tosses");

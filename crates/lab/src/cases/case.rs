@@ -1,7 +1,7 @@
 //! A case, how its world is stepped, and its outcome.
 
 use crate::LabWorld;
-use crate::{WorldMethod, WorldSolver};
+use crate::{MethodOptions, WorldMethod, WorldSolver};
 use backstop::Error;
 use backstop::World;
 use backstop::{FrictionModel, Settings};
@@ -48,12 +48,20 @@ pub struct Setting {
     pub friction: FrictionModel,
     /// The solver of the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
     pub method: Option<WorldMethod>,
+    /// What that method leaves to choose; none: its defaults.
+    pub options: Option<MethodOptions>,
 }
 
 impl Setting {
     /// The setting for which the bars hold: 60 Hz, and the defaults of [`Settings`].
-    pub const REFERENCE: Setting =
-        Setting { dt: 1.0 / 60.0, substeps: 4, iterations: 1, friction: FrictionModel::Patch, method: None };
+    pub const REFERENCE: Setting = Setting {
+        dt: 1.0 / 60.0,
+        substeps: 4,
+        iterations: 1,
+        friction: FrictionModel::Patch,
+        method: None,
+        options: None,
+    };
 
     /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice.
     /// Methods of the lab know no substeps.
@@ -95,7 +103,8 @@ impl Setting {
         let mut world = World::new(
             settings.with_substeps(substeps).with_iterations(iterations).with_friction_model(friction_model),
         )?;
-        world.solve_with(self.method.map(WorldSolver::new));
+        let options = self.options.unwrap_or_default();
+        world.solve_with(self.method.map(|method| WorldSolver::new(method).with_options(options)));
         Ok(world)
     }
 

@@ -53,6 +53,16 @@ pub enum Friction {
     Box,
 }
 
+/// The order in which `sequential` visits pairs of bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// The fastest approach first, in impacts and in each sweep.
+    #[default]
+    Fastest,
+    /// By the order of bodies.
+    Given,
+}
+
 /// Limits on the work of a method, and its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
@@ -70,6 +80,11 @@ pub struct Effort {
     pub frequency: f64,
     /// Damping ratio of these springs. Default 0.7.
     pub damping: f64,
+    /// Impacts of a pair after which `sequential` halves its restitution; all of it after four times as many. At least
+    /// 1. Default 32.
+    pub calm: u32,
+    /// The order in which `sequential` visits pairs.
+    pub order: Order,
 }
 
 impl Default for Effort {
@@ -82,6 +97,8 @@ impl Default for Effort {
             relaxation: 1.3,
             frequency: 0.0,
             damping: 0.7,
+            calm: 32,
+            order: Order::default(),
         }
     }
 }

@@ -3,8 +3,8 @@
 //! First impacts, at the velocities of the start of the step: the two bodies with the fastest approach
 //! bounce, by Newton's law at all points between them at once, until no bodies approach. Ties are broken by
 //! the order of bodies, so that the order of contacts changes nothing. With low restitution the sequence may
-//! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each [`CALM`]
-//! impacts and all of it after four times as many, and when a pair has had [`MAX_IMPACTS`] impacts, those
+//! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each
+//! [`Effort::calm`] impacts and all of it after four times as many, and when a pair has had [`MAX_IMPACTS`] impacts, those
 //! that still approach are brought to rest together.
 //!
 //! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest
@@ -14,12 +14,10 @@
 use super::blocks::{Block, rows_of, solve_block};
 use super::moving::Moving;
 use super::step::{Resolution, Step};
-use crate::methods::{Effort, Solution, Status};
+use crate::methods::{Effort, Order, Solution, Status};
 use crate::system::target;
 use crate::system::{System, SystemLaw};
 
-/// Impacts of a pair after which it loses half of its restitution.
-const CALM: u32 = 32;
 /// Impacts of a pair after which all that approach are brought to rest together.
 const MAX_IMPACTS: u32 = 256;
 /// Share of the fastest initial approach below which an approach counts as none.
@@ -32,7 +30,7 @@ pub fn sequential(step: &Step<'_>, effort: &Effort) -> Resolution {
     let mut impulses = vec![0.0; system.rows.len()];
     let mut moving = Moving::new(system, |body| body.start);
     let blocks = Block::all(system, step.island);
-    let impacts = collide(&mut moving, &blocks, effort.iterations, &mut impulses);
+    let impacts = collide(&mut moving, &blocks, effort, &mut impulses);
     moving.pull();
     let held = impulses.clone();
     let sweeps = settle(step, &mut moving, &blocks, effort, &mut impulses, &held);
@@ -45,7 +43,8 @@ pub(super) fn strikes(system: &System, law: &SystemLaw, speed: f64) -> bool {
 }
 
 /// Lets pairs bounce, the fastest first, until none approaches; returns the number of impacts.
-fn collide(moving: &mut Moving<'_>, blocks: &[Block], most: u32, impulses: &mut [f64]) -> u32 {
+fn collide(moving: &mut Moving<'_>, blocks: &[Block], effort: &Effort, impulses: &mut [f64]) -> u32 {
+    let (most, calm) = (effort.iterations, effort.calm.max(1));
     let contacts: Vec<&Block> = blocks.iter().filter(|block| block.contact).collect();
     let joints = joints_of(blocks);
     let fastest = contacts.iter().map(|block| approach(moving, block)).fold(0.0, f64::min);
@@ -57,7 +56,11 @@ fn collide(moving: &mut Moving<'_>, blocks: &[Block], most: u32, impulses: &mut 
     for impact in 0..most {
         // Among equals, that of the first bodies.
         let speeds = contacts.iter().map(|block| approach(moving, block)).enumerate();
-        let (i, speed) = speeds.fold((0, 0.0), |best, one| if one.1 < best.1 { one } else { best });
+        let next = match effort.order {
+            Order::Fastest => speeds.fold((0, 0.0), |best, one| if one.1 < best.1 { one } else { best }),
+            Order::Given => speeds.into_iter().find(|one| one.1 < fastest * NOTHING).unwrap_or((0, 0.0)),
+        };
+        let (i, speed) = next;
         if speed >= fastest * NOTHING {
             return impact;
         }
@@ -67,7 +70,8 @@ fn collide(moving: &mut Moving<'_>, blocks: &[Block], most: u32, impulses: &mut 
             bounce(moving, &all, &joints, 0.0, impulses);
             return impact + 1;
         }
-        let share = if counts[i] >= 4 * CALM { 0.0 } else { 0.5_f64.powi((counts[i] / CALM) as i32) };
+        let share =
+            if counts[i] >= calm.saturating_mul(4) { 0.0 } else { 0.5_f64.powi((counts[i] / calm) as i32) };
         bounce(moving, &contacts[i].laws, &joints, share, impulses);
     }
     most
@@ -164,6 +168,9 @@ pub(super) fn settle(
                 (block.approach(moving, |law| reach(law) < 0.0), i)
             })
             .collect();
+        if effort.order == Order::Given {
+            order.iter_mut().for_each(|one| one.0 = 0.0);
+        }
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut most = 0.0_f64;
         for (_, i) in order {

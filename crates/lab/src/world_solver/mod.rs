@@ -31,11 +31,13 @@
 //! ```
 
 mod apply;
+mod options;
 
 use super::methods::{Effort, Method};
 use super::steppers::Stepper;
 pub(super) use apply::Last;
 use backstop::BodyHandle;
+pub use options::MethodOptions;
 
 /// A method that can solve a world.
 #[derive(Clone, Copy, Debug)]

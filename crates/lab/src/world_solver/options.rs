@@ -1,0 +1,44 @@
+//! What the methods of the lab leave to choose, as one value for a command line.
+
+use super::{Guess, WorldSolver};
+use crate::methods::{Effort, Friction, Order};
+
+/// Choices of methods; each leaves those that it does not know alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodOptions {
+    /// The impulses that a method starts from.
+    pub guess: Guess,
+    /// The model of friction, if the method has a choice.
+    pub friction: Friction,
+    /// Over-relaxation of `psor`, in (0, 2).
+    pub relaxation: f64,
+    /// Frequency of the springs of penalty methods [Hz]; zero: 0.048 of the rate of steps.
+    pub frequency: f64,
+    /// Damping ratio of these springs.
+    pub damping: f64,
+    /// Whether a penalty method keeps the direction in which bodies entered each other.
+    pub direction_memory: bool,
+    /// Impacts of a pair after which `sequential` halves its restitution.
+    pub calm: u32,
+    /// The order in which `sequential` visits pairs.
+    pub order: Order,
+}
+
+impl Default for MethodOptions {
+    fn default() -> MethodOptions {
+        let Effort { friction, relaxation, frequency, damping, calm, order, .. } = Effort::default();
+        let guess = Guess::default();
+        MethodOptions { guess, friction, relaxation, frequency, damping, direction_memory: true, calm, order }
+    }
+}
+
+impl WorldSolver {
+    /// With these choices.
+    pub fn with_options(mut self, options: MethodOptions) -> WorldSolver {
+        let MethodOptions { guess, friction, relaxation, frequency, damping, direction_memory, calm, order } =
+            options;
+        (self.guess, self.direction_memory) = (guess, direction_memory);
+        self.effort = Effort { friction, relaxation, frequency, damping, calm, order, ..self.effort };
+        self
+    }
+}
