@@ -23,8 +23,11 @@ pub enum Measure {
     /// Difference of the energy of all bodies from the reference's: the mean over the whole run, relative to
     /// the greatest kinetic energy of the reference.
     Energy,
-    /// The deepest overlap as a share of the thinner shape, from its middle to its surface.
+    /// The deepest overlap as a share of the thinner shape, from its middle to its surface, of an instant: of
+    /// impacts.
     Overlap,
+    /// The same of overlaps that last a tenth of a second.
+    Lasting,
     /// The greatest error of a joint, relative to the width of the narrowest body that has joints.
     Opening,
     /// The greatest rise of energy from any earlier time above that of the reference, relative to the
@@ -43,7 +46,7 @@ pub enum Measure {
 
 impl Measure {
     /// All of them.
-    pub const ALL: [Measure; 13] = [
+    pub const ALL: [Measure; 14] = [
         Measure::Trajectory,
         Measure::Worst,
         Measure::Rotation,
@@ -52,6 +55,7 @@ impl Measure {
         Measure::Joint,
         Measure::Energy,
         Measure::Overlap,
+        Measure::Lasting,
         Measure::Opening,
         Measure::Gain,
         Measure::Lost,
@@ -60,8 +64,15 @@ impl Measure {
     ];
 
     /// Those which a setting has to keep a limit of, whatever it is picked by.
-    pub const CONDITIONS: [Measure; 6] =
-        [Measure::Overlap, Measure::Opening, Measure::Gain, Measure::Lost, Measure::Unrest, Measure::Heap];
+    pub const CONDITIONS: [Measure; 7] = [
+        Measure::Overlap,
+        Measure::Lasting,
+        Measure::Opening,
+        Measure::Gain,
+        Measure::Lost,
+        Measure::Unrest,
+        Measure::Heap,
+    ];
 
     /// As the command line names it.
     pub fn name(self) -> &'static str {
@@ -74,6 +85,7 @@ impl Measure {
             Measure::Joint => "joint",
             Measure::Energy => "energy",
             Measure::Overlap => "overlap",
+            Measure::Lasting => "lasting",
             Measure::Opening => "opening",
             Measure::Gain => "gain",
             Measure::Lost => "lost",
@@ -90,7 +102,7 @@ impl Measure {
             Measure::Penetration | Measure::Joint => "m",
             Measure::Residual => "m/s",
             Measure::Energy | Measure::Gain => "of the kinetic energy",
-            Measure::Overlap => "of the thinner half",
+            Measure::Overlap | Measure::Lasting => "of the thinner half",
             Measure::Lost => "bodies",
             Measure::Unrest => "of the speed of a fall",
             Measure::Heap => "of what may differ",
@@ -108,10 +120,10 @@ impl Measure {
 pub struct Limits([f64; Measure::CONDITIONS.len()]);
 
 impl Default for Limits {
-    /// Overlaps of a tenth of the thinner half, joints open by a twentieth of a body's width, a gain of a
+    /// Overlaps of the thinner half for an instant and of a tenth of it for longer, joints open by a twentieth of a body's width, a gain of a
     /// twentieth of the energy, no lost body, speeds of a twentieth, and the heap where it may be.
     fn default() -> Limits {
-        Limits([0.1, 0.05, 0.05, 0.0, 0.05, 1.0])
+        Limits([1.0, 0.1, 0.05, 0.05, 0.0, 0.05, 1.0])
     }
 }
 
@@ -129,7 +141,11 @@ impl Limits {
     pub fn all(&self, uncertainty: impl Fn(Measure) -> f64) -> [(Measure, f64); Measure::CONDITIONS.len()] {
         std::array::from_fn(|i| {
             let measure = Measure::CONDITIONS[i];
-            (measure, self.0[i].max(ABOVE * uncertainty(measure)))
+            let own = match measure {
+                Measure::Overlap | Measure::Lasting | Measure::Opening => ABOVE * uncertainty(measure),
+                _ => 0.0,
+            };
+            (measure, self.0[i].max(own))
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::heap::Heap;
 use super::run::{Frame, Run};
-use super::track::{Track, rise};
+use super::track::{Track, lasting, rise, window};
 use super::{Errors, Measure};
 use crate::{LabWorld, WorldSolver};
 use backstop::Error;
@@ -117,7 +117,7 @@ impl Reference {
     }
 
     /// The errors of the run of half the resolution.
-    fn certain_to(&self, half: &Track, flaws: [f64; 2]) -> Errors {
+    fn certain_to(&self, half: &Track, flaws: [f64; 3]) -> Errors {
         let mut paths = Paths::new(self);
         let mut energy = 0.0;
         for (at, frame) in half.frames.iter().enumerate().skip(1) {
@@ -132,7 +132,8 @@ impl Reference {
             (Measure::Rotation, rotation),
             (Measure::Energy, energy / (half.frames.len() - 1).max(1) as f64),
             (Measure::Overlap, flaws[0]),
-            (Measure::Opening, flaws[1]),
+            (Measure::Lasting, flaws[1]),
+            (Measure::Opening, flaws[2]),
         ] {
             // Not `max`, which would hide NaN.
             if value > ROUNDING || value.is_nan() {
@@ -215,7 +216,8 @@ impl Reference {
             worst.residual / (f64::from(span.frames.max(1)) * f64::from(run.steps_per_frame)),
             worst.joint,
             energy / f64::from(span.frames.max(1)),
-            worst.overlap,
+            lasting(&worst.overlaps, 1),
+            lasting(&worst.overlaps, window(hz)),
             worst.joint / joined,
             (rise(energies.into_iter()) - self.rise).max(0.0) / fine.scale,
             lost.iter().filter(|&&lost| lost).count() as f64,
@@ -242,7 +244,8 @@ fn parting(members: &[Track], body: usize) -> usize {
 #[derive(Default)]
 struct Worst {
     penetration: f64,
-    overlap: f64,
+    /// Of each step.
+    overlaps: Vec<f64>,
     joint: f64,
     /// A sum.
     residual: f64,
@@ -251,7 +254,7 @@ struct Worst {
 impl Worst {
     fn take(&mut self, measures: &crate::Measures) {
         self.penetration = self.penetration.max(measures.penetration);
-        self.overlap = self.overlap.max(measures.penetration_share);
+        self.overlaps.push(measures.penetration_share);
         self.joint = self.joint.max(measures.joint_length);
         self.residual += measures.residual.worst;
     }

@@ -24,9 +24,9 @@ pub struct Track {
     pub(super) scale: f64,
     /// Direction of gravity, upwards.
     pub(super) up: Vec3,
-    /// Deepest overlap as a share of the thinner body, and greatest error of a joint as a share of the
-    /// narrowest body with joints, in the last step of each frame.
-    pub(super) flaws: [f64; 2],
+    /// Deepest overlap as a share of the thinner body, for an instant and for longer, and greatest error of a
+    /// joint as a share of the narrowest body with joints, in the last step of each frame.
+    pub(super) flaws: [f64; 3],
     hash: u64,
 }
 
@@ -60,7 +60,8 @@ impl Track {
         let kinetic = |run: &Run| -> Result<f64, Error> {
             Ok(run.states()?.iter().map(backstop::observe::BodyState::kinetic_energy).sum())
         };
-        let (mut most, mut flaws) = (kinetic(&run)?, [0.0_f64; 2]);
+        let (mut most, mut flaws) = (kinetic(&run)?, [0.0_f64; 3]);
+        let mut overlaps = Vec::new();
         let mut frames = vec![run.frame(&widths)?];
         for _ in 0..span.frames {
             for step in 1..=run.steps_per_frame {
@@ -69,12 +70,14 @@ impl Track {
                 run.world.step(run.dt)?;
             }
             if let Some(accuracy) = run.world.accuracy() {
-                flaws[0] = flaws[0].max(accuracy.whole.penetration_share);
-                flaws[1] = flaws[1].max(accuracy.whole.joint_length / joined);
+                overlaps.push(accuracy.whole.penetration_share);
+                flaws[2] = flaws[2].max(accuracy.whole.joint_length / joined);
             }
             most = most.max(kinetic(&run)?);
             frames.push(run.frame(&widths)?);
         }
+        flaws[0] = lasting(&overlaps, 1);
+        flaws[1] = lasting(&overlaps, window(span.frame_rate));
         // If nothing moves, the energy that would lift every body by its width.
         let lift: f64 = states.iter().zip(&widths).map(|(body, width)| body.mass * gravity * width).sum();
         let scale = most.max(lift).max(f64::MIN_POSITIVE);
@@ -122,4 +125,15 @@ pub(super) fn rise(values: impl Iterator<Item = f64>) -> f64 {
         most = most.max(value - least);
     }
     most
+}
+
+/// The greatest value that so many steps in sequence reach or exceed.
+pub(super) fn lasting(values: &[f64], steps: usize) -> f64 {
+    let least = |window: &[f64]| window.iter().copied().fold(f64::INFINITY, f64::min);
+    values.windows(steps).map(least).fold(0.0, f64::max)
+}
+
+/// Steps of the time after which an overlap lasts, a tenth of a second.
+pub(super) fn window(hz: u32) -> usize {
+    (hz / 10).max(1) as usize + 1
 }

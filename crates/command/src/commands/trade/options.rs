@@ -100,9 +100,13 @@ pub(crate) struct TradeOptions {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Conditions of a pick")]
 pub(crate) struct Conditions {
-    /// Deepest overlap, as a share of the thinner shape from its middle to its surface [default: 0.1].
+    /// Deepest overlap of an instant, as a share of the thinner shape from its middle to its surface
+    /// [default: 1].
     #[arg(long, value_name = "SHARE", value_parser = limit)]
     max_overlap: Option<f64>,
+    /// Deepest overlap that lasts a tenth of a second, as such a share [default: 0.1].
+    #[arg(long, value_name = "SHARE", value_parser = limit)]
+    max_lasting: Option<f64>,
     /// Greatest error of a joint, by the width of the narrowest body that has joints [default: 0.05].
     #[arg(long, value_name = "WIDTHS", value_parser = limit)]
     max_opening: Option<f64>,
@@ -125,6 +129,7 @@ impl Conditions {
     pub(crate) fn limits(&self) -> Limits {
         [
             (Measure::Overlap, self.max_overlap),
+            (Measure::Lasting, self.max_lasting),
             (Measure::Opening, self.max_opening),
             (Measure::Gain, self.max_gain),
             (Measure::Lost, self.max_lost),

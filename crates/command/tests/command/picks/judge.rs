@@ -9,6 +9,8 @@ pub(super) struct Seen {
     /// Deepest overlap [m], and as a share of the thinner body's half.
     pub(super) overlap: f64,
     pub(super) overlap_share: f64,
+    /// The same share of overlaps that are there for a tenth of a second.
+    pub(super) lasting: f64,
     /// Widest gap of a joint [m].
     pub(super) opening: f64,
     /// The greatest rise of energy by the difference between its greatest and least value.
@@ -48,6 +50,7 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
     seen.end_speeds = vec![0.0; dynamic.len()];
     seen.narrowest = narrowest(scene);
     let mut energies = vec![world.energy()];
+    let mut shares = Vec::new();
     for step in 0..steps {
         world.step(1.0 / hz as f32).expect("a step");
         energies.push(world.energy());
@@ -63,8 +66,13 @@ pub(super) fn watch(scene: &Scene, settings: &Settings, hz: u32, seconds: f64) -
                 seen.end_speeds[i] += f64::from(speed) / tail as f64;
             }
         }
+        let most = std::mem::take(&mut seen.overlap_share);
         overlaps(scene, &world, &added.bodies, &mut seen);
+        shares.push(seen.overlap_share);
+        seen.overlap_share = seen.overlap_share.max(most);
     }
+    let least = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
+    seen.lasting = shares.windows(hz as usize / 10 + 1).map(least).fold(0.0, f64::max);
     let (mut least, mut rise) = (f64::INFINITY, 0.0_f64);
     for &energy in &energies {
         least = least.min(energy);

@@ -58,23 +58,25 @@ fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
     let fine = Settings::default().with_substeps(4).with_iterations(4);
     let fine = watch(scene, &fine, 480, seconds);
     let picked = &found["picked"];
-    if picked.is_null() {
-        return (format!("{} | {share:.2} | none", scene.name), Vec::new());
-    }
-    let seen = look(picked);
+    // Where nothing is picked, the default is shown.
+    let row = if picked.is_null() { &found["default"] } else { picked };
+    let seen = look(row);
     let fastest = seen.end_speeds.iter().copied().fold(0.0, f64::max);
     let line = format!(
-        "{} | {share:.2} | {} | {:.2} | {:.2e} | {:.3} | {:.2} | {:.4} | {:.3} | {fastest:.3}",
+        "{} | {share:.2} | {}{} | {:.2} | {:.2e} | {:.3} | {:.2} | {:.2} | {:.4} | {:.3} | {fastest:.3}",
         scene.name,
-        picked["name"].as_str().unwrap_or("?"),
-        picked["cost_ratio"].as_f64().unwrap_or(0.0),
-        picked["error"].as_f64().unwrap_or(f64::INFINITY),
+        if picked.is_null() { "none; default " } else { "" },
+        row["name"].as_str().unwrap_or("?"),
+        row["cost_ratio"].as_f64().unwrap_or(0.0),
+        row["error"].as_f64().unwrap_or(f64::INFINITY),
         seen.overlap,
         seen.overlap_share,
+        seen.lasting,
         seen.opening,
         seen.gain,
     );
-    (line, faults(&seen, &fine, driven))
+    let of_default = if picked.is_null() { row["breaks"].to_string() } else { String::new() };
+    (format!("{line} {of_default}"), if picked.is_null() { vec![] } else { faults(&seen, &fine, driven) })
 }
 
 #[test]
