@@ -40,7 +40,7 @@ pub enum Measure {
     Unrest,
     /// How far the statistics of all bodies that move are from those of the reference: their centroid,
     /// spread, height and energy, in the worst quarter of the time. One is a quarter of a body's width, or
-    /// a twentieth of the greatest kinetic energy, beyond three standard deviations of the reference's runs.
+    /// a tenth of the greatest kinetic energy, beyond three standard deviations of the reference's runs.
     Heap,
 }
 
@@ -75,7 +75,7 @@ impl Measure {
     ];
 
     /// As the command line names it.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Measure::Trajectory => "trajectory",
             Measure::Worst => "worst",
@@ -120,10 +120,11 @@ impl Measure {
 pub struct Limits([f64; Measure::CONDITIONS.len()]);
 
 impl Default for Limits {
-    /// Overlaps of the thinner half for an instant and of a tenth of it for longer, joints open by a twentieth of a body's width, a gain of a
-    /// twentieth of the energy, no lost body, speeds of a twentieth, and the heap where it may be.
+    /// Overlaps of the thinner half for an instant and of a tenth of it for longer, joints open by a
+    /// twentieth of a body's width, a gain of a tenth of the energy, no lost body, speeds of a twentieth, and
+    /// the heap where it may be.
     fn default() -> Limits {
-        Limits([1.0, 0.1, 0.05, 0.05, 0.0, 0.05, 1.0])
+        Limits([1.0, 0.1, 0.05, 0.1, 0.0, 0.05, 1.0])
     }
 }
 

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 /// Differences that count as one: a quarter of a body's width,
 const LENGTH: f64 = 0.25;
-/// a twentieth of the greatest kinetic energy,
-const ENERGY: f64 = 0.05;
+/// a tenth of the greatest kinetic energy,
+const ENERGY: f64 = 0.1;
 /// beyond so many standard deviations of the reference's runs.
 const DEVIATIONS: f64 = 3.0;
 /// The heap's height is that above which one body in ten lies.

@@ -110,7 +110,7 @@ pub(crate) struct Conditions {
     /// Greatest error of a joint, by the width of the narrowest body that has joints [default: 0.05].
     #[arg(long, value_name = "WIDTHS", value_parser = limit)]
     max_opening: Option<f64>,
-    /// Greatest gain of energy, by the greatest kinetic energy of the reference [default: 0.05].
+    /// Greatest gain of energy, by the greatest kinetic energy of the reference [default: 0.1].
     #[arg(long, value_name = "SHARE", value_parser = limit)]
     max_gain: Option<f64>,
     /// Bodies that leave the region of the reference [default: 0].

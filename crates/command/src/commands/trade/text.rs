@@ -51,21 +51,16 @@ pub(super) fn about(outcome: &Outcome) -> String {
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = about(outcome) + "\n";
     let row = |note: &str, row: &Row| {
-        let conditions = Measure::CONDITIONS.map(|measure| short(row.errors.of(measure)));
         let notes: Vec<String> =
             [note.to_owned(), breaks(row)].into_iter().filter(|note| !note.is_empty()).collect();
-        let worst = number(Some(row.errors.of(Measure::Worst)).filter(|error| error.is_finite()));
-        [std::slice::from_ref(&row.name), &cells(row)[..], &[worst], &conditions, &[notes.join("; ")]]
-            .concat()
+        [vec![row.name.clone()], cells(row), vec![notes.join("; ")]].concat()
     };
     let front = outcome.front.iter().map(|one| row("", one));
     let excluded = outcome.excluded.iter().map(|one| row("not on the front", one));
     let picked = format!("picked, {}", outcome.rule);
     let picked = outcome.picked.iter().map(|one| row(&picked, one));
     let rows = front.chain(excluded).chain([row("the default setting", &outcome.default)]).chain(picked);
-    let mut headings = vec!["setting", "cost", "relative", "error", "worst body"];
-    headings.extend(Measure::CONDITIONS.map(Measure::name));
-    headings.push("");
+    let headings = [&["setting"], &COLUMNS[..], &[""]].concat();
     text += &table(&headings, 1, rows);
     if !outcome.axes.is_empty() {
         let mut last = "";
@@ -107,14 +102,33 @@ fn short(value: f64) -> String {
     }
 }
 
-/// Cost, relative cost and error of a setting.
-pub(super) fn cells(row: &Row) -> [String; 3] {
+/// Headings of [`cells`].
+pub(super) const COLUMNS: [&str; 11] = [
+    "cost",
+    "relative",
+    "error",
+    Measure::Worst.name(),
+    Measure::Overlap.name(),
+    Measure::Lasting.name(),
+    Measure::Opening.name(),
+    Measure::Gain.name(),
+    Measure::Lost.name(),
+    Measure::Unrest.name(),
+    Measure::Heap.name(),
+];
+
+/// Cost, relative cost, error, that of the worst body, and conditions of a setting.
+pub(super) fn cells(row: &Row) -> Vec<String> {
     let mark = if row.certain || row.error.is_none() { "" } else { "~" };
-    [
+    let of = |measure| Some(row.errors.of(measure)).filter(|error| error.is_finite());
+    let mut cells = vec![
         row.cost_us.map_or("not timed".into(), micros),
         row.cost_ratio.map_or(String::new(), |ratio| format!("{ratio:.2}")),
         format!("{mark}{}", number(row.error)),
-    ]
+        number(of(Measure::Worst)),
+    ];
+    cells.extend(Measure::CONDITIONS.map(|measure| short(row.errors.of(measure))));
+    cells
 }
 
 /// With three digits.

@@ -22,15 +22,15 @@ fn settings(row: &Value) -> (Settings, u32) {
 /// Why a person would not take a run, given what is to be seen in a fine one.
 fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
     let mut faults = Vec::new();
-    let overlap = (1.5 * fine.overlap_share).max(0.25);
-    if seen.overlap_share > overlap {
-        faults
-            .push(format!("overlap of {:.3} m, {:.2} of the thinner half", seen.overlap, seen.overlap_share));
+    let Seen { overlap, overlap_share, lasting, .. } = seen;
+    if *overlap_share > (1.5 * fine.overlap_share).max(1.2) || *lasting > (1.5 * fine.lasting).max(0.2) {
+        let shares = format!("{overlap_share:.2}, for longer {lasting:.2} of the thinner half");
+        faults.push(format!("overlap of {overlap:.3} m, {shares}"));
     }
     if seen.opening > (0.15 * seen.narrowest).max(1.5 * fine.opening) {
         faults.push(format!("joints open by {:.3} m", seen.opening));
     }
-    if !driven && seen.gain > fine.gain + 0.1 {
+    if !driven && seen.gain > fine.gain + 0.15 {
         faults.push(format!("{:.2} of the energy gained", seen.gain));
     }
     let margin = 0.35 * (fine.high - fine.low).length() + 0.5;
