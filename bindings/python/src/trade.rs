@@ -20,8 +20,8 @@ fn measure(
     let frame_rate = grid.frame_rate()?;
     let frames = (seconds * f64::from(frame_rate)).round().clamp(1.0, f64::from(u32::MAX)) as u32;
     let span = Span { frame_rate, frames };
-    let half = Track::of(scene, span, &Cell::reference(reference_hz / 2))?;
-    let reference = Reference::new(Track::of(scene, span, &Cell::reference(reference_hz))?, &half);
+    let members = (0..Track::MEMBERS).map(|member| Track::member(scene, span, reference_hz, member));
+    let reference = Reference::new(members.collect::<Result<_, _>>()?)?;
     let mut rows = Vec::new();
     for cell in grid.cells() {
         let settings = cell.settings(scene);

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod form;
+mod picks;
 mod spared;
 mod stopped;
 mod testbed;

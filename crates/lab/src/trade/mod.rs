@@ -11,8 +11,8 @@
 //! # fn main() -> Result<(), backstop::Error> {
 //! let scene = Standing::Tower(2).scene(1.0, 1000.0);
 //! let span = Span { frame_rate: 30, frames: 15 };
-//! let [fine, half] = [480, 240].map(|hz| Track::of(&scene, span, &Cell::reference(hz)));
-//! let reference = Reference::new(fine?, &half?);
+//! let members = (0..Track::MEMBERS).map(|member| Track::member(&scene, span, 480, member));
+//! let reference = Reference::new(members.collect::<Result<_, _>>()?)?;
 //! let cell = Cell::default();
 //! let errors = reference.measure(&scene, &cell.settings(&scene), cell.world_solver(), cell.hz)?;
 //! assert!(errors.of(Measure::Trajectory) < 1e-3);
@@ -25,10 +25,15 @@ mod clock;
 mod errors;
 mod front;
 mod grid;
+mod heap;
 mod reference;
+mod run;
+mod track;
 
 pub use cell::{Cell, ContinuousChoice, FrictionLaw};
-pub use errors::{Errors, Measure};
+pub use errors::{Errors, Limits, Measure};
 pub use front::{best_within, cheapest_within, front};
 pub use grid::{Axis, Grid};
-pub use reference::{Reference, Span, Track, cost};
+pub use reference::Reference;
+pub use run::{Span, cost};
+pub use track::Track;

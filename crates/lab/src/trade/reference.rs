@@ -1,199 +1,153 @@
 //! A finely resolved run of a scene, and the errors of other runs relative to it.
 
-use super::clock::Clock;
-use super::{Cell, Errors, Measure};
+use super::heap::Heap;
+use super::run::{Frame, Run};
+use super::track::{Track, lasting, rise, window};
+use super::{Errors, Measure};
 use crate::{LabWorld, WorldSolver};
-use backstop::BodyHandle;
-use backstop::BodyKind;
 use backstop::Error;
 use backstop::Settings;
-use backstop::World;
-use backstop::observe::BodyState;
 use backstop_scene::Scene;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
+use std::ops::Range;
 
-/// Mean distance of bodies between the two finest runs, in widths of a body, up to which trajectories are
-/// compared: beyond it the chaos of the scene would be measured.
-const PARTED: f64 = 0.01;
+/// Distance of a body between runs of the reference, in its width, up to which its path is compared: beyond
+/// it the chaos of the scene would be measured.
+const PARTED: f64 = 0.05;
 
 /// Errors below this are meaningless, whatever the unit: velocities have the seven digits of `f32`.
 const ROUNDING: f64 = f32::EPSILON as f64;
 
-/// The time that is simulated, in frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
-    /// Frames per second: times at which runs are compared.
-    pub frame_rate: u32,
-    /// Number of frames.
-    pub frames: u32,
-}
+/// Bodies of the reference whose mean speed in the last frames is no greater, by [`super::run::pace`], rest.
+const RESTS: f64 = 0.01;
 
-impl Span {
-    /// The whole time [s].
-    pub fn seconds(&self) -> f64 {
-        f64::from(self.frames) / f64::from(self.frame_rate)
-    }
-}
+/// Beyond the region of the reference no body is lost within this share of its diagonal and so many widths of
+/// the widest body; below it, within one width.
+const MARGIN: (f64, f64) = (0.25, 2.0);
 
-/// A scene in a world, step by step.
-struct Run {
-    world: World,
-    dynamic: Vec<BodyHandle>,
-    dt: f32,
-    steps_per_frame: u32,
-}
-
-impl Run {
-    fn start(
-        scene: &Scene,
-        how: (&Settings, Option<WorldSolver>),
-        hz: u32,
-        span: Span,
-    ) -> Result<Run, Error> {
-        if hz == 0 || span.frame_rate == 0 || !hz.is_multiple_of(span.frame_rate) {
-            let expected = "a multiple of the frame rate";
-            return Err(Error::OutOfRange { what: "steps per second", expected, value: hz.into() });
-        }
-        let mut world = World::new(how.0.clone())?;
-        world.solve_with(how.1);
-        let handles = scene.add_to(&mut world)?.bodies;
-        let mut dynamic = Vec::new();
-        for handle in handles {
-            if world.kind(handle)? == BodyKind::Dynamic {
-                dynamic.push(handle);
-            }
-        }
-        Ok(Run { world, dynamic, dt: 1.0 / hz as f32, steps_per_frame: hz / span.frame_rate })
-    }
-
-    /// Where bodies are: centres of mass and rotations.
-    fn poses(&self) -> Result<Vec<(DVec3, DQuat)>, Error> {
-        let world = &self.world;
-        let pose = |&body: &BodyHandle| {
-            Ok((world.centre_of_mass(body)?, world.rotation(body)?.as_dquat().normalize()))
-        };
-        self.dynamic.iter().map(pose).collect()
-    }
-
-    fn states(&self) -> Result<Vec<BodyState>, Error> {
-        self.dynamic.iter().map(|&body| BodyState::of(&self.world, body)).collect()
-    }
-
-    /// Kinetic energy of all dynamic bodies [J].
-    fn kinetic_energy(&self) -> Result<f64, Error> {
-        Ok(self.states()?.iter().map(BodyState::kinetic_energy).sum())
-    }
-}
-
-/// The width of a body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6. It
-/// needs no shape, and a ball counts as 0.77 of its diameter.
-fn width(body: &BodyState) -> f64 {
-    let width = (6.0 * body.inertia.element_sum() / 3.0 / body.mass).sqrt();
-    // Bodies that have no extent or can't rotate count as one metre wide.
-    if width.is_finite() && width > 0.0 { width } else { 1.0 }
-}
-
-/// Where the bodies of a scene are, frame by frame.
-#[derive(Clone, Debug)]
-pub struct Track {
-    span: Span,
-    frames: Vec<Frame>,
-    widths: Vec<f64>,
-    /// The energy that differences are relative to [J].
-    scale: f64,
-    hash: u64,
-}
-
-#[derive(Clone, Debug)]
-struct Frame {
-    poses: Vec<(DVec3, DQuat)>,
-    energy: f64,
-}
-
-impl Track {
-    /// Runs a scene. Sleeping is off: a slow body that fell asleep would count as exact.
-    ///
-    /// # Errors
-    /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame
-    /// rate.
-    pub fn of(scene: &Scene, span: Span, cell: &Cell) -> Result<Track, Error> {
-        let mut run = Run::start(scene, (&cell.settings(scene), cell.world_solver()), cell.hz, span)?;
-        let states = run.states()?;
-        let widths: Vec<f64> = states.iter().map(width).collect();
-        let mut kinetic = run.kinetic_energy()?;
-        let mut frames = Vec::with_capacity(span.frames as usize);
-        for _ in 0..span.frames {
-            for _ in 0..run.steps_per_frame {
-                run.world.step(run.dt)?;
-            }
-            kinetic = kinetic.max(run.kinetic_energy()?);
-            frames.push(Frame { poses: run.poses()?, energy: run.world.energy() });
-        }
-        // If nothing moves, the energy that would lift every body by its width.
-        let gravity = f64::from(scene.gravity.length());
-        let lift: f64 = states.iter().zip(&widths).map(|(body, width)| body.mass * gravity * width).sum();
-        let scale = kinetic.max(lift).max(f64::MIN_POSITIVE);
-        Ok(Track { span, frames, widths, scale, hash: run.world.state_hash() })
-    }
-
-    /// Hash of all poses and velocities at the end. It differs if any bit differs, so it tells versions of
-    /// scene and engine apart.
-    pub fn hash(&self) -> u64 {
-        self.hash
-    }
-
-    /// The mean distance of centres [widths] and the mean angle [rad] between bodies and those of a frame.
-    fn difference(&self, frame: usize, poses: &[(DVec3, DQuat)]) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for (((centre, rotation), (own, turned)), width) in
-            poses.iter().zip(&self.frames[frame].poses).zip(&self.widths)
-        {
-            let between = turned.conjugate() * *rotation;
-            sum[0] += (*centre - *own).length() / width;
-            sum[1] += 2.0 * libm::atan2(between.xyz().length(), between.w.abs());
-        }
-        sum.map(|sum| sum / poses.len().max(1) as f64)
-    }
-
-    /// The difference of energy from that of a frame, relative to the greatest kinetic energy.
-    fn energy_difference(&self, frame: usize, energy: f64) -> f64 {
-        (energy - self.frames[frame].energy).abs() / self.scale
-    }
-}
-
-/// The finest run of a scene, how certain it is, and up to when trajectories can be compared with it.
+/// Runs of a scene that are as fine as can be, how certain they are, and what of them other runs can be
+/// compared with.
 #[derive(Clone, Debug)]
 pub struct Reference {
     fine: Track,
-    horizon: usize,
+    /// The frames in which each body's path is compared: from its first motion until it parts.
+    compared: Vec<Range<usize>>,
+    /// Whether each body moves.
+    moves: Vec<bool>,
+    /// Whether it rests in the end, in all runs.
+    rests: Vec<bool>,
+    share: f64,
+    heap: Heap,
+    region: Region,
+    /// The greatest rise of energy that a run of the reference has, and how much runs differ in it [J].
+    rise: f64,
     uncertainty: Errors,
 }
 
-impl Reference {
-    /// A reference from the finest run and another of half the resolution, of the same scene and span.
-    pub fn new(fine: Track, half: &Track) -> Reference {
-        let frames = fine.frames.len().min(half.frames.len());
-        let apart: Vec<[f64; 2]> = (0..frames).map(|i| fine.difference(i, &half.frames[i].poses)).collect();
-        let horizon = apart.iter().take_while(|apart| apart[0] <= PARTED).count().max(1).min(frames);
-        let energy = (0..frames).map(|i| fine.energy_difference(i, half.frames[i].energy)).sum::<f64>();
-        let mut values = [ROUNDING; Measure::ALL.len()];
-        for (measure, apart) in [
-            (Measure::Trajectory, mean(&apart[..horizon], 0)),
-            (Measure::Rotation, mean(&apart[..horizon], 1)),
-            (Measure::Energy, energy / frames.max(1) as f64),
-        ] {
-            // Not `max`, which would hide NaN.
-            if apart > ROUNDING || apart.is_nan() {
-                values[measure as usize] = apart;
+/// A box about all places of bodies of all runs, and what is above.
+#[derive(Clone, Copy, Debug)]
+struct Region {
+    low: DVec3,
+    high: DVec3,
+    up: DVec3,
+    floor: f64,
+}
+
+impl Region {
+    fn of(members: &[Track]) -> Region {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (mut floor, mut widest, mut up) = (f64::INFINITY, 0.0_f64, DVec3::Y);
+        for member in members {
+            up = member.up.as_dvec3();
+            widest = member.widths.iter().copied().fold(widest, f64::max);
+            for (at, _) in member.frames.iter().flat_map(|frame| &frame.poses) {
+                (low, high, floor) = (low.min(*at), high.max(*at), floor.min(at.dot(up)));
             }
         }
-        Reference { fine, horizon, uncertainty: Errors::new(values) }
+        let margin = DVec3::splat(MARGIN.0 * (high - low).length() + MARGIN.1 * widest);
+        Region { low: low - margin, high: high + margin, up, floor: floor - widest }
     }
 
-    /// The time up to which the two finest runs agree to a hundredth of a body's width, in the mean over
-    /// bodies [s].
-    pub fn horizon(&self) -> f64 {
-        self.horizon as f64 / f64::from(self.fine.span.frame_rate)
+    fn has(&self, at: DVec3) -> bool {
+        at.cmpge(self.low).all() && at.cmple(self.high).all() && at.dot(self.up) >= self.floor
+    }
+}
+
+impl Reference {
+    /// A reference from the runs of [`Track::member`], in their order, of the same scene and span.
+    ///
+    /// # Errors
+    /// If there are less than two.
+    pub fn new(members: Vec<Track>) -> Result<Reference, Error> {
+        let [fine, half, ..] = &members[..] else {
+            return Err(Error::Incomplete { what: "a reference", expected: "two runs at least" });
+        };
+        let (bodies, end) = (fine.widths.len(), fine.frames.len());
+        let first: Vec<usize> = fine.first_moves();
+        let moves: Vec<bool> = first.iter().map(|&first| first < end).collect();
+        // If nothing moves, all bodies are compared.
+        let all_rest = !moves.contains(&true);
+        let compared: Vec<Range<usize>> = (0..bodies)
+            .map(|body| {
+                let start = if moves[body] { first[body].max(1) } else { 1 };
+                start..parting(&members, body).max(start + 1).min(end)
+            })
+            .collect();
+        let told = |body: &usize| all_rest || moves[*body];
+        let count =
+            |of: &dyn Fn(usize) -> usize| (0..bodies).filter(told).map(of).sum::<usize>().max(1) as f64;
+        let share = count(&|body| compared[body].len()) / count(&|body| end - compared[body].start);
+        let firsts: Vec<Vec<usize>> = members.iter().map(Track::first_moves).collect();
+        let crowd = |body: &usize| firsts.iter().any(|first| all_rest || first[*body] < end);
+        let heap = Heap::new(&members, (0..bodies).filter(crowd).collect());
+        let rests =
+            (0..bodies).map(|body| members.iter().all(|member| member.end_speed(body) <= RESTS)).collect();
+        let rises: Vec<f64> = members.iter().map(Track::rise).collect();
+        let most = rises.iter().copied().fold(0.0, f64::max);
+        let rise = 2.0 * most - rises.iter().copied().fold(most, f64::min);
+        let region = Region::of(&members);
+        let flaws = half.flaws;
+        let half = half.clone();
+        let fine = members.into_iter().next().unwrap_or_else(|| half.clone());
+        let uncertainty = Errors::new([ROUNDING; Measure::ALL.len()]);
+        let mut reference =
+            Reference { fine, compared, moves, rests, share, heap, region, rise, uncertainty };
+        reference.uncertainty = reference.certain_to(&half, flaws);
+        Ok(reference)
+    }
+
+    /// The errors of the run of half the resolution.
+    fn certain_to(&self, half: &Track, flaws: [f64; 3]) -> Errors {
+        let mut paths = Paths::new(self);
+        let mut energy = 0.0;
+        for (at, frame) in half.frames.iter().enumerate().skip(1) {
+            paths.take(at, frame);
+            energy += (frame.energy - self.fine.frames[at].energy).abs() / self.fine.scale;
+        }
+        let [trajectory, worst, rotation] = paths.errors();
+        let mut values = [ROUNDING; Measure::ALL.len()];
+        for (measure, value) in [
+            (Measure::Trajectory, trajectory),
+            (Measure::Worst, worst),
+            (Measure::Rotation, rotation),
+            (Measure::Energy, energy / (half.frames.len() - 1).max(1) as f64),
+            (Measure::Overlap, flaws[0]),
+            (Measure::Lasting, flaws[1]),
+            (Measure::Opening, flaws[2]),
+        ] {
+            // Not `max`, which would hide NaN.
+            if value > ROUNDING || value.is_nan() {
+                values[measure as usize] = value;
+            }
+        }
+        Errors::new(values)
+    }
+
+    /// The share of the run in which paths are compared: of all frames of all bodies, from the first motion
+    /// of each to the end, those before its paths in the runs of the reference differ by a twentieth of its
+    /// width.
+    pub fn share(&self) -> f64 {
+        self.share
     }
 
     /// The errors of the run of half the resolution, or rounding if that is more: errors below these are
@@ -204,7 +158,7 @@ impl Reference {
 
     /// Hash of the finest run, see [`Track::hash`].
     pub fn hash(&self) -> u64 {
-        self.fine.hash
+        self.fine.hash()
     }
 
     /// Runs the scene with other settings and `hz` steps per second, and returns the errors of the run.
@@ -218,60 +172,131 @@ impl Reference {
         solver: Option<WorldSolver>,
         hz: u32,
     ) -> Result<Errors, Error> {
-        let span = self.fine.span;
+        let (span, fine) = (self.fine.span, &self.fine);
         let mut run = Run::start(scene, (settings, solver), hz, span)?;
+        let joined = run.narrowest_joined(&fine.widths)?;
         run.world.measure_accuracy(true);
-        let (mut apart, mut energy) = (Vec::with_capacity(self.horizon), 0.0);
-        let (mut penetration, mut residual, mut joint) = (0.0_f64, 0.0, 0.0_f64);
-        for frame in 0..span.frames as usize {
+        let mut worst = Worst::default();
+        let (mut paths, mut energies) = (Paths::new(self), vec![fine.frames[0].energy]);
+        let (mut heap, mut lost) = (Vec::new(), vec![false; fine.widths.len()]);
+        let mut end_speeds = vec![0.0; fine.widths.len()];
+        let tail = span.tail();
+        for at in 1..=span.frames as usize {
             for _ in 0..run.steps_per_frame {
                 run.world.step(run.dt)?;
-                let Some(accuracy) = run.world.accuracy() else { continue };
-                penetration = penetration.max(accuracy.whole.penetration);
-                joint = joint.max(accuracy.whole.joint_length);
-                residual += accuracy.whole.residual.worst;
+                if let Some(accuracy) = run.world.accuracy() {
+                    worst.take(&accuracy.whole);
+                }
             }
-            let poses = run.poses()?;
-            if !poses.iter().all(|(centre, rotation)| centre.is_finite() && rotation.is_finite()) {
+            let frame = run.frame(&fine.widths)?;
+            if !frame.is_finite() {
                 return Ok(Errors::LOST);
             }
-            if frame < self.horizon {
-                apart.push(self.fine.difference(frame, &poses));
+            paths.take(at, &frame);
+            heap.push(self.heap.difference(at - 1, &frame));
+            for (body, (at, _)) in frame.poses.iter().enumerate() {
+                lost[body] |= !self.region.has(*at);
             }
-            energy += self.fine.energy_difference(frame, run.world.energy());
+            if tail.contains(&(at - 1)) {
+                let share = 1.0 / tail.len() as f64;
+                end_speeds.iter_mut().zip(&frame.speeds).for_each(|(sum, speed)| *sum += share * speed);
+            }
+            energies.push(frame.energy);
         }
-        let steps = f64::from(span.frames.max(1)) * f64::from(run.steps_per_frame);
+        let energy = |(own, frame): (&f64, &Frame)| (own - frame.energy).abs() / fine.scale;
+        let energy = energies.iter().zip(&fine.frames).skip(1).map(energy).sum::<f64>();
+        let unrest = (0..end_speeds.len()).filter(|&body| self.rests[body]);
+        let unrest = unrest.map(|body| end_speeds[body] / fine.paces[body]).fold(0.0, f64::max);
+        let [trajectory, worst_body, rotation] = paths.errors();
         Ok(Errors::new([
-            mean(&apart, 0),
-            mean(&apart, 1),
-            penetration,
-            residual / steps,
-            joint,
+            trajectory,
+            worst_body,
+            rotation,
+            worst.penetration,
+            worst.residual / (f64::from(span.frames.max(1)) * f64::from(run.steps_per_frame)),
+            worst.joint,
             energy / f64::from(span.frames.max(1)),
+            lasting(&worst.overlaps, 1),
+            lasting(&worst.overlaps, window(hz)),
+            worst.joint / joined,
+            (rise(energies.into_iter()) - self.rise).max(0.0) / fine.scale,
+            lost.iter().filter(|&&lost| lost).count() as f64,
+            unrest,
+            Heap::error(&heap),
         ]))
     }
 }
 
-fn mean(values: &[[f64; 2]], of: usize) -> f64 {
-    values.iter().map(|value| value[of]).sum::<f64>() / values.len().max(1) as f64
+/// The first frame in which a body's path in some run of the reference differs from that of the run which it
+/// is to be equal to: half the resolution from the finest, and perturbed ones from that.
+fn parting(members: &[Track], body: usize) -> usize {
+    let [fine, half, others @ ..] = members else { return 0 };
+    let width = fine.widths[body];
+    let near = |at: usize| {
+        let of =
+            |one: &Track, other: &Track| one.frames[at].apart(&other.frames[at], body, width)[0] <= PARTED;
+        of(half, fine) && others.iter().all(|other| of(other, half))
+    };
+    (0..fine.frames.len()).find(|&at| !near(at)).unwrap_or(fine.frames.len())
 }
 
-/// Runs the scene without measuring errors, and returns the time that a simulated sixtieth of a second took
-/// [us]: processor time of the thread if the system provides it, else wall time.
-///
-/// # Errors
-/// As of [`Reference::measure`].
-pub fn cost(
-    scene: &Scene,
-    settings: &Settings,
-    solver: Option<WorldSolver>,
-    hz: u32,
-    span: Span,
-) -> Result<f64, Error> {
-    let mut run = Run::start(scene, (settings, solver), hz, span)?;
-    let clock = Clock::start();
-    for _ in 0..u64::from(span.frames) * u64::from(run.steps_per_frame) {
-        run.world.step(run.dt)?;
+/// The worst values of all steps.
+#[derive(Default)]
+struct Worst {
+    penetration: f64,
+    /// Of each step.
+    overlaps: Vec<f64>,
+    joint: f64,
+    /// A sum.
+    residual: f64,
+}
+
+impl Worst {
+    fn take(&mut self, measures: &crate::Measures) {
+        self.penetration = self.penetration.max(measures.penetration);
+        self.overlaps.push(measures.penetration_share);
+        self.joint = self.joint.max(measures.joint_length);
+        self.residual += measures.residual.worst;
     }
-    Ok(clock.stop() / (60.0 * span.seconds()))
+}
+
+/// Differences of paths from the finest run.
+struct Paths<'a> {
+    reference: &'a Reference,
+    /// Of each body: distances and angles.
+    sums: Vec<[f64; 2]>,
+}
+
+impl Paths<'_> {
+    fn new(reference: &Reference) -> Paths<'_> {
+        Paths { reference, sums: vec![[0.0; 2]; reference.compared.len()] }
+    }
+
+    fn take(&mut self, at: usize, frame: &Frame) {
+        let Reference { fine, compared, .. } = self.reference;
+        for (body, sum) in self.sums.iter_mut().enumerate() {
+            if compared[body].contains(&at) {
+                let [distance, angle] = frame.apart(&fine.frames[at], body, fine.widths[body]);
+                sum[0] += distance;
+                sum[1] += angle;
+            }
+        }
+    }
+
+    /// The mean distance of bodies that move, that of the worst body, moving or not, and the mean angle.
+    fn errors(&self) -> [f64; 3] {
+        let Reference { compared, moves, .. } = self.reference;
+        let all_rest = !moves.contains(&true);
+        let (mut mean, mut worst, mut frames) = ([0.0; 2], 0.0_f64, 0);
+        for (body, sum) in self.sums.iter().enumerate() {
+            let own = compared[body].len();
+            if moves[body] || all_rest {
+                mean = [mean[0] + sum[0], mean[1] + sum[1]];
+                frames += own;
+            }
+            worst = worst.max(sum[0] / own.max(1) as f64);
+        }
+        let frames = frames.max(1) as f64;
+        [mean[0] / frames, worst, mean[1] / frames]
+    }
 }

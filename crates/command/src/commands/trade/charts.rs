@@ -54,8 +54,14 @@ fn power(exponent: f64) -> f64 {
 pub(super) fn front(area: &Area<'_>, outcome: &Outcome) -> Drawn {
     let mut chart = log_frame!(area, outcome, "Error over time");
     let place = |row: &Row| point(row, outcome.certain_to);
+    let (kept, broken): (Vec<&Row>, Vec<&Row>) = outcome.cells.iter().partition(|row| row.breaks.is_empty());
+    let places = |rows: Vec<&Row>| -> Vec<_> { rows.into_iter().filter_map(place).collect() };
     chart
-        .draw_series(outcome.cells.iter().filter_map(place).map(|at| Circle::new(at, 2, PALE.filled())))?
+        .draw_series(places(broken).into_iter().map(|at| Cross::new(at, 3, RED.stroke_width(1))))?
+        .label("breaks a condition")
+        .legend(|(x, y)| Cross::new((x + 8, y), 3, RED.stroke_width(1)));
+    chart
+        .draw_series(places(kept).into_iter().map(|at| Circle::new(at, 2, PALE.filled())))?
         .label("a setting")
         .legend(|(x, y)| Circle::new((x + 8, y), 3, PALE.filled()));
     chart
@@ -84,7 +90,7 @@ pub(super) fn front(area: &Area<'_>, outcome: &Outcome) -> Drawn {
 pub(super) fn axis(area: &Area<'_>, outcome: &Outcome, at: usize, axis: Axis, values: &[&str]) -> Drawn {
     let mut chart = log_frame!(area, outcome, format!("Error over time, by {}", axis.name()));
     let lines = values.iter().take(MAX_LINES).zip(COLOURS).map(|(value, colour)| {
-        let has = |row: &&Row| row.axes.get(at).is_some_and(|own| own == value);
+        let has = |row: &&Row| row.breaks.is_empty() && row.axes.get(at).is_some_and(|own| own == value);
         let points: Vec<(f64, f64)> =
             outcome.cells.iter().filter(has).filter_map(|row| point(row, outcome.certain_to)).collect();
         let pairs: Vec<[f64; 2]> = points.iter().map(|&(x, y)| [x, y]).collect();

@@ -5,13 +5,14 @@ use anyhow::{Context, bail};
 use backstop_lab::trade::{Errors, Grid, Measure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
 /// How lines of results begin.
 pub(super) const STARTS: [&str; 2] = ["{\"trade\":", "{\"cell\":"];
 /// Version of the format.
-pub(super) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 2;
 
 /// Identifies a sweep: results belong together if all of it is equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,8 +27,8 @@ pub(super) struct Header {
     pub(super) reference_hz: u32,
     /// Tells versions of the scene and of the engine apart.
     pub(super) reference_hash: String,
-    /// The reference's horizon [s].
-    pub(super) horizon: f64,
+    /// The share of the run in which paths are compared.
+    pub(super) share: f64,
     pub(super) uncertainty: Figures,
     /// None if a single file of settings was measured.
     pub(super) grid: Option<Grid>,
@@ -58,41 +59,20 @@ impl Header {
 
 /// [`Errors`] as a file has them: JSON has no infinity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Figures {
-    trajectory: Option<f64>,
-    rotation: Option<f64>,
-    penetration: Option<f64>,
-    residual: Option<f64>,
-    joint: Option<f64>,
-    energy: Option<f64>,
-}
+#[serde(transparent)]
+pub(super) struct Figures(BTreeMap<Measure, Option<f64>>);
 
 impl Figures {
     /// Infinite if there is none.
     pub(super) fn of(&self, measure: Measure) -> f64 {
-        let figure = match measure {
-            Measure::Trajectory => self.trajectory,
-            Measure::Rotation => self.rotation,
-            Measure::Penetration => self.penetration,
-            Measure::Residual => self.residual,
-            Measure::Joint => self.joint,
-            Measure::Energy => self.energy,
-        };
-        figure.unwrap_or(f64::INFINITY)
+        self.0.get(&measure).copied().flatten().unwrap_or(f64::INFINITY)
     }
 }
 
 impl From<&Errors> for Figures {
     fn from(errors: &Errors) -> Figures {
-        let of = |measure| Some(errors.of(measure)).filter(|error| error.is_finite());
-        Figures {
-            trajectory: of(Measure::Trajectory),
-            rotation: of(Measure::Rotation),
-            penetration: of(Measure::Penetration),
-            residual: of(Measure::Residual),
-            joint: of(Measure::Joint),
-            energy: of(Measure::Energy),
-        }
+        let of = |measure| (measure, Some(errors.of(measure)).filter(|error| error.is_finite()));
+        Figures(Measure::ALL.into_iter().map(of).collect())
     }
 }
 

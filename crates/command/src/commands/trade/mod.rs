@@ -95,6 +95,9 @@ fn finish(options: &TradeOptions, outcome: &Outcome) -> anyhow::Result<()> {
     if let Some(folder) = &options.report {
         page::write(folder, outcome)?;
     }
+    if let Some(warning) = outcome.warning.as_ref().filter(|_| !options.common.quiet) {
+        eprintln!("warning: {warning}");
+    }
     if let Some(most) = options.max_error.filter(|&most| most < outcome.certain_to && !options.common.quiet) {
         eprintln!(
             "note: the reference itself is certain to {} {} only, not {most}",
@@ -106,7 +109,7 @@ fn finish(options: &TradeOptions, outcome: &Outcome) -> anyhow::Result<()> {
     if !asked {
         return Ok(());
     }
-    let picked = outcome.expect_pick()?;
+    let picked = outcome.expect_pick(options.max_error.is_some())?;
     if let Some(path) = &options.out {
         let error = text::number(picked.error);
         let about = format!(

@@ -2,7 +2,7 @@
 
 use crate::args::{CommonOptions, positive, threads};
 use backstop_lab::WorldMethod;
-use backstop_lab::trade::{ContinuousChoice, FrictionLaw, Grid, Measure};
+use backstop_lab::trade::{ContinuousChoice, FrictionLaw, Grid, Limits, Measure};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ pub(crate) struct TradeOptions {
     /// A scene, as for `run`.
     #[arg(value_name = "FILE", required_unless_present = "merge")]
     pub(crate) scene: Option<String>,
-    /// By what settings are judged: trajectory [body widths], rotation [rad], penetration [m], residual
-    /// [m/s], joint [m] or energy [of the kinetic energy] (docs/trade.md).
+    /// By what settings are judged: trajectory or worst [body widths], rotation [rad], penetration [m],
+    /// residual [m/s], joint [m], energy [of the kinetic energy], heap, or another condition (docs/trade.md).
     #[arg(long, value_name = "NAME", default_value = "trajectory", value_parser = measure)]
     pub(crate) error: Measure,
     /// Pick the cheapest setting whose error is no greater, in the error's unit [default: the error of the
@@ -22,6 +22,8 @@ pub(crate) struct TradeOptions {
     /// Pick the most accurate setting that takes no more than this for 1/60 s [us].
     #[arg(long, value_name = "US", value_parser = error, conflicts_with = "max_error")]
     pub(crate) budget_us: Option<f64>,
+    #[command(flatten)]
+    pub(crate) conditions: Conditions,
     /// Seconds that are simulated [default: 4, with --quick 2].
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) seconds: Option<f32>,
@@ -94,6 +96,52 @@ pub(crate) struct TradeOptions {
     pub(crate) common: CommonOptions,
 }
 
+/// What a setting has to keep to be picked, whatever it is picked by.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Conditions of a pick")]
+pub(crate) struct Conditions {
+    /// Deepest overlap of an instant, as a share of the thinner shape from its middle to its surface
+    /// [default: 1].
+    #[arg(long, value_name = "SHARE", value_parser = limit)]
+    max_overlap: Option<f64>,
+    /// Deepest overlap that lasts a tenth of a second, as such a share [default: 0.1].
+    #[arg(long, value_name = "SHARE", value_parser = limit)]
+    max_lasting: Option<f64>,
+    /// Greatest error of a joint, by the width of the narrowest body that has joints [default: 0.05].
+    #[arg(long, value_name = "WIDTHS", value_parser = limit)]
+    max_opening: Option<f64>,
+    /// Greatest gain of energy, by the greatest kinetic energy of the reference [default: 0.1].
+    #[arg(long, value_name = "SHARE", value_parser = limit)]
+    max_gain: Option<f64>,
+    /// Bodies that leave the region of the reference [default: 0].
+    #[arg(long, value_name = "N", value_parser = limit)]
+    max_lost: Option<f64>,
+    /// Speed in the end of bodies that rest in the reference, by the square root of gravity times width
+    /// [default: 0.05].
+    #[arg(long, value_name = "SHARE", value_parser = limit)]
+    max_unrest: Option<f64>,
+    /// Difference of the statistics of all bodies from the reference's [default: 1].
+    #[arg(long, value_name = "X", value_parser = limit)]
+    max_heap: Option<f64>,
+}
+
+impl Conditions {
+    pub(crate) fn limits(&self) -> Limits {
+        [
+            (Measure::Overlap, self.max_overlap),
+            (Measure::Lasting, self.max_lasting),
+            (Measure::Opening, self.max_opening),
+            (Measure::Gain, self.max_gain),
+            (Measure::Lost, self.max_lost),
+            (Measure::Unrest, self.max_unrest),
+            (Measure::Heap, self.max_heap),
+        ]
+        .into_iter()
+        .filter_map(|(measure, limit)| Some((measure, limit?)))
+        .fold(Limits::default(), |limits, (measure, limit)| limits.with(measure, limit))
+    }
+}
+
 /// Yes or no, in the words of its axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Switch(bool);
@@ -154,6 +202,11 @@ fn instead<T: Clone>(axis: &mut Vec<T>, given: &[T]) {
 fn error(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
     value.ok_or_else(|| "must be a number above 0".into())
+}
+
+fn limit(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|x: &f64| *x >= 0.0 && x.is_finite());
+    value.ok_or_else(|| "must be a number, at least 0".into())
 }
 
 /// The item with this name.

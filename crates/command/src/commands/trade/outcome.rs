@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use backstop_lab::trade::{Axis, Cell, Measure, best_within, cheapest_within, front};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
@@ -18,8 +19,15 @@ pub(super) struct Outcome {
     pub(super) unit: &'static str,
     /// The error of the reference [unit].
     pub(super) certain_to: f64,
+    /// The greatest value of each condition.
+    pub(super) limits: BTreeMap<Measure, f64>,
+    /// What the reader is told first, if paths are compared for less than half of the run.
+    pub(super) warning: Option<String>,
     pub(super) default: Row,
+    /// Of the settings that keep all conditions.
     pub(super) front: Vec<Row>,
+    /// Those that would be on the front if there were no conditions.
+    pub(super) excluded: Vec<Row>,
     pub(super) picked: Option<Row>,
     /// The rule by which it was picked, in words.
     pub(super) rule: String,
@@ -41,6 +49,8 @@ pub(super) struct Row {
     /// Whether the error is above that of the reference itself.
     pub(super) certain: bool,
     pub(super) errors: Figures,
+    /// The conditions that it breaks.
+    pub(super) breaks: Vec<Measure>,
     #[serde(skip)]
     pub(super) axes: Vec<String>,
 }
@@ -86,17 +96,17 @@ impl Outcome {
         let default_us = median(results.timed.iter().flatten().map(|timed| timed.default_us).collect());
         let mut cells = Vec::with_capacity(candidates.len());
         let mut missing = Vec::new();
+        let limits = options.conditions.limits().all(|measure| header.uncertainty.of(measure));
         for (cell, candidate) in candidates.iter().enumerate() {
             match &results.measured[cell] {
-                Some(errors) => cells.push(row(
-                    cell,
-                    candidate,
-                    errors,
-                    &results.timed[cell],
-                    default_us,
-                    measure,
-                    certain_to,
-                )?),
+                Some(errors) => {
+                    let mut row = row(cell, candidate, errors, &results.timed[cell], default_us)?;
+                    row.error = Some(errors.of(measure)).filter(|error| error.is_finite());
+                    row.certain = row.error.is_some_and(|error| error > certain_to);
+                    row.breaks =
+                        limits.iter().filter(|(of, most)| errors.of(*of) > *most).map(|l| l.0).collect();
+                    cells.push(row);
+                }
                 None => missing.push(cell),
             }
         }
@@ -104,34 +114,48 @@ impl Outcome {
             bail!("{} of {} cells are missing, {first} the first of them", missing.len(), candidates.len());
         }
         // Errors below that of the reference count as equal.
-        let points: Vec<[f64; 2]> =
+        let every: Vec<[f64; 2]> =
             cells.iter().map(|row| [row.cost(), row.error().max(certain_to)]).collect();
-        let raw: Vec<[f64; 2]> = cells.iter().map(|row| [row.cost(), row.error()]).collect();
+        // A setting that breaks a condition is on no front and is not picked: its error is infinite.
+        let keeps = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+            let kept = |([cost, error], row): ([f64; 2], &Row)| {
+                [cost, if row.breaks.is_empty() { error } else { f64::INFINITY }]
+            };
+            points.into_iter().zip(&cells).map(kept).collect()
+        };
+        let points = keeps(every.clone());
+        let raw = keeps(cells.iter().map(|row| [row.cost(), row.error()]).collect());
         let on_front = front(&points);
+        let warning = warning(header.share, measure);
         let (picked, rule) = match (options.max_error, options.budget_us, default_us) {
-            (Some(most), ..) => (
-                cheapest_within(&raw, most),
-                format!("the cheapest with an error of {most} {} at most", measure.unit()),
-            ),
+            (Some(most), ..) => {
+                let rule = format!("the cheapest with an error of {most} {} at most", measure.unit());
+                // What the error says nothing about can't be within it.
+                (if warning.is_some() { None } else { cheapest_within(&raw, most) }, rule)
+            }
             (None, Some(budget), Some(us)) => {
                 (best_within(&points, budget / us), format!("the most accurate within {budget} us"))
             }
             (None, Some(_), None) => (None, "nothing was timed".into()),
             (None, None, _) => (
-                cheapest_within(&points, points[0][1]),
+                cheapest_within(&points, every[0][1]),
                 "the cheapest that is as accurate as the default".into(),
             ),
         };
-        let bound = picked.map_or(points[0][1], |picked| raw[picked][1].max(certain_to));
+        let bound = picked.map_or(every[0][1], |picked| raw[picked][1].max(certain_to));
         let axes = axes(&cells, &points, &on_front, bound);
         let row = |cell: usize| cells[cell].clone();
+        let excluded = front(&every).into_iter().filter(|&cell| !cells[cell].breaks.is_empty());
         Ok(Outcome {
             seconds: header.seconds(),
             header,
             error: measure,
             unit: measure.unit(),
             certain_to,
+            limits: limits.into_iter().collect(),
+            warning,
             default: row(0),
+            excluded: excluded.map(row).collect(),
             front: on_front.into_iter().map(row).collect(),
             picked: picked.map(row),
             rule,
@@ -141,14 +165,33 @@ impl Outcome {
     }
 
     /// Why nothing was picked.
-    pub(super) fn expect_pick(&self) -> anyhow::Result<&Row> {
-        let best = self.front.last().map_or(String::new(), |best| {
-            format!("; the most accurate has {:.3e} {} ({})", best.error(), self.unit, best.name)
-        });
+    pub(super) fn expect_pick(&self, max_error: bool) -> anyhow::Result<&Row> {
+        if let Some(warning) = self.warning.as_ref().filter(|_| max_error) {
+            bail!("no setting is {}: {warning}", self.rule);
+        }
+        let best = self.front.last().map_or_else(
+            || "; none keeps all conditions".into(),
+            |best| format!("; the most accurate has {:.3e} {} ({})", best.error(), self.unit, best.name),
+        );
         let cheapest = self.front.first().and_then(|first| first.cost_us);
         let cheapest = cheapest.map_or(String::new(), |us| format!(", the cheapest takes {us:.1} us"));
         self.picked.as_ref().with_context(|| format!("no setting is {}{best}{cheapest}", self.rule))
     }
+}
+
+/// The share of the run of which paths have to be compared, for their errors to say something about it.
+const ENOUGH: f64 = 0.5;
+
+/// What to say if paths tell too little.
+fn warning(share: f64, measure: Measure) -> Option<String> {
+    (share < ENOUGH && measure.of_paths()).then(|| {
+        format!(
+            "paths can be compared for {:.0} % of the run only, so errors of {} say nothing about most of it: \
+             judge it by --error heap, or take fewer --seconds",
+            100.0 * share,
+            measure.name()
+        )
+    })
 }
 
 fn row(
@@ -157,11 +200,8 @@ fn row(
     errors: &Figures,
     timed: &[Timed],
     default_us: Option<f64>,
-    measure: Measure,
-    certain_to: f64,
 ) -> anyhow::Result<Row> {
     let ratio = median(timed.iter().map(|timed| timed.us / timed.default_us).collect());
-    let error = Some(errors.of(measure)).filter(|error| error.is_finite());
     let axes = |cell: &Cell| Axis::ALL.map(|axis| axis.value(cell)).to_vec();
     Ok(Row {
         cell,
@@ -169,9 +209,10 @@ fn row(
         settings: settings_file::fields(candidate.hz, &candidate.settings, candidate.solver)?,
         cost_us: ratio.zip(default_us).map(|(ratio, us)| ratio * us),
         cost_ratio: ratio,
-        error,
-        certain: error.is_some_and(|error| error > certain_to),
+        error: None,
+        certain: false,
         errors: errors.clone(),
+        breaks: Vec::new(),
         axes: candidate.cell.as_ref().map_or(Vec::new(), axes),
     })
 }

@@ -30,10 +30,14 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
     save("front.svg", crate::report::charts::svg(|area| charts::front(area, outcome)))?;
     page.figure(
         "front.svg",
-        "Each setting is a point. The line joins those than which no other is both cheaper and more \
-         accurate; the diamond is the default setting, the circle what was picked.",
+        "Each setting is a point, a cross if it breaks a condition. The line joins those which keep all \
+         conditions and than which no other such setting is both cheaper and more accurate; the diamond is \
+         the default setting, the circle the picked one.",
     );
     rows(&mut page, "The front", &outcome.front);
+    if !outcome.excluded.is_empty() {
+        rows(&mut page, "Not on the front, as they break a condition", &outcome.excluded);
+    }
     rows(&mut page, "The default setting", std::slice::from_ref(&outcome.default));
     if let Some(picked) = &outcome.picked {
         rows(&mut page, &format!("Picked: {}", outcome.rule), std::slice::from_ref(picked));
@@ -62,18 +66,28 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
         );
     }
     rows(&mut page, "All settings", &outcome.cells);
+    page.heading("Other errors of all settings");
+    let others: Vec<Measure> =
+        Measure::ALL.into_iter().filter(|measure| !Measure::CONDITIONS.contains(measure)).collect();
+    let headings = std::iter::once("setting").chain(others.iter().map(|measure| measure.name()));
+    let row = |row: &Row| -> Vec<String> {
+        let finite = |error: f64| number(Some(error).filter(|error| error.is_finite()));
+        let others = others.iter().map(|&measure| finite(row.errors.of(measure)));
+        std::iter::once(row.name.clone()).chain(others).collect()
+    };
+    page.table(&headings.collect::<Vec<_>>(), 1, outcome.cells.iter().map(row));
+    page.heading("Units");
+    page.pairs(Measure::ALL.map(|measure| (measure.name(), measure.unit().to_owned())));
     page.write(&folder.join("index.html"))
 }
 
+/// Costs, errors and conditions.
 fn rows(page: &mut Page, title: &str, rows: &[Row]) {
     page.heading(title);
-    let units = Measure::ALL.map(|measure| format!("{} [{}]", measure.name(), measure.unit()));
-    let mut headings = vec!["setting", "cost", "of default", "error"];
-    headings.extend(units.iter().map(String::as_str));
-    let row = |row: &Row| -> Vec<String> {
-        let finite = |error: f64| number(Some(error).filter(|error| error.is_finite()));
-        let others = Measure::ALL.map(|measure| finite(row.errors.of(measure)));
-        std::iter::once(row.name.clone()).chain(text::cells(row)).chain(others).collect()
+    let headings = [&["setting", "breaks"], &text::COLUMNS[..]].concat();
+    let row = |row: &Row| {
+        let broken = text::breaks(row).trim_start_matches("breaks ").to_owned();
+        [vec![row.name.clone(), broken], text::cells(row)].concat()
     };
-    page.table(&headings, 1, rows.iter().map(row));
+    page.table(&headings, 2, rows.iter().map(row));
 }

@@ -112,7 +112,7 @@ impl<'a> Sweep<'a> {
             frames: span.frames,
             reference_hz: 2 * half,
             reference_hash: format!("{:016x}", reference.hash()),
-            horizon: reference.horizon(),
+            share: reference.share(),
             uncertainty: reference.uncertainty().into(),
             grid,
             settings,
@@ -212,13 +212,7 @@ impl<'a> Sweep<'a> {
             Ok(())
         };
         let threads = options.threads.unwrap_or_else(all_threads).min(missing.len());
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().try_for_each(|worker| match worker.join() {
-                Ok(done) => done,
-                Err(_) => bail!("a cell's run panicked"),
-            })
-        })?;
+        on_threads(threads, work)?;
         bar.finish_and_clear();
         Ok(())
     }
@@ -282,29 +276,42 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// The finest run and the one of half the resolution, in parallel.
+/// The runs of the reference, on all threads.
 fn reference(scene: &Scene, span: Span, hz: u32, options: &TradeOptions) -> anyhow::Result<Reference> {
-    let bar = output::progress(!options.common.quiet, 2, "runs of the reference");
-    let run = |hz: u32| {
-        let track = Track::of(scene, span, &Cell::reference(hz));
-        bar.inc(1);
-        track.with_context(|| format!("scene {} is refused", scene.name))
+    let bar = output::progress(!options.common.quiet, Track::MEMBERS as u64, "runs of the reference");
+    let next = AtomicUsize::new(0);
+    let tracks = Mutex::new(vec![None; Track::MEMBERS]);
+    let work = || -> anyhow::Result<()> {
+        loop {
+            let member = next.fetch_add(1, Ordering::Relaxed);
+            if member >= Track::MEMBERS {
+                return Ok(());
+            }
+            let track = Track::member(scene, span, hz, member)
+                .with_context(|| format!("scene {} is refused", scene.name))?;
+            tracks.lock().unwrap_or_else(PoisonError::into_inner)[member] = Some(track);
+            bar.inc(1);
+        }
     };
-    let (fine, half) = if options.threads.unwrap_or_else(all_threads) > 1 {
-        std::thread::scope(|scope| {
-            let half = scope.spawn(|| run(hz / 2));
-            let fine = run(hz);
-            (fine, half.join().unwrap_or_else(|_| bail!("the reference panicked")))
-        })
-    } else {
-        (run(hz), run(hz / 2))
-    };
+    on_threads(options.threads.unwrap_or_else(all_threads).min(Track::MEMBERS), work)?;
     bar.finish_and_clear();
-    let reference = Reference::new(fine?, &half?);
+    let tracks = tracks.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let reference = Reference::new(tracks.into_iter().flatten().collect())?;
     if !Measure::ALL.iter().all(|&measure| reference.uncertainty().of(measure).is_finite()) {
         bail!("the reference came to numbers that are none");
     }
     Ok(reference)
+}
+
+/// Does the same on some threads.
+fn on_threads(threads: usize, work: impl Fn() -> anyhow::Result<()> + Sync) -> anyhow::Result<()> {
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(&work)).collect();
+        workers.into_iter().try_for_each(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(_) => bail!("a run panicked"),
+        })
+    })
 }
 
 fn all_threads() -> usize {

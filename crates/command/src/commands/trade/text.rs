@@ -3,6 +3,7 @@
 use super::outcome::{Outcome, Row};
 use crate::report::output::micros;
 use crate::report::table::table;
+use backstop_lab::trade::Measure;
 use std::fmt::Write;
 
 /// The reference and its accuracy.
@@ -15,17 +16,19 @@ pub(super) fn about(outcome: &Outcome) -> String {
         outcome.seconds,
         header.reference_hz
     );
-    let horizon = if header.horizon < outcome.seconds {
+    let until = if header.share < 1.0 {
         format!(
-            "until {:.2} s, when runs of {} and {} Hz part by 1 % of a body",
-            header.horizon,
+            ", until runs of {} and {} Hz, or of slightly other starts, part by 5 % of a body",
             header.reference_hz,
             header.reference_hz / 2
         )
     } else {
-        "to the end".into()
+        String::new()
     };
-    let _ = writeln!(text, "Trajectories are compared {horizon}.");
+    let _ = writeln!(text, "Paths are compared for {:.0} % of the run{until}.", 100.0 * header.share);
+    if let Some(warning) = &outcome.warning {
+        let _ = writeln!(text, "Warning: {warning}.");
+    }
     let _ = writeln!(
         text,
         "Errors are told by {} [{}]; those marked ~ are below what the reference is certain to, {}.",
@@ -33,19 +36,32 @@ pub(super) fn about(outcome: &Outcome) -> String {
         outcome.unit,
         number(Some(outcome.certain_to))
     );
+    let limit = |(measure, most): (&Measure, &f64)| format!("{} {}", measure.name(), short(*most));
+    let limits: Vec<String> = outcome.limits.iter().map(limit).collect();
+    let broken = outcome.cells.iter().filter(|row| !row.breaks.is_empty()).count();
+    let _ = writeln!(
+        text,
+        "Conditions of a pick, at most: {}. {broken} of {} settings break one.",
+        limits.join(", "),
+        outcome.cells.len()
+    );
     text
 }
 
 pub(super) fn text(outcome: &Outcome) -> String {
     let mut text = about(outcome) + "\n";
-    let row = |name: &str, row: &Row| {
-        [std::slice::from_ref(&row.name), &cells(row)[..], &[name.to_owned()]].concat()
+    let row = |note: &str, row: &Row| {
+        let notes: Vec<String> =
+            [note.to_owned(), breaks(row)].into_iter().filter(|note| !note.is_empty()).collect();
+        [vec![row.name.clone()], cells(row), vec![notes.join("; ")]].concat()
     };
     let front = outcome.front.iter().map(|one| row("", one));
+    let excluded = outcome.excluded.iter().map(|one| row("not on the front", one));
     let picked = format!("picked, {}", outcome.rule);
     let picked = outcome.picked.iter().map(|one| row(&picked, one));
-    let rows = front.chain([row("the default setting", &outcome.default)]).chain(picked);
-    text += &table(&["setting", "cost", "relative", "error", ""], 1, rows);
+    let rows = front.chain(excluded).chain([row("the default setting", &outcome.default)]).chain(picked);
+    let headings = [&["setting"], &COLUMNS[..], &[""]].concat();
+    text += &table(&headings, 1, rows);
     if !outcome.axes.is_empty() {
         let mut last = "";
         let rows = outcome.axes.iter().map(|value| {
@@ -62,14 +78,57 @@ pub(super) fn text(outcome: &Outcome) -> String {
     text
 }
 
-/// Cost, relative cost and error of a setting.
-pub(super) fn cells(row: &Row) -> [String; 3] {
+/// The conditions that a setting breaks, in words.
+pub(super) fn breaks(row: &Row) -> String {
+    let of = |&measure: &Measure| format!("{} {}", measure.name(), short(row.errors.of(measure)));
+    if row.error.is_none() {
+        return "lost: not finite".into();
+    }
+    let broken: Vec<String> = row.breaks.iter().map(of).collect();
+    if broken.is_empty() { String::new() } else { format!("breaks {}", broken.join(", ")) }
+}
+
+/// With two digits.
+fn short(value: f64) -> String {
+    match value {
+        _ if !value.is_finite() => "lost".into(),
+        0.0 => "0".into(),
+        1e-3..1e4 => {
+            let digits = (1.0 - value.log10().floor()).max(0.0) as usize;
+            let text = format!("{value:.digits$}");
+            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+        }
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// Headings of [`cells`].
+pub(super) const COLUMNS: [&str; 11] = [
+    "cost",
+    "relative",
+    "error",
+    Measure::Worst.name(),
+    Measure::Overlap.name(),
+    Measure::Lasting.name(),
+    Measure::Opening.name(),
+    Measure::Gain.name(),
+    Measure::Lost.name(),
+    Measure::Unrest.name(),
+    Measure::Heap.name(),
+];
+
+/// Cost, relative cost, error, that of the worst body, and conditions of a setting.
+pub(super) fn cells(row: &Row) -> Vec<String> {
     let mark = if row.certain || row.error.is_none() { "" } else { "~" };
-    [
+    let of = |measure| Some(row.errors.of(measure)).filter(|error| error.is_finite());
+    let mut cells = vec![
         row.cost_us.map_or("not timed".into(), micros),
         row.cost_ratio.map_or(String::new(), |ratio| format!("{ratio:.2}")),
         format!("{mark}{}", number(row.error)),
-    ]
+        number(of(Measure::Worst)),
+    ];
+    cells.extend(Measure::CONDITIONS.map(|measure| short(row.errors.of(measure))));
+    cells
 }
 
 /// With three digits.

@@ -1,0 +1,101 @@
+//! What `cargo backstop trade` picks, looked at: each pick is run again and judged by measurements that are
+//! not trade's own. `BACKSTOP_PICKS=all` judges all scenes on the quick grid, and prints a table.
+
+mod judge;
+mod scenes;
+
+use crate::trade::{document, scratch};
+use backstop::Settings;
+use backstop_scene::{Scene, write_scene};
+use judge::{Seen, watch};
+use serde_json::Value;
+
+/// The settings of a world and the rate, as a document has them.
+fn settings(row: &Value) -> (Settings, u32) {
+    let mut fields = row["settings"].as_object().expect("settings").clone();
+    let dt = fields.remove("dt").expect("a step");
+    let hz = dt.as_str().and_then(|dt| dt.strip_prefix("1/")).and_then(|hz| hz.parse().ok()).unwrap_or(1);
+    fields.remove("solver");
+    (serde_json::from_value(Value::Object(fields)).expect("settings of a world"), hz)
+}
+
+/// Why a person would not take a run, given what is to be seen in a fine one.
+fn faults(seen: &Seen, fine: &Seen, driven: bool) -> Vec<String> {
+    let mut faults = Vec::new();
+    let Seen { overlap, overlap_share, lasting, .. } = seen;
+    if *overlap_share > (1.5 * fine.overlap_share).max(1.2) || *lasting > (1.5 * fine.lasting).max(0.2) {
+        let shares = format!("{overlap_share:.2}, for longer {lasting:.2} of the thinner half");
+        faults.push(format!("overlap of {overlap:.3} m, {shares}"));
+    }
+    if seen.opening > (0.15 * seen.narrowest).max(1.5 * fine.opening) {
+        faults.push(format!("joints open by {:.3} m", seen.opening));
+    }
+    if !driven && seen.gain > fine.gain + 0.15 {
+        faults.push(format!("{:.2} of the energy gained", seen.gain));
+    }
+    let margin = 0.35 * (fine.high - fine.low).length() + 0.5;
+    if (fine.low - seen.low).max_element() > margin || (seen.high - fine.high).max_element() > margin {
+        faults.push(format!("bodies got to {:.1}..{:.1}", seen.low, seen.high));
+    }
+    // In a fine run without chaos these rest; with it, most do in any run.
+    let moving = |seen: &Seen| seen.end_speeds.iter().filter(|&&speed| speed > 0.15).count();
+    if moving(fine) == 0 && moving(seen) > 0 {
+        faults.push(format!("{} bodies are not at rest", moving(seen)));
+    }
+    faults
+}
+
+fn judge(scene: &Scene, options: &str, seconds: f64) -> (String, Vec<String>) {
+    let file = scratch(&format!("{}.gltf", scene.name));
+    write_scene(scene, &file).expect("a scene");
+    let found = document(&format!("trade {file} --seconds {seconds} --quiet --json {options}"));
+    let driven = scene.name == "drum";
+    let share = found["share"].as_f64().unwrap_or(0.0);
+    let look = |row: &Value| {
+        let (settings, hz) = settings(row);
+        watch(scene, &settings, hz, seconds)
+    };
+    let fine = Settings::default().with_substeps(4).with_iterations(4);
+    let fine = watch(scene, &fine, 480, seconds);
+    let picked = &found["picked"];
+    // Where nothing is picked, the default is shown.
+    let row = if picked.is_null() { &found["default"] } else { picked };
+    let seen = look(row);
+    let fastest = seen.end_speeds.iter().copied().fold(0.0, f64::max);
+    let line = format!(
+        "{} | {share:.2} | {}{} | {:.2} | {:.2e} | {:.3} | {:.2} | {:.2} | {:.4} | {:.3} | {fastest:.3}",
+        scene.name,
+        if picked.is_null() { "none; default " } else { "" },
+        row["name"].as_str().unwrap_or("?"),
+        row["cost_ratio"].as_f64().unwrap_or(0.0),
+        row["error"].as_f64().unwrap_or(f64::INFINITY),
+        seen.overlap,
+        seen.overlap_share,
+        seen.lasting,
+        seen.opening,
+        seen.gain,
+    );
+    let of_default = if picked.is_null() { row["breaks"].to_string() } else { String::new() };
+    (format!("{line} {of_default}"), if picked.is_null() { vec![] } else { faults(&seen, &fine, driven) })
+}
+
+#[test]
+fn picks_are_what_a_person_would_take() {
+    let all = std::env::var_os("BACKSTOP_PICKS").is_some();
+    let options = if all {
+        "--quick"
+    } else {
+        "--rounds 1 --reference-hz 480 --hz 30,60,120 --substeps 1,4 --iterations 1 --friction patch \
+         --continuous discrete,segment --recycling on --joints exact"
+    };
+    let seconds = if all { 2.0 } else { 1.0 };
+    let mut bad = Vec::new();
+    for scene in scenes::all(7).iter().take(if all { usize::MAX } else { 4 }) {
+        let (line, faults) = judge(scene, options, seconds);
+        println!("{line} | {}", faults.join(", "));
+        if !faults.is_empty() {
+            bad.push(format!("{line}: {}", faults.join(", ")));
+        }
+    }
+    assert!(bad.is_empty(), "{}", bad.join("\n"));
+}
