@@ -341,8 +341,8 @@ impl Witness for Sums {
                     self.given[body][0] += aside.caught.as_dvec3();
                     // Impulses of joints account for it.
                     let moved = if aside.whirled { self.moved[body] } else { Velocity::default() };
-                    for k in 0..2 {
-                        self.given[body][k] -= moved[k];
+                    for (given, moved) in self.given[body].iter_mut().zip(moved) {
+                        *given -= moved;
                     }
                 },
             );

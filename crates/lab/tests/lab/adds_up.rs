@@ -38,7 +38,7 @@ fn chains(world: &mut World, rng: &mut Rng) {
             let half = Vec3::new(rng.range(0.05, 0.2), rng.range(0.05, 0.2), rng.range(0.05, 0.2));
             let reach = if k == 0 { 0.0 } else { 0.3 };
             at += way * (reach + 0.3);
-            let density = 10.0_f32.powf(rng.range(1.5, 3.8));
+            let density = 30.0 * libm::powf(200.0, rng.range(0.0, 1.0));
             let shape = ShapeDesc::new(Geometry::cuboid(half.x, half.y, half.z)).with_density(density);
             let spin = rng.direction() * rng.range(0.0, 10.0);
             let body =
