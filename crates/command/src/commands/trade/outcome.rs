@@ -186,7 +186,8 @@ const ENOUGH: f64 = 0.5;
 fn warning(share: f64, measure: Measure) -> Option<String> {
     (share < ENOUGH && measure.of_paths()).then(|| {
         format!(
-            "paths can be compared for {:.0} % of the run only, so errors of {} say nothing about most of it: \
+            "paths can be compared for {:.0} % of the run only, so errors of {} say nothing about most of \
+             it: \
              judge it by --error heap, or take fewer --seconds",
             100.0 * share,
             measure.name()
