@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 type Figure = (&'static str, &'static str, fn(&Measures) -> f64);
 
 /// The figures of a run, in the order of reports.
-pub(crate) const FIGURES: [Figure; 15] = [
+pub(crate) const FIGURES: [Figure; 17] = [
     ("residual", "m/s", |m| m.residual.worst),
     ("relative_residual", "", |m| m.residual.relative),
     ("approach", "m/s", |m| m.approach),
