@@ -11,7 +11,7 @@ mod physx;
 #[cfg(feature = "rapier")]
 mod rapier;
 
-use backstop::glam::Vec3;
+use ::backstop::glam::Vec3;
 use backstop_lab::envelope::State;
 use backstop_scene::Scene;
 use content::Meshes;
